@@ -1,0 +1,13 @@
+//! Triangle meshes as pure geometry: validation, triangle tests, mass, clusters.
+//!
+//! Nothing here knows the ECS, the asset system or the GPU; `glam` is the only vocabulary.
+
+mod aabb;
+pub mod cluster;
+pub mod mass;
+pub mod mesh;
+pub mod triangle;
+
+pub use aabb::Aabb;
+pub use mass::MassProperties;
+pub use mesh::{MeshError, Orientation, TriMesh};
