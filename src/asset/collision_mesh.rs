@@ -53,6 +53,11 @@ impl CollisionMesh {
         todo!()
     }
 
+    /// Whether both are the same bake, not merely equal.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
     /// Heights and clusters only, which takes milliseconds and no pool.
     pub fn new(mesh: &TriMesh) -> Self {
         let _ = mesh;

@@ -2,4 +2,9 @@
 
 pub mod collision_mesh;
 
-pub use collision_mesh::CollisionMesh;
+pub use collision_mesh::{BakedMesh, CollisionMesh};
+
+/// stub
+pub fn register(app: &mut bevy::prelude::App) {
+    let _ = app;
+}

@@ -1,11 +1,44 @@
-//! Order of triangles in which eight consecutive ones lie close together.
+//! An order of triangles in which neighbours in the list are neighbours in space.
 
-use crate::geometry::TriMesh;
+use crate::geometry::{Aabb, TriMesh};
+use glam::Vec3;
 
-/// Triangles per cluster: one SIMD lane each.
+/// Triangles per cluster, and children per node of the tree above them: one SIMD lane each.
 pub const CLUSTER: usize = 8;
 
-/// A permutation of the triangles after which each run of [`CLUSTER`] is compact, each run of eight runs too, and so on.
+/// A permutation of the triangles after which each aligned run of [`CLUSTER`] is compact, each aligned run of
+/// `CLUSTER * CLUSTER` too, and so on: an implicit 8-wide tree that needs no pointers.
+///
+/// Splits by the longest axis of the centroids' box, at the multiple of the largest such run that is nearest to the
+/// median. Depends on the mesh alone.
 pub fn cluster_order(mesh: &TriMesh) -> Vec<u32> {
-    (0..mesh.triangles().len() as u32).collect()
+    let centroids: Vec<Vec3> = (0..mesh.triangles().len())
+        .map(|t| mesh.corners(t).map(|p| p / 3.0).iter().sum())
+        .collect();
+    let mut order: Vec<u32> = (0..centroids.len() as u32).collect();
+    split(&mut order, &centroids);
+    order
+}
+
+fn split(order: &mut [u32], centroids: &[Vec3]) {
+    if order.len() <= CLUSTER {
+        // The selection above leaves the order inside a run to the library; the result must not depend on that.
+        order.sort_unstable();
+        return;
+    }
+    let mut run = CLUSTER;
+    while run * CLUSTER < order.len() {
+        run *= CLUSTER;
+    }
+    let runs = order.len().div_ceil(run);
+    let middle = run * (runs / 2).max(1);
+    let size = Aabb::around(order.iter().map(|&t| centroids[t as usize])).half_size();
+    let axis = size.max_position();
+    order.select_nth_unstable_by(middle, |&s, &t| {
+        let at = |t: u32| centroids[t as usize][axis];
+        at(s).total_cmp(&at(t)).then(s.cmp(&t))
+    });
+    let (left, right) = order.split_at_mut(middle);
+    split(left, centroids);
+    split(right, centroids);
 }

@@ -1,0 +1,100 @@
+//! Results of the last step, to read.
+
+use crate::stages::Stage;
+use crate::stages::state::{Contact, Contacts, FacePair, TouchingPair};
+use bevy::prelude::*;
+use std::time::Duration;
+
+/// All pairs of bodies that touched in the last fixed step.
+#[derive(Resource, Debug, Default)]
+pub struct Collisions {
+    /// Ascending, so that body indices are in the order of entities.
+    pub(crate) entities: Vec<Entity>,
+    pub(crate) contacts: Contacts,
+}
+
+/// Two bodies that touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Collision<'a> {
+    /// The one of smaller [`Entity`].
+    pub entity1: Entity,
+    /// The other.
+    pub entity2: Entity,
+    /// One lies wholly inside the other, which is closed; there are no intersecting faces then.
+    pub contained: bool,
+    /// Where they push each other; the normal points from the first to the second.
+    pub contact: Contact,
+    /// Intersecting faces as indices of the input meshes, the first body's as `a`, with their common segments.
+    pub faces: &'a [FacePair],
+}
+
+impl Collisions {
+    /// All touching pairs in ascending order of entities.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision<'_>> {
+        self.contacts.pairs.iter().map(|pair| self.collision(pair))
+    }
+
+    /// How many pairs touch.
+    pub fn len(&self) -> usize {
+        self.contacts.pairs.len()
+    }
+
+    /// Whether nothing touches.
+    pub fn is_empty(&self) -> bool {
+        self.contacts.pairs.is_empty()
+    }
+
+    /// The collision of two bodies, in either order, if they touch.
+    pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
+        let index = |entity| self.entities.binary_search(&entity).ok().map(|i| i as u32);
+        let (i, j) = (index(one)?, index(other)?);
+        let key = [i.min(j), i.max(j)];
+        let pairs = &self.contacts.pairs;
+        let found = pairs.binary_search_by_key(&key, |pair| pair.bodies).ok()?;
+        Some(self.collision(&pairs[found]))
+    }
+
+    /// All collisions of one body.
+    pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision<'_>> {
+        self.iter().filter(move |c| c.entity1 == entity || c.entity2 == entity)
+    }
+
+    fn collision<'a>(&'a self, pair: &TouchingPair) -> Collision<'a> {
+        let [entity1, entity2] = pair.bodies.map(|i| self.entities[i as usize]);
+        Collision {
+            entity1,
+            entity2,
+            contained: pair.contained,
+            contact: pair.contact,
+            faces: self.contacts.faces_of(pair),
+        }
+    }
+}
+
+/// Times and counts of the last fixed step.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct StepReport {
+    /// Steps since the app began.
+    pub step: u64,
+    /// Bodies that took part.
+    pub bodies: usize,
+    /// Wall time of each stage, in the order of [`Stage::ALL`].
+    pub stages: [Duration; 5],
+    /// Wall time of the whole step, copying components in and results out included.
+    pub total: Duration,
+    /// Pairs of bodies whose bounding spheres overlap.
+    pub sphere_pairs: usize,
+    /// Pairs of bodies that touch.
+    pub touching_pairs: usize,
+    /// Pairs of triangles whose boxes overlap, and which were therefore tested.
+    pub triangle_tests: u64,
+    /// Pairs of faces that intersect.
+    pub face_pairs: usize,
+}
+
+impl StepReport {
+    /// Wall time of one stage.
+    pub fn time(&self, stage: Stage) -> Duration {
+        self.stages[stage as usize]
+    }
+}

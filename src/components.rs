@@ -1,0 +1,133 @@
+//! What a user spawns and reads.
+
+use crate::asset::CollisionMesh;
+use bevy::prelude::*;
+
+/// How a body moves.
+///
+/// A body is an entity with a [`MeshCollider`] and a `RigidBody`; its pose is its [`Transform`], taken as a pose in the
+/// world (spawn bodies as root entities), scale included.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+#[require(Transform, LinearVelocity, AngularVelocity)]
+pub enum RigidBody {
+    /// Moved by forces and collisions.
+    #[default]
+    Dynamic,
+    /// Moved by its velocity alone; pushes dynamic bodies and is never pushed.
+    Kinematic,
+    /// Does not move by itself.
+    Static,
+}
+
+/// The shape of a body. Without a [`RigidBody`] beside it the body is static.
+#[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
+#[reflect(Component, Debug, PartialEq)]
+#[require(Transform)]
+pub struct MeshCollider(pub Handle<CollisionMesh>);
+
+/// A half-space that dynamic bodies bounce off: the points `p` with `normal . p < distance` are solid.
+///
+/// Planes are fixed in the world; a `Transform` on the same entity has no effect.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, PartialEq)]
+pub struct PlaneCollider {
+    /// Points out of the solid side; need not have unit length.
+    pub normal: Vec3,
+    /// Distance of the surface from the origin along the unit normal, in metres.
+    pub distance: f32,
+}
+
+impl PlaneCollider {
+    /// The plane through `point` with the solid side against `normal`.
+    pub fn through(point: Vec3, normal: Vec3) -> Self {
+        let normal = normal.normalize_or_zero();
+        Self {
+            normal,
+            distance: normal.dot(point),
+        }
+    }
+}
+
+/// Velocity of the centre of mass in metres per second.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct LinearVelocity(pub Vec3);
+
+/// Angular velocity in radians per second, as axis times speed, in world axes.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct AngularVelocity(pub Vec3);
+
+/// Mass in kilograms. Without it a body weighs its volume at a density of 1 kg per cubic metre.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, PartialEq)]
+pub struct Mass(pub f32);
+
+/// Bounciness: 0 does not bounce, 1 keeps all speed. Two bodies take the mean of theirs. Default 0.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct Restitution {
+    /// Outgoing speed over incoming speed, 0 to 1.
+    pub coefficient: f32,
+}
+
+impl Restitution {
+    /// A restitution of `coefficient`, 0 to 1.
+    pub fn new(coefficient: f32) -> Self {
+        Self { coefficient }
+    }
+}
+
+/// Factor on [`Gravity`](crate::settings::Gravity) for one body. Default 1.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct GravityScale(pub f32);
+
+impl Default for GravityScale {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+/// Which bodies may collide: `a` and `b` do if each is in a layer that the other's filter names.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct CollisionLayers {
+    /// One bit for each layer the body is in.
+    pub memberships: u32,
+    /// One bit for each layer it collides with.
+    pub filters: u32,
+}
+
+impl Default for CollisionLayers {
+    fn default() -> Self {
+        Self {
+            memberships: 1,
+            filters: u32::MAX,
+        }
+    }
+}
+
+impl CollisionLayers {
+    /// Whether two bodies in these layers collide.
+    pub fn interacts_with(self, other: Self) -> bool {
+        self.memberships & other.filters != 0 && other.memberships & self.filters != 0
+    }
+}
+
+/// A body that reports collisions and is not pushed by them.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct Sensor;
+
+/// The entities a body touches, in ascending order; kept up to date where the component is present.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct CollidingEntities(pub(crate) Vec<Entity>);
+
+/// Makes [`CollisionStart`](crate::events::CollisionStart) and [`CollisionEnd`](crate::events::CollisionEnd) reach
+/// observers of this entity; as messages they are always written.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct CollisionEventsEnabled;

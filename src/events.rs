@@ -1,0 +1,39 @@
+//! What is told when it happens.
+
+use crate::stages::bodies::BodyFault;
+use bevy::prelude::*;
+
+/// Two bodies, or a body and a plane, began to touch in this step.
+///
+/// Written once per pair as a message, `entity1 < entity2`. Triggered as an event for each of the two that has
+/// [`CollisionEventsEnabled`](crate::components::CollisionEventsEnabled), with that one as `entity1`.
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CollisionStart {
+    /// One of the two.
+    #[event_target]
+    pub entity1: Entity,
+    /// The other.
+    pub entity2: Entity,
+}
+
+/// Two bodies, or a body and a plane, touched in the last step and no longer do; also if one was despawned.
+///
+/// Written and triggered like [`CollisionStart`].
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CollisionEnd {
+    /// One of the two.
+    #[event_target]
+    pub entity1: Entity,
+    /// The other.
+    pub entity2: Entity,
+}
+
+/// A body was taken out of the step because its components cannot be used. Written once; the body comes back by itself
+/// when its components are mended.
+#[derive(Message, Clone, Copy, Debug, PartialEq)]
+pub struct BodyRejected {
+    /// The body.
+    pub entity: Entity,
+    /// What is wrong with it and what to do.
+    pub fault: BodyFault,
+}

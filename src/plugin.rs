@@ -1,0 +1,188 @@
+//! The plugin groups, the step's schedule and its ordered sets.
+
+use crate::collisions::{Collisions, StepReport};
+use crate::components::*;
+use crate::diagnostics::FaceoffDiagnosticsPlugin;
+use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
+use crate::settings::{Backend, Culling, Gravity, Response};
+use crate::stages::Stage;
+use crate::stages::state::StepState;
+use crate::sync::{Step, collect, publish};
+use bevy::app::PluginGroupBuilder;
+use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use bevy::prelude::*;
+
+/// Everything of bevy_faceoff, to be added after `DefaultPlugins` or whatever else brings Bevy's `AssetPlugin`.
+///
+/// Parts can be replaced or disabled like those of any plugin group.
+#[derive(Default)]
+pub struct FaceoffPlugins {
+    /// How the step runs.
+    pub step: StepPlugin,
+}
+
+impl PluginGroup for FaceoffPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(CollisionMeshPlugin)
+            .add(self.step)
+            .add(FaceoffDiagnosticsPlugin)
+    }
+}
+
+/// [`FaceoffPlugins`] and `AssetPlugin`, to be added after `MinimalPlugins`: no window, no renderer, no GPU needed.
+#[derive(Default)]
+pub struct FaceoffHeadlessPlugins {
+    /// How the step runs.
+    pub step: StepPlugin,
+    /// Where assets lie.
+    pub assets: AssetPlugin,
+}
+
+impl PluginGroup for FaceoffHeadlessPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(self.assets)
+            .add_group(FaceoffPlugins { step: self.step })
+    }
+}
+
+/// Registers [`CollisionMesh`](crate::asset::CollisionMesh) and its loader.
+///
+/// # Panics
+/// When it is added without Bevy's `AssetPlugin` before it; the message says what to add.
+pub struct CollisionMeshPlugin;
+
+impl Plugin for CollisionMeshPlugin {
+    fn build(&self, app: &mut App) {
+        assert!(
+            app.is_plugin_added::<AssetPlugin>(),
+            "FaceoffPlugins needs Bevy's AssetPlugin: add DefaultPlugins before FaceoffPlugins, \
+             or use FaceoffHeadlessPlugins, which brings it"
+        );
+        crate::asset::register(app);
+    }
+}
+
+/// Runs the fixed step.
+#[derive(Clone, Debug, Default)]
+pub struct StepPlugin {
+    /// Where the stages run.
+    pub backend: Backend,
+    /// Threads of the CPU stages; 0 for one per core.
+    pub threads: usize,
+}
+
+/// The schedule of one fixed step. It runs in `FixedPostUpdate`; add systems around [`FaceoffSystems`] to it to see or
+/// change what passes between components and stages.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub struct FaceoffStep;
+
+/// The parts of [`FaceoffStep`], in order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FaceoffSystems {
+    /// Copies components into the stages' arrays and leaves out what cannot be used.
+    Collect,
+    /// See [`broad_phase`](crate::stages::broad_phase).
+    BroadPhase,
+    /// See [`angles`](crate::stages::angles).
+    Angles,
+    /// See [`triangle_test`](crate::stages::triangle_test).
+    TriangleTest,
+    /// See [`force_scan`](crate::stages::force_scan).
+    ForceScan,
+    /// See [`integrate`](crate::stages::integrate).
+    Integrate,
+    /// Writes poses, velocities, [`Collisions`], messages and events.
+    Publish,
+}
+
+impl From<Stage> for FaceoffSystems {
+    fn from(stage: Stage) -> Self {
+        match stage {
+            Stage::BroadPhase => Self::BroadPhase,
+            Stage::Angles => Self::Angles,
+            Stage::TriangleTest => Self::TriangleTest,
+            Stage::ForceScan => Self::ForceScan,
+            Stage::Integrate => Self::Integrate,
+        }
+    }
+}
+
+impl Plugin for StepPlugin {
+    fn build(&self, app: &mut App) {
+        let state = match StepState::new(self.threads) {
+            Ok(state) => state,
+            Err(error) => {
+                error!("bevy_faceoff finds no collisions: no threads to work on: {error}");
+                return;
+            }
+        };
+        info!(
+            "collisions run on the CPU with {} threads",
+            state.pool.current_num_threads()
+        );
+        app.insert_resource(Step::new(state))
+            .insert_resource(self.backend)
+            .init_resource::<Culling>()
+            .init_resource::<Gravity>()
+            .init_resource::<Response>()
+            .init_resource::<Collisions>()
+            .init_resource::<StepReport>()
+            .add_message::<CollisionStart>()
+            .add_message::<CollisionEnd>()
+            .add_message::<BodyRejected>();
+        register_types(app);
+
+        let mut schedule = Schedule::new(FaceoffStep);
+        schedule
+            .set_executor(SingleThreadedExecutor::new())
+            .set_build_settings(ScheduleBuildSettings {
+                ambiguity_detection: LogLevel::Warn,
+                ..default()
+            })
+            .configure_sets(
+                (
+                    FaceoffSystems::Collect,
+                    FaceoffSystems::BroadPhase,
+                    FaceoffSystems::Angles,
+                    FaceoffSystems::TriangleTest,
+                    FaceoffSystems::ForceScan,
+                    FaceoffSystems::Integrate,
+                    FaceoffSystems::Publish,
+                )
+                    .chain(),
+            )
+            .add_systems((
+                collect::collect.in_set(FaceoffSystems::Collect),
+                (publish::write_back, publish::publish)
+                    .chain()
+                    .in_set(FaceoffSystems::Publish),
+            ));
+        for stage in Stage::ALL {
+            let run = move |mut step: ResMut<Step>| stage.run_on_cpu(&mut step.state);
+            schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
+        }
+        app.add_schedule(schedule)
+            .add_systems(FixedPostUpdate, |world: &mut World| world.run_schedule(FaceoffStep));
+    }
+}
+
+fn register_types(app: &mut App) {
+    app.register_type::<RigidBody>()
+        .register_type::<MeshCollider>()
+        .register_type::<PlaneCollider>()
+        .register_type::<LinearVelocity>()
+        .register_type::<AngularVelocity>()
+        .register_type::<Mass>()
+        .register_type::<Restitution>()
+        .register_type::<GravityScale>()
+        .register_type::<CollisionLayers>()
+        .register_type::<Sensor>()
+        .register_type::<CollidingEntities>()
+        .register_type::<CollisionEventsEnabled>()
+        .register_type::<Culling>()
+        .register_type::<Gravity>()
+        .register_type::<Response>()
+        .register_type::<Backend>();
+}

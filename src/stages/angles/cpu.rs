@@ -1,0 +1,83 @@
+//! Angles on the CPU: a parallel filter that keeps the pairs' order.
+
+use super::{AXES, PAD};
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Bodies, NearPair, StepState};
+use glam::{DMat3, Vec3};
+use rayon::prelude::*;
+
+/// Fills `state.near_pairs`.
+pub fn run(state: &mut StepState) {
+    let StepState {
+        bodies,
+        meshes,
+        sphere_pairs,
+        near_pairs,
+        ..
+    } = state;
+    near_pairs.clear();
+    near_pairs.par_extend(
+        sphere_pairs
+            .par_iter()
+            .with_min_len(16)
+            .filter_map(|&pair| near(bodies, meshes, pair)),
+    );
+}
+
+fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair> {
+    let [a, b] = pair.map(|i| i as usize);
+    let (fa, fb) = (&bodies.frame[a], &bodies.frame[b]);
+    let to_a: DMat3 = fa.rotation.transpose();
+    let rotation = (to_a * fb.rotation).as_mat3();
+    let translation = (to_a * (fb.center - fa.center)).as_vec3();
+    let size = bodies.radius[a] + bodies.radius[b];
+    let pad = PAD * size;
+    let (heights_a, heights_b) = (
+        &meshes[bodies.mesh[a]].mesh.heights,
+        &meshes[bodies.mesh[b]].mesh.heights,
+    );
+    let (scale_a, scale_b) = (bodies.scale[a], bodies.scale[b]);
+
+    let mut best = NearPair {
+        bodies: pair,
+        rotation,
+        translation,
+        axis: Vec3::ZERO,
+        b_above: f32::NEG_INFINITY,
+        a_below: f32::INFINITY,
+    };
+    let mut best_overlap = f32::INFINITY;
+    // The nearest point known of `a` minus `b`, at first from centre to centre.
+    let mut nearest = -translation;
+    for _ in 0..AXES {
+        let length = nearest.length();
+        if length <= pad {
+            break;
+        }
+        let u = nearest / -length;
+        // A scaled body's support point along u is the scaled support point along the scaled u.
+        let pa = scale_a * heights_a.support(scale_a * u);
+        let pb = translation + rotation * (scale_b * heights_b.support(scale_b * (rotation.transpose() * -u)));
+        let (a_below, b_above) = (pa.dot(u), pb.dot(u));
+        let overlap = a_below - b_above;
+        if overlap < -2.0 * pad {
+            return None;
+        }
+        if overlap < best_overlap {
+            best_overlap = overlap;
+            best = NearPair {
+                axis: u,
+                a_below: a_below + pad,
+                b_above: b_above - pad,
+                ..best
+            };
+        }
+        let (from, to) = (nearest, (pa - pb) - nearest);
+        let t = (-from.dot(to) / to.length_squared()).clamp(0.0, 1.0);
+        if !(t > 0.0) {
+            break;
+        }
+        nearest = from + to * t;
+    }
+    Some(best)
+}

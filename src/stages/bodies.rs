@@ -1,0 +1,179 @@
+//! How bodies enter a step: what is checked, and what is derived from pose and mesh.
+
+use super::mesh_arena::MeshArena;
+use super::state::{Bodies, Body, Frame};
+use crate::components::RigidBody;
+use crate::geometry::mesh::MAX_COORDINATE;
+use glam::{DMat3, DQuat, Mat3, Vec3};
+use thiserror::Error;
+
+/// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
+pub const MIN_RADIUS: f32 = 1.0e-9;
+
+/// Why a body cannot take part in a step.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum BodyFault {
+    /// Some number of its pose is NaN or infinite.
+    #[error("its Transform is not finite: set it to finite numbers")]
+    NonFinitePose,
+    /// Some number of its velocity, mass or other component is NaN or infinite.
+    #[error("its velocity, mass, restitution or gravity scale is not finite: set it to finite numbers")]
+    NonFiniteMotion,
+    /// Its rotation is the zero quaternion.
+    #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
+    ZeroRotation,
+    /// Its scale makes it flat or smaller than [`MIN_RADIUS`].
+    #[error("its scale {0} makes it flat or vanishingly small: no component may be (nearly) zero")]
+    ZeroScale(Vec3),
+    /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
+    #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
+    TooFar,
+    /// Its mass is not positive.
+    #[error("its mass {0} is not positive")]
+    Mass(f32),
+    /// The normal of a plane has no length.
+    #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
+    PlaneNormal(Vec3),
+    /// Its mesh could not be loaded.
+    #[error(
+        "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
+    )]
+    MeshFailed,
+}
+
+impl Bodies {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.mesh.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.mesh.is_empty()
+    }
+
+    /// Removes all, keeping the memory.
+    pub fn clear(&mut self) {
+        // Every array by name, so that a new one cannot be forgotten.
+        let Self {
+            mesh,
+            kind,
+            position,
+            rotation,
+            scale,
+            linear_velocity,
+            angular_velocity,
+            frame,
+            center,
+            radius,
+            inverse_mass,
+            inverse_inertia,
+            restitution,
+            gravity_scale,
+            layers,
+            sensor,
+        } = self;
+        mesh.clear();
+        kind.clear();
+        position.clear();
+        rotation.clear();
+        scale.clear();
+        linear_velocity.clear();
+        angular_velocity.clear();
+        frame.clear();
+        center.clear();
+        radius.clear();
+        inverse_mass.clear();
+        inverse_inertia.clear();
+        restitution.clear();
+        gravity_scale.clear();
+        layers.clear();
+        sensor.clear();
+    }
+
+    /// Checks `body` and adds it, with all that follows from its pose and mesh.
+    pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
+        let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
+        if !pose_finite {
+            return Err(BodyFault::NonFinitePose);
+        }
+        let motion_finite = body.linear_velocity.is_finite()
+            && body.angular_velocity.is_finite()
+            && body.mass.is_none_or(f32::is_finite)
+            && body.restitution.is_finite()
+            && body.gravity_scale.is_finite();
+        if !motion_finite {
+            return Err(BodyFault::NonFiniteMotion);
+        }
+        let rotation = body.rotation.as_dquat();
+        if rotation.length_squared() < 1.0e-12 {
+            return Err(BodyFault::ZeroRotation);
+        }
+        let slot = &meshes[body.mesh];
+        let radius = slot.mesh.radius * body.scale.abs().max_element();
+        let thinnest = slot.mesh.radius * body.scale.abs().min_element();
+        if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
+            return Err(BodyFault::ZeroScale(body.scale));
+        }
+        // A NaN from an overflow above must not pass, hence the negation.
+        if !(body.position.abs().max_element() + radius <= MAX_COORDINATE) {
+            return Err(BodyFault::TooFar);
+        }
+        if let Some(mass) = body.mass.filter(|&m| m <= 0.0) {
+            return Err(BodyFault::Mass(mass));
+        }
+
+        let frame = Frame::new(body, rotation.normalize(), slot.mesh.mass.center);
+        let center = frame.center.as_vec3();
+        // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
+        let radius = radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
+        let (inverse_mass, inverse_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
+
+        self.mesh.push(body.mesh);
+        self.kind.push(body.kind);
+        self.position.push(body.position);
+        self.rotation.push(body.rotation.normalize());
+        self.scale.push(body.scale);
+        self.linear_velocity.push(body.linear_velocity);
+        self.angular_velocity.push(body.angular_velocity);
+        self.frame.push(frame);
+        self.center.push(center);
+        self.radius.push(radius);
+        self.inverse_mass.push(inverse_mass);
+        self.inverse_inertia.push(inverse_inertia);
+        self.restitution.push(body.restitution.clamp(0.0, 1.0));
+        self.gravity_scale.push(body.gravity_scale);
+        self.layers.push(body.layers);
+        self.sensor.push(body.sensor);
+        Ok(())
+    }
+}
+
+impl Frame {
+    fn new(body: &Body, rotation: DQuat, mesh_center: Vec3) -> Self {
+        let (position, scale) = (body.position.as_dvec3(), body.scale.as_dvec3());
+        let rotation = DMat3::from_quat(rotation);
+        Self {
+            position,
+            rotation,
+            scale,
+            center: position + rotation * (scale * mesh_center.as_dvec3()),
+        }
+    }
+}
+
+/// Inverse mass and world inverse inertia. Scaling a body by `S` turns its second moment `M` into `det(S) S M S`.
+fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, Mat3) {
+    if body.kind != RigidBody::Dynamic {
+        return (0.0, Mat3::ZERO);
+    }
+    let volume = mesh.volume as f64 * frame.scale.element_product().abs();
+    let mass = body.mass.map_or(volume, f64::from);
+    let scale = DMat3::from_diagonal(frame.scale);
+    let moment = scale * mesh.second_moment.as_dmat3() * scale * (mass / mesh.volume as f64);
+    let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;
+    let inertia = DMat3::from_diagonal(glam::DVec3::splat(trace)) - moment;
+    let inverse = frame.rotation * inertia.inverse() * frame.rotation.transpose();
+    let finite = |m: Mat3| if m.is_finite() { m } else { Mat3::ZERO };
+    ((1.0 / mass) as f32, finite(inverse.as_mat3()))
+}

@@ -1,0 +1,3 @@
+//! Integrate: semi-implicit Euler. Velocities take gravity and the summed impulses, then poses take the new velocities.
+
+pub mod cpu;

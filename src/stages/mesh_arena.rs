@@ -1,0 +1,153 @@
+//! The meshes in use, laid out as the CPU's triangle test reads them: eight triangles, or eight boxes, at a time.
+
+use crate::asset::CollisionMesh;
+use crate::geometry::Aabb;
+use crate::geometry::cluster::CLUSTER;
+use glam::Vec3;
+use std::ops::Index;
+use wide::f32x8;
+
+/// Three coordinates of eight points.
+pub type Points = [f32x8; 3];
+
+/// The meshes in use, by slot.
+#[derive(Default)]
+pub struct MeshArena {
+    slots: Vec<Option<MeshSlot>>,
+}
+
+/// A mesh and its lanes.
+pub struct MeshSlot {
+    /// The asset.
+    pub mesh: CollisionMesh,
+    /// Derived from it.
+    pub lanes: MeshLanes,
+}
+
+/// A mesh cut into eights. Coordinates are relative to the centre of mass: close to zero `f32` keeps the most digits.
+pub struct MeshLanes {
+    /// Triangles in clusters of eight.
+    pub clusters: Vec<Cluster>,
+    /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
+    pub levels: Vec<Vec<BoxGroup>>,
+    /// Box of the whole mesh.
+    pub aabb: Aabb,
+    /// The longest side of any triangle's box.
+    pub longest_side: f32,
+}
+
+/// Eight triangles.
+#[derive(Clone, Copy)]
+pub struct Cluster {
+    /// First, second and third corners.
+    pub corners: [Points; 3],
+    /// One bit for each lane that holds a triangle; the others repeat the last one.
+    pub lanes: u32,
+}
+
+/// Eight boxes, by centre and half size. A lane without a box has a hugely negative half size, which overlaps nothing.
+#[derive(Clone, Copy)]
+pub struct BoxGroup {
+    /// Centres.
+    pub center: Points,
+    /// Half sizes.
+    pub half: Points,
+}
+
+const NO_BOX: f32 = -1.0e21;
+
+impl MeshArena {
+    /// Adds a mesh and tells its slot.
+    pub fn add(&mut self, mesh: CollisionMesh) -> u32 {
+        let free = self.slots.iter().position(Option::is_none);
+        let slot = free.unwrap_or(self.slots.len());
+        if free.is_none() {
+            self.slots.push(None);
+        }
+        self.replace(slot as u32, mesh);
+        slot as u32
+    }
+
+    /// Puts another mesh into a slot.
+    pub fn replace(&mut self, slot: u32, mesh: CollisionMesh) {
+        let lanes = MeshLanes::new(&mesh);
+        self.slots[slot as usize] = Some(MeshSlot { mesh, lanes });
+    }
+
+    /// Frees a slot, which no body may name any more.
+    pub fn remove(&mut self, slot: u32) {
+        self.slots[slot as usize] = None;
+    }
+}
+
+impl Index<u32> for MeshArena {
+    type Output = MeshSlot;
+    fn index(&self, slot: u32) -> &MeshSlot {
+        self.slots[slot as usize]
+            .as_ref()
+            .expect("bodies name only slots in use")
+    }
+}
+
+impl MeshLanes {
+    fn new(baked: &CollisionMesh) -> Self {
+        let mesh = &baked.mesh;
+        let center = baked.mass.center;
+        let count = mesh.triangles().len();
+        let corner = |t: usize, k: usize| mesh.corners(t.min(count - 1))[k] - center;
+        let boxes: Vec<Aabb> = (0..count).map(|t| Aabb::around((0..3).map(|k| corner(t, k)))).collect();
+        let clusters = (0..count)
+            .step_by(CLUSTER)
+            .map(|first| Cluster {
+                corners: [0, 1, 2].map(|k| points(|lane| corner(first + lane, k))),
+                lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
+            })
+            .collect();
+
+        let mut levels = Vec::new();
+        let mut nodes = merge(&boxes);
+        let aabb = nodes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
+        loop {
+            levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect::<Vec<_>>());
+            if nodes.len() <= CLUSTER {
+                break;
+            }
+            nodes = merge(&nodes);
+        }
+        Self {
+            clusters,
+            levels,
+            aabb,
+            longest_side: boxes.iter().map(|b| (b.max - b.min).max_element()).fold(0.0, f32::max),
+        }
+    }
+}
+
+/// The boxes of runs of eight.
+fn merge(boxes: &[Aabb]) -> Vec<Aabb> {
+    boxes
+        .chunks(CLUSTER)
+        .map(|run| run.iter().copied().fold(Aabb::EMPTY, Aabb::union))
+        .collect()
+}
+
+impl BoxGroup {
+    fn new(boxes: &[Aabb]) -> Self {
+        Self {
+            center: points(|lane| boxes.get(lane).map_or(Vec3::ZERO, |b| b.center())),
+            // Rounding the centre must not shrink the box.
+            half: points(|lane| {
+                boxes.get(lane).map_or(Vec3::splat(NO_BOX), |b| {
+                    let c = b.center();
+                    (b.max - c).max(c - b.min)
+                })
+            }),
+        }
+    }
+}
+
+/// Gathers eight points.
+pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
+    let p: [Vec3; CLUSTER] = std::array::from_fn(at);
+    [0, 1, 2].map(|axis| f32x8::new(p.map(|p| p[axis])))
+}

@@ -1,0 +1,74 @@
+//! The fixed step: five stages in order, each in a folder of its own with one file per backend.
+//!
+//! | stage | reads | writes |
+//! |---|---|---|
+//! | [`broad_phase`] | bounding spheres | pairs whose spheres overlap |
+//! | [`angles`] | those pairs, poses, support heights | pairs that no support plane separates, with relative poses |
+//! | [`triangle_test`] | those pairs, triangles | touching pairs, intersecting faces, contacts |
+//! | [`force_scan`] | contacts | one sum of impulses per body |
+//! | [`integrate`] | the sums, gravity | velocities and poses |
+//!
+//! [`state`] holds every array that passes between them. Stages know nothing of the ECS: the plugin copies components
+//! in and results out.
+
+pub mod angles;
+pub mod bodies;
+pub mod broad_phase;
+pub mod force_scan;
+pub mod integrate;
+pub mod mesh_arena;
+pub mod state;
+pub mod triangle_test;
+
+use state::StepState;
+
+/// The stages in the order they run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Finds pairs of bodies whose bounding spheres overlap.
+    BroadPhase,
+    /// Computes each pair's relative pose and rejects what a support plane separates.
+    Angles,
+    /// Tests triangles against triangles.
+    TriangleTest,
+    /// Sums impulses per body.
+    ForceScan,
+    /// Moves the bodies.
+    Integrate,
+}
+
+impl Stage {
+    /// All of them, in order.
+    pub const ALL: [Self; 5] = [
+        Self::BroadPhase,
+        Self::Angles,
+        Self::TriangleTest,
+        Self::ForceScan,
+        Self::Integrate,
+    ];
+
+    /// Its name in reports and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BroadPhase => "broad_phase",
+            Self::Angles => "angles",
+            Self::TriangleTest => "triangle_test",
+            Self::ForceScan => "force_scan",
+            Self::Integrate => "integrate",
+        }
+    }
+
+    /// Runs this stage on the CPU and notes how long it took.
+    pub fn run_on_cpu(self, state: &mut StepState) {
+        let pool = state.pool.clone();
+        let start = std::time::Instant::now();
+        pool.install(|| match self {
+            Self::BroadPhase => broad_phase::cpu::run(state),
+            Self::Angles => angles::cpu::run(state),
+            Self::TriangleTest => triangle_test::cpu::run(state),
+            Self::ForceScan => force_scan::cpu::run(state),
+            Self::Integrate => integrate::cpu::run(state),
+        });
+        state.times[self as usize] = start.elapsed();
+    }
+}

@@ -1,0 +1,290 @@
+//! Every array that passes between stages, as structures of arrays.
+
+use super::mesh_arena::MeshArena;
+use crate::components::{CollisionLayers, RigidBody};
+use crate::settings::Response;
+use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// All input, intermediate and output of a step.
+pub struct StepState {
+    /// The threads that the CPU stages run on. A pool of their own: rayon's global one serves jobs from outside last,
+    /// so a bake on it would hold up every step.
+    pub pool: Arc<rayon::ThreadPool>,
+    /// What holds for all bodies.
+    pub config: StepConfig,
+    /// The meshes in use.
+    pub meshes: MeshArena,
+    /// The bodies.
+    pub bodies: Bodies,
+    /// The half-spaces.
+    pub planes: Vec<Plane>,
+    /// BroadPhase's result: bodies whose spheres overlap, `a < b`, ascending.
+    pub sphere_pairs: Vec<[u32; 2]>,
+    /// Angles' result: what is left of them, in the same order.
+    pub near_pairs: Vec<NearPair>,
+    /// TriangleTest's result.
+    pub contacts: Contacts,
+    /// ForceScan's result: one sum per body.
+    pub impulses: Vec<Impulse>,
+    /// Scratch that stages keep between steps.
+    pub(crate) scratch: super::broad_phase::cpu::Scratch,
+    pub(crate) force_scratch: super::force_scan::cpu::Scratch,
+    pub(crate) triangle_scratch: super::triangle_test::cpu::Scratch,
+    /// How long each stage took in the last step.
+    pub times: [Duration; 5],
+}
+
+/// What holds for all bodies in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct StepConfig {
+    /// Length of the step in seconds.
+    pub dt: f32,
+    /// Acceleration in m/s^2.
+    pub gravity: Vec3,
+    /// What happens to bodies that touch.
+    pub response: Response,
+}
+
+impl Default for StepConfig {
+    fn default() -> Self {
+        Self {
+            dt: 1.0 / 64.0,
+            gravity: Vec3::ZERO,
+            response: Response::Impulse,
+        }
+    }
+}
+
+/// One entry per body in every array.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// Slot in the [`MeshArena`].
+    pub mesh: Vec<u32>,
+    /// How the body moves.
+    pub kind: Vec<RigidBody>,
+    /// Where the mesh's origin lies.
+    pub position: Vec<Vec3>,
+    /// Unit quaternion.
+    pub rotation: Vec<Quat>,
+    /// Scale along the mesh's own axes; no component is zero.
+    pub scale: Vec<Vec3>,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec<Vec3>,
+    /// World axes, rad/s.
+    pub angular_velocity: Vec<Vec3>,
+    /// The pose in double precision, from the three above.
+    pub frame: Vec<Frame>,
+    /// Centre of the bounding sphere: the centre of mass in the world.
+    pub center: Vec<Vec3>,
+    /// Radius of the bounding sphere, rounded up.
+    pub radius: Vec<f32>,
+    /// 0 for what cannot be pushed.
+    pub inverse_mass: Vec<f32>,
+    /// World axes; zero for what cannot be turned.
+    pub inverse_inertia: Vec<Mat3>,
+    /// Bounciness.
+    pub restitution: Vec<f32>,
+    /// Factor on gravity.
+    pub gravity_scale: Vec<f32>,
+    /// Who collides with whom.
+    pub layers: Vec<CollisionLayers>,
+    /// Whether the body only reports.
+    pub sensor: Vec<bool>,
+}
+
+/// What a caller knows about a body; [`Bodies::push`] derives the rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Slot in the [`MeshArena`].
+    pub mesh: u32,
+    /// How the body moves.
+    pub kind: RigidBody,
+    /// Where the mesh's origin lies.
+    pub position: Vec3,
+    /// Need not have unit length, but must not be zero.
+    pub rotation: Quat,
+    /// Scale along the mesh's own axes.
+    pub scale: Vec3,
+    /// m/s.
+    pub linear_velocity: Vec3,
+    /// rad/s.
+    pub angular_velocity: Vec3,
+    /// Kilograms; `None` for a density of 1.
+    pub mass: Option<f32>,
+    /// 0 to 1.
+    pub restitution: f32,
+    /// Factor on gravity.
+    pub gravity_scale: f32,
+    /// Who collides with whom.
+    pub layers: CollisionLayers,
+    /// Whether the body only reports.
+    pub sensor: bool,
+}
+
+/// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Where the mesh's origin lies.
+    pub position: DVec3,
+    /// Orthonormal.
+    pub rotation: DMat3,
+    /// Along the mesh's own axes.
+    pub scale: DVec3,
+    /// The centre of mass in the world.
+    pub center: DVec3,
+}
+
+/// A solid half-space: `normal . p < distance`.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// Unit vector out of the solid side.
+    pub normal: Vec3,
+    /// Metres from the origin.
+    pub distance: f32,
+    /// Bounciness.
+    pub restitution: f32,
+}
+
+/// A pair that may touch.
+#[derive(Clone, Copy, Debug)]
+pub struct NearPair {
+    /// The two bodies, `a < b`.
+    pub bodies: [u32; 2],
+    /// Turns `b`'s axes into `a`'s.
+    pub rotation: Mat3,
+    /// From `a`'s centre of mass to `b`'s, in `a`'s axes, metres.
+    pub translation: Vec3,
+    /// The support axis along which the two overlap least: a unit vector from `a` to `b` in `a`'s axes.
+    pub axis: Vec3,
+    /// No point of `b` reaches below this along the axis, measured from `a`'s centre.
+    pub b_above: f32,
+    /// No point of `a` reaches above this along the axis, measured from `a`'s centre.
+    pub a_below: f32,
+}
+
+/// TriangleTest's result.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    /// Pairs that touch, ascending.
+    pub pairs: Vec<TouchingPair>,
+    /// Intersecting faces of all pairs, one pair's after the other's.
+    pub faces: Vec<FacePair>,
+    /// Bodies that reach into half-spaces, ascending by body, then plane.
+    pub planes: Vec<PlaneContact>,
+    /// Triangle against triangle tests made (pairs of triangles whose boxes overlap).
+    pub triangle_tests: u64,
+}
+
+/// Two bodies that touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchingPair {
+    /// The two bodies, `a < b`.
+    pub bodies: [u32; 2],
+    /// One lies wholly inside the other, which is closed.
+    pub contained: bool,
+    /// Where its faces start in [`Contacts::faces`].
+    pub first_face: u32,
+    /// How many there are.
+    pub face_count: u32,
+    /// Where to push.
+    pub contact: Contact,
+}
+
+/// A point at which two bodies push each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// In the world, metres.
+    pub point: Vec3,
+    /// Unit vector from the first body to the second.
+    pub normal: Vec3,
+}
+
+/// Two faces that intersect, with their common segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacePair {
+    /// Face of the first body's mesh, an index of the input mesh.
+    pub a: u32,
+    /// Face of the second body's mesh.
+    pub b: u32,
+    /// One end of the common segment in the world.
+    pub start: Vec3,
+    /// The other end; equal to `start` if they touch in a point. For coplanar faces the longest diagonal.
+    pub end: Vec3,
+}
+
+/// A body that reaches into a half-space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaneContact {
+    /// The body.
+    pub body: u32,
+    /// Index of the half-space.
+    pub plane: u32,
+    /// Mean of the vertices inside, in the world.
+    pub point: Vec3,
+    /// How far the deepest vertex is inside, metres.
+    pub depth: f32,
+}
+
+/// A change of velocity, linear and angular.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Impulse {
+    /// m/s.
+    pub linear: Vec3,
+    /// rad/s, world axes.
+    pub angular: Vec3,
+}
+
+impl StepState {
+    /// An empty state whose CPU stages run on `threads` threads (0: one for each core).
+    pub fn new(threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|i| format!("faceoff step {i}"))
+            .build()?;
+        Ok(Self {
+            pool: Arc::new(pool),
+            config: StepConfig::default(),
+            meshes: MeshArena::default(),
+            bodies: Bodies::default(),
+            planes: Vec::new(),
+            sphere_pairs: Vec::new(),
+            near_pairs: Vec::new(),
+            contacts: Contacts::default(),
+            impulses: Vec::new(),
+            scratch: Default::default(),
+            force_scratch: Default::default(),
+            triangle_scratch: Default::default(),
+            times: [Duration::ZERO; 5],
+        })
+    }
+}
+
+impl Contacts {
+    /// The intersecting faces of one of [`Contacts::pairs`].
+    pub fn faces_of(&self, pair: &TouchingPair) -> &[FacePair] {
+        let first = pair.first_face as usize;
+        &self.faces[first..first + pair.face_count as usize]
+    }
+}
+
+impl Body {
+    /// A body that no one moves, at `position`.
+    pub fn at_rest(mesh: u32, position: Vec3, rotation: Quat, scale: Vec3) -> Self {
+        Self {
+            mesh,
+            kind: RigidBody::Dynamic,
+            position,
+            rotation,
+            scale,
+            linear_velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            mass: None,
+            restitution: 0.0,
+            gravity_scale: 1.0,
+            layers: CollisionLayers::default(),
+            sensor: false,
+        }
+    }
+}

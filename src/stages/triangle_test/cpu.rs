@@ -1,0 +1,116 @@
+//! TriangleTest on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
+
+mod contact;
+mod containment;
+mod cull;
+mod lanes;
+mod planes;
+mod product;
+
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};
+use rayon::prelude::*;
+
+/// Memory kept between steps: one set of lists per task.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    tasks: Vec<Task>,
+}
+
+#[derive(Default)]
+struct Task {
+    found: Contacts,
+    product: product::Scratch,
+}
+
+/// Pairs per task: small enough to balance, large enough to keep the scratch warm.
+const TASK: usize = 16;
+
+/// Fills `state.contacts`.
+pub fn run(state: &mut StepState) {
+    let StepState {
+        bodies,
+        meshes,
+        near_pairs,
+        contacts,
+        triangle_scratch: Scratch { tasks },
+        ..
+    } = state;
+    let wanted = near_pairs.len().div_ceil(TASK);
+    if tasks.len() < wanted {
+        tasks.resize_with(wanted, Task::default);
+    }
+    let tasks = &mut tasks[..wanted];
+    tasks
+        .par_iter_mut()
+        .zip(near_pairs.par_chunks(TASK))
+        .for_each(|(task, pairs)| {
+            task.found.clear();
+            for pair in pairs {
+                test_pair(bodies, meshes, pair, task);
+            }
+        });
+
+    contacts.clear();
+    for Task { found, .. } in tasks.iter() {
+        let base = contacts.faces.len() as u32;
+        contacts.faces.extend_from_slice(&found.faces);
+        contacts.pairs.extend(found.pairs.iter().map(|pair| TouchingPair {
+            first_face: base + pair.first_face,
+            ..*pair
+        }));
+        contacts.triangle_tests += found.triangle_tests;
+    }
+    planes::find(bodies, meshes, &state.planes, &mut contacts.planes);
+}
+
+fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Task) {
+    let Task { found, product } = task;
+    found.triangle_tests += product::candidates(bodies, meshes, pair, product);
+
+    let [a, b] = pair.bodies.map(|i| i as usize);
+    let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
+    let first_face = found.faces.len() as u32;
+    let mut contour = contact::Contour::default();
+    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b]);
+    let mut last_a = None;
+    for &[ta, tb] in &product.candidates {
+        // Candidates of one triangle of `a` follow each other.
+        let corners_a = match last_a {
+            Some((t, corners)) if t == ta => corners,
+            _ => view.place_a(mesh_a.mesh.corners(ta as usize)),
+        };
+        last_a = Some((ta, corners_a));
+        let corners_b = view.place_b(mesh_b.mesh.corners(tb as usize));
+        if let Some(hit) = crate::geometry::triangle::intersect(&corners_a, &corners_b) {
+            contour.add(&corners_a, &corners_b, &hit);
+            let [start, end] = [hit.start, hit.end].map(|p| view.to_world(p));
+            found.faces.push(FacePair {
+                a: mesh_a.mesh.face_ids()[ta as usize],
+                b: mesh_b.mesh.face_ids()[tb as usize],
+                start,
+                end,
+            });
+        }
+    }
+    let face_count = found.faces.len() as u32 - first_face;
+    let contained = face_count == 0 && containment::either_inside(bodies, meshes, pair);
+    if face_count > 0 || contained {
+        found.pairs.push(TouchingPair {
+            bodies: pair.bodies,
+            contained,
+            first_face,
+            face_count,
+            contact: contact::contact(bodies, meshes, pair, &contour, &view),
+        });
+    }
+}
+
+impl Contacts {
+    fn clear(&mut self) {
+        self.pairs.clear();
+        self.faces.clear();
+        self.planes.clear();
+        self.triangle_tests = 0;
+    }
+}

@@ -1,0 +1,133 @@
+//! Where, and in which direction, two bodies push each other.
+//!
+//! One contact per pair: the centroid of the intersection contour, and the contour's area vector, which is the
+//! direction in which the overlap shrinks fastest.
+
+use crate::geometry::Orientation;
+use crate::geometry::triangle::Intersection;
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Bodies, Contact, Frame, NearPair};
+use glam::{DMat3, DVec3, Vec3};
+
+/// The pair in double precision: world axes turned into the first body's, about its origin.
+pub struct PairView {
+    a: Frame,
+    to_world: DMat3,
+    b_matrix: DMat3,
+    b_origin: DVec3,
+}
+
+impl PairView {
+    pub fn new(a: &Frame, b: &Frame) -> Self {
+        let to_a = a.rotation.transpose();
+        Self {
+            a: *a,
+            to_world: a.rotation,
+            b_matrix: to_a * b.rotation * DMat3::from_diagonal(b.scale),
+            b_origin: to_a * (b.position - a.position),
+        }
+    }
+
+    #[inline]
+    pub fn place_a(&self, corners: [Vec3; 3]) -> [DVec3; 3] {
+        corners.map(|p| self.a.scale * p.as_dvec3())
+    }
+
+    #[inline]
+    pub fn place_b(&self, corners: [Vec3; 3]) -> [DVec3; 3] {
+        corners.map(|p| self.b_matrix * p.as_dvec3() + self.b_origin)
+    }
+
+    pub fn to_world(&self, p: DVec3) -> Vec3 {
+        (self.to_world * p + self.a.position).as_vec3()
+    }
+}
+
+/// Sums over the segments in which the surfaces intersect.
+#[derive(Default)]
+pub struct Contour {
+    /// Sums are taken about the first point, for digits.
+    origin: Option<DVec3>,
+    count: f64,
+    length: f64,
+    middle: DVec3,
+    weighted_middle: DVec3,
+    area: DVec3,
+    closing: DVec3,
+}
+
+impl Contour {
+    pub fn add(&mut self, a: &[DVec3; 3], b: &[DVec3; 3], hit: &Intersection) {
+        let origin = *self.origin.get_or_insert(hit.start);
+        let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
+        let along = normal(a).cross(normal(b));
+        let (mut start, mut end) = (hit.start - origin, hit.end - origin);
+        if (end - start).dot(along) < 0.0 {
+            std::mem::swap(&mut start, &mut end);
+        }
+        let step = end - start;
+        let (length, middle) = (step.length(), (start + end) * 0.5);
+        self.count += 1.0;
+        self.middle += middle;
+        self.length += length;
+        self.weighted_middle += middle * length;
+        if !hit.coplanar {
+            self.area += start.cross(step) * 0.5;
+            self.closing += step;
+        }
+    }
+
+    /// Centroid and area vector about it.
+    fn finish(&self) -> Option<(DVec3, DVec3)> {
+        let origin = self.origin?;
+        let middle = if self.length > 0.0 {
+            self.weighted_middle / self.length
+        } else {
+            self.middle / self.count
+        };
+        Some((middle + origin, self.area - middle.cross(self.closing) * 0.5))
+    }
+}
+
+/// The share of a circle's area that a contour must enclose for its area vector to say anything: patches on opposite
+/// sides cancel, and so do crossings of open sheets.
+const SIGNIFICANT: f64 = 0.02;
+
+/// The pair's contact, from its contour or, without a usable one, along the line of centres.
+pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &Contour, view: &PairView) -> Contact {
+    let [a, b] = pair.bodies.map(|i| i as usize);
+    let (center_a, center_b) = (bodies.frame[a].center, bodies.frame[b].center);
+    let centers = (center_b - center_a).as_vec3().try_normalize().unwrap_or(Vec3::Y);
+    let Some((middle, area)) = contour.finish() else {
+        // One inside the other: push apart at the centre of the smaller one.
+        let inner = if bodies.radius[a] < bodies.radius[b] {
+            center_a
+        } else {
+            center_b
+        };
+        return Contact {
+            point: inner.as_vec3(),
+            normal: centers,
+        };
+    };
+    let mut sign = 1.0;
+    for body in [a, b] {
+        let mirrored = bodies.frame[body].scale.element_product() < 0.0;
+        match meshes[bodies.mesh[body]].mesh.mesh.orientation() {
+            Orientation::Mixed => sign = 0.0,
+            Orientation::Inward if !mirrored => sign = -sign,
+            Orientation::Outward | Orientation::Open if mirrored => sign = -sign,
+            _ => {}
+        }
+    }
+    let circle = contour.length * contour.length / (4.0 * std::f64::consts::PI);
+    let normal = if area.length() > SIGNIFICANT * circle && sign != 0.0 {
+        (view.to_world * (area.normalize() * sign)).as_vec3()
+    } else {
+        centers
+    };
+    Contact {
+        point: view.to_world(middle),
+        normal,
+    }
+}

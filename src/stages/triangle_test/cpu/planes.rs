@@ -1,0 +1,63 @@
+//! Bodies that reach into half-spaces.
+
+use super::lanes::{bits, dot, splat};
+use crate::components::RigidBody;
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Bodies, Plane, PlaneContact};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Appends the contacts of all dynamic bodies with all planes, by body, then plane.
+pub fn find(bodies: &Bodies, meshes: &MeshArena, planes: &[Plane], contacts: &mut Vec<PlaneContact>) {
+    if planes.is_empty() {
+        return;
+    }
+    contacts.par_extend(
+        (0..bodies.len())
+            .into_par_iter()
+            .with_min_len(64)
+            .flat_map_iter(|body| {
+                planes
+                    .iter()
+                    .enumerate()
+                    .filter_map(move |(i, plane)| contact(bodies, meshes, body, i as u32, plane))
+            }),
+    );
+}
+
+fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: &Plane) -> Option<PlaneContact> {
+    if bodies.kind[body] != RigidBody::Dynamic {
+        return None;
+    }
+    let frame = &bodies.frame[body];
+    let normal = plane.normal.as_dvec3();
+    let height = (normal.dot(frame.center) - plane.distance as f64) as f32;
+    if !(height < bodies.radius[body]) {
+        return None;
+    }
+    let local = frame.scale * (frame.rotation.transpose() * normal);
+    let direction = splat(local.as_vec3());
+    // Corners inside, weighted by depth: a body lying flat is held over its whole face, one on its corner there.
+    let (mut deepest, mut weight, mut sum) = (0f32, 0f32, Vec3::ZERO);
+    for cluster in &meshes[bodies.mesh[body]].lanes.clusters {
+        for corner in &cluster.corners {
+            let heights = dot(*corner, direction);
+            for lane in bits(cluster.lanes) {
+                let depth = -(heights.as_array()[lane] + height);
+                if depth > 0.0 {
+                    let p = Vec3::from_array(corner.each_ref().map(|x| x.as_array()[lane]));
+                    deepest = deepest.max(depth);
+                    weight += depth;
+                    sum += depth * p;
+                }
+            }
+        }
+    }
+    let offset: DVec3 = frame.rotation * (frame.scale * (sum / weight).as_dvec3());
+    (deepest > 0.0).then(|| PlaneContact {
+        body: body as u32,
+        plane: index,
+        point: (frame.center + offset).as_vec3(),
+        depth: deepest,
+    })
+}

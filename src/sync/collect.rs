@@ -1,0 +1,158 @@
+//! Components to arrays.
+
+use super::Step;
+use crate::asset::CollisionMesh;
+use crate::components::*;
+use crate::events::BodyRejected;
+use crate::settings::{Gravity, Response};
+use crate::stages::bodies::BodyFault;
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Body, Plane};
+use bevy::ecs::query::QueryData;
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+use std::time::Instant;
+
+/// What a body is made of.
+#[derive(QueryData)]
+pub(crate) struct BodyComponents {
+    entity: Entity,
+    collider: &'static MeshCollider,
+    transform: &'static Transform,
+    kind: Option<&'static RigidBody>,
+    linear_velocity: Option<&'static LinearVelocity>,
+    angular_velocity: Option<&'static AngularVelocity>,
+    mass: Option<&'static Mass>,
+    restitution: Option<&'static Restitution>,
+    gravity_scale: Option<&'static GravityScale>,
+    layers: Option<&'static CollisionLayers>,
+    sensor: Has<Sensor>,
+}
+
+/// Fills the stages' input from the world.
+pub(crate) fn collect(
+    mut step: ResMut<Step>,
+    bodies: Query<BodyComponents>,
+    planes: Query<(Entity, &PlaneCollider, Option<&Restitution>)>,
+    meshes: Res<Assets<CollisionMesh>>,
+    assets: Res<AssetServer>,
+    time: Res<Time>,
+    gravity: Res<Gravity>,
+    response: Res<Response>,
+    mut rejected: MessageWriter<BodyRejected>,
+) {
+    let step = &mut *step;
+    step.begun = Instant::now();
+    step.state.config.dt = time.delta_secs();
+    step.state.config.response = *response;
+    step.state.config.gravity = if gravity.is_finite() { gravity.0 } else { Vec3::ZERO };
+
+    let mut faults = HashMap::default();
+    step.collected.clear();
+    for body in &bodies {
+        let id = body.collider.0.id();
+        match slot(&mut step.state.meshes, &mut step.slots, &meshes, id) {
+            Some(mesh) => step.collected.push((body.entity, body.with_mesh(mesh))),
+            None if assets.load_state(id).is_failed() => {
+                faults.insert(body.entity, BodyFault::MeshFailed);
+            }
+            // Still loading.
+            None => {}
+        }
+    }
+    // Query order depends on archetypes; the order of entities does not, and nearly always is the same.
+    step.collected.sort_unstable_by_key(|&(entity, _)| entity);
+
+    step.entities.clear();
+    step.state.bodies.clear();
+    for (entity, body) in &step.collected {
+        match step.state.bodies.push(body, &step.state.meshes) {
+            Ok(()) => step.entities.push(*entity),
+            Err(fault) => {
+                faults.insert(*entity, fault);
+            }
+        }
+    }
+
+    let mut sorted: Vec<_> = planes.iter().collect();
+    sorted.sort_unstable_by_key(|&(entity, ..)| entity);
+    step.planes.clear();
+    step.state.planes.clear();
+    for (entity, plane, restitution) in sorted {
+        match half_space(plane, restitution) {
+            Ok(plane) => {
+                step.planes.push(entity);
+                step.state.planes.push(plane);
+            }
+            Err(fault) => {
+                faults.insert(entity, fault);
+            }
+        }
+    }
+
+    for (&entity, &fault) in &faults {
+        // The same kind of fault again is not news, whatever its numbers.
+        let known = step.faults.get(&entity).map(std::mem::discriminant);
+        if known != Some(std::mem::discriminant(&fault)) {
+            error!("{entity} is left out of collisions: {fault}");
+            rejected.write(BodyRejected { entity, fault });
+        }
+    }
+    step.faults = faults;
+
+    let (arena, slots) = (&mut step.state.meshes, &mut step.slots);
+    slots.retain(|&id, &mut slot| {
+        let keep = meshes.contains(id);
+        if !keep {
+            arena.remove(slot);
+        }
+        keep
+    });
+}
+
+/// The arena slot of a mesh, if it is loaded; a mesh that was replaced, by a hot reload say, is replaced there too.
+fn slot(
+    arena: &mut MeshArena,
+    slots: &mut HashMap<AssetId<CollisionMesh>, u32>,
+    meshes: &Assets<CollisionMesh>,
+    id: AssetId<CollisionMesh>,
+) -> Option<u32> {
+    let mesh = meshes.get(id)?;
+    let slot = *slots.entry(id).or_insert_with(|| arena.add(mesh.clone()));
+    if !arena[slot].mesh.is_same(mesh) {
+        arena.replace(slot, mesh.clone());
+    }
+    Some(slot)
+}
+
+fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Result<Plane, BodyFault> {
+    let restitution = restitution.map_or(0.0, |r| r.coefficient);
+    let normal = plane
+        .normal
+        .try_normalize()
+        .ok_or(BodyFault::PlaneNormal(plane.normal))?;
+    if !plane.distance.is_finite() || !restitution.is_finite() {
+        return Err(BodyFault::NonFinitePose);
+    }
+    Ok(Plane {
+        normal,
+        distance: plane.distance,
+        restitution: restitution.clamp(0.0, 1.0),
+    })
+}
+
+impl BodyComponentsItem<'_, '_> {
+    fn with_mesh(&self, mesh: u32) -> Body {
+        let transform = self.transform;
+        let mut body = Body::at_rest(mesh, transform.translation, transform.rotation, transform.scale);
+        body.kind = self.kind.copied().unwrap_or(RigidBody::Static);
+        body.linear_velocity = self.linear_velocity.map_or(Vec3::ZERO, |v| v.0);
+        body.angular_velocity = self.angular_velocity.map_or(Vec3::ZERO, |w| w.0);
+        body.mass = self.mass.map(|m| m.0);
+        body.restitution = self.restitution.map_or(0.0, |r| r.coefficient);
+        body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
+        body.layers = self.layers.copied().unwrap_or_default();
+        body.sensor = self.sensor;
+        body
+    }
+}

@@ -1,0 +1,46 @@
+//! Between the ECS and the stages: components in before a step, results out after it.
+
+pub(crate) mod collect;
+pub(crate) mod publish;
+
+use crate::asset::CollisionMesh;
+use crate::stages::bodies::BodyFault;
+use crate::stages::state::{Body, StepState};
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+use std::time::Instant;
+
+/// The stages' arrays and what ties them to entities.
+#[derive(Resource)]
+pub(crate) struct Step {
+    pub state: StepState,
+    /// Entity of each body, ascending.
+    pub entities: Vec<Entity>,
+    /// Entity of each plane, ascending.
+    pub planes: Vec<Entity>,
+    /// Scratch: usable bodies in query order.
+    pub collected: Vec<(Entity, Body)>,
+    /// Arena slots by asset.
+    pub slots: HashMap<AssetId<CollisionMesh>, u32>,
+    /// Bodies out of the step, and why.
+    pub faults: HashMap<Entity, BodyFault>,
+    /// Pairs that touched in the last step, `first < second`, ascending.
+    pub touching: Vec<[Entity; 2]>,
+    /// When the step began.
+    pub begun: Instant,
+}
+
+impl Step {
+    pub fn new(state: StepState) -> Self {
+        Self {
+            state,
+            entities: Vec::new(),
+            planes: Vec::new(),
+            collected: Vec::new(),
+            slots: HashMap::default(),
+            faults: HashMap::default(),
+            touching: Vec::new(),
+            begun: Instant::now(),
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Results to components, resources, messages and events.
+
+use super::Step;
+use crate::collisions::{Collisions, StepReport};
+use crate::components::*;
+use crate::events::{CollisionEnd, CollisionStart};
+use bevy::prelude::*;
+
+/// Moves the bodies in the world.
+pub(crate) fn write_back(
+    step: Res<Step>,
+    mut moving: Query<(
+        &mut Transform,
+        Option<&mut LinearVelocity>,
+        Option<&mut AngularVelocity>,
+    )>,
+) {
+    let bodies = &step.state.bodies;
+    for (i, &entity) in step.entities.iter().enumerate() {
+        if bodies.kind[i] == RigidBody::Static {
+            continue;
+        }
+        let Ok((mut transform, linear, angular)) = moving.get_mut(entity) else {
+            continue;
+        };
+        let moved = Transform {
+            translation: bodies.position[i],
+            rotation: bodies.rotation[i],
+            scale: transform.scale,
+        };
+        transform.set_if_neq(moved);
+        if bodies.kind[i] == RigidBody::Dynamic {
+            if let Some(mut linear) = linear {
+                linear.set_if_neq(LinearVelocity(bodies.linear_velocity[i]));
+            }
+            if let Some(mut angular) = angular {
+                angular.set_if_neq(AngularVelocity(bodies.angular_velocity[i]));
+            }
+        }
+    }
+}
+
+/// Hands out contacts and tells who began and who ceased to touch.
+pub(crate) fn publish(
+    mut step: ResMut<Step>,
+    mut collisions: ResMut<Collisions>,
+    mut report: ResMut<StepReport>,
+    mut started: MessageWriter<CollisionStart>,
+    mut ended: MessageWriter<CollisionEnd>,
+    observed: Query<(), With<CollisionEventsEnabled>>,
+    mut colliding: Query<(Entity, &mut CollidingEntities)>,
+    mut commands: Commands,
+) {
+    let step = &mut *step;
+    *report = StepReport {
+        step: report.step + 1,
+        bodies: step.entities.len(),
+        stages: step.state.times,
+        total: step.begun.elapsed(),
+        sphere_pairs: step.state.sphere_pairs.len(),
+        touching_pairs: step.state.contacts.pairs.len(),
+        triangle_tests: step.state.contacts.triangle_tests,
+        face_pairs: step.state.contacts.faces.len(),
+    };
+
+    let contacts = &step.state.contacts;
+    let pairs = contacts
+        .pairs
+        .iter()
+        .map(|pair| pair.bodies.map(|i| step.entities[i as usize]));
+    let planes = contacts.planes.iter().map(|c| {
+        let (body, plane) = (step.entities[c.body as usize], step.planes[c.plane as usize]);
+        [body.min(plane), body.max(plane)]
+    });
+    let mut touching: Vec<[Entity; 2]> = pairs.chain(planes).collect();
+    touching.sort_unstable();
+
+    let mut tell = |pair: [Entity; 2], start: bool| {
+        let [entity1, entity2] = pair;
+        if start {
+            started.write(CollisionStart { entity1, entity2 });
+        } else {
+            ended.write(CollisionEnd { entity1, entity2 });
+        }
+        for [entity1, entity2] in [[entity1, entity2], [entity2, entity1]] {
+            if observed.contains(entity1) {
+                if start {
+                    commands.trigger(CollisionStart { entity1, entity2 });
+                } else {
+                    commands.trigger(CollisionEnd { entity1, entity2 });
+                }
+            }
+        }
+    };
+    differences(&step.touching, &touching, &mut tell);
+
+    if !colliding.is_empty() {
+        let mut both: Vec<[Entity; 2]> = touching.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+        both.sort_unstable();
+        for (entity, mut list) in &mut colliding {
+            let first = both.partition_point(|&[a, _]| a < entity);
+            let others = both[first..].iter().take_while(|&&[a, _]| a == entity).map(|&[_, b]| b);
+            list.set_if_neq(CollidingEntities(others.collect()));
+        }
+    }
+    step.touching = touching;
+
+    std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);
+    std::mem::swap(&mut collisions.entities, &mut step.entities);
+}
+
+/// Walks two ascending lists and tells what is only in the second (`true`) or only in the first (`false`).
+fn differences<T: Ord + Copy>(before: &[T], after: &[T], tell: &mut impl FnMut(T, bool)) {
+    let (mut before, mut after) = (before.iter().copied().peekable(), after.iter().copied().peekable());
+    loop {
+        match (before.peek(), after.peek()) {
+            (Some(b), Some(a)) if b == a => {
+                before.next();
+                after.next();
+            }
+            (Some(b), a) if a.is_none_or(|a| b < a) => {
+                tell(*b, false);
+                before.next();
+            }
+            (_, Some(a)) => {
+                tell(*a, true);
+                after.next();
+            }
+            _ => return,
+        }
+    }
+}
