@@ -86,6 +86,16 @@ pub struct TriMesh {
     component_vertices: Vec<u32>,
 }
 
+/// What a stored mesh consists of; see [`TriMesh::from_parts`].
+pub(crate) struct MeshParts {
+    pub(crate) vertices: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
+    pub(crate) face_ids: Vec<u32>,
+    pub(crate) dropped: u32,
+    pub(crate) orientation: Orientation,
+    pub(crate) component_vertices: Vec<u32>,
+}
+
 impl TriMesh {
     /// Validates `vertices` and `faces` (three vertex indices each, any winding).
     pub fn new(vertices: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
@@ -176,11 +186,100 @@ impl TriMesh {
         self.orientation != Orientation::Open
     }
 
-    /// One vertex of every connected component, in order of the components' first triangles.
+    /// One vertex of every connected component, in order of the components' first faces in the input.
     ///
     /// Containment needs one point per component: if no surfaces cross, a component is inside as a whole or not at all.
     pub fn component_vertices(&self) -> &[u32] {
         &self.component_vertices
+    }
+
+    /// The same mesh with its triangles in another order: triangle `i` of the result is triangle `order[i]` of `self`.
+    /// Vertices, face ids and everything that follows from connectivity stay what they were.
+    ///
+    /// # Panics
+    /// If `order` is not a permutation of the triangles' indices.
+    pub fn reordered(&self, order: &[u32]) -> Self {
+        assert_eq!(order.len(), self.triangles.len(), "an order names every triangle once");
+        let mut seen = vec![false; order.len()];
+        for &t in order {
+            assert!(
+                !std::mem::replace(&mut seen[t as usize], true),
+                "an order names every triangle once, but triangle {t} comes twice"
+            );
+        }
+        Self {
+            vertices: self.vertices.clone(),
+            triangles: order.iter().map(|&t| self.triangles[t as usize]).collect(),
+            face_ids: order.iter().map(|&t| self.face_ids[t as usize]).collect(),
+            dropped: self.dropped,
+            orientation: self.orientation,
+            component_vertices: self.component_vertices.clone(),
+        }
+    }
+
+    /// Puts a mesh together that was validated before and stored since. Ranges, coordinates and areas are checked again, as
+    /// everything else relies on them; connectivity is believed, which is what makes loading a matter of milliseconds.
+    pub(crate) fn from_parts(parts: MeshParts) -> Result<Self, &'static str> {
+        let MeshParts {
+            vertices,
+            triangles,
+            face_ids,
+            dropped,
+            orientation,
+            component_vertices,
+        } = parts;
+        let in_range = |v: &u32| (*v as usize) < vertices.len();
+        if triangles.is_empty() || vertices.len() >= u32::MAX as usize {
+            return Err("it has no triangles, or more vertices than indices can name");
+        }
+        if !vertices
+            .iter()
+            .all(|v| v.abs().max_element() <= MAX_COORDINATE && v.is_finite())
+        {
+            return Err("a vertex is not finite or too far out");
+        }
+        if !triangles.iter().flatten().all(in_range) {
+            return Err("a triangle names a vertex that does not exist");
+        }
+        if triangles.iter().any(|t| is_degenerate(t.map(|v| vertices[v as usize]))) {
+            return Err("a triangle has no area");
+        }
+        let faces = triangles.len() as u64 + u64::from(dropped);
+        if faces >= u64::from(u32::MAX) || face_ids.len() != triangles.len() {
+            return Err("the number of faces is impossible");
+        }
+        let mut seen = vec![0u64; triangles.len() / 64 + 1];
+        let mut beyond = Vec::new();
+        for &id in &face_ids {
+            if u64::from(id) >= faces {
+                return Err("a face id is out of range");
+            }
+            // Few faces are dropped from real meshes, so few ids lie beyond the triangle count; the bit set is sized by what
+            // was really read, never by a number that the file merely claims.
+            match seen.get_mut(id as usize / 64) {
+                Some(word) if *word & (1 << (id % 64)) != 0 => return Err("a face id comes twice"),
+                Some(word) => *word |= 1 << (id % 64),
+                None => beyond.push(id),
+            }
+        }
+        beyond.sort_unstable();
+        if beyond.windows(2).any(|w| w[0] == w[1]) {
+            return Err("a face id comes twice");
+        }
+        if component_vertices.is_empty()
+            || component_vertices.len() > triangles.len()
+            || !component_vertices.iter().all(in_range)
+        {
+            return Err("the list of components is impossible");
+        }
+        Ok(Self {
+            vertices,
+            triangles,
+            face_ids,
+            dropped,
+            orientation,
+            component_vertices,
+        })
     }
 
     /// The box around all triangles.

@@ -6,8 +6,11 @@ mod aabb;
 pub mod cluster;
 pub mod mass;
 pub mod mesh;
+pub mod shapes;
+mod thickness;
 pub mod triangle;
 
 pub use aabb::Aabb;
 pub use mass::MassProperties;
+pub(crate) use mesh::MeshParts;
 pub use mesh::{MeshError, Orientation, TriMesh};
