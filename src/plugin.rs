@@ -186,3 +186,10 @@ fn register_types(app: &mut App) {
         .register_type::<Response>()
         .register_type::<Backend>();
 }
+
+/// How many threads the CPU stages run on; 0 without a [`StepPlugin`].
+pub fn threads(world: &World) -> usize {
+    world
+        .get_resource::<Step>()
+        .map_or(0, |step| step.state.pool.current_num_threads())
+}

@@ -1,0 +1,69 @@
+//! The command line: simulate a scene, check placed meshes for interference, bake meshes.
+
+mod bake;
+mod check;
+mod mesh;
+mod output;
+mod scene;
+mod simulate;
+
+use clap::{Parser, Subcommand, ValueEnum};
+use std::error::Error;
+use std::process::ExitCode;
+
+/// Finds collisions between triangle meshes, triangle by triangle.
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run the paper's scene: bodies in a box with random poses, sizes and velocities.
+    Simulate(simulate::Options),
+    /// Find all touching pairs of a set of placed meshes.
+    Check(check::Options),
+    /// Bake meshes into .faceoff files, skipping what is up to date.
+    Bake(bake::Options),
+}
+
+/// How triangles are chosen for the test.
+#[derive(Clone, Copy, ValueEnum)]
+enum CullingChoice {
+    /// Conservative culls: nothing is missed.
+    Exact,
+}
+
+/// Where the stages run.
+#[derive(Clone, Copy, ValueEnum)]
+enum BackendChoice {
+    /// The best there is; at present the CPU.
+    Auto,
+    /// The CPU.
+    Cpu,
+}
+
+/// What a command returns: nothing, or a message that names the file and what to do.
+type Outcome<T = ()> = Result<T, Box<dyn Error>>;
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Simulate(options) => simulate::run(&options),
+        Command::Check(options) => check::run(&options),
+        Command::Bake(options) => bake::run(&options),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            let mut source = error.source();
+            while let Some(cause) = source {
+                eprintln!("  because: {cause}");
+                source = cause.source();
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
