@@ -270,19 +270,18 @@ fn brute_force_without_shortcuts() {
         .iter()
         .filter(|regime| regime.cases >= 100 && regime.rule != Rule::Exact)
     {
-        let worlds: Vec<World> = regime.bodies(&shapes, 77).iter().map(Body::world).collect();
-        let [a, b] = &worlds[..] else { continue };
-        let mut expected = vec![];
-        for (s, f) in a.triangles.iter().zip(&a.faces) {
-            for (t, g) in b.triangles.iter().zip(&b.faces) {
-                if meet(s, t) {
-                    expected.push([*f, *g]);
-                }
+        for case in 1000..1004 {
+            let worlds: Vec<World> = regime.bodies(&shapes, case).iter().map(Body::world).collect();
+            let [a, b] = &worlds[..] else { continue };
+            let mut expected = vec![];
+            for (s, f) in a.triangles.iter().zip(&a.faces) {
+                let meeting = b.triangles.iter().zip(&b.faces).filter(|(t, _)| meet(s, t));
+                expected.extend(meeting.map(|(_, g)| [*f, *g]));
             }
+            expected.sort_unstable();
+            assert_eq!(brute::face_pairs(a, b), expected, "{}", regime.name);
+            found += expected.len();
         }
-        expected.sort_unstable();
-        assert_eq!(brute::face_pairs(a, b), expected, "{}", regime.name);
-        found += expected.len();
     }
     assert!(found > 1000, "{found}");
 }
@@ -364,7 +363,7 @@ fn wrong_answers_are_refused() {
     assert_eq!(failures(&|_| ()), 0);
     assert_eq!(failures(&|answer| drop(answer.remove(0))), 1);
     assert_eq!(failures(&|answer| drop(answer.remove(1))), 1);
-    assert_eq!(failures(&|answer| drop(answer[0].faces.remove(3))), 1);
+    assert_eq!(failures(&|answer| answer[0].faces.truncate(5)), 1);
     assert_eq!(failures(&|answer| answer[0].faces.push([239, 127])), 1);
     assert_eq!(failures(&|answer| answer[0].faces.push([300, 0])), 1);
     assert!(failures(&|answer| answer[0].faces.swap(0, 1)) >= 1);
