@@ -1,0 +1,101 @@
+//! `queries::check` against brute force on meshes that others made, if they lie beside the checkout.
+
+mod oracle;
+
+use glam::{DVec3, Quat};
+use oracle::body::{Body, Mesh, World};
+use oracle::brute;
+use oracle::compare::{Tally, compare};
+use oracle::data;
+use oracle::product::Product;
+use oracle::rng::Rng;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::time::Instant;
+
+const POSES: u64 = 100;
+
+/// Compares all the given pairs of bodies; at least `touching` of them have to touch, or the test would be idle.
+fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) {
+    let product = Product::default();
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let one = |(case, bodies): (usize, &[Body; 2])| {
+        let start = Instant::now();
+        let worlds = bodies.each_ref().map(Body::world);
+        let truth = brute::check(&worlds);
+        let oracle_done = Instant::now();
+        let answer = product.check(bodies);
+        let seconds = [(oracle_done - start).as_secs_f64(), oracle_done.elapsed().as_secs_f64()];
+        Tally {
+            seconds,
+            ..compare(&format!("{name} case {case}"), bodies, &worlds, &truth, &answer)
+        }
+    };
+    let tallies: Vec<Tally> = pool.install(|| pairs.par_iter().enumerate().map(one).collect());
+    let tally: Tally = tallies.into_iter().sum();
+    println!("{}\n{}", Tally::head(), tally.row(name));
+    tally.require_no_failures();
+    tally.require_few_forgiven();
+    assert!(tally.touching >= touching, "only {} pairs touch", tally.touching);
+}
+
+/// `a` where it is, and `b` in random rotations at random places so that the middles of their boxes are nearer than
+/// `reach` times the sum of the radii.
+fn random_poses(a: &Arc<Mesh>, b: &Arc<Mesh>, reach: f64) -> Vec<[Body; 2]> {
+    let still = |mesh: &Arc<Mesh>| Body::new(mesh, DVec3::ZERO, Quat::IDENTITY, 1.0);
+    let middle = |world: &World| (world.bounds.low + world.bounds.high) * 0.5;
+    let [world_a, world_b] = [still(a).world(), still(b).world()];
+    (0..POSES)
+        .map(|case| {
+            let mut rng = Rng::new(0xDA7A, case);
+            let turned = Body {
+                rotation: rng.rotation(),
+                ..still(b)
+            };
+            let offset = rng.in_ball(reach * (world_a.radius + world_b.radius));
+            let by = middle(&world_a) + offset - turned.place(middle(&world_b));
+            [still(a), turned.moved(by)]
+        })
+        .collect()
+}
+
+#[test]
+fn a_robot_among_open_obstacles() {
+    let (Some(scene), Some(robot)) = (data::mesh("fcl_env.obj"), data::mesh("fcl_rob.obj")) else {
+        return;
+    };
+    compare_pairs("robot in open scene", 20, random_poses(&scene, &robot, 0.8));
+}
+
+#[test]
+fn a_bunny_and_a_bar_and_stairs() {
+    let names = ["parry_low_poly_bunny.obj", "parry_bar.obj", "parry_stairs.obj"];
+    let meshes: Vec<_> = names.iter().filter_map(|name| data::mesh(name)).collect();
+    if meshes.len() < names.len() {
+        return;
+    }
+    for (i, a) in meshes.iter().enumerate() {
+        for b in &meshes[i..] {
+            compare_pairs(&format!("{} {}", short(a), short(b)), 20, random_poses(a, b, 0.5));
+        }
+    }
+}
+
+fn short(mesh: &Mesh) -> &str {
+    mesh.name
+        .trim_start_matches("parry_")
+        .trim_start_matches("low_poly_")
+        .trim_end_matches(".obj")
+}
+
+/// Millimetre threads of 15,080 and 25,668 triangles in metres: the nut as it was drawn, and turned and lifted.
+#[test]
+fn a_nut_on_a_bolt() {
+    let nut = data::mesh("isaacgym_factory_nut_m16_loose_subdiv_3x.obj");
+    let bolt = data::mesh("isaacgym_factory_bolt_m16_loose.obj");
+    let (Some(nut), Some(bolt)) = (nut, bolt) else { return };
+    let still = Body::new(&bolt, DVec3::ZERO, Quat::IDENTITY, 1.0);
+    let lifted = Body::new(&nut, DVec3::Z * 0.0007, Quat::from_rotation_z(0.4), 1.0);
+    let drawn = Body::new(&nut, DVec3::ZERO, Quat::IDENTITY, 1.0);
+    compare_pairs("nut on bolt", 1, vec![[still.clone(), lifted], [still, drawn]]);
+}

@@ -1,0 +1,61 @@
+//! The product's side of a comparison.
+
+use super::body::{Body, Mesh};
+use super::brute::Touch;
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::queries::{Placement, check};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+/// Asks the product, and bakes every mesh once.
+#[derive(Default)]
+pub struct Product {
+    baked: Mutex<HashMap<usize, (Arc<Mesh>, CollisionMesh)>>,
+}
+
+impl Product {
+    /// What `queries::check` says.
+    pub fn check(&self, bodies: &[Body]) -> Vec<Touch> {
+        let placements: Vec<Placement> = bodies.iter().map(|body| self.placement(body)).collect();
+        let touching = check(&placements).unwrap_or_else(|error| panic!("{error}: {bodies:?}"));
+        touching
+            .into_iter()
+            .map(|pair| Touch {
+                a: pair.a,
+                b: pair.b,
+                contained: pair.contained,
+                faces: pair.faces,
+            })
+            .collect()
+    }
+
+    fn placement(&self, body: &Body) -> Placement {
+        let Body {
+            mesh,
+            translation,
+            rotation,
+            scale,
+        } = body;
+        // The address is a key as long as the entry keeps the mesh alive.
+        let (_, baked) = self
+            .baked
+            .lock()
+            .unwrap()
+            .entry(Arc::as_ptr(mesh) as usize)
+            .or_insert_with(|| (mesh.clone(), bake(mesh)))
+            .clone();
+        Placement {
+            mesh: baked,
+            translation: *translation,
+            rotation: *rotation,
+            scale: *scale,
+        }
+    }
+}
+
+fn bake(mesh: &Mesh) -> CollisionMesh {
+    let mesh = TriMesh::new(mesh.vertices.clone(), mesh.faces.clone())
+        .unwrap_or_else(|error| panic!("{}: {error}", mesh.name));
+    CollisionMesh::new(&mesh)
+}
