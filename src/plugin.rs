@@ -6,7 +6,6 @@ use crate::diagnostics::FaceoffDiagnosticsPlugin;
 use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
 use crate::settings::{Backend, Culling, Gravity, Response};
 use crate::stages::Stage;
-use crate::stages::state::StepState;
 use crate::sync::{Step, collect, publish};
 use bevy::app::PluginGroupBuilder;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -111,18 +110,19 @@ impl From<Stage> for FaceoffSystems {
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
-        let state = match StepState::new(self.threads) {
-            Ok(state) => state,
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .thread_name(|i| format!("faceoff step {i}"))
+            .build();
+        let pool = match pool {
+            Ok(pool) => pool,
             Err(error) => {
                 error!("bevy_faceoff finds no collisions: no threads to work on: {error}");
                 return;
             }
         };
-        info!(
-            "collisions run on the CPU with {} threads",
-            state.pool.current_num_threads()
-        );
-        app.insert_resource(Step::new(state))
+        info!("collisions run on the CPU with {} threads", pool.current_num_threads());
+        app.insert_resource(Step::new(pool))
             .insert_resource(self.backend)
             .init_resource::<Culling>()
             .init_resource::<Gravity>()
@@ -160,7 +160,10 @@ impl Plugin for StepPlugin {
                     .in_set(FaceoffSystems::Publish),
             ));
         for stage in Stage::ALL {
-            let run = move |mut step: ResMut<Step>| stage.run_on_cpu(&mut step.state);
+            let run = move |mut step: ResMut<Step>| {
+                let Step { pool, state, .. } = &mut *step;
+                pool.install(|| stage.run_on_cpu(state));
+            };
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
         app.add_schedule(schedule)
@@ -191,5 +194,5 @@ fn register_types(app: &mut App) {
 pub fn threads(world: &World) -> usize {
     world
         .get_resource::<Step>()
-        .map_or(0, |step| step.state.pool.current_num_threads())
+        .map_or(0, |step| step.pool.current_num_threads())
 }

@@ -3,8 +3,7 @@
 use crate::asset::{BakedMesh, CollisionMesh};
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
-use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Body, StepState};
+use crate::stages::state::{Body, StepState, TouchingPair as StagePair};
 use glam::{Quat, Vec3};
 use std::collections::HashMap;
 use thiserror::Error;
@@ -22,20 +21,14 @@ pub struct Placement {
     pub scale: Vec3,
 }
 
-/// Why placements could not be checked.
-#[derive(Debug, Error)]
-pub enum CheckError {
-    /// A placement that cannot be used.
-    #[error("body {body}: {fault}")]
-    Placement {
-        /// Index into the placements.
-        body: usize,
-        /// What is wrong and what to do.
-        fault: BodyFault,
-    },
-    /// The system refused threads.
-    #[error("no threads to work on: {0}")]
-    Threads(#[from] rayon::ThreadPoolBuildError),
+/// A placement that cannot be used.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("body {body}: {fault}")]
+pub struct PlacementError {
+    /// Index into the placements.
+    pub body: usize,
+    /// What is wrong and what to do.
+    pub fault: BodyFault,
 }
 
 /// Two placements that touch, `a < b`.
@@ -51,13 +44,14 @@ pub struct TouchingPair {
     pub faces: Vec<[u32; 2]>,
 }
 
-/// All pairs of placements that touch, ascending, by the exact mode on `state`'s threads.
+/// All pairs of placements that touch, ascending, by the exact mode on the CPU.
 ///
-/// `state` is only scratch: its bodies and meshes are replaced. Keep one for many calls.
-pub fn check_with(state: &mut StepState, placements: &[Placement]) -> Result<Vec<TouchingPair>, CheckError> {
-    state.bodies.clear();
-    state.planes.clear();
-    state.meshes = MeshArena::default();
+/// Runs on rayon's current thread pool: call it inside `ThreadPool::install` to choose one.
+///
+/// # Errors
+/// If a placement cannot be used; nothing is checked then.
+pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, PlacementError> {
+    let mut state = StepState::default();
     let mut slots: HashMap<*const BakedMesh, u32> = HashMap::new();
     for (body, placement) in placements.iter().enumerate() {
         let key: *const BakedMesh = &raw const *placement.mesh;
@@ -68,32 +62,22 @@ pub fn check_with(state: &mut StepState, placements: &[Placement]) -> Result<Vec
         state
             .bodies
             .push(&entry, &state.meshes)
-            .map_err(|fault| CheckError::Placement { body, fault })?;
+            .map_err(|fault| PlacementError { body, fault })?;
     }
     for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
-        stage.run_on_cpu(state);
+        stage.run_on_cpu(&mut state);
     }
     let contacts = &state.contacts;
-    Ok(contacts
-        .pairs
-        .iter()
-        .map(|pair| {
-            let mut faces: Vec<[u32; 2]> = contacts.faces_of(pair).iter().map(|f| [f.a, f.b]).collect();
-            faces.sort_unstable();
-            TouchingPair {
-                a: pair.bodies[0],
-                b: pair.bodies[1],
-                contained: pair.contained,
-                faces,
-            }
-        })
-        .collect())
-}
-
-/// [`check_with`] on threads of its own, one for each core.
-pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, CheckError> {
-    // Two placements are quicker on one thread than a pool is built.
-    let threads = if placements.len() <= 2 { 1 } else { 0 };
-    let mut state = StepState::new(threads)?;
-    check_with(&mut state, placements)
+    let touching = |pair: &StagePair| {
+        let StagePair { bodies, contained, .. } = *pair;
+        let mut faces: Vec<[u32; 2]> = contacts.faces_of(pair).iter().map(|f| [f.a, f.b]).collect();
+        faces.sort_unstable();
+        TouchingPair {
+            a: bodies[0],
+            b: bodies[1],
+            contained,
+            faces,
+        }
+    };
+    Ok(contacts.pairs.iter().map(touching).collect())
 }

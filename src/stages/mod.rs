@@ -58,17 +58,16 @@ impl Stage {
         }
     }
 
-    /// Runs this stage on the CPU and notes how long it took.
+    /// Runs this stage on the CPU, on rayon's current thread pool, and notes how long it took.
     pub fn run_on_cpu(self, state: &mut StepState) {
-        let pool = state.pool.clone();
         let start = std::time::Instant::now();
-        pool.install(|| match self {
+        match self {
             Self::BroadPhase => broad_phase::cpu::run(state),
             Self::Angles => angles::cpu::run(state),
             Self::TriangleTest => triangle_test::cpu::run(state),
             Self::ForceScan => force_scan::cpu::run(state),
             Self::Integrate => integrate::cpu::run(state),
-        });
+        }
         state.times[self as usize] = start.elapsed();
     }
 }

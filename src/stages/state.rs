@@ -4,14 +4,11 @@ use super::mesh_arena::MeshArena;
 use crate::components::{CollisionLayers, RigidBody};
 use crate::settings::Response;
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
-use std::sync::Arc;
 use std::time::Duration;
 
 /// All input, intermediate and output of a step.
+#[derive(Default)]
 pub struct StepState {
-    /// The threads that the CPU stages run on. A pool of their own: rayon's global one serves jobs from outside last,
-    /// so a bake on it would hold up every step.
-    pub pool: Arc<rayon::ThreadPool>,
     /// What holds for all bodies.
     pub config: StepConfig,
     /// The meshes in use.
@@ -29,7 +26,7 @@ pub struct StepState {
     /// ForceScan's result: one sum per body.
     pub impulses: Vec<Impulse>,
     /// Scratch that stages keep between steps.
-    pub(crate) scratch: super::broad_phase::cpu::Scratch,
+    pub(crate) grid_scratch: super::broad_phase::cpu::Scratch,
     pub(crate) force_scratch: super::force_scan::cpu::Scratch,
     pub(crate) triangle_scratch: super::triangle_test::cpu::Scratch,
     /// How long each stage took in the last step.
@@ -234,31 +231,6 @@ pub struct Impulse {
     pub linear: Vec3,
     /// rad/s, world axes.
     pub angular: Vec3,
-}
-
-impl StepState {
-    /// An empty state whose CPU stages run on `threads` threads (0: one for each core).
-    pub fn new(threads: usize) -> Result<Self, rayon::ThreadPoolBuildError> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|i| format!("faceoff step {i}"))
-            .build()?;
-        Ok(Self {
-            pool: Arc::new(pool),
-            config: StepConfig::default(),
-            meshes: MeshArena::default(),
-            bodies: Bodies::default(),
-            planes: Vec::new(),
-            sphere_pairs: Vec::new(),
-            near_pairs: Vec::new(),
-            contacts: Contacts::default(),
-            impulses: Vec::new(),
-            scratch: Default::default(),
-            force_scratch: Default::default(),
-            triangle_scratch: Default::default(),
-            times: [Duration::ZERO; 5],
-        })
-    }
 }
 
 impl Contacts {

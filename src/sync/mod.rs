@@ -14,6 +14,9 @@ use std::time::Instant;
 #[derive(Resource)]
 pub(crate) struct Step {
     pub state: StepState,
+    /// The threads that the CPU stages run on. A pool of their own: rayon's global one serves jobs from outside last, so
+    /// a bake on it would hold up every step.
+    pub pool: rayon::ThreadPool,
     /// Entity of each body, ascending.
     pub entities: Vec<Entity>,
     /// Entity of each plane, ascending.
@@ -31,9 +34,10 @@ pub(crate) struct Step {
 }
 
 impl Step {
-    pub fn new(state: StepState) -> Self {
+    pub fn new(pool: rayon::ThreadPool) -> Self {
         Self {
-            state,
+            state: StepState::default(),
+            pool,
             entities: Vec::new(),
             planes: Vec::new(),
             collected: Vec::new(),

@@ -2,7 +2,7 @@
 
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::queries::{CheckError, Placement, TouchingPair, check};
+use bevy_faceoff::queries::{Placement, TouchingPair, check};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -75,10 +75,7 @@ pub fn run(options: &Options) -> Outcome {
     let (CullingChoice::Exact, BackendChoice::Auto | BackendChoice::Cpu) = (options.culling, options.backend);
     let path = options.scene.as_path();
     let placements = placements(path)?;
-    let pairs = check(&placements).map_err(|error| match error {
-        CheckError::Placement { .. } => format!("{}: {error}", path.display()),
-        CheckError::Threads(_) => error.to_string(),
-    })?;
+    let pairs = check(&placements).map_err(|error| format!("{}: {error}", path.display()))?;
     let report = Report {
         pairs: pairs.iter().map(|pair| PairReport::new(pair, options.faces)).collect(),
     };

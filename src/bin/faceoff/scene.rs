@@ -29,10 +29,7 @@ pub fn default_side(bodies: usize) -> f32 {
 pub fn spawn(world: &mut World, scene: &Scene, mesh: &CollisionMesh, handle: &Handle<CollisionMesh>) {
     let half = 0.5 * scene.side;
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
-        world.spawn((
-            PlaneCollider::through(-half * normal, normal),
-            Restitution::new(1.0),
-        ));
+        world.spawn((PlaneCollider::through(-half * normal, normal), Restitution::new(1.0)));
     }
     let mut random = fastrand::Rng::with_seed(scene.seed);
     let mut between = move |low: f32, high: f32| low + (high - low) * random.f32();

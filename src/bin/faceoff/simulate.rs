@@ -110,7 +110,11 @@ pub fn run(options: &Options) -> Outcome {
     let scene = Scene {
         bodies: options.bodies,
         side: positive("--side", options.side, scene::default_side(options.bodies))?,
-        speed: positive("--speed", options.speed, if options.shape == "knot" { 3.0 } else { 0.5 })?,
+        speed: positive(
+            "--speed",
+            options.speed,
+            if options.shape == "knot" { 3.0 } else { 0.5 },
+        )?,
         seed: options.seed,
     };
     let CullingChoice::Exact = options.culling;
@@ -138,7 +142,10 @@ pub fn run(options: &Options) -> Outcome {
         ResponseChoice::None => Response::None,
         ResponseChoice::Impulse => Response::Impulse,
     });
-    let handle = app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(mesh.clone());
+    let handle = app
+        .world_mut()
+        .resource_mut::<Assets<CollisionMesh>>()
+        .add(mesh.clone());
     scene::spawn(app.world_mut(), &scene, &mesh, &handle);
     app.finish();
     app.cleanup();

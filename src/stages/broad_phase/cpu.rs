@@ -22,10 +22,9 @@ pub fn run(state: &mut StepState) {
     let StepState {
         bodies,
         sphere_pairs,
-        scratch,
+        grid_scratch: Scratch { sorted, spheres, found },
         ..
     } = state;
-    let Scratch { sorted, spheres, found } = scratch;
     sphere_pairs.clear();
     let largest = bodies.radius.iter().copied().fold(0.0, f32::max);
     if largest == 0.0 {
