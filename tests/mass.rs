@@ -218,6 +218,8 @@ fn finite(m: &MassProperties) {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..Default::default() })]
+
     #[test]
     fn any_soup_has_finite_figures(
         points in proptest::collection::vec(proptest::array::uniform3(-1e3f32..1e3), 4..20),

@@ -1,24 +1,25 @@
 //! [`CollisionMesh`]: everything the five stages need to know about a mesh.
 
 use crate::geometry::cluster::cluster_order;
-use crate::geometry::{MassProperties, TriMesh};
+use crate::geometry::{MassProperties, Orientation, TriMesh};
 use crate::projection::{BakeSettings, Cancelled, FaceTable, Progress, SupportHeights};
 use bevy::prelude::*;
+use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
 /// A baked mesh. Cloning is cheap: the data is shared and never changes.
-#[derive(Asset, TypePath, Clone, Debug)]
+#[derive(Asset, TypePath, Clone, PartialEq)]
 pub struct CollisionMesh(Arc<BakedMesh>);
 
 /// What a bake produces.
-#[derive(Debug)]
+#[derive(Clone, PartialEq)]
 pub struct BakedMesh {
     /// The validated mesh, its triangles in cluster order.
     pub mesh: TriMesh,
     /// Volume, centre of mass, inertia, thickness.
     pub mass: MassProperties,
-    /// Radius of the bounding sphere about the centre of mass.
+    /// Radius of the bounding sphere about the centre of mass, in mesh units; rounded up, so that no vertex is outside.
     pub radius: f32,
     /// Upper bounds of the reach in every direction, measured from the centre of mass.
     pub heights: SupportHeights,
@@ -35,22 +36,27 @@ impl Deref for CollisionMesh {
     }
 }
 
+impl From<BakedMesh> for CollisionMesh {
+    fn from(baked: BakedMesh) -> Self {
+        Self(Arc::new(baked))
+    }
+}
+
 impl CollisionMesh {
-    /// Bakes `mesh` on `pool`.
+    /// Bakes `mesh` on `pool`. The face table, if `settings` ask for one, takes seconds, which `progress` counts and may
+    /// cut short; all else takes milliseconds. `settings` must be valid.
+    ///
+    /// The same mesh and settings give the same result, however many threads the pool has.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if `progress` was cancelled before the end.
     pub fn bake(
         mesh: &TriMesh,
         settings: BakeSettings,
         pool: &rayon::ThreadPool,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let _ = (
-            mesh,
-            settings,
-            pool,
-            progress,
-            cluster_order as fn(&TriMesh) -> Vec<u32>,
-        );
-        todo!()
+        prepare(mesh, settings).add_faces(pool, progress).map(Self::from)
     }
 
     /// Whether both are the same bake, not merely equal.
@@ -60,7 +66,118 @@ impl CollisionMesh {
 
     /// Heights and clusters only, which takes milliseconds and no pool.
     pub fn new(mesh: &TriMesh) -> Self {
-        let _ = mesh;
-        todo!()
+        prepare(mesh, BakeSettings::default()).into()
+    }
+
+    /// The same mesh baked with other settings; only the face table is made anew.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if `progress` was cancelled before the end.
+    pub fn rebake(
+        &self,
+        settings: BakeSettings,
+        pool: &rayon::ThreadPool,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let bare = BakedMesh {
+            mesh: self.mesh.clone(),
+            heights: self.heights.clone(),
+            faces: None,
+            settings,
+            ..*self.0
+        };
+        bare.add_faces(pool, progress).map(Self::from)
+    }
+}
+
+impl BakedMesh {
+    /// What its author may want to know about the mesh, one sentence each: faces that were dropped, a surface that is not
+    /// closed. Empty for a mesh that is in order. Whoever loads a mesh logs these once, with the file's name.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let dropped = self.mesh.dropped();
+        if dropped > 0 {
+            let all = self.mesh.triangles().len() as u64 + u64::from(dropped);
+            warnings.push(format!(
+                "{dropped} of {all} faces have no area and were dropped; the others keep their numbers"
+            ));
+        }
+        match self.mesh.orientation() {
+            Orientation::Open => warnings.push(
+                "the mesh is open: bodies inside it are not found, and its mass is that of its bounding box; close the \
+                 holes or set the mass yourself"
+                    .into(),
+            ),
+            Orientation::Mixed => warnings.push(
+                "some neighbouring faces disagree about the outside, so the mass is that of the bounding box; recalculate \
+                 the normals or set the mass yourself"
+                    .into(),
+            ),
+            Orientation::Outward | Orientation::Inward if self.mass.approximate => warnings.push(
+                "the mesh encloses next to nothing, or its size does not fit single precision, so its mass is approximate; \
+                 set the mass yourself"
+                    .into(),
+            ),
+            Orientation::Outward | Orientation::Inward => {}
+        }
+        warnings
+    }
+
+    fn add_faces(mut self, pool: &rayon::ThreadPool, progress: &Progress) -> Result<Self, Cancelled> {
+        // A bake without a table can be cancelled as well.
+        progress.advance(0)?;
+        if self.settings.faces {
+            self.faces = Some(FaceTable::bake(&self.mesh, &self.settings, pool, progress)?);
+        }
+        Ok(self)
+    }
+}
+
+/// All but the face table.
+fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
+    // Clusters first: thickness is found by rays that need neighbours to be neighbours in the list.
+    let mesh = mesh.reordered(&cluster_order(mesh));
+    let mass = MassProperties::of(&mesh);
+    let heights = SupportHeights::of(mesh.used_positions().map(|p| p - mass.center));
+    BakedMesh {
+        radius: radius_about(&mesh, mass.center),
+        mesh,
+        mass,
+        heights,
+        faces: None,
+        settings,
+    }
+}
+
+fn radius_about(mesh: &TriMesh, center: Vec3) -> f32 {
+    let center = center.as_dvec3();
+    let squared = mesh
+        .used_positions()
+        .map(|p| p.as_dvec3().distance_squared(center))
+        .fold(0.0, f64::max);
+    // The root is exact to a part in 2^53, so the next f32 above whatever it rounds to is no smaller than the truth.
+    (squared.sqrt() as f32).next_up()
+}
+
+impl fmt::Debug for BakedMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} triangles, {:?}, radius {}, {}",
+            self.mesh.triangles().len(),
+            self.mesh.orientation(),
+            self.radius,
+            if self.faces.is_some() {
+                "with face table"
+            } else {
+                "no face table"
+            }
+        )
+    }
+}
+
+impl fmt::Debug for CollisionMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "CollisionMesh({:?})", *self.0)
     }
 }

@@ -1,10 +1,19 @@
 //! Baked meshes as Bevy assets: the asset, its file, its loader.
+//!
+//! A [`CollisionMesh`] comes from a file through Bevy's asset server (see [`loader`]), from a file on disk through
+//! [`import::import_file`], or from vertices and faces through [`CollisionMesh::new`].
 
+mod bytes;
 pub mod collision_mesh;
+pub mod format;
+pub mod import;
+mod jobs;
+pub mod loader;
+mod obj;
+pub mod recipe;
 
 pub use collision_mesh::{BakedMesh, CollisionMesh};
-
-/// stub
-pub fn register(app: &mut bevy::prelude::App) {
-    let _ = app;
-}
+pub use import::{ImportError, Imported, import_bytes, import_file};
+pub use loader::{CollisionMeshLoader, CollisionMeshSettings, register};
+pub use obj::to_obj;
+pub use recipe::Recipe;

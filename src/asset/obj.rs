@@ -1,0 +1,180 @@
+//! Wavefront OBJ: positions and faces, nothing else.
+//!
+//! A reader of our own, since what this project needs is little and strict. The `tobj` crate was looked at and its errors
+//! carry no line number; it also refuses whole files for things that collisions never use: a normal or texture index out of
+//! range, colours at some vertices only, a comment that is not UTF-8. And it splits a file at objects, groups and materials
+//! into models with vertices of their own, which would have to be put together again.
+
+use super::import::ImportError;
+use crate::geometry::TriMesh;
+use glam::Vec3;
+use std::fmt::Write;
+
+/// Reads all objects of a file as one mesh.
+///
+/// Polygons are cut into fans from their first corner. A face's index, by which everything else names it, counts these
+/// triangles in the order of the file, over all objects and groups, before any is dropped. Only `v` and `f` lines are read:
+/// materials, normals, texture coordinates, colours, curves, points and lines are passed over, and so are polygons with
+/// fewer than three corners. Negative indices count back from the last vertex read.
+pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+    let mut obj = Obj::default();
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut continued: Vec<u8> = Vec::new();
+    let mut first_line = 1;
+    for (line, text) in (1..).zip(bytes.split(|&b| b == b'\n')) {
+        let text = text.trim_ascii_end();
+        if continued.is_empty() {
+            first_line = line;
+        }
+        if let Some(part) = text.strip_suffix(b"\\") {
+            continued.extend_from_slice(part);
+            continued.push(b' ');
+        } else if continued.is_empty() {
+            obj.line(line, text)?;
+        } else {
+            continued.extend_from_slice(text);
+            obj.line(first_line, &std::mem::take(&mut continued))?;
+        }
+    }
+    if !continued.is_empty() {
+        obj.line(first_line, &continued)?;
+    }
+    obj.finish()
+}
+
+/// The text of an OBJ file for a mesh: its faces in the order of their ids. Positions survive bit for bit, as each is
+/// written with the fewest digits that name it.
+pub fn to_obj(mesh: &TriMesh) -> String {
+    let mut out = String::new();
+    for v in mesh.vertices() {
+        writeln!(out, "v {} {} {}", v.x, v.y, v.z).expect("writing to a string cannot fail");
+    }
+    let mut order: Vec<usize> = (0..mesh.triangles().len()).collect();
+    order.sort_unstable_by_key(|&t| mesh.face_ids()[t]);
+    for t in order {
+        let [a, b, c] = mesh.triangles()[t].map(|v| u64::from(v) + 1);
+        writeln!(out, "f {a} {b} {c}").expect("writing to a string cannot fail");
+    }
+    out
+}
+
+#[derive(Default)]
+struct Obj {
+    vertices: Vec<Vec3>,
+    faces: Vec<[u32; 3]>,
+    /// The largest index that was ahead of its vertex when it was read, and its line.
+    ahead: Option<(u32, usize)>,
+}
+
+impl Obj {
+    fn line(&mut self, line: usize, text: &[u8]) -> Result<(), ImportError> {
+        let text = text.split(|&b| b == b'#').next().unwrap_or_default();
+        let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        match words.next() {
+            Some(b"v") => self.vertex(line, words),
+            Some(b"f") => self.face(line, words),
+            _ => Ok(()),
+        }
+    }
+
+    fn vertex<'a>(&mut self, line: usize, mut words: impl Iterator<Item = &'a [u8]>) -> Result<(), ImportError> {
+        let mut position = [0.0f32; 3];
+        for x in &mut position {
+            let word = words.next().ok_or(ImportError::ShortVertex { line })?;
+            *x = std::str::from_utf8(word)
+                .ok()
+                .and_then(|w| w.parse().ok())
+                .ok_or_else(|| ImportError::NotANumber {
+                    line,
+                    word: shown(word),
+                })?;
+            // A number too large for single precision parses as infinite.
+            if !x.is_finite() {
+                return Err(ImportError::NotFinite {
+                    line,
+                    word: shown(word),
+                });
+            }
+        }
+        if self.vertices.len() >= u32::MAX as usize - 1 {
+            return Err(ImportError::TooLarge { line });
+        }
+        self.vertices.push(position.into());
+        Ok(())
+    }
+
+    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ImportError> {
+        let (mut first, mut last) = (None, None);
+        for word in words {
+            let index = self.index(line, word)?;
+            match (first, last) {
+                (None, _) => first = Some(index),
+                (Some(_), None) => last = Some(index),
+                (Some(a), Some(b)) => {
+                    if self.faces.len() >= u32::MAX as usize - 1 {
+                        return Err(ImportError::TooLarge { line });
+                    }
+                    self.faces.push([a, b, index]);
+                    last = Some(index);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The vertex that a corner such as `7`, `7/1`, `7//3`, `-1/-1/-1` names, counted from 0.
+    fn index(&mut self, line: usize, word: &[u8]) -> Result<u32, ImportError> {
+        let number = word.split(|&b| b == b'/').next().unwrap_or_default();
+        let number: i64 = std::str::from_utf8(number)
+            .ok()
+            .and_then(|n| n.parse().ok())
+            .ok_or_else(|| ImportError::NotAnIndex {
+                line,
+                word: shown(word),
+            })?;
+        let count = self.vertices.len() as i64;
+        let index = if number < 0 {
+            number.checked_add(count)
+        } else {
+            number.checked_sub(1)
+        };
+        let index = index
+            .and_then(|i| u32::try_from(i).ok())
+            .ok_or(ImportError::NoSuchVertex {
+                line,
+                index: number,
+                vertices: self.vertices.len(),
+            })?;
+        // Some writers put all faces first, so whether the vertex exists is known only at the end.
+        if i64::from(index) >= count && self.ahead.is_none_or(|(i, _)| index > i) {
+            self.ahead = Some((index, line));
+        }
+        Ok(index)
+    }
+
+    fn finish(self) -> Result<TriMesh, ImportError> {
+        if self.faces.is_empty() {
+            return Err(ImportError::NoFaces {
+                vertices: self.vertices.len(),
+            });
+        }
+        match self.ahead {
+            Some((index, line)) if index as usize >= self.vertices.len() => Err(ImportError::NoSuchVertex {
+                line,
+                index: i64::from(index) + 1,
+                vertices: self.vertices.len(),
+            }),
+            _ => Ok(TriMesh::new(self.vertices, self.faces)?),
+        }
+    }
+}
+
+/// A word of a file as it may stand in an error message.
+fn shown(word: &[u8]) -> String {
+    let text = String::from_utf8_lossy(word);
+    let mut out: String = text.chars().take(40).flat_map(char::escape_default).collect();
+    if text.chars().nth(40).is_some() {
+        out.push_str("...");
+    }
+    out
+}

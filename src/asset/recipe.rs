@@ -1,0 +1,98 @@
+//! The `.bake.ron` recipe: which mesh to bake, and how.
+//!
+//! ```ron
+//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256))
+//! ```
+//!
+//! The path is relative to the recipe. `settings` and each of its fields may be left out; see [`BakeSettings`].
+
+use crate::projection::BakeSettings;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// What a `.bake.ron` file says.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recipe {
+    /// The mesh file, relative to the recipe: an OBJ, or a baked file whose mesh is to be baked otherwise.
+    pub mesh: String,
+    /// How to bake it.
+    #[serde(default)]
+    pub settings: BakeSettings,
+}
+
+/// Why a recipe cannot be followed.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RecipeError {
+    /// More than any recipe needs.
+    #[error("the recipe has {0} bytes, and {LONGEST} are more than enough: is it the mesh itself?")]
+    TooLong(usize),
+    /// Not RON, or not the fields of a recipe.
+    #[error("line {line}, column {column}: {reason}; a recipe reads (mesh: \"knot.obj\", settings: (faces: true))")]
+    Syntax {
+        /// Counted from 1.
+        line: usize,
+        /// Counted from 1.
+        column: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The path of the mesh is empty, or names another recipe.
+    #[error("mesh: {0:?} is no mesh file; name an OBJ or .faceoff file relative to the recipe")]
+    Mesh(String),
+    /// Settings that cannot be baked with.
+    #[error("{0}")]
+    Settings(String),
+}
+
+const LONGEST: usize = 1 << 16;
+/// A recipe nests two deep.
+const DEEPEST: usize = 8;
+
+impl Recipe {
+    /// Reads a recipe. Whatever the bytes, this ends soon and takes little memory.
+    pub fn parse(bytes: &[u8]) -> Result<Self, RecipeError> {
+        if bytes.len() > LONGEST {
+            return Err(RecipeError::TooLong(bytes.len()));
+        }
+        let recipe: Self = ron::Options::default()
+            .with_recursion_limit(DEEPEST)
+            .from_bytes(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+            .map_err(|e| RecipeError::Syntax {
+                line: e.span.start.line,
+                column: e.span.start.col,
+                reason: e.code.to_string(),
+            })?;
+        if recipe.mesh.trim().is_empty() || is_recipe(&recipe.mesh) || recipe.mesh.contains(['#', '\0']) {
+            return Err(RecipeError::Mesh(recipe.mesh));
+        }
+        validate(&recipe.settings).map_err(RecipeError::Settings)?;
+        Ok(recipe)
+    }
+
+    /// The recipe as text, in one line.
+    pub fn to_text(&self) -> String {
+        let settings = self.settings;
+        format!(
+            "(mesh: {:?}, settings: (faces: {}, degrees: {}, image: {}))\n",
+            self.mesh, settings.faces, settings.degrees, settings.image
+        )
+    }
+}
+
+/// Whether a file of this name is a recipe.
+pub(super) fn is_recipe(name: &str) -> bool {
+    name.to_ascii_lowercase().ends_with(".bake.ron")
+}
+
+/// Whether a bake with these settings is possible.
+pub(super) fn validate(settings: &BakeSettings) -> Result<(), String> {
+    let BakeSettings { degrees, image, .. } = *settings;
+    if degrees == 0 || 90 % degrees != 0 {
+        return Err(format!("degrees: {degrees} does not divide 90"));
+    }
+    if !(16..=4096).contains(&image) {
+        return Err(format!("image: {image} is not between 16 and 4096"));
+    }
+    Ok(())
+}
