@@ -1,5 +1,165 @@
+//! `faceoff bake`: mesh files to `.faceoff` files.
+
+use crate::{Outcome, mesh};
+use bevy_faceoff::asset::format::{self, Hash};
+use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
+use bevy_faceoff::projection::{BakeSettings, Progress};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Bake meshes into .faceoff files, skipping what is up to date.
 #[derive(clap::Args)]
-pub struct Options {}
-pub fn run(_: &Options) -> crate::Outcome {
+pub struct Options {
+    /// Mesh files: .obj, .bake.ron (whose settings count where no option is given) or .faceoff.
+    #[arg(required = true)]
+    meshes: Vec<PathBuf>,
+    /// Folder for the baked files; made if it is missing.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Bake the table of faces of collision as well, which takes seconds. The exact mode does not need it.
+    #[arg(long)]
+    faces: bool,
+    /// Angular step of the table in degrees; divides 90 [default: 1].
+    #[arg(long)]
+    degrees: Option<u32>,
+    /// Side of the height image in pixels [default: 256].
+    #[arg(long)]
+    image: Option<u32>,
+    /// Bake even what is up to date.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the command: every mesh is tried, and any failure makes the whole fail.
+pub fn run(options: &Options) -> Outcome {
+    let folder = options.output.as_path();
+    fs::create_dir_all(folder).map_err(|e| format!("cannot make the folder {}: {e}", folder.display()))?;
+    let targets = targets(options)?;
+    let pool = rayon::ThreadPoolBuilder::new().build()?;
+    let mut failed = 0;
+    for (source, target) in &targets {
+        if let Err(error) = bake(options, source, target, &pool) {
+            eprintln!("error: {error}");
+            failed += 1;
+        }
+    }
+    match failed {
+        0 => Ok(()),
+        n => Err(format!("{n} of {} meshes could not be baked", targets.len()).into()),
+    }
+}
+
+/// Where each mesh goes.
+fn targets(options: &Options) -> Outcome<Vec<(&Path, PathBuf)>> {
+    let mut taken: HashMap<PathBuf, &Path> = HashMap::new();
+    let mut targets = Vec::new();
+    for source in &options.meshes {
+        let name = source.file_name().unwrap_or_default().to_string_lossy();
+        let stem = name
+            .strip_suffix(".bake.ron")
+            .or_else(|| name.rsplit_once('.').map(|(stem, _)| stem))
+            .unwrap_or(&name);
+        let target = options.output.join(format!("{stem}.faceoff"));
+        if let Some(other) = taken.insert(target.clone(), source) {
+            return Err(format!(
+                "{} and {} would both be baked into {}: rename one, or bake into different folders",
+                other.display(),
+                source.display(),
+                target.display()
+            )
+            .into());
+        }
+        targets.push((source.as_path(), target));
+    }
+    Ok(targets)
+}
+
+fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPool) -> Outcome {
+    let imported = import_file(source)?;
+    let (asked, hash) = match &imported {
+        Imported::Mesh {
+            settings, source_hash, ..
+        } => (*settings, *source_hash),
+        Imported::Baked { header, .. } => (header.settings, header.source_hash),
+    };
+    let settings = BakeSettings {
+        faces: options.faces || asked.faces,
+        degrees: options.degrees.unwrap_or(asked.degrees),
+        image: options.image.unwrap_or(asked.image),
+    };
+    settings.validate().map_err(|e| format!("{}: {e}", source.display()))?;
+    if !options.force && is_up_to_date(target, &hash, &settings) {
+        println!("{} is up to date", target.display());
+        return Ok(());
+    }
+    let start = Instant::now();
+    let baked = with_bar(source, settings, |progress| match &imported {
+        Imported::Mesh { mesh, .. } => CollisionMesh::bake(mesh, settings, pool, progress),
+        Imported::Baked { mesh, .. } => mesh.rebake(settings, pool, progress),
+    })?;
+    mesh::warn(source, &baked);
+    let bytes = format::to_bytes(&baked, hash);
+    write(target, &bytes)?;
+    println!(
+        "{} -> {}: {} triangles, {} bytes, {:.2} s",
+        source.display(),
+        target.display(),
+        baked.mesh.triangles().len(),
+        bytes.len(),
+        start.elapsed().as_secs_f64()
+    );
     Ok(())
+}
+
+/// A file that is not there, or that cannot be read as a baked one, is not up to date.
+fn is_up_to_date(target: &Path, hash: &Hash, settings: &BakeSettings) -> bool {
+    fs::read(target)
+        .ok()
+        .and_then(|bytes| format::from_bytes(&bytes).ok())
+        .is_some_and(|(_, header)| header.is_up_to_date(hash, settings))
+}
+
+/// Runs a bake beside a bar that shows how far it is.
+fn with_bar<T: Send, E: Send + Into<Box<dyn std::error::Error>>>(
+    source: &Path,
+    settings: BakeSettings,
+    bake: impl FnOnce(&Progress) -> Result<T, E> + Send,
+) -> Outcome<T> {
+    let progress = Progress::default();
+    if !settings.faces {
+        return bake(&progress).map_err(Into::into);
+    }
+    let bar = ProgressBar::new(0).with_message(source.display().to_string());
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} directions, {eta} left") {
+        bar.set_style(style);
+    }
+    std::thread::scope(|scope| {
+        let baking = scope.spawn(|| bake(&progress));
+        while !baking.is_finished() {
+            let (done, total) = progress.get();
+            bar.set_length(total.into());
+            bar.set_position(done.into());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        bar.finish_and_clear();
+        match baking.join() {
+            Ok(result) => result.map_err(Into::into),
+            Err(_) => Err(format!(
+                "{}: the bake panicked, which is a bug: please report it",
+                source.display()
+            )
+            .into()),
+        }
+    })
+}
+
+/// Writes beside the target and renames, so that a reader never sees half a file.
+fn write(target: &Path, bytes: &[u8]) -> Outcome {
+    let partial = target.with_extension("faceoff.partial");
+    fs::write(&partial, bytes)
+        .and_then(|()| fs::rename(&partial, target))
+        .map_err(|e| format!("cannot write {}: {e}", target.display()).into())
 }
