@@ -3,7 +3,7 @@
 mod oracle;
 
 use glam::{DVec3, Quat};
-use oracle::body::{Body, Mesh, World};
+use oracle::body::{Body, Mesh};
 use oracle::brute;
 use oracle::compare::{Tally, compare};
 use oracle::data;
@@ -16,7 +16,7 @@ use std::time::Instant;
 const POSES: u64 = 100;
 
 /// Compares all the given pairs of bodies; at least `touching` of them have to touch, or the test would be idle.
-fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) {
+fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) -> Tally {
     let product = Product::default();
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let one = |(case, bodies): (usize, &[Body; 2])| {
@@ -35,16 +35,14 @@ fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) {
     let tally: Tally = tallies.into_iter().sum();
     println!("{}\n{}", Tally::head(), tally.row(name));
     tally.require_no_failures();
-    tally.require_few_forgiven();
     assert!(tally.touching >= touching, "only {} pairs touch", tally.touching);
+    tally
 }
 
-/// `a` where it is, and `b` in random rotations at random places so that the middles of their boxes are nearer than
-/// `reach` times the sum of the radii.
-fn random_poses(a: &Arc<Mesh>, b: &Arc<Mesh>, reach: f64) -> Vec<[Body; 2]> {
+/// `a` where it is, and `b` in random rotations, so that some vertex of one is not far from some vertex of the other.
+fn random_poses(a: &Arc<Mesh>, b: &Arc<Mesh>) -> Vec<[Body; 2]> {
     let still = |mesh: &Arc<Mesh>| Body::new(mesh, DVec3::ZERO, Quat::IDENTITY, 1.0);
-    let middle = |world: &World| (world.bounds.low + world.bounds.high) * 0.5;
-    let [world_a, world_b] = [still(a).world(), still(b).world()];
+    let reach = 0.05 * still(a).world().radius.min(still(b).world().radius);
     (0..POSES)
         .map(|case| {
             let mut rng = Rng::new(0xDA7A, case);
@@ -52,8 +50,8 @@ fn random_poses(a: &Arc<Mesh>, b: &Arc<Mesh>, reach: f64) -> Vec<[Body; 2]> {
                 rotation: rng.rotation(),
                 ..still(b)
             };
-            let offset = rng.in_ball(reach * (world_a.radius + world_b.radius));
-            let by = middle(&world_a) + offset - turned.place(middle(&world_b));
+            let [vertex_a, vertex_b] = [a, b].map(|mesh| rng.pick(&mesh.vertices).as_dvec3());
+            let by = vertex_a + rng.in_ball(reach) - turned.place(vertex_b);
             [still(a), turned.moved(by)]
         })
         .collect()
@@ -64,7 +62,7 @@ fn a_robot_among_open_obstacles() {
     let (Some(scene), Some(robot)) = (data::mesh("fcl_env.obj"), data::mesh("fcl_rob.obj")) else {
         return;
     };
-    compare_pairs("robot in open scene", 20, random_poses(&scene, &robot, 0.8));
+    compare_pairs("robot in open scene", 20, random_poses(&scene, &robot)).require_few_forgiven();
 }
 
 #[test]
@@ -76,7 +74,7 @@ fn a_bunny_and_a_bar_and_stairs() {
     }
     for (i, a) in meshes.iter().enumerate() {
         for b in &meshes[i..] {
-            compare_pairs(&format!("{} {}", short(a), short(b)), 20, random_poses(a, b, 0.5));
+            compare_pairs(&format!("{} {}", short(a), short(b)), 10, random_poses(a, b)).require_few_forgiven();
         }
     }
 }
@@ -88,14 +86,17 @@ fn short(mesh: &Mesh) -> &str {
         .trim_end_matches(".obj")
 }
 
-/// Millimetre threads of 15,080 and 25,668 triangles in metres: the nut as it was drawn, and turned and lifted.
+/// Millimetre threads of 15,080 and 25,668 triangles in metres.
 #[test]
 fn a_nut_on_a_bolt() {
     let nut = data::mesh("isaacgym_factory_nut_m16_loose_subdiv_3x.obj");
     let bolt = data::mesh("isaacgym_factory_bolt_m16_loose.obj");
     let (Some(nut), Some(bolt)) = (nut, bolt) else { return };
     let still = Body::new(&bolt, DVec3::ZERO, Quat::IDENTITY, 1.0);
-    let lifted = Body::new(&nut, DVec3::Z * 0.0007, Quat::from_rotation_z(0.4), 1.0);
-    let drawn = Body::new(&nut, DVec3::ZERO, Quat::IDENTITY, 1.0);
-    compare_pairs("nut on bolt", 1, vec![[still.clone(), lifted], [still, drawn]]);
+    let nut_at = |height: f64| Body::new(&nut, DVec3::Z * height, Quat::from_rotation_z(0.4), 1.0);
+    // In one of these places the thread has room for the nut, which then neither touches nor contains anything.
+    let on_the_thread = [0.0007, 0.0053, 0.0101].map(|height| [still.clone(), nut_at(height)]);
+    compare_pairs("nut on bolt", 2, on_the_thread.into()).require_few_forgiven();
+    // As drawn it rests on the bolt's head, face on face, so that rounding decides about those faces.
+    compare_pairs("nut on the bolt's head", 1, vec![[still, nut_at(0.0)]]);
 }

@@ -30,7 +30,8 @@ impl Product {
             .collect()
     }
 
-    fn placement(&self, body: &Body) -> Placement {
+    /// A body as the product wants it.
+    pub fn placement(&self, body: &Body) -> Placement {
         let Body {
             mesh,
             translation,

@@ -98,13 +98,14 @@ impl Shapes {
 
     /// Any mesh of diameter 1.
     pub fn any(&self, rng: &mut Rng) -> &Arc<Mesh> {
+        let solids = self.solids();
         match rng.below(12) {
             0 => rng.pick(&self.soups),
             1 => &self.inward_ball,
             2 => &self.hollow_ball,
             3 => &self.two_balls,
             4 => &self.unwelded_torus,
-            _ => *rng.pick(&self.solids()),
+            _ => solids[rng.below(solids.len())],
         }
     }
 }
