@@ -7,9 +7,9 @@ use oracle::body::{Body, Mesh};
 use oracle::brute;
 use oracle::compare::{Tally, compare};
 use oracle::data;
+use oracle::parallel;
 use oracle::product::Product;
 use oracle::rng::Rng;
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -18,8 +18,8 @@ const POSES: u64 = 100;
 /// Compares all the given pairs of bodies; at least `touching` of them have to touch, or the test would be idle.
 fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) -> Tally {
     let product = Product::default();
-    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-    let one = |(case, bodies): (usize, &[Body; 2])| {
+    let one = |case: usize| {
+        let bodies = &pairs[case];
         let start = Instant::now();
         let worlds = bodies.each_ref().map(Body::world);
         let truth = brute::check(&worlds);
@@ -31,8 +31,7 @@ fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) -> Tally {
             ..compare(&format!("{name} case {case}"), bodies, &worlds, &truth, &answer)
         }
     };
-    let tallies: Vec<Tally> = pool.install(|| pairs.par_iter().enumerate().map(one).collect());
-    let tally: Tally = tallies.into_iter().sum();
+    let tally: Tally = parallel::map(pairs.len(), one).into_iter().sum();
     println!("{}\n{}", Tally::head(), tally.row(name));
     tally.require_no_failures();
     assert!(tally.touching >= touching, "only {} pairs touch", tally.touching);

@@ -10,11 +10,11 @@ use oracle::compare::{Tally, compare};
 use oracle::inside::{inside, linking_number, winding_number};
 use oracle::lattice::{self, Point};
 use oracle::margin::{depth, distance, margin};
+use oracle::parallel;
 use oracle::regimes::{REGIMES, Rule};
 use oracle::rng::Rng;
 use oracle::shapes::Shapes;
 use oracle::tritri::{Triangle, coplanar, degenerate, meet};
-use rayon::prelude::*;
 
 #[test]
 fn triangles_of_a_small_lattice_all_against_all() {
@@ -25,21 +25,19 @@ fn triangles_of_a_small_lattice_all_against_all() {
         "three by three by three points have 49 lines of three"
     );
     let real: Vec<Triangle> = triangles.iter().map(lattice::real).collect();
-    let met: usize = (0..triangles.len())
-        .into_par_iter()
-        .map(|i| {
-            let mut met = 0;
-            for j in 0..triangles.len() {
-                // Both orders of a pair come up, with different corners first.
-                let mut other = real[j];
-                other.rotate_left((i + j) % 3);
-                let expected = lattice::meet(&triangles[i], &triangles[j]);
-                assert_eq!(meet(&real[i], &other), expected, "{:?} {other:?}", real[i]);
-                met += usize::from(expected);
-            }
-            met
-        })
-        .sum();
+    let met = parallel::map(triangles.len(), |i| {
+        let mut met = 0;
+        for j in 0..triangles.len() {
+            // Both orders of a pair come up, with different corners first.
+            let mut other = real[j];
+            other.rotate_left((i + j) % 3);
+            let expected = lattice::meet(&triangles[i], &triangles[j]);
+            assert_eq!(meet(&real[i], &other), expected, "{:?} {other:?}", real[i]);
+            met += usize::from(expected);
+        }
+        met
+    });
+    let met: usize = met.iter().sum();
     println!("{met} of {} pairs meet", triangles.len() * triangles.len());
 }
 

@@ -7,10 +7,10 @@ use glam::DVec3;
 use oracle::data;
 use oracle::lattice::{self, all_triangles};
 use oracle::margin::{margin, point_to_triangle};
+use oracle::parallel;
 use oracle::tritri::{Triangle, coplanar, degenerate, edge_meets, general_position, meet, side};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rayon::prelude::*;
 
 /// Of the pair's size: a disagreement or an end of a segment nearer than this is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -166,16 +166,15 @@ proptest! {
 #[test]
 fn a_small_lattice_all_against_all() {
     let triangles: Vec<Triangle> = all_triangles(3).iter().map(lattice::real).collect();
-    let wrong: Vec<(Triangle, Triangle)> = triangles
-        .par_iter()
-        .flat_map_iter(|a| {
-            let wrong = |b: &&Triangle| {
-                let found = intersect(a, b);
-                found.is_some() != meet(a, b) || found.is_some_and(|f| f.coplanar != coplanar(a, b))
-            };
-            triangles.iter().filter(wrong).map(|b| (*a, *b)).collect::<Vec<_>>()
-        })
-        .collect();
+    let wrong_with = |i: usize| -> Vec<(Triangle, Triangle)> {
+        let a = triangles[i];
+        let wrong = |b: &&Triangle| {
+            let found = intersect(&a, b);
+            found.is_some() != meet(&a, b) || found.is_some_and(|f| f.coplanar != coplanar(&a, b))
+        };
+        triangles.iter().filter(wrong).map(|b| (a, *b)).collect()
+    };
+    let wrong = parallel::map(triangles.len(), wrong_with).concat();
     assert!(
         wrong.is_empty(),
         "{} of {} wrong: {:?}",

@@ -14,6 +14,7 @@ pub mod generators;
 pub mod inside;
 pub mod lattice;
 pub mod margin;
+pub mod parallel;
 pub mod product;
 pub mod regimes;
 pub mod rng;

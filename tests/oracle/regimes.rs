@@ -4,10 +4,10 @@ use super::body::{Body, Mesh};
 use super::brute::{self, Touch};
 use super::compare::{Tally, compare};
 use super::generators::{contact, deform, diameter, linked, linked_contact, near, placed_inside, scene};
+use super::parallel;
 use super::rng::Rng;
 use super::shapes::Shapes;
 use glam::{DVec3, Quat, Vec3};
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -364,10 +364,7 @@ impl Regime {
 
     /// Compares `answer` with the oracle over the first `cases` cases.
     pub fn run(&self, shapes: &Shapes, cases: u64, answer: &(dyn Fn(&[Body]) -> Vec<Touch> + Sync)) -> Tally {
-        let tallies: Vec<Tally> = (0..cases)
-            .into_par_iter()
-            .map(|case| self.run_case(shapes, case, answer))
-            .collect();
+        let tallies = parallel::map(cases as usize, |case| self.run_case(shapes, case as u64, answer));
         let mut tally: Tally = tallies.into_iter().sum();
         if self.rule == Rule::Exact && tally.forgiven > 0 {
             tally.failures.push(format!(
