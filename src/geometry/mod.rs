@@ -4,6 +4,7 @@
 
 mod aabb;
 pub mod cluster;
+pub mod direction;
 pub mod mass;
 pub mod mesh;
 pub mod shapes;

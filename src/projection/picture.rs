@@ -1,0 +1,121 @@
+//! The height image as a picture, and the plain form of the visible set.
+
+use super::raster::{BACKGROUND, Raster, sliver_samples, sliver_shows};
+use super::spans::Spans;
+use crate::geometry::TriMesh;
+use crate::geometry::direction::rotation;
+use glam::{DMat3, Vec3};
+
+/// A mesh drawn from a direction: what Aly & Elawady 2010 show in figure 4.
+///
+/// Both images are `size * size` pixels, row by row; row 0 is the *lowest* y, so a file with its first row on top wants
+/// them in reverse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightImage {
+    /// Side of the image in pixels.
+    pub size: u32,
+    /// Height above the lowest point of the mesh along the direction, in mesh units; 0 where nothing is seen.
+    pub heights: Vec<f32>,
+    /// The triangle seen, as an index into [`TriMesh::triangles`]; [`HeightImage::NONE`] where nothing is.
+    pub faces: Vec<u32>,
+}
+
+impl HeightImage {
+    /// Stands for no face.
+    pub const NONE: u32 = u32::MAX;
+
+    /// Draws `mesh` as seen against `direction`, that is, from far out in that direction. `size` is clamped to 16..=4096.
+    ///
+    /// The highest triangle wins a pixel, of equally high ones the one with the lowest index. A sliver (see
+    /// [`raster`](super::raster)) is drawn into the pixels its samples lie in, after all others.
+    pub fn draw(mesh: &TriMesh, direction: Vec3, size: u32) -> Self {
+        Raster::new(mesh, size).picture(&rotation(direction))
+    }
+}
+
+impl Raster {
+    /// Draws the mesh after `rotation`, seen from `+z`; see [`HeightImage::draw`].
+    pub fn picture(&self, rotation: &DMat3) -> HeightImage {
+        self.draw_plainly(rotation).0
+    }
+
+    /// [`Raster::visible`] found pixel by pixel, as the definition says: slow, and a check on the fast form.
+    pub fn visible_plainly(&self, rotation: &DMat3) -> Vec<u32> {
+        self.draw_plainly(rotation).1
+    }
+
+    fn draw_plainly(&self, rotation: &DMat3) -> (HeightImage, Vec<u32>) {
+        let size = self.size as usize;
+        let mut heights = vec![BACKGROUND; size * size];
+        let mut faces = vec![HeightImage::NONE; size * size];
+        let mut visible = Vec::new();
+        let mut slivers = Vec::new();
+        self.for_each_drawn(rotation, |t, corners, spans| {
+            let mut covers = false;
+            for_each_pixel(spans, size, |at, height| {
+                covers = true;
+                if height > heights[at] {
+                    heights[at] = height;
+                    faces[at] = t;
+                }
+            });
+            if !covers {
+                slivers.push((t, corners));
+            }
+        });
+        self.for_each_drawn(rotation, |t, _, spans| {
+            let mut highest = false;
+            for_each_pixel(spans, size, |at, height| highest |= height >= heights[at]);
+            if highest {
+                visible.push(t);
+            }
+        });
+        // All slivers are judged before the first is drawn: they do not hide each other.
+        visible.extend(
+            slivers
+                .iter()
+                .filter(|s| sliver_shows(&heights, size, s.1))
+                .map(|s| s.0),
+        );
+        visible.sort_unstable();
+        for (t, corners) in slivers {
+            for [x, y, height] in sliver_samples(corners) {
+                let at = (y + 0.5) as usize * size + (x + 0.5) as usize;
+                if height > heights[at] {
+                    heights[at] = height;
+                    faces[at] = t;
+                }
+            }
+        }
+
+        let (lowest, unit) = self.height_scale(rotation);
+        for (height, &face) in heights.iter_mut().zip(&faces) {
+            *height = if face == HeightImage::NONE {
+                0.0
+            } else {
+                ((*height - lowest).max(0.0) as f64 * unit) as f32
+            };
+        }
+        let image = HeightImage {
+            size: self.size,
+            heights,
+            faces,
+        };
+        (image, visible)
+    }
+}
+
+/// Calls `pixel` with the index and the triangle's height at every pixel centre it covers.
+fn for_each_pixel(spans: Option<Spans>, size: usize, mut pixel: impl FnMut(usize, f32)) {
+    let Some(spans) = spans else { return };
+    let (low, high) = spans.rows;
+    for y in (low..=high).step_by(4) {
+        let four = spans.four(y);
+        for k in 0..((high - y + 1) as usize).min(4) {
+            for x in four.first[k]..=four.last[k] {
+                let height = four.height[k] + spans.x_slope * (x - four.first[k]) as f32;
+                pixel((y as usize + k) * size + x as usize, height);
+            }
+        }
+    }
+}

@@ -1,0 +1,353 @@
+//! Drawing a mesh from a direction, and the triangles that can be seen from there.
+//!
+//! Aly & Elawady 2010 draw every triangle into an image of its own, heights interpolated along scan lines, and keep the
+//! highest value per pixel; the faces left over are the faces of collision of that direction. What is seen is the same
+//! here, found with less work: no image of face indices is kept and none is searched afterwards.
+//!
+//! # What counts as visible
+//!
+//! The image is square, `size` pixels wide, centred on the middle `c` of the mesh's box. The ball about `c` through the
+//! farthest vertex fills it up to a border of 1.5 pixels, the same for every direction.
+//!
+//! * A triangle *covers* the pixel centres inside it or on its edges. It is visible if at one of them no other triangle
+//!   is higher. At equal height all of the equally high ones are visible: the set then depends neither on the order of
+//!   the triangles nor on the pixel at which a tie happens to fall. (The picture has to choose and shows the lowest
+//!   index.)
+//! * A triangle that covers no centre at all, a *sliver*, competes at the pixels it touches: it is visible if one of
+//!   its sample points, at most a pixel apart, is as high as the lowest of the four surrounding pixel centres. That
+//!   errs towards visible, because a triangle missing from a group is a missed collision and one too many a little work.
+//!   A sliver never hides another triangle, which would make it visible at the other's expense.
+//! * A triangle seen edge-on (cosine below 1e-6) is not visible, so a box seen along an axis shows one side.
+//! * Of a closed surface whose faces all look outwards only those that look at the viewer are drawn: the highest point
+//!   on a line is where the line enters. This is done only where `skin::facing` has proved it for the mesh; else
+//!   all triangles are drawn from both sides.
+
+use super::skin::{self, Facing};
+use super::spans::{Pixel, Spans, block_heights};
+use crate::geometry::TriMesh;
+use crate::projection::BakeSettings;
+use glam::{DMat3, DVec3, Vec3};
+use wide::f32x4;
+
+pub use super::picture::HeightImage;
+
+/// The height of pixels that show nothing. Drawn heights are at least 1.
+pub(super) const BACKGROUND: f32 = 0.0;
+
+/// Triangles whose normal has a smaller cosine to the direction than this are edge-on. 4096 pixels high, one would be
+/// 0.004 pixels wide.
+const EDGE_ON: f32 = 1.0e-6;
+
+/// How much lower than its surroundings a sliver still counts as equally high, in pixels: rounding, with some room.
+const SLIVER_SLACK: f32 = 1.0 / 1024.0;
+
+/// A mesh made ready to be drawn from any direction.
+#[derive(Clone, Debug)]
+pub struct Raster {
+    /// Side of the image.
+    pub(super) size: u32,
+    /// Pixels per radius.
+    scale: f64,
+    /// Radius of the ball about the box's middle, in mesh units.
+    radius: f64,
+    /// The vertices that triangles use, from the middle of the box, in radii.
+    points: Vec<Vec3>,
+    /// Three indices into `points` each, turned so that the normal looks outwards if that is known.
+    triangles: Vec<[u32; 3]>,
+    /// Unit normals of `triangles`.
+    normals: Vec<Vec3>,
+    /// Whether triangles that look away are drawn.
+    two_sided: bool,
+}
+
+/// The buffers of one thread that draws; reused from direction to direction.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    projected: Vec<Pixel>,
+    depth: Vec<f32>,
+    drawn: Vec<(u32, Spans)>,
+    slivers: Vec<u32>,
+    visible: Vec<u64>,
+}
+
+/// The affine map from `Raster::points` to pixels, a column per lane-wise multiplication.
+struct View {
+    columns: [f32x4; 3],
+    origin: f32x4,
+    axes: [Vec3; 3],
+}
+
+impl Raster {
+    /// Prepares `mesh` for images of `size` pixels, clamped to what [`BakeSettings::image`] allows.
+    pub fn new(mesh: &TriMesh, size: u32) -> Self {
+        let size = size.clamp(BakeSettings::MIN_IMAGE, BakeSettings::MAX_IMAGE);
+        let bounds = mesh.aabb();
+        let center = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
+        let used = || mesh.used_positions().map(|p| p.as_dvec3() - center);
+        // A mesh has a triangle of non-zero area, so the radius is not 0.
+        let radius = used().map(DVec3::length_squared).fold(0.0, f64::max).sqrt();
+
+        let mut index = vec![u32::MAX; mesh.vertices().len()];
+        let mut points = Vec::new();
+        let mut triangles = Vec::with_capacity(mesh.triangles().len());
+        let mut normals = Vec::with_capacity(mesh.triangles().len());
+        let facing = skin::facing(mesh);
+        for (t, corners) in mesh.triangles().iter().enumerate() {
+            let [a, b, c] = mesh.corners(t).map(Vec3::as_dvec3);
+            let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+            let [a, b, c] = corners.map(|v| {
+                let slot = &mut index[v as usize];
+                if *slot == u32::MAX {
+                    *slot = points.len() as u32;
+                    points.push(((mesh.vertices()[v as usize].as_dvec3() - center) / radius).as_vec3());
+                }
+                *slot
+            });
+            let inward = facing == Facing::Inward;
+            triangles.push(if inward { [a, c, b] } else { [a, b, c] });
+            normals.push(if inward { -normal } else { normal });
+        }
+        Self {
+            size,
+            scale: f64::from(size) * 0.5 - 1.5,
+            radius,
+            points,
+            triangles,
+            normals,
+            two_sided: facing == Facing::Unknown,
+        }
+    }
+
+    /// The triangles that are visible after `rotation`, seen from `+z`, in ascending order.
+    ///
+    /// [`rotation`](crate::geometry::direction::rotation) makes the rotation of a direction.
+    pub fn visible(&self, rotation: &DMat3) -> Vec<u32> {
+        let mut scratch = Scratch::default();
+        let words = self.visible_bits(rotation, &mut scratch);
+        (0..self.triangles.len() as u32)
+            .filter(|&t| words[t as usize / 64] >> (t % 64) & 1 == 1)
+            .collect()
+    }
+
+    /// [`Raster::visible`] as a set of bits, in buffers that are reused.
+    ///
+    /// The first pass writes heights only, which leaves `max` as its inner loop. The second asks every drawn triangle
+    /// whether it is the highest anywhere and leaves it at the first pixel where it is, so for most of the visible ones
+    /// it looks at a few pixels; only the hidden ones are walked through once more.
+    pub(super) fn visible_bits<'s>(&self, rotation: &DMat3, scratch: &'s mut Scratch) -> &'s [u64] {
+        let view = self.view(rotation);
+        self.project(&view, &mut scratch.projected);
+        let Scratch {
+            projected,
+            depth,
+            drawn,
+            slivers,
+            visible,
+        } = scratch;
+        let stride = self.size as usize + 8;
+        clear(depth, projected, stride, self.size as usize);
+        drawn.clear();
+        slivers.clear();
+        visible.clear();
+        visible.resize(self.triangles.len().div_ceil(64), 0);
+
+        for t in 0..self.triangles.len() {
+            let Some(normal) = self.faces_viewer(&view, t) else {
+                continue;
+            };
+            match Spans::new(self.corners(projected, t), normal) {
+                Some(spans) if raise(depth, stride, &spans) => drawn.push((t as u32, spans)),
+                _ => slivers.push(t as u32),
+            }
+        }
+        for (t, spans) in drawn.iter() {
+            if is_highest_somewhere(depth, stride, spans) {
+                visible[*t as usize / 64] |= 1 << (t % 64);
+            }
+        }
+        for &t in slivers.iter() {
+            if sliver_shows(depth, stride, self.corners(projected, t as usize)) {
+                visible[t as usize / 64] |= 1 << (t % 64);
+            }
+        }
+        visible
+    }
+
+    fn view(&self, rotation: &DMat3) -> View {
+        let middle = f64::from(self.size) * 0.5 - 0.5;
+        let column = |v: DVec3| {
+            let v = (v * self.scale).as_vec3();
+            f32x4::new([v.x, v.y, v.z, 0.0])
+        };
+        View {
+            columns: [
+                column(rotation.x_axis),
+                column(rotation.y_axis),
+                column(rotation.z_axis),
+            ],
+            // The lowest point of the ball is at height 2, safely above the background.
+            origin: f32x4::new([middle as f32, middle as f32, (self.scale + 2.0) as f32, 0.0]),
+            axes: [0, 1, 2].map(|i| rotation.row(i).as_vec3()),
+        }
+    }
+
+    fn project(&self, view: &View, projected: &mut Vec<Pixel>) {
+        let [x, y, z] = view.columns;
+        projected.clear();
+        projected.extend(
+            self.points.iter().map(|p| {
+                (x * f32x4::splat(p.x) + y * f32x4::splat(p.y) + z * f32x4::splat(p.z) + view.origin).to_array()
+            }),
+        );
+    }
+
+    #[inline]
+    fn corners(&self, projected: &[Pixel], t: usize) -> [Pixel; 3] {
+        self.triangles[t].map(|v| projected[v as usize])
+    }
+
+    /// The normal of triangle `t` in the picture's axes, if the triangle is to be drawn.
+    #[inline]
+    fn faces_viewer(&self, view: &View, t: usize) -> Option<[f32; 3]> {
+        let normal = self.normals[t];
+        let z = normal.dot(view.axes[2]);
+        let toward = if self.two_sided { z.abs() } else { z };
+        (toward > EDGE_ON).then(|| [normal.dot(view.axes[0]), normal.dot(view.axes[1]), z])
+    }
+
+    /// What [`HeightImage`] needs: every drawn triangle with its corners and, unless no row meets it, its spans.
+    pub(super) fn for_each_drawn(&self, rotation: &DMat3, mut draw: impl FnMut(u32, [Pixel; 3], Option<Spans>)) {
+        let view = self.view(rotation);
+        let mut projected = Vec::new();
+        self.project(&view, &mut projected);
+        for t in 0..self.triangles.len() {
+            if let Some(normal) = self.faces_viewer(&view, t) {
+                let corners = self.corners(&projected, t);
+                draw(t as u32, corners, Spans::new(corners, normal));
+            }
+        }
+    }
+
+    /// The lowest projected point in pixels, and mesh units per pixel.
+    pub(super) fn height_scale(&self, rotation: &DMat3) -> (f32, f64) {
+        let mut projected = Vec::new();
+        self.project(&self.view(rotation), &mut projected);
+        let lowest = projected.iter().map(|p| p[2]).fold(f32::INFINITY, f32::min);
+        (lowest, self.radius / self.scale)
+    }
+}
+
+/// Empties the part of the depth image that drawing and sampling can reach.
+fn clear(depth: &mut Vec<f32>, projected: &[Pixel], stride: usize, size: usize) {
+    depth.resize(stride * size, BACKGROUND);
+    let (low, high) = projected.iter().fold(
+        (f32x4::splat(f32::INFINITY), f32x4::splat(f32::NEG_INFINITY)),
+        |(low, high), &p| (low.fast_min(f32x4::new(p)), high.fast_max(f32x4::new(p))),
+    );
+    let (low, high) = (low.to_array(), high.to_array());
+    // Samples look one pixel further than centres; spans are written in blocks of four.
+    let (x0, x1) = (low[0] as usize, (high[0] as usize + 6).min(stride));
+    for y in low[1] as usize..(high[1] as usize + 2).min(size) {
+        depth[y * stride + x0..y * stride + x1].fill(BACKGROUND);
+    }
+}
+
+/// Raises the depth image to the triangle's height; whether it covers any pixel centre.
+#[inline]
+fn raise(depth: &mut [f32], stride: usize, spans: &Spans) -> bool {
+    let (low, high) = spans.rows;
+    let mut covers = false;
+    let mut y = low;
+    while y <= high {
+        let rows = spans.four(y);
+        for k in 0..((high - y + 1) as usize).min(4) {
+            let (first, last) = (rows.first[k], rows.last[k]);
+            if first > last {
+                continue;
+            }
+            covers = true;
+            let width = (last - first) as usize;
+            let start = (y as usize + k) * stride + first as usize;
+            let blocks = width / 4;
+            let (pixels, _) = depth[start..start + 4 * blocks + 4].as_chunks_mut::<4>();
+            for (i, block) in pixels.iter_mut().enumerate() {
+                let mut heights = block_heights(rows.height[k], spans.x_slope, i);
+                if i == blocks {
+                    heights &= LANES[width % 4];
+                }
+                *block = f32x4::new(*block).fast_max(heights).to_array();
+            }
+        }
+        y += 4;
+    }
+    covers
+}
+
+/// Whether the triangle is as high as the finished depth image at one of its pixels.
+#[inline]
+fn is_highest_somewhere(depth: &[f32], stride: usize, spans: &Spans) -> bool {
+    let (low, high) = spans.rows;
+    // From the middle outwards and around: the ends of a partly hidden triangle are hidden more often.
+    let groups = (high - low) / 4 + 1;
+    (0..groups).map(|g| (g + groups / 2) % groups).any(|g| {
+        let y = low + 4 * g;
+        let rows = spans.four(y);
+        (0..((high - y + 1) as usize).min(4)).any(|k| {
+            let (first, last) = (rows.first[k], rows.last[k]);
+            if first > last {
+                return false;
+            }
+            let width = (last - first) as usize;
+            let start = (y as usize + k) * stride + first as usize;
+            let blocks = width / 4;
+            let (pixels, _) = depth[start..start + 4 * blocks + 4].as_chunks::<4>();
+            pixels.iter().enumerate().any(|(i, &block)| {
+                let mut highest = block_heights(rows.height[k], spans.x_slope, i).simd_ge(f32x4::new(block));
+                if i == blocks {
+                    highest &= LANES[width % 4];
+                }
+                highest.any()
+            })
+        })
+    })
+}
+
+/// All bits set in the first `i + 1` lanes, none in the rest.
+const LANES: [f32x4; 4] = {
+    const ON: f32 = f32::from_bits(u32::MAX);
+    [
+        f32x4::new([ON, 0.0, 0.0, 0.0]),
+        f32x4::new([ON, ON, 0.0, 0.0]),
+        f32x4::new([ON, ON, ON, 0.0]),
+        f32x4::new([ON, ON, ON, ON]),
+    ]
+};
+
+/// Whether a sliver is visible at one of its samples. Rows of `depth` are `stride` pixels apart.
+pub(super) fn sliver_shows(depth: &[f32], stride: usize, corners: [Pixel; 3]) -> bool {
+    sliver_samples(corners).any(|[x, y, height]| {
+        let at = y as usize * stride + x as usize;
+        let lowest = depth[at]
+            .min(depth[at + 1])
+            .min(depth[at + stride])
+            .min(depth[at + stride + 1]);
+        height >= lowest - SLIVER_SLACK
+    })
+}
+
+/// Points inside a triangle, less than a pixel apart: the centroid and, towards each corner, as many as fit.
+///
+/// A sliver is short or thin, so these three lines pass through every pixel it touches but for clipped corners.
+pub(super) fn sliver_samples(corners: [Pixel; 3]) -> impl Iterator<Item = [f32; 3]> {
+    let [a, b, c] = corners.map(|p| Vec3::new(p[0], p[1], p[2]));
+    let center = (a + b + c) / 3.0;
+    let toward = move |corner: Vec3| {
+        let way = corner - center;
+        let steps = way.x.hypot(way.y) as u32 + 1;
+        (1..steps).map(move |i| (center + way * (i as f32 / steps as f32)).to_array())
+    };
+    std::iter::once(center.to_array())
+        .chain(toward(a))
+        .chain(toward(b))
+        .chain(toward(c))
+}
