@@ -138,7 +138,7 @@ fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
     // Clusters first: thickness is found by rays that need neighbours to be neighbours in the list.
     let mesh = mesh.reordered(&cluster_order(mesh));
     let mass = MassProperties::of(&mesh);
-    let heights = SupportHeights::of(mesh.used_positions().map(|p| p - mass.center));
+    let heights = SupportHeights::of(used_once(&mesh).map(|p| p - mass.center));
     BakedMesh {
         radius: radius_about(&mesh, mass.center),
         mesh,
@@ -147,6 +147,18 @@ fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
         faces: None,
         settings,
     }
+}
+
+/// Positions of the vertices that triangles use, each once: a vertex is used six times on average.
+fn used_once(mesh: &TriMesh) -> impl Iterator<Item = Vec3> + '_ {
+    let mut used = vec![false; mesh.vertices().len()];
+    for &v in mesh.triangles().iter().flatten() {
+        used[v as usize] = true;
+    }
+    mesh.vertices()
+        .iter()
+        .zip(used)
+        .filter_map(|(v, used)| used.then_some(*v))
 }
 
 fn radius_about(mesh: &TriMesh, center: Vec3) -> f32 {

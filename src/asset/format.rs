@@ -146,7 +146,9 @@ pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
         degrees: reader.u32("the settings")?,
         image: reader.u32("the settings")?,
     };
-    super::recipe::validate(&settings).map_err(|_| FormatError::Damaged("its settings are impossible"))?;
+    settings
+        .validate()
+        .map_err(|_| FormatError::Damaged("its settings are impossible"))?;
     Ok(Header {
         baker_version,
         settings,

@@ -1,23 +1,10 @@
 //! Work that would stall Bevy's IO pool, done elsewhere and awaited.
 
 use super::loader::LoadError;
-use crate::projection::Progress;
+use crate::projection::{Progress, bake_pool};
 use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, LazyLock};
-
-/// The pool for bakes: low in width, since it shares the machine with frames.
-fn bake_pool() -> &'static rayon::ThreadPool {
-    static POOL: LazyLock<rayon::ThreadPool> = LazyLock::new(|| {
-        let threads = std::thread::available_parallelism().map_or(1, |n| (n.get() / 2).max(1));
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|i| format!("faceoff bake {i}"))
-            .build()
-            .expect("threads can be started")
-    });
-    &POOL
-}
+use std::sync::Arc;
 
 /// Runs `job` on Bevy's pool for long computations. It is meant for jobs of milliseconds: it is not interrupted.
 pub(super) async fn on_compute_pool<T: Send + 'static>(

@@ -29,7 +29,7 @@ use super::collision_mesh::CollisionMesh;
 use super::import::{ImportError, Imported, import};
 use super::jobs::{on_bake_pool, on_compute_pool};
 use super::recipe::{Recipe, RecipeError, is_recipe};
-use crate::projection::{BakeSettings, Cancelled};
+use crate::projection::{BakeSettings, Cancelled, SettingsError};
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, AssetPath, LoadContext, ParseAssetPathError, ReadAssetBytesError};
 use bevy::prelude::*;
@@ -63,7 +63,7 @@ pub enum LoadError {
     Recipe(#[from] RecipeError),
     /// The settings of the load are impossible.
     #[error("the load's settings are impossible: {0}")]
-    Settings(String),
+    Settings(#[from] SettingsError),
     /// The recipe's path is not an asset path.
     #[error("mesh: {path:?} is not an asset path ({source})")]
     MeshPath {
@@ -112,7 +112,7 @@ impl AssetLoader for CollisionMeshLoader {
     ) -> Result<CollisionMesh, LoadError> {
         let wanted = settings.bake;
         if let Some(settings) = &wanted {
-            super::recipe::validate(settings).map_err(LoadError::Settings)?;
+            settings.validate()?;
         }
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;

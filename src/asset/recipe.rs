@@ -6,7 +6,7 @@
 //!
 //! The path is relative to the recipe. `settings` and each of its fields may be left out; see [`BakeSettings`].
 
-use crate::projection::BakeSettings;
+use crate::projection::{BakeSettings, SettingsError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -41,8 +41,8 @@ pub enum RecipeError {
     #[error("mesh: {0:?} is no mesh file; name an OBJ or .faceoff file relative to the recipe")]
     Mesh(String),
     /// Settings that cannot be baked with.
-    #[error("{0}")]
-    Settings(String),
+    #[error("settings: {0}")]
+    Settings(#[from] SettingsError),
 }
 
 const LONGEST: usize = 1 << 16;
@@ -66,7 +66,7 @@ impl Recipe {
         if recipe.mesh.trim().is_empty() || is_recipe(&recipe.mesh) || recipe.mesh.contains(['#', '\0']) {
             return Err(RecipeError::Mesh(recipe.mesh));
         }
-        validate(&recipe.settings).map_err(RecipeError::Settings)?;
+        recipe.settings.validate()?;
         Ok(recipe)
     }
 
@@ -83,16 +83,4 @@ impl Recipe {
 /// Whether a file of this name is a recipe.
 pub(super) fn is_recipe(name: &str) -> bool {
     name.to_ascii_lowercase().ends_with(".bake.ron")
-}
-
-/// Whether a bake with these settings is possible.
-pub(super) fn validate(settings: &BakeSettings) -> Result<(), String> {
-    let BakeSettings { degrees, image, .. } = *settings;
-    if degrees == 0 || 90 % degrees != 0 {
-        return Err(format!("degrees: {degrees} does not divide 90"));
-    }
-    if !(16..=4096).contains(&image) {
-        return Err(format!("image: {image} is not between 16 and 4096"));
-    }
-    Ok(())
 }
