@@ -1,4 +1,19 @@
 //! Collisions between thousands of moving, concave triangle meshes, triangle by triangle, inside Bevy.
+//!
+//! The method is height projection (Aly & Elawady, "A New Narrow Phase Collision Detection Algorithm Using Height
+//! Projection", EDERC 2010), made exact: meshes are baked once ([`projection`], [`asset`]); every fixed step runs five
+//! ordered [`stages`]; results are components, messages and resources.
+//!
+//! * Add [`FaceoffPlugins`](plugin::FaceoffPlugins) after `DefaultPlugins`, or
+//!   [`FaceoffHeadlessPlugins`](plugin::FaceoffHeadlessPlugins) after `MinimalPlugins`.
+//! * Spawn a [`RigidBody`](components::RigidBody) with a [`MeshCollider`](components::MeshCollider); see [`components`]
+//!   for all that can stand beside them and [`settings`] for what holds for all bodies.
+//! * Read [`Collisions`](collisions::Collisions), [`CollidingEntities`](components::CollidingEntities) or
+//!   [`events`].
+//! * To check placed meshes without an app, call [`queries::check`].
+//!
+//! Units are metres, kilograms, seconds and radians. Bodies move in `FixedPostUpdate`, in the schedule
+//! [`FaceoffStep`](plugin::FaceoffStep).
 
 pub mod asset;
 pub mod collisions;
@@ -24,3 +39,8 @@ pub mod prelude {
     pub use crate::projection::BakeSettings;
     pub use crate::settings::{Backend, Culling, Gravity, Response};
 }
+
+/// Runs the programs of the README as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
