@@ -147,7 +147,14 @@ impl BoxGroup {
 }
 
 /// Gathers eight points.
+#[inline(always)]
 pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
-    let p: [Vec3; CLUSTER] = std::array::from_fn(at);
-    [0, 1, 2].map(|axis| f32x8::new(p.map(|p| p[axis])))
+    let mut lanes = [[0.0; CLUSTER]; 3];
+    for lane in 0..CLUSTER {
+        let p = at(lane);
+        for axis in 0..3 {
+            lanes[axis][lane] = p[axis];
+        }
+    }
+    lanes.map(f32x8::new)
 }

@@ -3,6 +3,7 @@
 mod contact;
 mod containment;
 mod cull;
+mod decide;
 mod lanes;
 mod planes;
 mod product;
@@ -73,26 +74,23 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Ta
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
     let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b]);
-    let mut last_a = None;
-    for &[ta, tb] in &product.candidates {
-        // Candidates of one triangle of `a` follow each other.
-        let corners_a = match last_a {
-            Some((t, corners)) if t == ta => corners,
-            _ => view.place_a(mesh_a.mesh.corners(ta as usize)),
+    let error = product::PLACING * (bodies.radius[a] + bodies.radius[b]);
+    product.decide(error, |decided| {
+        let [ta, tb] = decided.triangles;
+        let hit = match decided.segment {
+            Some([start, end]) => Some(contact::Segment::across(start, end)),
+            None => view.intersect(mesh_a.mesh.corners(ta as usize), mesh_b.mesh.corners(tb as usize)),
         };
-        last_a = Some((ta, corners_a));
-        let corners_b = view.place_b(mesh_b.mesh.corners(tb as usize));
-        if let Some(hit) = crate::geometry::triangle::intersect(&corners_a, &corners_b) {
-            contour.add(&corners_a, &corners_b, &hit);
-            let [start, end] = [hit.start, hit.end].map(|p| view.to_world(p));
+        if let Some(segment) = hit {
+            contour.add(&segment);
             found.faces.push(FacePair {
                 a: mesh_a.mesh.face_ids()[ta as usize],
                 b: mesh_b.mesh.face_ids()[tb as usize],
-                start,
-                end,
+                start: view.to_world(segment.start),
+                end: view.to_world(segment.end),
             });
         }
-    }
+    });
     let face_count = found.faces.len() as u32 - first_face;
     let contained = face_count == 0 && containment::either_inside(bodies, meshes, pair);
     if face_count > 0 || contained {

@@ -4,17 +4,36 @@
 //! direction in which the overlap shrinks fastest.
 
 use crate::geometry::Orientation;
-use crate::geometry::triangle::Intersection;
+use crate::geometry::triangle::intersect;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, Contact, Frame, NearPair};
 use glam::{DMat3, DVec3, Vec3};
 
-/// The pair in double precision: world axes turned into the first body's, about its origin.
+/// The pair in double precision, in the first body's axes about its centre of mass.
 pub struct PairView {
     a: Frame,
-    to_world: DMat3,
     b_matrix: DMat3,
+    a_origin: DVec3,
     b_origin: DVec3,
+}
+
+/// A segment in which two faces intersect, in the axes of [`PairView`].
+pub struct Segment {
+    pub start: DVec3,
+    pub end: DVec3,
+    /// Whether it runs along the cross product of the faces' normals, and not across a common plane.
+    directed: bool,
+}
+
+impl Segment {
+    /// Two faces in different planes; from `start` to `end` along the cross product of their normals.
+    pub fn across(start: Vec3, end: Vec3) -> Self {
+        Self {
+            start: start.as_dvec3(),
+            end: end.as_dvec3(),
+            directed: true,
+        }
+    }
 }
 
 impl PairView {
@@ -22,24 +41,37 @@ impl PairView {
         let to_a = a.rotation.transpose();
         Self {
             a: *a,
-            to_world: a.rotation,
             b_matrix: to_a * b.rotation * DMat3::from_diagonal(b.scale),
-            b_origin: to_a * (b.position - a.position),
+            a_origin: to_a * (a.position - a.center),
+            b_origin: to_a * (b.position - a.center),
         }
     }
 
-    #[inline]
-    pub fn place_a(&self, corners: [Vec3; 3]) -> [DVec3; 3] {
-        corners.map(|p| self.a.scale * p.as_dvec3())
-    }
-
-    #[inline]
-    pub fn place_b(&self, corners: [Vec3; 3]) -> [DVec3; 3] {
-        corners.map(|p| self.b_matrix * p.as_dvec3() + self.b_origin)
+    /// Decides a pair of faces, given by the corners in their meshes.
+    pub fn intersect(&self, a: [Vec3; 3], b: [Vec3; 3]) -> Option<Segment> {
+        let a = a.map(|p| self.a.scale * p.as_dvec3() + self.a_origin);
+        let b = b.map(|p| self.b_matrix * p.as_dvec3() + self.b_origin);
+        let hit = intersect(&a, &b)?;
+        let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
+        let forward = (hit.end - hit.start).dot(normal(&a).cross(normal(&b))) >= 0.0;
+        let (start, end) = if forward {
+            (hit.start, hit.end)
+        } else {
+            (hit.end, hit.start)
+        };
+        Some(Segment {
+            start,
+            end,
+            directed: !hit.coplanar,
+        })
     }
 
     pub fn to_world(&self, p: DVec3) -> Vec3 {
-        (self.to_world * p + self.a.position).as_vec3()
+        (self.a.rotation * p + self.a.center).as_vec3()
+    }
+
+    fn turn_to_world(&self, v: DVec3) -> Vec3 {
+        (self.a.rotation * v).as_vec3()
     }
 }
 
@@ -57,21 +89,16 @@ pub struct Contour {
 }
 
 impl Contour {
-    pub fn add(&mut self, a: &[DVec3; 3], b: &[DVec3; 3], hit: &Intersection) {
-        let origin = *self.origin.get_or_insert(hit.start);
-        let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
-        let along = normal(a).cross(normal(b));
-        let (mut start, mut end) = (hit.start - origin, hit.end - origin);
-        if (end - start).dot(along) < 0.0 {
-            std::mem::swap(&mut start, &mut end);
-        }
+    pub fn add(&mut self, segment: &Segment) {
+        let origin = *self.origin.get_or_insert(segment.start);
+        let (start, end) = (segment.start - origin, segment.end - origin);
         let step = end - start;
         let (length, middle) = (step.length(), (start + end) * 0.5);
         self.count += 1.0;
         self.middle += middle;
         self.length += length;
         self.weighted_middle += middle * length;
-        if !hit.coplanar {
+        if segment.directed {
             self.area += start.cross(step) * 0.5;
             self.closing += step;
         }
@@ -122,7 +149,7 @@ pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &C
     }
     let circle = contour.length * contour.length / (4.0 * std::f64::consts::PI);
     let normal = if area.length() > SIGNIFICANT * circle && sign != 0.0 {
-        (view.to_world * (area.normalize() * sign)).as_vec3()
+        view.turn_to_world(area.normalize() * sign)
     } else {
         centers
     };

@@ -1,6 +1,6 @@
 //! Which clusters of one body can touch the other body at all.
 
-use super::lanes::{Rows, bits, dot, mul, splat, sub};
+use super::lanes::{Rows, bits, dot, each, mul, splat};
 use crate::geometry::Aabb;
 use crate::stages::mesh_arena::{BoxGroup, MeshLanes, Points};
 use glam::{Mat3, Vec3};
@@ -86,17 +86,17 @@ impl Test {
         let center = mul(group.center, self.scale);
         let half = mul(group.half, self.scale_abs);
 
-        let distance = sub(center, self.own_center).map(f32x8::abs);
+        let distance = each(|i| (center[i] - self.own_center[i]).abs());
         let mut alive = within(distance, half, self.own_half);
 
         let reach = dot(center, self.axis) + dot(half, self.axis_abs);
         alive &= reach.simd_ge(self.least);
 
-        let nearest = sub(sub(center, self.sphere_center).map(f32x8::abs), half).map(|x| x.fast_max(f32x8::ZERO));
+        let nearest = each(|i| ((center[i] - self.sphere_center[i]).abs() - half[i]).fast_max(f32x8::ZERO));
         alive &= dot(nearest, nearest).simd_le(self.sphere_square);
 
         let turned = self.rotation.times(center);
-        let distance = [0, 1, 2].map(|i| (turned[i] + self.translation[i]).abs());
+        let distance = each(|i| (turned[i] + self.translation[i]).abs());
         alive &= within(distance, self.rotation_abs.times(half), self.other_half);
         alive.to_bitmask()
     }

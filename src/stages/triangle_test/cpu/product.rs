@@ -1,7 +1,8 @@
 //! Pairs of triangles that single precision cannot tell apart.
 
 use super::cull::{self, Other};
-use super::lanes::{Rows, bits, boxes_meet, cross, dot, max, min, norm1, splat, sub};
+use super::decide::{Eight, decide};
+use super::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::stages::angles::PAD;
@@ -18,8 +19,8 @@ pub struct Scratch {
     a: Vec<Placed>,
     b: Vec<Placed>,
     boxes: Vec<[Points; 2]>,
-    /// The result: triangles of the first and second mesh.
-    pub candidates: Vec<[u32; 2]>,
+    /// The result: where the triangles of the first and second mesh stand among the placed ones.
+    candidates: Vec<[u32; 2]>,
 }
 
 /// Eight triangles in the axes of the pair's first body, about its centre of mass.
@@ -39,7 +40,7 @@ struct Placed {
 }
 
 /// Error of a placed coordinate, relative to the sum of the bounding radii: a handful of roundings of `2^-24`.
-const PLACING: f32 = 1.0e-6;
+pub const PLACING: f32 = 1.0e-6;
 
 /// Fills `scratch.candidates` and tells how many pairs of triangles had overlapping boxes.
 pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch: &mut Scratch) -> u64 {
@@ -88,17 +89,19 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
         pad,
     };
 
+    let axis = splat(pair.axis);
     cull::clusters(lanes_a, scale_a, &a_from_b, nodes, clusters);
     let place_a = Place::new(Mat3::from_diagonal(scale_a), Vec3::ZERO);
     let mut around_a = Aabb::EMPTY;
     for &c in clusters.iter() {
-        let mut placed = place_a.cluster(lanes_a, c, &placing);
-        let reach = placed.corners.map(|p| dot(p, splat(pair.axis)));
+        let placed = push(a, place_a.cluster(lanes_a, c, &placing));
+        let reach = each(|k| dot(placed.corners[k], axis));
         let far = reach[0].fast_max(reach[1]).fast_max(reach[2]);
         placed.keep(far.simd_ge(f32x8::splat(pair.b_above - pad)));
         if placed.lanes != 0 {
             around_a = around_a.union(placed.aabb);
-            a.push(placed);
+        } else {
+            a.pop();
         }
     }
     if a.is_empty() {
@@ -109,14 +112,15 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     let place_b = Place::new(pair.rotation * Mat3::from_diagonal(scale_b), pair.translation);
     let mut around_b = Aabb::EMPTY;
     for &c in clusters.iter() {
-        let mut placed = place_b.cluster(lanes_b, c, &placing);
-        let reach = placed.corners.map(|p| dot(p, splat(pair.axis)));
+        let placed = push(b, place_b.cluster(lanes_b, c, &placing));
+        let reach = each(|k| dot(placed.corners[k], axis));
         let near = reach[0].fast_min(reach[1]).fast_min(reach[2]);
         placed.keep(near.simd_le(f32x8::splat(pair.a_below + pad)));
         placed.keep_inside(around_a);
         if placed.lanes != 0 {
             around_b = around_b.union(placed.aabb);
-            b.push(placed);
+        } else {
+            b.pop();
         }
     }
     a.retain_mut(|placed| {
@@ -127,6 +131,14 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
         return 0;
     }
     product(a, b, boxes, candidates)
+}
+
+/// Adds to a list and hands out what was added.
+#[inline(always)]
+fn push<T>(list: &mut Vec<T>, item: T) -> &mut T {
+    let at = list.len();
+    list.push(item);
+    &mut list[at]
 }
 
 struct Placing {
@@ -152,9 +164,9 @@ impl Place {
     #[inline]
     fn cluster(&self, mesh: &MeshLanes, cluster: u32, placing: &Placing) -> Placed {
         let Cluster { corners, lanes } = mesh.clusters[cluster as usize];
-        let corners = corners.map(|p| {
-            let p = self.matrix.times(p);
-            [0, 1, 2].map(|i| p[i] + self.translation[i])
+        let corners = each(|k| {
+            let p = self.matrix.times(corners[k]);
+            each(|i| p[i] + self.translation[i])
         });
         let [p, q, r] = corners;
         let (u, v) = (sub(q, p), sub(r, p));
@@ -169,7 +181,7 @@ impl Place {
             first: cluster * CLUSTER as u32,
             corners,
             min: sub(low, pad),
-            max: [0, 1, 2].map(|i| high[i] + pad[i]),
+            max: each(|i| high[i] + pad[i]),
             normal,
             tolerance,
             lanes,
@@ -197,26 +209,14 @@ impl Placed {
 
     fn fit(&mut self) {
         let mut around = Aabb::EMPTY;
-        let (low, high) = (
-            self.min.each_ref().map(f32x8::as_array),
-            self.max.each_ref().map(f32x8::as_array),
-        );
         for lane in bits(self.lanes) {
             around = around.union(Aabb {
-                min: Vec3::new(low[0][lane], low[1][lane], low[2][lane]),
-                max: Vec3::new(high[0][lane], high[1][lane], high[2][lane]),
+                min: lane_of(&self.min, lane),
+                max: lane_of(&self.max, lane),
             });
         }
         self.aabb = around;
     }
-
-    fn corner(&self, k: usize, lane: usize) -> Vec3 {
-        lane_of(&self.corners[k], lane)
-    }
-}
-
-fn lane_of(p: &Points, lane: usize) -> Vec3 {
-    Vec3::new(p[0].as_array()[lane], p[1].as_array()[lane], p[2].as_array()[lane])
 }
 
 fn scaled(aabb: Aabb, scale: Vec3) -> Aabb {
@@ -226,16 +226,20 @@ fn scaled(aabb: Aabb, scale: Vec3) -> Aabb {
 /// All clusters of `a` against all of `b`: boxes of clusters, boxes of triangles, planes.
 fn product(a: &[Placed], b: &[Placed], boxes: &mut Vec<[Points; 2]>, candidates: &mut Vec<[u32; 2]>) -> u64 {
     boxes.clear();
-    boxes.extend(b.chunks(CLUSTER).map(|run| {
-        let lane = |i: usize| run.get(i).map_or(Aabb::EMPTY, |p| p.aabb);
-        [points(|i| lane(i).min), points(|i| lane(i).max)]
-    }));
+    for run in b.chunks(CLUSTER) {
+        let mut lanes = [Aabb::EMPTY; CLUSTER];
+        for (lane, placed) in lanes.iter_mut().zip(run) {
+            *lane = placed.aabb;
+        }
+        boxes.push([points(|i| lanes[i].min), points(|i| lanes[i].max)]);
+    }
     let mut tests = 0;
-    for ca in a {
+    for (i, ca) in a.iter().enumerate() {
         let (low, high) = (splat(ca.aabb.min), splat(ca.aabb.max));
         for (run, [min, max]) in boxes.iter().enumerate() {
             for lane in bits(boxes_meet(low, high, *min, *max).to_bitmask()) {
-                tests += cluster_pair(ca, &b[run * CLUSTER + lane], candidates);
+                let j = run * CLUSTER + lane;
+                tests += cluster_pair(i, ca, j, &b[j], candidates);
             }
         }
     }
@@ -243,7 +247,7 @@ fn product(a: &[Placed], b: &[Placed], boxes: &mut Vec<[Points; 2]>, candidates:
 }
 
 #[inline]
-fn cluster_pair(a: &Placed, b: &Placed, candidates: &mut Vec<[u32; 2]>) -> u64 {
+fn cluster_pair(index_a: usize, a: &Placed, index_b: usize, b: &Placed, candidates: &mut Vec<[u32; 2]>) -> u64 {
     let meet = boxes_meet(a.min, a.max, splat(b.aabb.min), splat(b.aabb.max));
     let mut tests = 0;
     for i in bits(meet.to_bitmask() & a.lanes) {
@@ -254,9 +258,7 @@ fn cluster_pair(a: &Placed, b: &Placed, candidates: &mut Vec<[u32; 2]>) -> u64 {
         }
         tests += overlapping.count_ones() as u64;
         for j in bits(overlapping & !beside_plane(a, i, b)) {
-            if !plane_separates(b, j, a, i) {
-                candidates.push([a.first + i as u32, b.first + j as u32]);
-            }
+            candidates.push([index_a * CLUSTER + i, index_b * CLUSTER + j].map(|at| at as u32));
         }
     }
     tests
@@ -265,21 +267,66 @@ fn cluster_pair(a: &Placed, b: &Placed, candidates: &mut Vec<[u32; 2]>) -> u64 {
 /// Lanes of `b` that lie wholly on one side of the plane of `a`'s triangle `i`.
 #[inline]
 fn beside_plane(a: &Placed, i: usize, b: &Placed) -> u32 {
-    let origin = splat(a.corner(0, i));
+    let origin = splat(lane_of(&a.corners[0], i));
     let normal = splat(lane_of(&a.normal, i));
     let tolerance = f32x8::splat(a.tolerance.as_array()[i]);
-    let heights = b.corners.map(|p| dot(sub(p, origin), normal));
+    let height = |k: usize| dot(sub(b.corners[k], origin), normal);
+    let heights = [height(0), height(1), height(2)];
     let lowest = heights[0].fast_min(heights[1]).fast_min(heights[2]);
     let highest = heights[0].fast_max(heights[1]).fast_max(heights[2]);
     (lowest.simd_gt(tolerance) | highest.simd_lt(-tolerance)).to_bitmask()
 }
 
-/// Whether triangle `j` of `b` has all of `a`'s triangle `i` on one side of its plane.
-#[inline]
-fn plane_separates(b: &Placed, j: usize, a: &Placed, i: usize) -> bool {
-    let origin = b.corner(0, j);
-    let normal = lane_of(&b.normal, j);
-    let tolerance = b.tolerance.as_array()[j];
-    let heights = Vec3::from_array([0, 1, 2].map(|k| (a.corner(k, i) - origin).dot(normal)));
-    heights.min_element() > tolerance || heights.max_element() < -tolerance
+/// One candidate, decided.
+pub struct Decided {
+    /// Triangles of the first and second mesh.
+    pub triangles: [u32; 2],
+    /// The common segment about the first body's centre in its axes; `None` if single precision cannot tell.
+    pub segment: Option<[Vec3; 2]>,
+}
+
+impl Scratch {
+    /// Goes through the candidates in order, and reports those that intersect and those that may.
+    pub fn decide(&self, error: f32, mut report: impl FnMut(Decided)) {
+        for run in self.candidates.chunks(CLUSTER) {
+            // Lanes without a candidate repeat the last.
+            let pairs: [[u32; 2]; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
+            let a = gather(&self.a, pairs.map(|[a, _]| a));
+            let b = gather(&self.b, pairs.map(|[_, b]| b));
+            let verdicts = decide(&a, &b, error);
+            let wanted = (1u32 << run.len()) - 1;
+            for lane in bits((verdicts.hit | verdicts.unsure) & wanted) {
+                let [at_a, at_b] = pairs[lane];
+                report(Decided {
+                    triangles: [triangle(&self.a, at_a), triangle(&self.b, at_b)],
+                    segment: (verdicts.hit >> lane & 1 == 1).then(|| verdicts.segment(lane)),
+                });
+            }
+        }
+    }
+}
+
+fn triangle(placed: &[Placed], at: u32) -> u32 {
+    placed[at as usize / CLUSTER].first + at % CLUSTER as u32
+}
+
+/// Brings eight triangles from anywhere among the placed ones together.
+fn gather(placed: &[Placed], at: [u32; CLUSTER]) -> Eight {
+    let mut out = [[0f32; CLUSTER]; 13];
+    for (lane, at) in at.into_iter().enumerate() {
+        let (from, i) = (&placed[at as usize / CLUSTER], at as usize % CLUSTER);
+        for k in 0..3 {
+            for axis in 0..3 {
+                out[3 * k + axis][lane] = from.corners[k][axis].as_array()[i];
+            }
+            out[9 + k][lane] = from.normal[k].as_array()[i];
+        }
+        out[12][lane] = from.tolerance.as_array()[i];
+    }
+    let at = |row: usize| each(|i| f32x8::new(out[row + i]));
+    Eight {
+        corners: [at(0), at(3), at(6)],
+        normal: at(9),
+        tolerance: f32x8::new(out[12]),
+    }
 }
