@@ -238,9 +238,9 @@ impl Oracle {
         }
         tally.directions += 1;
         tally.visible += visible.len();
-        for t in 0..self.triangles.len() {
+        for (t, hits) in hits.iter().enumerate() {
             let seen = visible.binary_search(&(t as u32)).is_ok();
-            if hits[t].is_empty() {
+            if hits.is_empty() {
                 let corners = self.triangles[t];
                 let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
                 if normal.z.abs() < 1.0e-5 * normal.length() {
@@ -262,13 +262,13 @@ impl Oracle {
                 tally.extra += usize::from(seen && !top);
                 continue;
             }
-            let must = hits[t].iter().any(|&(at, inside, height)| {
+            let must = hits.iter().any(|&(at, inside, height)| {
                 let other = possible[at].iter().find(|o| o.1 != t).expect("two of them");
                 inside > MARGIN && height > other.0 + MARGIN
             });
-            let may = hits[t].iter().any(|&(at, _, height)| height >= sure[at] - MARGIN);
+            let may = hits.iter().any(|&(at, _, height)| height >= sure[at] - MARGIN);
             // Possibly covered, but not surely: the product may treat it as a sliver.
-            let border = hits[t].iter().all(|h| h.1 <= MARGIN);
+            let border = hits.iter().all(|h| h.1 <= MARGIN);
             assert!(seen || !must, "triangle {t} is visible but not found");
             if seen && !may && !border {
                 // Steep triangles: their height at the border varies by more than the margin.

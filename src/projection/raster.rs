@@ -23,7 +23,7 @@
 //!   all triangles are drawn from both sides.
 
 use super::skin::{self, Facing};
-use super::spans::{Pixel, Spans, block_heights};
+use super::spans::{Pixel, SpanHeights, Spans};
 use crate::geometry::TriMesh;
 use crate::projection::BakeSettings;
 use glam::{DMat3, DVec3, Vec3};
@@ -268,15 +268,16 @@ fn raise(depth: &mut [f32], stride: usize, spans: &Spans) -> bool {
             covers = true;
             let width = (last - first) as usize;
             let start = (y as usize + k) * stride + first as usize;
-            let blocks = width / 4;
-            let (pixels, _) = depth[start..start + 4 * blocks + 4].as_chunks_mut::<4>();
-            for (i, block) in pixels.iter_mut().enumerate() {
-                let mut heights = block_heights(rows.height[k], spans.x_slope, i);
-                if i == blocks {
-                    heights &= LANES[width % 4];
-                }
-                *block = f32x4::new(*block).fast_max(heights).to_array();
+            let (pixels, _) = depth[start..start + width / 4 * 4 + 4].as_chunks_mut::<4>();
+            let Some((end, body)) = pixels.split_last_mut() else {
+                continue;
+            };
+            let mut heights = SpanHeights::new(rows.height[k], spans.x_slope);
+            for block in body {
+                *block = f32x4::new(*block).fast_max(heights.next()).to_array();
             }
+            let heights = heights.next() & LANES[width % 4];
+            *end = f32x4::new(*end).fast_max(heights).to_array();
         }
         y += 4;
     }
@@ -299,15 +300,14 @@ fn is_highest_somewhere(depth: &[f32], stride: usize, spans: &Spans) -> bool {
             }
             let width = (last - first) as usize;
             let start = (y as usize + k) * stride + first as usize;
-            let blocks = width / 4;
-            let (pixels, _) = depth[start..start + 4 * blocks + 4].as_chunks::<4>();
-            pixels.iter().enumerate().any(|(i, &block)| {
-                let mut highest = block_heights(rows.height[k], spans.x_slope, i).simd_ge(f32x4::new(block));
-                if i == blocks {
-                    highest &= LANES[width % 4];
-                }
-                highest.any()
-            })
+            let (pixels, _) = depth[start..start + width / 4 * 4 + 4].as_chunks::<4>();
+            let Some((&end, body)) = pixels.split_last() else {
+                return false;
+            };
+            let mut heights = SpanHeights::new(rows.height[k], spans.x_slope);
+            body.iter()
+                .any(|&block| heights.next().simd_ge(f32x4::new(block)).any())
+                || (heights.next().simd_ge(f32x4::new(end)) & LANES[width % 4]).any()
         })
     })
 }
