@@ -149,7 +149,7 @@ impl Spans {
     }
 }
 
-/// The heights along a span, four pixels at a time: `first + x_slope * i` for `i` = 0, 1, 2, ...
+/// The heights along a span, four pixels at a time: `first + x_slope * i` for `i` = 0, 1, 2, ..., and `i` itself.
 pub(super) struct SpanHeights {
     first: f32x4,
     x_slope: f32x4,
@@ -168,9 +168,9 @@ impl SpanHeights {
     }
 
     #[inline]
-    pub fn next(&mut self) -> f32x4 {
-        let heights = self.first + self.x_slope * self.i;
-        self.i += f32x4::splat(4.0);
-        heights
+    pub fn next(&mut self) -> (f32x4, f32x4) {
+        let i = self.i;
+        self.i = i + f32x4::splat(4.0);
+        (self.first + self.x_slope * i, i)
     }
 }
