@@ -22,8 +22,10 @@ fn main() {
     println!("{} threads, best of {runs}\n", pool.current_num_threads());
     let meshes = [("torus", torus(12, 10)), ("knot", knot(56, 10))];
 
-    println!("| mesh | image | visible, plain | visible, ours | directions that differ from the slow form |");
-    println!("|---|---|---|---|---|");
+    println!(
+        "| mesh | image | visible, plain | by plain alone | visible, ours | directions that differ from the slow form |"
+    );
+    println!("|---|---|---|---|---|---|");
     for (name, mesh) in &meshes {
         for image in [64, 256] {
             compare(name, mesh, image);
@@ -53,25 +55,32 @@ fn main() {
     }
 }
 
-/// The fast form's sets must be those of the slow one, and contain what the plain one sees.
+/// The fast form's sets must be those of the slow one. The plain one sees fewer triangles: it knows no slivers and shows
+/// one of several equally high ones. What it alone sees are backs at silhouettes, where rounding lifts them.
 fn compare(name: &str, mesh: &TriMesh, image: u32) {
     let grid = DirectionGrid::new(1).expect("1 divides 90");
     let raster = Raster::new(mesh, image);
     let mut buffers = Plain::default();
-    let (mut plain_sum, mut sum, mut differ, mut count) = (0, 0, 0, 0);
+    let (mut plain_sum, mut alone, mut sum, mut differ, mut count) = (0, 0, 0, 0, 0);
     for direction in (0..grid.len()).step_by(211).chain([grid.len() - 1]) {
         let rotation = grid.rotation(direction);
         let visible = raster.visible(&rotation);
         differ += usize::from(visible != raster.visible_plainly(&rotation));
         let plain = buffers.visible(mesh, &rotation, image as usize, false);
         plain_sum += plain.iter().map(|w| w.count_ones() as usize).sum::<usize>();
+        let own = visible
+            .iter()
+            .filter(|&&t| plain[t as usize / 64] >> (t % 64) & 1 == 1)
+            .count();
+        alone += plain.iter().map(|w| w.count_ones() as usize).sum::<usize>() - own;
         sum += visible.len();
         count += 1;
     }
     let mean = |n: usize| n as f64 / count as f64;
     println!(
-        "| {name} | {image} | {:.1} | {:.1} | {differ} of {count} |",
+        "| {name} | {image} | {:.1} | {:.3} | {:.1} | {differ} of {count} |",
         mean(plain_sum),
+        mean(alone),
         mean(sum)
     );
     assert_eq!(differ, 0, "the fast form sees something else");
@@ -232,14 +241,13 @@ impl Plain {
         if a.y > b.y {
             std::mem::swap(&mut a, &mut b);
         }
-        for (low, high, other) in [(a, b, c), (b, c, a)] {
+        for (low, high) in [(a, b), (b, c)] {
             let (first, last) = (up(low.y), high.y as i32);
             if first > last || low.y == high.y {
                 continue;
             }
             let short = (high - low) / (high.y - low.y);
             let long = (c - a) / (c.y - a.y);
-            let _ = other;
             for y in first..=last {
                 let on_short = low + short * (y as f32 - low.y);
                 let on_long = a + long * (y as f32 - a.y);

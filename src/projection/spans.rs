@@ -149,9 +149,28 @@ impl Spans {
     }
 }
 
-/// Heights of the pixels `i = 4 * block .. 4 * block + 4` of a span.
-#[inline]
-pub(super) fn block_heights(first: f32, x_slope: f32, block: usize) -> f32x4 {
-    let i = f32x4::splat((4 * block) as f32) + f32x4::new([0.0, 1.0, 2.0, 3.0]);
-    f32x4::splat(first) + f32x4::splat(x_slope) * i
+/// The heights along a span, four pixels at a time: `first + x_slope * i` for `i` = 0, 1, 2, ..., and `i` itself.
+pub(super) struct SpanHeights {
+    first: f32x4,
+    x_slope: f32x4,
+    /// Small whole numbers, so counting on is exact.
+    i: f32x4,
+}
+
+impl SpanHeights {
+    #[inline]
+    pub fn new(first: f32, x_slope: f32) -> Self {
+        Self {
+            first: f32x4::splat(first),
+            x_slope: f32x4::splat(x_slope),
+            i: f32x4::new([0.0, 1.0, 2.0, 3.0]),
+        }
+    }
+
+    #[inline]
+    pub fn next(&mut self) -> (f32x4, f32x4) {
+        let i = self.i;
+        self.i = i + f32x4::splat(4.0);
+        (self.first + self.x_slope * i, i)
+    }
 }
