@@ -115,8 +115,8 @@ impl Bodies {
         if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
             return Err(BodyFault::ZeroScale(body.scale));
         }
-        // A NaN from an overflow above must not pass, hence the negation.
-        if !(body.position.abs().max_element() + radius <= MAX_COORDINATE) {
+        let reach = body.position.abs().max_element() + radius;
+        if reach.is_nan() || reach > MAX_COORDINATE {
             return Err(BodyFault::TooFar);
         }
         if let Some(mass) = body.mass.filter(|&m| m <= 0.0) {

@@ -149,12 +149,9 @@ impl BoxGroup {
 /// Gathers eight points.
 #[inline(always)]
 pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
-    let mut lanes = [[0.0; CLUSTER]; 3];
-    for lane in 0..CLUSTER {
-        let p = at(lane);
-        for axis in 0..3 {
-            lanes[axis][lane] = p[axis];
-        }
+    let (mut x, mut y, mut z) = ([0.0; CLUSTER], [0.0; CLUSTER], [0.0; CLUSTER]);
+    for (lane, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
+        [*x, *y, *z] = at(lane).to_array();
     }
-    lanes.map(f32x8::new)
+    [x, y, z].map(f32x8::new)
 }

@@ -32,7 +32,7 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
     let frame = &bodies.frame[body];
     let normal = plane.normal.as_dvec3();
     let height = (normal.dot(frame.center) - plane.distance as f64) as f32;
-    if !(height < bodies.radius[body]) {
+    if height >= bodies.radius[body] {
         return None;
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
