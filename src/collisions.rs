@@ -20,7 +20,7 @@ pub struct Collision<'a> {
     pub entity1: Entity,
     /// The other.
     pub entity2: Entity,
-    /// One lies wholly inside the other, which is closed; there are no intersecting faces then.
+    /// One is closed and has the other, or a connected component of it, inside; no faces intersect then.
     pub contained: bool,
     /// Where they push each other; the normal points from the first to the second.
     pub contact: Contact,

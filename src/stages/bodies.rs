@@ -34,6 +34,12 @@ pub enum BodyFault {
     /// The normal of a plane has no length.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
+    /// It is a child of another entity.
+    #[error("it is a child of another entity, and its Transform no pose in the world: make it a root entity")]
+    Child,
+    /// Its mesh is nowhere, and is not on its way either.
+    #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
+    MeshMissing,
     /// Its mesh could not be loaded.
     #[error(
         "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
