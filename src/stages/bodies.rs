@@ -34,6 +34,9 @@ pub enum BodyFault {
     /// The normal of a plane has no length.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
+    /// The distance of a plane is NaN or infinite.
+    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
+    PlaneDistance(f32),
     /// Its mesh could not be loaded.
     #[error(
         "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
