@@ -28,8 +28,8 @@ pub enum BodyFault {
     /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
     #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
     TooFar,
-    /// Its mass is not positive.
-    #[error("its mass {0} is not positive")]
+    /// Its mass is not positive, or so small that its inverse is not finite.
+    #[error("its mass {0} is not positive or vanishingly small: set one of at least 1e-38")]
     Mass(f32),
     /// The normal of a plane has no length.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
@@ -40,6 +40,9 @@ pub enum BodyFault {
     /// Its mesh is nowhere, and is not on its way either.
     #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
     MeshMissing,
+    /// The distance of a plane is NaN or infinite.
+    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
+    PlaneDistance(f32),
     /// Its mesh could not be loaded.
     #[error(
         "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
@@ -134,6 +137,9 @@ impl Bodies {
         // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
         let radius = radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
         let (inverse_mass, inverse_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
+        if !inverse_mass.is_finite() {
+            return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
+        }
 
         self.mesh.push(body.mesh);
         self.kind.push(body.kind);

@@ -4,6 +4,7 @@ use crate::asset::CollisionMesh;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use glam::Vec3;
+use std::collections::HashSet;
 use std::ops::Index;
 use wide::f32x8;
 
@@ -28,6 +29,8 @@ pub struct MeshSlot {
 pub struct MeshLanes {
     /// Triangles in clusters of eight.
     pub clusters: Vec<Cluster>,
+    /// The corners of all triangles, each position once, and one bit for each lane that holds one.
+    pub vertices: Vec<(Points, u32)>,
     /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
     /// Box of the whole mesh.
@@ -103,6 +106,20 @@ impl MeshLanes {
                 lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
             })
             .collect();
+        let mut seen = HashSet::new();
+        let positions: Vec<Vec3> = mesh
+            .used_positions()
+            // Adding zero turns -0 into 0.
+            .filter(|p| seen.insert((*p + Vec3::ZERO).to_array().map(f32::to_bits)))
+            .map(|p| p - center)
+            .collect();
+        let vertices = positions
+            .chunks(CLUSTER)
+            .map(|run| {
+                let held = points(|lane| run[lane.min(run.len() - 1)]);
+                (held, (1u32 << run.len()) - 1)
+            })
+            .collect();
 
         let mut levels = Vec::new();
         let mut nodes = merge(&boxes);
@@ -116,6 +133,7 @@ impl MeshLanes {
         }
         Self {
             clusters,
+            vertices,
             levels,
             aabb,
             longest_side: boxes.iter().map(|b| (b.max - b.min).max_element()).fold(0.0, f32::max),

@@ -218,7 +218,7 @@ pub struct PlaneContact {
     pub body: u32,
     /// Index of the half-space.
     pub plane: u32,
-    /// Mean of the vertices inside, in the world.
+    /// Mean of the vertices inside, weighted by depth, in the world.
     pub point: Vec3,
     /// How far the deepest vertex is inside, metres.
     pub depth: f32,

@@ -139,8 +139,11 @@ fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Resul
         .normal
         .try_normalize()
         .ok_or(BodyFault::PlaneNormal(plane.normal))?;
-    if !plane.distance.is_finite() || !restitution.is_finite() {
-        return Err(BodyFault::NonFinitePose);
+    if !plane.distance.is_finite() {
+        return Err(BodyFault::PlaneDistance(plane.distance));
+    }
+    if !restitution.is_finite() {
+        return Err(BodyFault::NonFiniteMotion);
     }
     Ok(Plane {
         normal,

@@ -22,13 +22,11 @@ struct Arguments {
     command: Command,
 }
 
+// Each command's help stands with its options: a line here would hide all but the first sentence there.
 #[derive(Subcommand)]
 enum Command {
-    /// Run the paper's scene: bodies in a box with random poses, sizes and velocities.
     Simulate(simulate::Options),
-    /// Find all touching pairs of a set of placed meshes.
     Check(check::Options),
-    /// Bake meshes into .faceoff files, skipping what is up to date.
     Bake(bake::Options),
     /// Draw a mesh as the bake sees it: heights as colours, and the faces that are seen.
     Image(image::Options),

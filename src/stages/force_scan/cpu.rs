@@ -42,10 +42,16 @@ pub fn run(state: &mut StepState) {
             .filter(|pair| pushes(bodies, pair))
             .flat_map_iter(|pair| pair.bodies.into_iter().zip(pair_impulses(bodies, config, counts, pair))),
     );
-    entries.par_extend(contacts.planes.par_iter().map(|contact| {
-        let plane = &planes[contact.plane as usize];
-        (contact.body, plane_impulse(bodies, config, counts, plane, contact))
-    }));
+    entries.par_extend(
+        contacts
+            .planes
+            .par_iter()
+            .filter(|contact| !bodies.sensor[contact.body as usize])
+            .map(|contact| {
+                let plane = &planes[contact.plane as usize];
+                (contact.body, plane_impulse(bodies, config, counts, plane, contact))
+            }),
+    );
     // Stable, so that each body's entries stay in the order of pairs and the sum does not depend on threads.
     entries.par_sort_by_key(|&(body, _)| body);
 

@@ -26,7 +26,9 @@ fn count_contacts(bodies: &Bodies, contacts: &Contacts, counts: &mut Vec<u32>) {
         }
     }
     for contact in &contacts.planes {
-        counts[contact.body as usize] += 1;
+        if !bodies.sensor[contact.body as usize] {
+            counts[contact.body as usize] += 1;
+        }
     }
 }
 
