@@ -5,7 +5,9 @@ use crate::stages::state::{Contact, Contacts, FacePair, TouchingPair};
 use bevy::prelude::*;
 use std::time::Duration;
 
-/// All pairs of bodies that touched in the last fixed step.
+/// All pairs of bodies that touched in the last fixed step; planes are not among them.
+///
+/// "Ascending" and "smaller" are meant in the order of [`Entity`], in which a younger entity may come first.
 #[derive(Resource, Debug, Default)]
 pub struct Collisions {
     /// Ascending, so that body indices are in the order of entities.

@@ -48,7 +48,8 @@ pub struct Cluster {
     pub lanes: u32,
 }
 
-/// Eight boxes, by centre and half size. A lane without a box has a hugely negative half size, which overlaps nothing.
+/// Eight boxes, by centre and half size. A lane without a box has a half size of minus infinity, which overlaps nothing:
+/// all comparisons with what comes of it fail.
 #[derive(Clone, Copy)]
 pub struct BoxGroup {
     /// Centres.
@@ -56,8 +57,6 @@ pub struct BoxGroup {
     /// Half sizes.
     pub half: Points,
 }
-
-const NO_BOX: f32 = -1.0e21;
 
 impl MeshArena {
     /// Adds a mesh and tells its slot.
@@ -155,7 +154,7 @@ impl BoxGroup {
             center: points(|lane| boxes.get(lane).map_or(Vec3::ZERO, |b| b.center())),
             // Rounding the centre must not shrink the box.
             half: points(|lane| {
-                boxes.get(lane).map_or(Vec3::splat(NO_BOX), |b| {
+                boxes.get(lane).map_or(Vec3::NEG_INFINITY, |b| {
                     let c = b.center();
                     (b.max - c).max(c - b.min)
                 })

@@ -35,7 +35,7 @@ pub(crate) struct BodyComponents {
 pub(crate) fn collect(
     mut step: ResMut<Step>,
     bodies: Query<BodyComponents>,
-    planes: Query<(Entity, &PlaneCollider, Option<&Restitution>)>,
+    planes: Query<(Entity, &PlaneCollider, Option<&Restitution>, Has<MeshCollider>)>,
     meshes: Res<Assets<CollisionMesh>>,
     assets: Res<AssetServer>,
     time: Res<Time>,
@@ -86,7 +86,11 @@ pub(crate) fn collect(
     sorted.sort_unstable_by_key(|&(entity, ..)| entity);
     step.planes.clear();
     step.state.planes.clear();
-    for (entity, plane, restitution) in sorted {
+    for (entity, plane, restitution, is_body) in sorted {
+        if is_body {
+            faults.push((entity, BodyFault::PlaneOnBody));
+            continue;
+        }
         match half_space(plane, restitution) {
             Ok(plane) => {
                 step.planes.push(entity);
@@ -135,10 +139,13 @@ fn slot(
 
 fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Result<Plane, BodyFault> {
     let restitution = restitution.map_or(0.0, |r| r.coefficient);
+    // In double precision no finite vector is too long or too short.
     let normal = plane
         .normal
+        .as_dvec3()
         .try_normalize()
-        .ok_or(BodyFault::PlaneNormal(plane.normal))?;
+        .ok_or(BodyFault::PlaneNormal(plane.normal))?
+        .as_vec3();
     if !plane.distance.is_finite() {
         return Err(BodyFault::PlaneDistance(plane.distance));
     }

@@ -4,6 +4,7 @@ use crate::app::{Sim, assert_near, resting};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::stages::bodies::BodyFault;
 use std::time::{Duration, Instant};
 
 fn assets(sim: &mut Sim) -> Mut<'_, Assets<CollisionMesh>> {
@@ -19,6 +20,12 @@ fn insert(sim: &mut Sim, collider: &MeshCollider, mesh: &TriMesh) {
 /// Two sensors 1.2 apart: cubes of edge 1 do not touch, cubes of edge 2 do.
 fn two(sim: &mut Sim, mesh: &MeshCollider) -> [Entity; 2] {
     [0.0, 1.2].map(|x| sim.spawn((resting(mesh, Vec3::new(x, 0.1, 0.0)), Sensor)))
+}
+
+/// Bodies reported for a mesh that is not there, all reports being of that kind.
+fn told_missing(sim: &Sim) -> Vec<Entity> {
+    assert!(sim.rejected.iter().all(|r| r.fault == BodyFault::MeshMissing));
+    sim.rejected.iter().map(|r| r.entity).collect()
 }
 
 #[test]
@@ -38,7 +45,11 @@ fn a_body_joins_when_its_mesh_arrives() {
     assert_eq!(sim.report().bodies, 2);
     assert!(sim.touch(waiting, there));
     assert_near(sim.position(waiting), Vec3::Y * 0.25, 1e-5);
-    assert!(sim.rejected.is_empty(), "waiting is no fault");
+    assert_eq!(
+        told_missing(&sim),
+        [waiting],
+        "once, while nobody had inserted the mesh"
+    );
 }
 
 #[test]
@@ -122,7 +133,7 @@ fn a_body_whose_mesh_is_removed_waits_and_returns_with_the_mesh() {
     sim.step(1);
     assert!(sim.touch(one, other) && sim.touch(torus, other));
     assert_eq!(sim.report().bodies, 3);
-    assert!(sim.rejected.is_empty());
+    assert_eq!(told_missing(&sim), [one]);
 }
 
 #[test]
@@ -158,7 +169,7 @@ fn a_mesh_is_let_go_with_its_last_body() {
 }
 
 #[test]
-fn a_default_handle_waits_for_ever_and_disturbs_nobody() {
+fn a_default_handle_is_told_once_and_disturbs_nobody() {
     let mut sim = Sim::new();
     let cube = sim.mesh(&shapes::cube(1.0));
     let none = sim.spawn((
@@ -170,5 +181,6 @@ fn a_default_handle_waits_for_ever_and_disturbs_nobody() {
     assert_eq!(sim.report().bodies, 1);
     assert_eq!(sim.position(none), Vec3::ZERO);
     assert!(sim.position(body).x > 0.1);
-    assert!(sim.rejected.is_empty() && sim.started.is_empty());
+    assert_eq!(told_missing(&sim), [none]);
+    assert!(sim.started.is_empty());
 }
