@@ -3,6 +3,7 @@
 
 mod bake;
 mod check;
+mod picture;
 mod simulate;
 
 use assert_cmd::Command;
