@@ -102,3 +102,39 @@ fn inspect_tells_what_a_mesh_and_a_baked_file_hold() {
     );
     folder.bad(&["inspect", "none.obj"], &["none.obj"]);
 }
+
+#[test]
+fn frames_show_the_bodies_of_every_kth_step_and_of_the_last() {
+    let folder = Folder::new();
+    folder.good(&[
+        "simulate",
+        "--bodies",
+        "30",
+        "--steps",
+        "5",
+        "--frames",
+        "deep/frames",
+        "--every",
+        "2",
+    ]);
+    let mut files: Vec<_> = std::fs::read_dir(folder.path("deep/frames"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort_unstable();
+    assert_eq!(files, ["frame_000002.png", "frame_000004.png", "frame_000005.png"]);
+    let [first, last] = ["deep/frames/frame_000002.png", "deep/frames/frame_000005.png"].map(|f| png(&folder, f));
+    assert_eq!(first.dimensions(), (960, 720));
+    let bodies = coloured(&first, [0, 0], 960);
+    assert!((20_000..400_000).contains(&bodies), "{bodies} coloured pixels");
+    assert_ne!(first, last, "the bodies move");
+    folder.write("file", "");
+    folder.bad(
+        &["simulate", "--bodies", "1", "--steps", "1", "--frames", "file/x"],
+        &["file/x"],
+    );
+    folder.bad(
+        &["simulate", "--bodies", "1", "--steps", "1", "--json", "file/x"],
+        &["file/x"],
+    );
+}

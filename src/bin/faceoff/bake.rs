@@ -36,7 +36,7 @@ pub struct Options {
 /// Runs the command: every mesh is tried, and any failure makes the whole fail.
 pub fn run(options: &Options) -> Outcome {
     let folder = options.output.as_path();
-    fs::create_dir_all(folder).map_err(|e| format!("cannot make the folder {}: {e}", folder.display()))?;
+    output::folder(folder)?;
     let targets = targets(options)?;
     let pool = rayon::ThreadPoolBuilder::new().build()?;
     let mut failed = 0;

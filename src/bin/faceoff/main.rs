@@ -3,6 +3,7 @@
 mod bake;
 mod canvas;
 mod check;
+mod frames;
 mod image;
 mod inspect;
 mod mesh;

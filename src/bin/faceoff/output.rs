@@ -6,14 +6,23 @@ use std::fs::File;
 use std::io::{BufWriter, Write, stdout};
 use std::path::Path;
 
+/// Opens `path` for writing, or standard output if that is `-`.
+pub fn create(path: &Path) -> Outcome<Box<dyn Write>> {
+    if path == Path::new("-") {
+        return Ok(Box::new(stdout().lock()));
+    }
+    let file = File::create(path).map_err(|e| format!("cannot write {}: {e}", path.display()))?;
+    Ok(Box::new(BufWriter::new(file)))
+}
+
+/// Makes a folder and those it lies in.
+pub fn folder(path: &Path) -> Outcome {
+    std::fs::create_dir_all(path).map_err(|e| format!("cannot make the folder {}: {e}", path.display()).into())
+}
+
 /// Writes `value` to `path`, or to standard output if that is `-`.
 pub fn json(path: &Path, value: &impl Serialize) -> Outcome {
-    let mut out: Box<dyn Write> = if path == Path::new("-") {
-        Box::new(stdout().lock())
-    } else {
-        let file = File::create(path).map_err(|e| format!("cannot write {}: {e}", path.display()))?;
-        Box::new(BufWriter::new(file))
-    };
+    let mut out = create(path)?;
     let name = path.display();
     serde_json::to_writer(&mut out, value).map_err(|e| format!("cannot write {name}: {e}"))?;
     writeln!(out)

@@ -1,7 +1,7 @@
 //! `faceoff simulate`: a headless Bevy app that runs the paper's scene and prints what each stage cost and found.
 
 use crate::scene::{self, Scene};
-use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
+use crate::{BackendChoice, CullingChoice, Outcome, frames, mesh, output};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::mesh::MAX_COORDINATE;
@@ -49,6 +49,12 @@ pub struct Options {
     /// Write every step's times and counts as JSON to this file, or - for standard output.
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Draw the scene into this folder as frame_STEP.png; made if it is missing.
+    #[arg(long, value_name = "DIR")]
+    frames: Option<PathBuf>,
+    /// Draw every K-th step only, the last one always.
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "frames", value_parser = clap::value_parser!(u32).range(1..))]
+    every: u32,
 }
 
 /// What happens to bodies that touch.
@@ -107,6 +113,13 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
+    // What cannot be written should be known before the work is done.
+    if let Some(path) = &options.json {
+        output::create(path)?;
+    }
+    if let Some(folder) = &options.frames {
+        output::folder(folder)?;
+    }
     let mesh = mesh::shape(&options.shape)?;
     let scene = Scene {
         bodies: options.bodies,
@@ -164,6 +177,12 @@ pub fn run(options: &Options) -> Outcome {
     let mut steps = Vec::with_capacity(options.steps.min(1 << 20));
     for _ in 0..options.steps {
         app.update();
+        let step = steps.len() + 1;
+        if let Some(folder) = &options.frames
+            && (step % options.every as usize == 0 || step == options.steps)
+        {
+            frames::save(app.world_mut(), scene.side, step, folder)?;
+        }
         steps.push(StepRecord::from(app.world().resource::<StepReport>()));
         progress.inc(1);
     }
