@@ -20,7 +20,8 @@ pub struct Collision<'a> {
     pub entity1: Entity,
     /// The other.
     pub entity2: Entity,
-    /// One lies wholly inside the other, which is closed; there are no intersecting faces then.
+    /// One lies inside the other, which is closed, and no intersecting faces were found: it lies wholly inside, unless an
+    /// approximate [`Culling`](crate::settings::Culling) left out the faces that intersect.
     pub contained: bool,
     /// Where they push each other; the normal points from the first to the second.
     pub contact: Contact,
@@ -84,6 +85,12 @@ pub struct StepReport {
     pub total: Duration,
     /// Pairs of bodies whose bounding spheres overlap.
     pub sphere_pairs: usize,
+    /// Pairs of bodies whose triangles were tested with some left out by an approximate
+    /// [`Culling`](crate::settings::Culling). With none the step was exact.
+    pub approximate_pairs: usize,
+    /// Meshes that run exact until the face table is baked for which
+    /// [`FacesOfCollision`](crate::settings::Culling::FacesOfCollision) asks.
+    pub tables_in_bake: usize,
     /// Pairs of bodies that touch.
     pub touching_pairs: usize,
     /// Pairs of triangles whose boxes overlap, and which were therefore tested.

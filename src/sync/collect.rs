@@ -1,10 +1,11 @@
 //! Components to arrays.
 
 use super::Step;
+use super::tables::Tables;
 use crate::asset::CollisionMesh;
 use crate::components::*;
 use crate::events::BodyRejected;
-use crate::settings::{Gravity, Response};
+use crate::settings::{Culling, Gravity, Response};
 use crate::stages::bodies::BodyFault;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Body, Plane};
@@ -27,6 +28,7 @@ pub(crate) struct BodyComponents {
     gravity_scale: Option<&'static GravityScale>,
     layers: Option<&'static CollisionLayers>,
     sensor: Has<Sensor>,
+    culling: Option<&'static BodyCulling>,
 }
 
 /// Fills the stages' input from the world.
@@ -39,6 +41,7 @@ pub(crate) fn collect(
     time: Res<Time>,
     gravity: Res<Gravity>,
     response: Res<Response>,
+    culling: Res<Culling>,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
     let step = &mut *step;
@@ -49,10 +52,22 @@ pub(crate) fn collect(
 
     let mut faults = HashMap::default();
     step.collected.clear();
+    step.tables.poll();
     for body in &bodies {
         let id = body.collider.0.id();
-        match slot(&mut step.state.meshes, &mut step.slots, &meshes, id) {
-            Some(mesh) => step.collected.push((body.entity, body.with_mesh(mesh))),
+        let culling = body.culling.map_or(*culling, |c| c.0);
+        if culling == Culling::FacesOfCollision
+            && let Some(mesh) = meshes.get(id).filter(|mesh| mesh.faces.is_none())
+        {
+            let name = || {
+                assets
+                    .get_path(id)
+                    .map_or_else(|| id.to_string(), |path| path.to_string())
+            };
+            step.tables.request(id, mesh, name);
+        }
+        match slot(&mut step.state.meshes, &mut step.slots, &step.tables, &meshes, id) {
+            Some(mesh) => step.collected.push((body.entity, body.with_mesh(mesh, culling))),
             None if assets.load_state(id).is_failed() => {
                 faults.insert(body.entity, BodyFault::MeshFailed);
             }
@@ -100,6 +115,7 @@ pub(crate) fn collect(
     }
     step.faults = faults;
 
+    step.tables.retain(|id| meshes.contains(id));
     let (arena, slots) = (&mut step.state.meshes, &mut step.slots);
     slots.retain(|&id, &mut slot| {
         let keep = meshes.contains(id);
@@ -114,10 +130,11 @@ pub(crate) fn collect(
 fn slot(
     arena: &mut MeshArena,
     slots: &mut HashMap<AssetId<CollisionMesh>, u32>,
+    tables: &Tables,
     meshes: &Assets<CollisionMesh>,
     id: AssetId<CollisionMesh>,
 ) -> Option<u32> {
-    let mesh = meshes.get(id)?;
+    let mesh = tables.best(id, meshes.get(id)?);
     let slot = *slots.entry(id).or_insert_with(|| arena.add(mesh.clone()));
     if !arena[slot].mesh.is_same(mesh) {
         arena.replace(slot, mesh.clone());
@@ -142,7 +159,7 @@ fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Resul
 }
 
 impl BodyComponentsItem<'_, '_> {
-    fn with_mesh(&self, mesh: u32) -> Body {
+    fn with_mesh(&self, mesh: u32, culling: Culling) -> Body {
         let transform = self.transform;
         let mut body = Body::at_rest(mesh, transform.translation, transform.rotation, transform.scale);
         body.kind = self.kind.copied().unwrap_or(RigidBody::Static);
@@ -153,6 +170,7 @@ impl BodyComponentsItem<'_, '_> {
         body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
         body.layers = self.layers.copied().unwrap_or_default();
         body.sensor = self.sensor;
+        body.culling = culling;
         body
     }
 }
