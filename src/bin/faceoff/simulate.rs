@@ -88,6 +88,7 @@ struct StepRecord {
     step_ms: f64,
     stages_ms: StageTimes,
     sphere_pairs: usize,
+    approximate_pairs: usize,
     touching_pairs: usize,
     triangle_tests: u64,
     face_pairs: usize,
@@ -106,7 +107,7 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
-    let mesh = mesh::shape(&options.shape)?;
+    let mesh = mesh::shape(&options.shape, options.culling)?;
     let scene = Scene {
         bodies: options.bodies,
         side: positive("--side", options.side, scene::default_side(options.bodies))?,
@@ -117,7 +118,6 @@ pub fn run(options: &Options) -> Outcome {
         )?,
         seed: options.seed,
     };
-    let CullingChoice::Exact = options.culling;
     let backend = match options.backend {
         BackendChoice::Auto => Backend::Auto,
         BackendChoice::Cpu => Backend::Cpu,
@@ -138,6 +138,7 @@ pub fn run(options: &Options) -> Outcome {
     // Every update is one step, however long it takes.
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
     .insert_resource(Gravity(Vec3::ZERO))
+    .insert_resource(Culling::from(options.culling))
     .insert_resource(match options.response {
         ResponseChoice::None => Response::None,
         ResponseChoice::Impulse => Response::Impulse,
@@ -174,7 +175,7 @@ pub fn run(options: &Options) -> Outcome {
             seed: scene.seed,
             speed: scene.speed,
             side: scene.side,
-            culling: "exact",
+            culling: options.culling.name(),
             backend: "cpu",
             threads: bevy_faceoff::plugin::threads(app.world()),
             response: match options.response {
@@ -213,6 +214,7 @@ impl From<&StepReport> for StepRecord {
                 integrate: ms(Stage::Integrate),
             },
             sphere_pairs: report.sphere_pairs,
+            approximate_pairs: report.approximate_pairs,
             touching_pairs: report.touching_pairs,
             triangle_tests: report.triangle_tests,
             face_pairs: report.face_pairs,
@@ -229,11 +231,12 @@ fn summary(record: &Record) -> String {
         side,
         speed,
         threads,
+        culling,
         ..
     } = &record.meta;
     let mut text = format!(
         "{bodies} bodies of {triangles} triangles ({shape}) in a box of {side:.2} m, up to {speed} m/s; CPU, {threads} \
-         threads, exact; medians of {} steps\n\n",
+         threads, {culling}; medians of {} steps\n\n",
         record.steps.len()
     );
     let mut row = |name: &str, unit: &str, value: &dyn Fn(&StepRecord) -> f64| {
