@@ -22,7 +22,8 @@ pub struct Collision<'a> {
     pub entity1: Entity,
     /// The other.
     pub entity2: Entity,
-    /// One is closed and has the other, or a connected component of it, inside; no faces intersect then.
+    /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
+    /// approximate culling mode some may.
     pub contained: bool,
     /// Where they push each other; the normal points from the first to the second.
     pub contact: Contact,
@@ -86,6 +87,12 @@ pub struct StepReport {
     pub total: Duration,
     /// Pairs of bodies whose bounding spheres overlap.
     pub sphere_pairs: usize,
+    /// Pairs of bodies whose triangles were tested with some left out by an approximate
+    /// [`Culling`](crate::settings::Culling). With none the step was exact.
+    pub approximate_pairs: usize,
+    /// Meshes that run exact until the face table is baked for which
+    /// [`FacesOfCollision`](crate::settings::Culling::FacesOfCollision) asks.
+    pub tables_in_bake: usize,
     /// Pairs of bodies that touch.
     pub touching_pairs: usize,
     /// Pairs of triangles whose boxes overlap, and which were therefore tested.

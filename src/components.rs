@@ -1,6 +1,7 @@
 //! What a user spawns and reads.
 
 use crate::asset::CollisionMesh;
+use crate::settings::Culling;
 use bevy::prelude::*;
 
 /// How a body moves. Pairs are tested if one of the two is dynamic, or one a [`Sensor`] and one kinematic.
@@ -122,6 +123,12 @@ impl CollisionLayers {
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Sensor;
+
+/// Overrules the world's [`Culling`] for this body: which of its triangles take part in tests. The other body of a pair
+/// chooses among its own.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct BodyCulling(pub Culling);
 
 /// The entities a body touches, in ascending order; kept up to date where the component is present.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]

@@ -184,6 +184,7 @@ fn register_types(app: &mut App) {
         .register_type::<GravityScale>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()
+        .register_type::<BodyCulling>()
         .register_type::<CollidingEntities>()
         .register_type::<CollisionEventsEnabled>()
         .register_type::<Culling>()

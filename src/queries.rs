@@ -1,6 +1,7 @@
 //! Questions asked outside a simulation.
 
 use crate::asset::{BakedMesh, CollisionMesh};
+use crate::settings::Culling;
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
 use crate::stages::state::{Body, StepState, TouchingPair as StagePair};
@@ -38,10 +39,19 @@ pub struct TouchingPair {
     pub a: u32,
     /// The other.
     pub b: u32,
-    /// One is a closed mesh and has the other, or a connected component of it, inside; no faces intersect then.
+    /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
+    /// approximate culling mode some may.
     pub contained: bool,
     /// Intersecting faces as indices of the input meshes, `a`'s first, ascending.
     pub faces: Vec<[u32; 2]>,
+}
+
+/// How [`check_with`] checks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CheckOptions {
+    /// How triangles are chosen, for all placements. Meshes without a face table run `Exact` where
+    /// [`Culling::FacesOfCollision`] is asked for: nothing is baked here.
+    pub culling: Culling,
 }
 
 /// All pairs of placements that touch, ascending, by the exact mode on the CPU.
@@ -51,6 +61,14 @@ pub struct TouchingPair {
 /// # Errors
 /// If a placement cannot be used; nothing is checked then.
 pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, PlacementError> {
+    check_with(placements, &CheckOptions::default())
+}
+
+/// [`check`] with a choice of [`Culling`].
+///
+/// # Errors
+/// If a placement cannot be used; nothing is checked then.
+pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<TouchingPair>, PlacementError> {
     let mut state = StepState::default();
     let mut slots: HashMap<*const BakedMesh, u32> = HashMap::new();
     for (body, placement) in placements.iter().enumerate() {
@@ -58,7 +76,10 @@ pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, PlacementErr
         let slot = *slots
             .entry(key)
             .or_insert_with(|| state.meshes.add(placement.mesh.clone()));
-        let entry = Body::at_rest(slot, placement.translation, placement.rotation, placement.scale);
+        let entry = Body {
+            culling: options.culling,
+            ..Body::at_rest(slot, placement.translation, placement.rotation, placement.scale)
+        };
         state
             .bodies
             .push(&entry, &state.meshes)

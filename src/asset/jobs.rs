@@ -19,7 +19,7 @@ pub(super) async fn on_compute_pool<T: Send + 'static>(
 }
 
 /// Runs `job` on the pool for bakes, for as long as the returned future lives: dropping it cancels the job's progress.
-pub(super) async fn on_bake_pool<T: Send + 'static>(
+pub(crate) async fn on_bake_pool<T: Send + 'static>(
     job: impl FnOnce(&'static rayon::ThreadPool, &Progress) -> Result<T, LoadError> + Send + 'static,
 ) -> Result<T, LoadError> {
     let progress = Arc::new(Progress::default());

@@ -7,7 +7,7 @@ mod bytes;
 pub mod collision_mesh;
 pub mod format;
 pub mod import;
-mod jobs;
+pub(crate) mod jobs;
 pub mod loader;
 mod obj;
 pub mod recipe;

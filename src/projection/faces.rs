@@ -83,7 +83,12 @@ impl FaceTable {
     /// The zero vector and NaN get some direction's group. Two bodies whose centres coincide have no direction: use
     /// all triangles there.
     pub fn group(&self, direction: Vec3) -> Group<'_> {
-        self.of_direction(self.grid.index_of(direction))
+        self.distinct(self.group_id(direction))
+    }
+
+    /// The number of [`FaceTable::group`]'s result, for [`FaceTable::distinct`].
+    pub fn group_id(&self, direction: Vec3) -> u32 {
+        self.directions[self.grid.index_of(direction) as usize]
     }
 
     /// The group for the angles `a_step` and `b_step`, in steps through the full turn and modulo it: the table as

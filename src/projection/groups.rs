@@ -1,5 +1,6 @@
 //! Storage of groups: sets of triangles, each distinct one once, as bits or as a list, whichever is smaller.
 
+use crate::geometry::cluster::CLUSTER;
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
 
@@ -77,6 +78,26 @@ impl<'t> Group<'t> {
             }
             false
         }
+    }
+
+    /// The set as one bit per triangle, eight to a byte, the lowest triangle in the lowest bit. Triangles of a baked mesh
+    /// stand in the order of its clusters, so byte `c` says which of cluster `c`'s triangles are in the set.
+    ///
+    /// `scratch` is written only if the set is stored as a list.
+    pub fn lane_masks<'a>(self, scratch: &'a mut Vec<u8>) -> &'a [u8]
+    where
+        't: 'a,
+    {
+        const { assert!(CLUSTER == 8, "a byte has eight bits") };
+        if self.is_bits() {
+            return self.bytes;
+        }
+        scratch.clear();
+        scratch.resize(bits_len(self.triangles), 0);
+        for t in self {
+            scratch[t as usize / CLUSTER] |= 1 << (t as usize % CLUSTER);
+        }
+        scratch
     }
 
     /// The triangles in ascending order.

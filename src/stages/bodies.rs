@@ -90,6 +90,7 @@ impl Bodies {
             gravity_scale,
             layers,
             sensor,
+            culling,
         } = self;
         mesh.clear();
         kind.clear();
@@ -107,6 +108,7 @@ impl Bodies {
         gravity_scale.clear();
         layers.clear();
         sensor.clear();
+        culling.clear();
     }
 
     /// Checks `body` and adds it, with all that follows from its pose and mesh.
@@ -174,6 +176,7 @@ impl Bodies {
         self.gravity_scale.push(body.gravity_scale);
         self.layers.push(body.layers);
         self.sensor.push(body.sensor);
+        self.culling.push(body.culling);
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! | stage | reads | writes |
 //! |---|---|---|
 //! | [`broad_phase`] | bounding spheres | pairs whose spheres overlap |
-//! | [`angles`] | those pairs, poses, support heights | pairs that no support plane separates, with relative poses |
+//! | [`angles`] | those pairs, poses, support heights, face tables | pairs that no support plane separates, with relative poses and what is seen of each end |
 //! | [`triangle_test`] | those pairs, triangles | touching pairs, intersecting faces, contacts |
 //! | [`force_scan`] | contacts | one sum of impulses per body |
 //! | [`integrate`] | the sums, gravity | velocities and poses |
@@ -27,7 +27,7 @@ use state::StepState;
 pub enum Stage {
     /// Finds pairs of bodies whose bounding spheres overlap.
     BroadPhase,
-    /// Computes each pair's relative pose and rejects what a support plane separates.
+    /// Computes each pair's relative pose, rejects what a support plane separates, and looks up what the ends see.
     Angles,
     /// Tests triangles against triangles.
     TriangleTest,

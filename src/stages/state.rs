@@ -2,7 +2,7 @@
 
 use super::mesh_arena::MeshArena;
 use crate::components::{CollisionLayers, RigidBody};
-use crate::settings::Response;
+use crate::settings::{Culling, Response};
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use std::time::Duration;
 
@@ -89,6 +89,8 @@ pub struct Bodies {
     pub layers: Vec<CollisionLayers>,
     /// Whether the body only reports.
     pub sensor: Vec<bool>,
+    /// Which of its triangles take part in tests.
+    pub culling: Vec<Culling>,
 }
 
 /// What a caller knows about a body; [`Bodies::push`] derives the rest.
@@ -118,6 +120,8 @@ pub struct Body {
     pub layers: CollisionLayers,
     /// Whether the body only reports.
     pub sensor: bool,
+    /// Which of its triangles take part in tests.
+    pub culling: Culling,
 }
 
 /// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
@@ -159,6 +163,20 @@ pub struct NearPair {
     pub b_above: f32,
     /// No point of `a` reaches above this along the axis, measured from `a`'s centre.
     pub a_below: f32,
+    /// Which triangles of `a` and of `b` take part.
+    pub views: [View; 2],
+}
+
+/// Which triangles of one end of a pair take part in the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum View {
+    /// All of them.
+    All,
+    /// Those of the group of this number in the mesh's [`FaceTable`](crate::projection::FaceTable).
+    Group(u32),
+    /// Those whose normal, by the winding of the corners placed in the first body's axes, has a positive product with
+    /// this vector. It points to the other body, or away from it where the winding shows the inner side.
+    Facing(Vec3),
 }
 
 /// TriangleTest's result.
@@ -179,7 +197,8 @@ pub struct Contacts {
 pub struct TouchingPair {
     /// The two bodies, `a < b`.
     pub bodies: [u32; 2],
-    /// One is closed and has the other, or a connected component of it, inside; no faces intersect then.
+    /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
+    /// approximate culling mode some may.
     pub contained: bool,
     /// Where its faces start in [`Contacts::faces`].
     pub first_face: u32,
@@ -241,6 +260,13 @@ impl Contacts {
     }
 }
 
+impl NearPair {
+    /// Whether some triangles are left out although they may touch.
+    pub fn is_approximate(&self) -> bool {
+        self.views != [View::All; 2]
+    }
+}
+
 impl Body {
     /// A body that no one moves, at `position`.
     pub fn at_rest(mesh: u32, position: Vec3, rotation: Quat, scale: Vec3) -> Self {
@@ -257,6 +283,7 @@ impl Body {
             gravity_scale: 1.0,
             layers: CollisionLayers::default(),
             sensor: false,
+            culling: Culling::Exact,
         }
     }
 }

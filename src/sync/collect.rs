@@ -1,10 +1,11 @@
 //! Components to arrays.
 
 use super::Step;
+use super::tables::Tables;
 use crate::asset::CollisionMesh;
 use crate::components::*;
 use crate::events::BodyRejected;
-use crate::settings::{Gravity, Response};
+use crate::settings::{Culling, Gravity, Response};
 use crate::stages::bodies::BodyFault;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Body, Plane};
@@ -29,6 +30,7 @@ pub(crate) struct BodyComponents {
     layers: Option<&'static CollisionLayers>,
     sensor: Has<Sensor>,
     is_child: Has<ChildOf>,
+    culling: Option<&'static BodyCulling>,
 }
 
 /// Fills the stages' input from the world.
@@ -41,6 +43,7 @@ pub(crate) fn collect(
     time: Res<Time>,
     gravity: Res<Gravity>,
     response: Res<Response>,
+    culling: Res<Culling>,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
     let step = &mut *step;
@@ -56,12 +59,26 @@ pub(crate) fn collect(
 
     let mut faults = Vec::new();
     step.collected.clear();
+    step.tables.poll();
     for body in &bodies {
         let id = body.collider.0.id();
         if body.is_child {
             faults.push((body.entity, BodyFault::Child));
-        } else if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &meshes, id) {
-            step.collected.push((body.entity, body.with_mesh(mesh)));
+            continue;
+        }
+        let culling = body.culling.map_or(*culling, |c| c.0);
+        if culling == Culling::FacesOfCollision
+            && let Some(mesh) = meshes.get(id).filter(|mesh| mesh.faces.is_none())
+        {
+            let name = || {
+                assets
+                    .get_path(id)
+                    .map_or_else(|| id.to_string(), |path| path.to_string())
+            };
+            step.tables.request(id, mesh, name);
+        }
+        if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &step.tables, &meshes, id) {
+            step.collected.push((body.entity, body.with_mesh(mesh, culling)));
         } else {
             match assets.load_state(id) {
                 LoadState::Loading | LoadState::Loaded => {}
@@ -112,6 +129,7 @@ pub(crate) fn collect(
     }
     step.faults = faults;
 
+    step.tables.retain(|id| meshes.contains(id));
     let (arena, slots) = (&mut step.state.meshes, &mut step.slots);
     slots.retain(|&id, &mut slot| {
         let keep = meshes.contains(id);
@@ -126,10 +144,11 @@ pub(crate) fn collect(
 fn slot(
     arena: &mut MeshArena,
     slots: &mut HashMap<AssetId<CollisionMesh>, u32>,
+    tables: &Tables,
     meshes: &Assets<CollisionMesh>,
     id: AssetId<CollisionMesh>,
 ) -> Option<u32> {
-    let mesh = meshes.get(id)?;
+    let mesh = tables.best(id, meshes.get(id)?);
     let slot = *slots.entry(id).or_insert_with(|| arena.add(mesh.clone()));
     if !arena[slot].mesh.is_same(mesh) {
         arena.replace(slot, mesh.clone());
@@ -160,7 +179,7 @@ fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Resul
 }
 
 impl BodyComponentsItem<'_, '_> {
-    fn with_mesh(&self, mesh: u32) -> Body {
+    fn with_mesh(&self, mesh: u32, culling: Culling) -> Body {
         let transform = self.transform;
         let mut body = Body::at_rest(mesh, transform.translation, transform.rotation, transform.scale);
         body.kind = self.kind.copied().unwrap_or(RigidBody::Static);
@@ -171,6 +190,7 @@ impl BodyComponentsItem<'_, '_> {
         body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
         body.layers = self.layers.copied().unwrap_or_default();
         body.sensor = self.sensor;
+        body.culling = culling;
         body
     }
 }

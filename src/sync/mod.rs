@@ -2,6 +2,7 @@
 
 pub(crate) mod collect;
 pub(crate) mod publish;
+mod tables;
 
 use crate::asset::CollisionMesh;
 use crate::stages::bodies::BodyFault;
@@ -25,6 +26,8 @@ pub(crate) struct Step {
     pub collected: Vec<(Entity, Body)>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
+    /// Face tables that bodies asked for and their meshes lack.
+    pub tables: tables::Tables,
     /// Bodies out of the step, and why; ascending.
     pub faults: Vec<(Entity, BodyFault)>,
     /// Pairs that touched in the last step, `first < second`, ascending.
@@ -42,6 +45,7 @@ impl Step {
             planes: Vec::new(),
             collected: Vec::new(),
             slots: HashMap::default(),
+            tables: tables::Tables::default(),
             faults: Vec::new(),
             touching: Vec::new(),
             begun: Instant::now(),

@@ -1,14 +1,14 @@
 //! `faceoff bake`: mesh files to `.faceoff` files.
 
+use crate::progress::with_bar;
 use crate::{Outcome, mesh, output};
 use bevy_faceoff::asset::format::{self, Hash};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
-use bevy_faceoff::projection::{BakeSettings, Progress};
-use indicatif::{ProgressBar, ProgressStyle};
+use bevy_faceoff::projection::BakeSettings;
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Bake meshes into .faceoff files, skipping what is up to date.
 #[derive(clap::Args)]
@@ -96,7 +96,7 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
         return Ok(());
     }
     let start = Instant::now();
-    let baked = with_bar(source, settings, |progress| match &imported {
+    let baked = with_bar(&source.display().to_string(), settings, |progress| match &imported {
         Imported::Mesh { mesh, .. } => CollisionMesh::bake(mesh, settings, pool, progress),
         Imported::Baked { mesh, .. } => mesh.rebake(settings, pool, progress),
     })?;
@@ -121,40 +121,6 @@ fn is_up_to_date(target: &Path, hash: &Hash, settings: &BakeSettings) -> bool {
         .ok()
         .and_then(|bytes| format::from_bytes(&bytes).ok())
         .is_some_and(|(_, header)| header.is_up_to_date(hash, settings))
-}
-
-/// Runs a bake beside a bar that shows how far it is.
-fn with_bar<T: Send, E: Send + Into<Box<dyn std::error::Error>>>(
-    source: &Path,
-    settings: BakeSettings,
-    bake: impl FnOnce(&Progress) -> Result<T, E> + Send,
-) -> Outcome<T> {
-    let progress = Progress::default();
-    if !settings.faces {
-        return bake(&progress).map_err(Into::into);
-    }
-    let bar = ProgressBar::new(0).with_message(source.display().to_string());
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} directions, {eta} left") {
-        bar.set_style(style);
-    }
-    std::thread::scope(|scope| {
-        let baking = scope.spawn(|| bake(&progress));
-        while !baking.is_finished() {
-            let (done, total) = progress.get();
-            bar.set_length(total.into());
-            bar.set_position(done.into());
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        bar.finish_and_clear();
-        match baking.join() {
-            Ok(result) => result.map_err(Into::into),
-            Err(_) => Err(format!(
-                "{}: the bake panicked, which is a bug: please report it",
-                source.display()
-            )
-            .into()),
-        }
-    })
 }
 
 /// Writes beside the target and renames, so that a reader never sees half a file.

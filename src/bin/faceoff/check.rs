@@ -2,7 +2,7 @@
 
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::queries::{Placement, TouchingPair, check};
+use bevy_faceoff::queries::{CheckOptions, Placement, TouchingPair, check_with};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -72,21 +72,27 @@ struct PairReport<'a> {
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
-    let (CullingChoice::Exact, BackendChoice::Auto | BackendChoice::Cpu) = (options.culling, options.backend);
+    let (BackendChoice::Auto | BackendChoice::Cpu) = options.backend;
     let path = options.scene.as_path();
-    let placements = placements(path)?;
-    let pairs = check(&placements).map_err(|error| format!("{}: {error}", path.display()))?;
+    let placements = placements(path, options.culling)?;
+    let how = CheckOptions {
+        culling: options.culling.into(),
+    };
+    let pairs = check_with(&placements, &how).map_err(|error| format!("{}: {error}", path.display()))?;
     let report = Report {
         pairs: pairs.iter().map(|pair| PairReport::new(pair, options.faces)).collect(),
     };
-    output::table(options.json.as_deref(), &summary(placements.len(), &report));
+    output::table(
+        options.json.as_deref(),
+        &summary(placements.len(), options.culling, &report),
+    );
     match &options.json {
         Some(path) => output::json(path, &report),
         None => Ok(()),
     }
 }
 
-fn placements(path: &Path) -> Outcome<Vec<Placement>> {
+fn placements(path: &Path, culling: CullingChoice) -> Outcome<Vec<Placement>> {
     let name = path.display();
     let text = std::fs::read_to_string(path).map_err(|e| format!("cannot read {name}: {e}"))?;
     let scene: SceneFile = ron::from_str(&text)
@@ -94,7 +100,7 @@ fn placements(path: &Path) -> Outcome<Vec<Placement>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut meshes: HashMap<&str, CollisionMesh> = HashMap::new();
     for (mesh, file) in &scene.meshes {
-        meshes.insert(mesh, mesh::load(&folder.join(file))?);
+        meshes.insert(mesh, mesh::load(&folder.join(file), culling)?);
     }
     let place = |(i, body): (usize, &BodyEntry)| {
         let mesh = meshes.get(body.mesh.as_str()).ok_or_else(|| {
@@ -127,14 +133,22 @@ impl<'a> PairReport<'a> {
     }
 }
 
-fn summary(bodies: usize, report: &Report) -> String {
-    let mut text = format!("{bodies} bodies, {} touching pairs\n", report.pairs.len());
+fn summary(bodies: usize, culling: CullingChoice, report: &Report) -> String {
+    let mut text = format!("{bodies} bodies, {} touching pairs", report.pairs.len());
+    text += match culling {
+        CullingChoice::Exact => "\n",
+        CullingChoice::Faces | CullingChoice::Front => " (approximate: some may be missing)\n",
+    };
     for pair in &report.pairs {
         let PairReport {
             a, b, triangle_pairs, ..
         } = pair;
         text += &if pair.contained {
-            format!("{a:>6} {b:>6}  one inside the other\n")
+            let how = match culling {
+                CullingChoice::Exact => "",
+                CullingChoice::Faces | CullingChoice::Front => ", or faces out of view intersect",
+            };
+            format!("{a:>6} {b:>6}  one inside the other{how}\n")
         } else {
             format!("{a:>6} {b:>6}  {triangle_pairs} pairs of faces intersect\n")
         };

@@ -1,7 +1,7 @@
 //! `faceoff image`: the height image of a mesh, as in figure 4 of Aly & Elawady 2010.
 
 use crate::canvas::{CHARACTER, Canvas, INK};
-use crate::{Outcome, mesh};
+use crate::{CullingChoice, Outcome, mesh};
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::geometry::direction::Angles;
 use bevy_faceoff::projection::{BakeSettings, HeightImage};
@@ -47,7 +47,7 @@ pub fn run(options: &Options) -> Outcome {
     if !(options.about_x.is_finite() && options.about_y.is_finite()) {
         return Err("--about-x and --about-y must be finite angles in degrees".into());
     }
-    let mesh = mesh::shape(&options.mesh)?;
+    let mesh = mesh::shape(&options.mesh, CullingChoice::Exact)?;
     let canvas = if options.sheet {
         sheet(&mesh.mesh, size)
     } else {

@@ -8,9 +8,11 @@ mod image;
 mod inspect;
 mod mesh;
 mod output;
+mod progress;
 mod scene;
 mod simulate;
 
+use bevy_faceoff::settings::Culling;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::error::Error;
 use std::process::ExitCode;
@@ -36,10 +38,37 @@ enum Command {
 }
 
 /// How triangles are chosen for the test.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum CullingChoice {
     /// Conservative culls: nothing is missed.
     Exact,
+    /// APPROXIMATE: only faces of collision, from tables that are baked first where the mesh has none. Of
+    /// touching tori and knots in a scene 98 % are found, with 30 to 48 % of their face pairs; of linked tori 9 %.
+    Faces,
+    /// APPROXIMATE: only triangles that face the other body; nothing is baked. In a scene 98 % of touching pairs are found,
+    /// with 35 to 50 % of their face pairs; of linked tori 58 %.
+    Front,
+}
+
+impl CullingChoice {
+    /// As the command line and JSON write it.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Faces => "faces",
+            Self::Front => "front",
+        }
+    }
+}
+
+impl From<CullingChoice> for Culling {
+    fn from(choice: CullingChoice) -> Self {
+        match choice {
+            CullingChoice::Exact => Self::Exact,
+            CullingChoice::Faces => Self::FacesOfCollision,
+            CullingChoice::Front => Self::FrontFacing,
+        }
+    }
 }
 
 /// Where the stages run.

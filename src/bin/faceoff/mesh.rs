@@ -1,27 +1,41 @@
 //! Meshes named on the command line.
 
-use crate::Outcome;
+use crate::progress::with_bar;
+use crate::{CullingChoice, Outcome};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::projection::BakeSettings;
 use std::path::Path;
 
-/// A shape by name, or else a mesh file.
-pub fn shape(name: &str) -> Outcome<CollisionMesh> {
-    match name {
-        "torus" => Ok(CollisionMesh::new(&shapes::torus_240())),
-        "knot" => Ok(CollisionMesh::new(&shapes::knot_1120())),
-        file => load(Path::new(file)),
-    }
+/// A shape by name, or else a mesh file, with all that the culling mode needs.
+pub fn shape(name: &str, culling: CullingChoice) -> Outcome<CollisionMesh> {
+    let mesh = match name {
+        "torus" => CollisionMesh::new(&shapes::torus_240()),
+        "knot" => CollisionMesh::new(&shapes::knot_1120()),
+        file => return load(Path::new(file), culling),
+    };
+    complete(name, mesh, BakeSettings::default(), culling)
 }
 
-/// A mesh file, baked or to be baked. Face tables are left out: the exact mode has no use for them.
-pub fn load(path: &Path) -> Outcome<CollisionMesh> {
-    let mesh = match import_file(path)? {
-        Imported::Mesh { mesh, .. } => CollisionMesh::new(&mesh),
-        Imported::Baked { mesh, .. } => mesh,
+/// A mesh file, baked or to be baked, with all that the culling mode needs.
+pub fn load(path: &Path, culling: CullingChoice) -> Outcome<CollisionMesh> {
+    let (mesh, settings) = match import_file(path)? {
+        Imported::Mesh { mesh, settings, .. } => (CollisionMesh::new(&mesh), settings),
+        Imported::Baked { mesh, header } => (mesh, header.settings),
     };
     warn(path, &mesh);
-    Ok(mesh)
+    complete(&path.display().to_string(), mesh, settings, culling)
+}
+
+/// Bakes the face table if the mode looks it up and the mesh has none.
+fn complete(name: &str, mesh: CollisionMesh, asked: BakeSettings, culling: CullingChoice) -> Outcome<CollisionMesh> {
+    if culling != CullingChoice::Faces || mesh.faces.is_some() {
+        return Ok(mesh);
+    }
+    let settings = BakeSettings { faces: true, ..asked };
+    settings.validate().map_err(|e| format!("{name}: {e}"))?;
+    let pool = rayon::ThreadPoolBuilder::new().build()?;
+    with_bar(name, settings, |progress| mesh.rebake(settings, &pool, progress))
 }
 
 /// Tells on standard error what is odd about a mesh.

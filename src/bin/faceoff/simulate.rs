@@ -120,7 +120,7 @@ pub fn run(options: &Options) -> Outcome {
     if let Some(folder) = &options.frames {
         output::folder(folder)?;
     }
-    let mesh = mesh::shape(&options.shape)?;
+    let mesh = mesh::shape(&options.shape, options.culling)?;
     let scene = Scene {
         bodies: options.bodies,
         side: positive("--side", options.side, scene::default_side(options.bodies))?,
@@ -131,7 +131,6 @@ pub fn run(options: &Options) -> Outcome {
         )?,
         seed: options.seed,
     };
-    let CullingChoice::Exact = options.culling;
     let backend = match options.backend {
         BackendChoice::Auto => Backend::Auto,
         BackendChoice::Cpu => Backend::Cpu,
@@ -152,6 +151,7 @@ pub fn run(options: &Options) -> Outcome {
     // Every update is one step, however long it takes.
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
     .insert_resource(Gravity(Vec3::ZERO))
+    .insert_resource(Culling::from(options.culling))
     .insert_resource(match options.response {
         ResponseChoice::None => Response::None,
         ResponseChoice::Impulse => Response::Impulse,
@@ -197,7 +197,7 @@ pub fn run(options: &Options) -> Outcome {
             seed: scene.seed,
             speed: scene.speed,
             side: scene.side,
-            culling: "exact",
+            culling: options.culling.name(),
             backend: "cpu",
             threads: bevy_faceoff::plugin::threads(app.world()),
             response: match options.response {
@@ -254,11 +254,12 @@ fn summary(record: &Record) -> String {
         side,
         speed,
         threads,
+        culling,
         ..
     } = &record.meta;
     let mut text = format!(
         "{bodies} bodies of {triangles} triangles ({shape}) in a box of {side:.2} m, up to {speed} m/s; CPU, {threads} \
-         threads, exact; medians of {} steps\n\n",
+         threads, {culling}; medians of {} steps\n\n",
         record.steps.len()
     );
     let mut row = |name: &str, unit: &str, value: &dyn Fn(&StepRecord) -> f64| {

@@ -1,8 +1,10 @@
 //! Angles on the CPU: a parallel filter that keeps the pairs' order.
 
+mod view;
+
 use super::{AXES, PAD};
 use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Bodies, NearPair, StepState};
+use crate::stages::state::{Bodies, NearPair, StepState, View};
 use glam::{DMat3, Vec3};
 use rayon::prelude::*;
 
@@ -45,6 +47,7 @@ fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair>
         axis: Vec3::ZERO,
         b_above: f32::NEG_INFINITY,
         a_below: f32::INFINITY,
+        views: [View::All; 2],
     };
     let mut best_overlap = f32::INFINITY;
     // The nearest point known of `a` minus `b`, at first from centre to centre.
@@ -80,5 +83,6 @@ fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair>
         }
         nearest = from + to * t;
     }
+    best.views = view::of_pair(bodies, meshes, &best, pad);
     Some(best)
 }

@@ -1,4 +1,5 @@
-//! Angles: how the two bodies of a pair lie to each other, and whether a support plane separates them.
+//! Angles: how the two bodies of a pair lie to each other, whether a support plane separates them, and which triangles
+//! look from one to the other.
 //!
 //! The paper computes here, for each end of a pair, the direction to the other body in the body's own axes. The same
 //! direction is the first axis of a support test: body `a` reaches at most `H_a(u)` along `u`, body `b` at most
@@ -6,6 +7,11 @@
 //! Further axes come from Gilbert's iteration (Gilbert 1966) on the support points behind the heights: each is the
 //! direction of the nearest point known of the Minkowski difference. Heights are upper bounds
 //! ([`SupportHeights`](crate::projection::SupportHeights)), so no touching pair is rejected.
+//!
+//! For what is left the directions give each end's [`View`](super::state::View), by its own body's
+//! [`Culling`](crate::settings::Culling): in the mesh's own axes the direction is `M^-1 d`, where `M` turns and scales
+//! the body, because that is how a line of sight moves with it; its two projection angles name a group in the face
+//! table. Two bodies whose centres coincide have no direction, and show all triangles.
 
 pub mod cpu;
 

@@ -1,5 +1,6 @@
 //! TriangleTest on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
 
+mod choice;
 mod contact;
 mod containment;
 mod cull;

@@ -1,5 +1,6 @@
 //! Pairs of triangles that single precision cannot tell apart.
 
+use super::choice::Choice;
 use super::cull::{self, Other};
 use super::decide::{Eight, decide};
 use super::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
@@ -22,6 +23,7 @@ pub struct Scratch {
     /// The pair's unit of length per metre: a power of two near the inverse of the pair's size. Products of five lengths
     /// occur, and in this unit none overflows or vanishes, whatever the size of the bodies.
     unit: f32,
+    masks: [Vec<u8>; 2],
     /// The result: where the triangles of the first and second mesh stand among the placed ones.
     candidates: Vec<[u32; 2]>,
 }
@@ -62,13 +64,17 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
         b,
         boxes,
         unit,
+        masks: [masks_a, masks_b],
         candidates,
     } = scratch;
     candidates.clear();
     a.clear();
     b.clear();
     let [ia, ib] = pair.bodies.map(|i| i as usize);
-    let [lanes_a, lanes_b] = [ia, ib].map(|i| &meshes[bodies.mesh[i]].lanes);
+    let [slot_a, slot_b] = [ia, ib].map(|i| &meshes[bodies.mesh[i]]);
+    let (lanes_a, lanes_b) = (&slot_a.lanes, &slot_b.lanes);
+    let choice_a = Choice::new(pair.views[0], &slot_a.mesh, masks_a);
+    let choice_b = Choice::new(pair.views[1], &slot_b.mesh, masks_b);
     let (scale_a, scale_b) = (bodies.scale[ia], bodies.scale[ib]);
     let size = bodies.radius[ia] + bodies.radius[ib];
     let pad = PAD * size;
@@ -108,7 +114,14 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     let place_a = Place::new(Mat3::from_diagonal(unit * scale_a), Vec3::ZERO);
     let mut around_a = Aabb::EMPTY;
     for &c in clusters.iter() {
-        let placed = push(a, place_a.cluster(lanes_a, c, &placing));
+        let chosen = choice_a.lanes(c);
+        if chosen == 0 {
+            continue;
+        }
+        let placed = push(a, place_a.cluster(lanes_a, c, chosen, &placing));
+        if let Some(facing) = choice_a.facing(placed.normal) {
+            placed.keep(facing);
+        }
         let reach = each(|k| dot(placed.corners[k], axis));
         let far = reach[0].fast_max(reach[1]).fast_max(reach[2]);
         placed.keep(far.simd_ge(f32x8::splat(unit * (pair.b_above - pad))));
@@ -129,7 +142,14 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     );
     let mut around_b = Aabb::EMPTY;
     for &c in clusters.iter() {
-        let placed = push(b, place_b.cluster(lanes_b, c, &placing));
+        let chosen = choice_b.lanes(c);
+        if chosen == 0 {
+            continue;
+        }
+        let placed = push(b, place_b.cluster(lanes_b, c, chosen, &placing));
+        if let Some(facing) = choice_b.facing(placed.normal) {
+            placed.keep(facing);
+        }
         let reach = each(|k| dot(placed.corners[k], axis));
         let near = reach[0].fast_min(reach[1]).fast_min(reach[2]);
         placed.keep(near.simd_le(f32x8::splat(unit * (pair.a_below + pad))));
@@ -179,7 +199,7 @@ impl Place {
     }
 
     #[inline]
-    fn cluster(&self, mesh: &MeshLanes, cluster: u32, placing: &Placing) -> Placed {
+    fn cluster(&self, mesh: &MeshLanes, cluster: u32, chosen: u32, placing: &Placing) -> Placed {
         let Cluster { corners, lanes } = mesh.clusters[cluster as usize];
         let corners = each(|k| {
             let p = self.matrix.times(corners[k]);
@@ -201,7 +221,7 @@ impl Place {
             max: each(|i| high[i] + pad[i]),
             normal,
             tolerance,
-            lanes,
+            lanes: lanes & chosen,
             aabb: Aabb::EMPTY,
         };
         placed.fit();

@@ -1,0 +1,54 @@
+//! What the approximate culling modes find of what there is, and what they save: `cargo bench --bench recall [CASES]`.
+//!
+//! Recall is measured against the exact mode on random pairs of equal meshes that touch, diameters 0.25 to 2:
+//! *any* is the share of pairs of which at least one intersecting pair of faces is found, *share* that of all
+//! intersecting pairs of faces. "eq. 4" looks the table up by the formula of Aly & Elawady 2010 as it is printed, which
+//! takes angles between 0 and 180 degrees in two planes; it exists only here, to show what that does.
+
+mod cases;
+#[path = "../narrow_phase/plain.rs"]
+mod plain;
+mod recall;
+mod time;
+
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::projection::{BakeSettings, Progress};
+
+/// Sphere pairs for times.
+const TIMED: usize = 1000;
+
+fn main() {
+    let cases = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(1000);
+    let pool = rayon::ThreadPoolBuilder::new().build().expect("a pool");
+    let settings = BakeSettings {
+        faces: true,
+        ..BakeSettings::default()
+    };
+    let meshes = [("torus 240", shapes::torus_240()), ("knot 1120", shapes::knot_1120())].map(|(name, mesh)| {
+        let baked = CollisionMesh::bake(&mesh, settings, &pool, &Progress::default()).expect("nobody cancels");
+        (name, mesh, baked)
+    });
+    println!(
+        "{cases} touching pairs per regime (a quarter of that interlocked), tables of {0} x {0} pixels and {1} degree; any / \
+         share\n",
+        settings.image, settings.degrees
+    );
+    println!("| shape | regime | faces of collision | front-facing | eq. 4 as printed | face pairs per pair |");
+    println!("|---|---|---|---|---|---|");
+    for (name, mesh, baked) in &meshes {
+        recall::table(name, mesh, baked, cases);
+    }
+    println!("\nSphere pairs whether they touch or not, one thread, medians of 5 interleaved rounds\n");
+    println!(
+        "| shape | method | triangle tests per sphere pair | us per sphere pair | faster than plain | touching | face pairs |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let single = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a thread");
+    for (name, mesh, baked) in &meshes {
+        single.install(|| time::table(name, mesh, baked, TIMED));
+    }
+}

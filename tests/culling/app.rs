@@ -1,0 +1,157 @@
+//! The modes in an app: who bakes when, and whose choice counts.
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::prelude::*;
+use bevy_faceoff::projection::{Progress, bake_pool};
+use std::fmt::Debug;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+use tracing::field::{Field, Visit};
+
+const STEP: Duration = Duration::from_millis(10);
+
+/// An app whose bodies stand still, with two tori that touch.
+fn app(culling: Culling) -> (App, [Entity; 2], Handle<CollisionMesh>) {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()))
+        .insert_resource(Time::<Fixed>::from_duration(STEP))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
+        .insert_resource(Response::None)
+        .insert_resource(Gravity(Vec3::ZERO))
+        .insert_resource(culling);
+    let settings = BakeSettings {
+        faces: false,
+        degrees: 15,
+        image: 32,
+    };
+    let mesh = CollisionMesh::bake(&shapes::torus_240(), settings, bake_pool(), &Progress::default()).unwrap();
+    let handle = app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(mesh);
+    let bodies = [(0.0, 0.0), (0.8, 1.0)].map(|(x, angle)| {
+        let pose = Transform::from_xyz(x, 0.1 * x, 0.0).with_rotation(Quat::from_rotation_x(angle));
+        app.world_mut()
+            .spawn((RigidBody::Dynamic, MeshCollider(handle.clone()), pose))
+            .id()
+    });
+    app.finish();
+    app.cleanup();
+    // Bevy's first update has no time behind it and runs no step.
+    app.update();
+    (app, bodies, handle)
+}
+
+fn step(app: &mut App) -> StepReport {
+    app.update();
+    app.world().resource::<StepReport>().clone()
+}
+
+/// Keeps the warnings of this crate: a subscriber holds for the whole process.
+struct Warnings;
+
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+struct Message<'a>(&'a mut String);
+
+impl Visit for Message<'_> {
+    fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
+        if field.name() == "message" {
+            *self.0 = format!("{value:?}");
+        }
+    }
+}
+
+impl tracing::Subscriber for Warnings {
+    fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
+        metadata.target().starts_with("bevy_faceoff") && *metadata.level() <= tracing::Level::WARN
+    }
+    fn new_span(&self, _: &tracing::span::Attributes<'_>) -> tracing::span::Id {
+        tracing::span::Id::from_u64(1)
+    }
+    fn record(&self, _: &tracing::span::Id, _: &tracing::span::Record<'_>) {}
+    fn record_follows_from(&self, _: &tracing::span::Id, _: &tracing::span::Id) {}
+    fn event(&self, event: &tracing::Event<'_>) {
+        let mut message = String::new();
+        event.record(&mut Message(&mut message));
+        WARNINGS.lock().unwrap().push(message);
+    }
+    fn enter(&self, _: &tracing::span::Id) {}
+    fn exit(&self, _: &tracing::span::Id) {}
+}
+
+#[test]
+fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
+    tracing::subscriber::set_global_default(Warnings).unwrap();
+    let (mut app, _, handle) = app(Culling::Exact);
+    let exact = step(&mut app);
+    assert!(exact.face_pairs > 0 && exact.approximate_pairs == 0 && exact.tables_in_bake == 0);
+
+    // Nothing is baked while every thread of the pool is busy.
+    let hold: Vec<_> = (0..bake_pool().current_num_threads())
+        .map(|_| {
+            let (release, wait) = std::sync::mpsc::channel::<()>();
+            bake_pool().spawn(move || _ = wait.recv());
+            release
+        })
+        .collect();
+    app.insert_resource(Culling::FacesOfCollision);
+    for _ in 0..5 {
+        let waiting = step(&mut app);
+        assert_eq!((waiting.face_pairs, waiting.approximate_pairs), (exact.face_pairs, 0));
+        assert_eq!(waiting.tables_in_bake, 1);
+    }
+
+    drop(hold);
+    let start = Instant::now();
+    let switched = loop {
+        let report = step(&mut app);
+        if report.tables_in_bake == 0 {
+            break report;
+        }
+        assert_eq!(report.face_pairs, exact.face_pairs);
+        assert!(start.elapsed() < Duration::from_secs(60), "never baked");
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    assert_eq!(switched.approximate_pairs, 1);
+    assert!((1..exact.face_pairs).contains(&switched.face_pairs), "{switched:?}");
+
+    // Back and forth: no second bake, no second warning. The asset itself stays as it was loaded.
+    app.insert_resource(Culling::Exact);
+    assert_eq!(step(&mut app).face_pairs, exact.face_pairs);
+    app.insert_resource(Culling::FacesOfCollision);
+    assert_eq!(step(&mut app).face_pairs, switched.face_pairs);
+    let assets = app.world().resource::<Assets<CollisionMesh>>();
+    assert!(assets.get(&handle).unwrap().faces.is_none());
+    let warnings = WARNINGS.lock().unwrap();
+    let about_tables: Vec<_> = warnings.iter().filter(|w| w.contains("no table")).collect();
+    assert_eq!(about_tables.len(), 1, "{warnings:?}");
+}
+
+#[test]
+fn a_bodys_choice_overrules_the_worlds_at_its_own_end() {
+    let (mut app, [a, b], _) = app(Culling::Exact);
+    let exact = step(&mut app);
+    let mut faces = [0; 4];
+    for (choice, faces) in faces.iter_mut().enumerate() {
+        for (entity, bit) in [(a, 1), (b, 2)] {
+            let culling = if choice & bit == 0 {
+                Culling::Exact
+            } else {
+                Culling::FrontFacing
+            };
+            app.world_mut().entity_mut(entity).insert(BodyCulling(culling));
+        }
+        let report = step(&mut app);
+        assert_eq!(report.approximate_pairs, usize::from(choice > 0));
+        *faces = report.face_pairs;
+    }
+    let [neither, first, second, both] = faces;
+    assert_eq!(neither, exact.face_pairs);
+    assert!(first < neither && second < neither, "{faces:?}");
+    assert!(both <= first.min(second), "{faces:?}");
+    // And the world's choice holds where a body has none.
+    app.world_mut().entity_mut(a).remove::<BodyCulling>();
+    app.world_mut().entity_mut(b).insert(BodyCulling(Culling::Exact));
+    app.insert_resource(Culling::FrontFacing);
+    assert_eq!(step(&mut app).face_pairs, first);
+}
