@@ -172,10 +172,6 @@ fn formats_are_recognised_or_refused_by_name_and_content() {
         import_bytes("x.obj", b"glTF\x02\0\0\0"),
         Err(ImportError::Foreign("glTF"))
     ));
-    assert!(matches!(
-        import_bytes("x.stl", b"solid"),
-        Err(ImportError::Foreign("STL"))
-    ));
     assert!(matches!(import_bytes("x.txt", b"hello"), Err(ImportError::Unknown)));
     assert!(matches!(
         import_bytes("x.bake.ron", b"()"),

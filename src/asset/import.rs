@@ -4,6 +4,7 @@ use super::collision_mesh::CollisionMesh;
 use super::format::{self, FormatError, Hash, Header};
 use super::obj;
 use super::recipe::{Recipe, RecipeError, is_recipe};
+use super::stl;
 use crate::geometry::{MeshError, TriMesh};
 use crate::projection::BakeSettings;
 use std::path::{Path, PathBuf};
@@ -67,11 +68,52 @@ pub enum ImportError {
         /// How many vertices were found.
         vertices: usize,
     },
+    /// Neither text nor long enough to be binary STL.
+    #[error("{length} bytes are too few for an STL file; export or copy it again")]
+    StlHeader {
+        /// How long the file is.
+        length: usize,
+    },
+    /// A binary STL file ends too early, or is no STL file.
+    #[error(
+        "the file says that it has {triangles} triangles, but there are {there}: it is cut off, or no STL file; export or \
+         copy it again"
+    )]
+    StlCutOff {
+        /// How many there should be.
+        triangles: u32,
+        /// How many there are.
+        there: usize,
+    },
+    /// A corner in a binary STL file is NaN or infinite.
+    #[error("triangle {face} has a coordinate that is not finite; export the mesh again")]
+    StlNotFinite {
+        /// The number of the triangle.
+        face: usize,
+    },
+    /// Words of a text STL file in a wrong order.
+    #[error("line {line}: {reason}")]
+    StlText {
+        /// Where.
+        line: usize,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A word that has no meaning in a text STL file.
+    #[error("line {line}: {word:?} is no word of STL, which has solid, facet, normal, outer, loop and vertex")]
+    StlWord {
+        /// Where.
+        line: usize,
+        /// What stands there.
+        word: String,
+    },
     /// A format that is not read.
-    #[error("{0} files are not read; export the mesh as OBJ, or build a TriMesh from its vertices and faces in code")]
+    #[error(
+        "{0} files are not read; export the mesh as OBJ or STL, or build a TriMesh from its vertices and faces in code"
+    )]
     Foreign(&'static str),
     /// Neither the name nor the first bytes tell what it is.
-    #[error("the format is unknown; mesh files end in .obj, .faceoff or .bake.ron")]
+    #[error("the format is unknown; mesh files end in .obj, .stl, .faceoff or .bake.ron")]
     Unknown,
     /// A recipe where a mesh is needed.
     #[error("a recipe holds no mesh; give the path of the recipe, not its content")]
@@ -129,7 +171,7 @@ impl Imported {
     }
 }
 
-/// Reads a mesh from the bytes of an OBJ or `.faceoff` file. `name` is its file name; its ending decides where the bytes do
+/// Reads a mesh from the bytes of an OBJ, STL or `.faceoff` file. `name` is its file name; its ending decides where the bytes do
 /// not, and it need not name a file that exists.
 pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
     match import(name, bytes)? {
@@ -138,7 +180,7 @@ pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
     }
 }
 
-/// Reads an `.obj`, `.faceoff` or `.bake.ron` file from disk, the last with the mesh it names. Errors name the file.
+/// Reads an `.obj`, `.stl`, `.faceoff` or `.bake.ron` file from disk, the last with the mesh it names. Errors name the file.
 pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let path = path.as_ref();
     let name = path.to_string_lossy();
@@ -174,7 +216,6 @@ pub(super) fn import(name: &str, bytes: &[u8]) -> Result<Imported, ImportError> 
         _ if bytes.starts_with(b"Kaydara FBX") => Some("FBX"),
         _ if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") => Some("PLY"),
         "glb" | "gltf" => Some("glTF"),
-        "stl" => Some("STL"),
         "fbx" => Some("FBX"),
         "ply" => Some("PLY"),
         "dae" => Some("Collada"),
@@ -184,11 +225,15 @@ pub(super) fn import(name: &str, bytes: &[u8]) -> Result<Imported, ImportError> 
     if let Some(format) = foreign {
         return Err(ImportError::Foreign(format));
     }
-    if extension != "obj" && !looks_like_obj(bytes) {
-        return Err(ImportError::Unknown);
-    }
+    let mesh = match extension.as_str() {
+        "obj" => obj::read(bytes)?,
+        "stl" => stl::read(bytes)?,
+        _ if looks_like_obj(bytes) => obj::read(bytes)?,
+        _ if stl::is_likely(bytes) => stl::read(bytes)?,
+        _ => return Err(ImportError::Unknown),
+    };
     Ok(Imported::Mesh {
-        mesh: obj::read(bytes)?,
+        mesh,
         settings: BakeSettings::default(),
         source_hash: format::source_hash(bytes),
     })

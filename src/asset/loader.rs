@@ -12,8 +12,8 @@
 //! # }
 //! ```
 //!
-//! Recipes and `.faceoff` files are known by their extension. OBJ files are not, on purpose: Bevy asks the loader registered
-//! last for an extension, so claiming `obj` would take scenes away from other loaders. They are reached by the type of the
+//! Recipes and `.faceoff` files are known by their extension. Other meshes are not, on purpose: Bevy asks the loader registered
+//! last for an extension, so claiming `obj` or `glb` would take scenes away from other loaders. They are reached by the type of the
 //! handle instead, as above. Reading and baking happen off the IO pool, so that other assets load meanwhile, and stop when
 //! the last handle is dropped.
 //!
@@ -36,7 +36,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Loads `.faceoff` and `.bake.ron` files, and OBJ files by type; see the [module](self).
+/// Loads `.faceoff` and `.bake.ron` files, and other meshes by type; see the [module](self).
 #[derive(Default, TypePath)]
 pub struct CollisionMeshLoader;
 
@@ -45,7 +45,7 @@ pub struct CollisionMeshLoader;
 #[serde(default, deny_unknown_fields)]
 pub struct CollisionMeshSettings {
     /// How to bake. Outranks the recipe; a `.faceoff` file that was baked otherwise gets a new face table. Without it, the
-    /// recipe or the file decides, and an OBJ file is baked by the default settings.
+    /// recipe or the file decides, and any other mesh is baked by the default settings.
     pub bake: Option<BakeSettings>,
 }
 

@@ -11,6 +11,8 @@ mod jobs;
 pub mod loader;
 mod obj;
 pub mod recipe;
+mod stl;
+mod text;
 
 pub use collision_mesh::{BakedMesh, CollisionMesh};
 pub use import::{ImportError, Imported, import_bytes, import_file};

@@ -14,7 +14,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// The mesh file, relative to the recipe: an OBJ, or a baked file whose mesh is to be baked otherwise.
+    /// The mesh file, relative to the recipe: an OBJ or STL, or a baked file whose mesh is to be baked otherwise.
     pub mesh: String,
     /// How to bake it.
     #[serde(default)]
@@ -38,7 +38,7 @@ pub enum RecipeError {
         reason: String,
     },
     /// The path of the mesh is empty, or names another recipe.
-    #[error("mesh: {0:?} is no mesh file; name an OBJ or .faceoff file relative to the recipe")]
+    #[error("mesh: {0:?} is no mesh file; name a mesh file relative to the recipe")]
     Mesh(String),
     /// Settings that cannot be baked with.
     #[error("settings: {0}")]
