@@ -263,7 +263,7 @@ fn broken_files_fail_by_name_and_the_app_goes_on() {
         ("empty.faceoff", vec!["empty.faceoff", "not a .faceoff"]),
         ("bad.obj", vec!["bad.obj", "line 1"]),
         ("nothing.obj", vec!["nothing.obj", "no faces"]),
-        ("scene.glb", vec!["scene.glb", "OBJ"]),
+        ("scene.glb", vec!["scene.glb", "export it as glTF 2.0"]),
         ("syntax.bake.ron", vec!["syntax.bake.ron", "line 1"]),
         ("settings.bake.ron", vec!["settings.bake.ron", "must divide 90"]),
         ("missing.bake.ron", vec!["missing.bake.ron", "gone.obj"]),

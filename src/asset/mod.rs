@@ -6,7 +6,9 @@
 mod bytes;
 pub mod collision_mesh;
 pub mod format;
+pub mod gltf;
 pub mod import;
+mod import_error;
 mod jobs;
 pub mod loader;
 mod obj;
@@ -15,7 +17,8 @@ mod stl;
 mod text;
 
 pub use collision_mesh::{BakedMesh, CollisionMesh};
-pub use import::{ImportError, Imported, import_bytes, import_file};
+pub use gltf::{GltfError, MeshChoice, MeshPart};
+pub use import::{ImportError, Imported, import_bytes, import_file, import_part};
 pub use loader::{CollisionMeshLoader, CollisionMeshSettings, register};
 pub use obj::to_obj;
 pub use recipe::Recipe;
