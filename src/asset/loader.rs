@@ -233,7 +233,7 @@ async fn load_mesh(
     on_bake_pool(move |pool, progress| Ok(mesh.rebake(settings, pool, progress)?)).await
 }
 
-/// Registers the asset and its loader. Returns whether that was possible: without Bevy's `AssetPlugin` it is not, and an
+/// Registers the asset, its loader, and its [processor](super::processor) where Bevy processes assets. Returns whether that was possible: without Bevy's `AssetPlugin` it is not, and an
 /// error that says so is logged. A second call does nothing.
 pub fn register(app: &mut App) -> bool {
     if !app.world().contains_resource::<AssetServer>() {
@@ -245,6 +245,7 @@ pub fn register(app: &mut App) -> bool {
     if !app.world().contains_resource::<Assets<CollisionMesh>>() {
         app.init_asset::<CollisionMesh>()
             .register_asset_loader(CollisionMeshLoader);
+        super::processor::register(app);
     }
     true
 }

@@ -12,6 +12,7 @@ mod import_error;
 mod jobs;
 pub mod loader;
 mod obj;
+pub mod processor;
 pub mod recipe;
 mod stl;
 mod text;
