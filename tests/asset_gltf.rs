@@ -247,6 +247,24 @@ fn what_is_not_triangles_is_passed_over() {
     assert_eq!(read(&gltf), cube);
 }
 
+#[test]
+fn a_million_triangles() {
+    let mesh = shapes::torus(1000, 500, 1.0, 0.3);
+    let mut gltf = Gltf::new();
+    let primitive = gltf.primitive(&mesh, U32);
+    gltf.mesh("m", vec![primitive]);
+    gltf.root_node(json!({"mesh": 0}));
+    for bytes in [gltf.glb(), gltf.with_data_uri()] {
+        let start = std::time::Instant::now();
+        assert_eq!(import_bytes("x", &bytes).unwrap().triangles().len(), 1_000_000);
+        eprintln!(
+            "1000000 triangles, {} MB read in {:?}",
+            bytes.len() >> 20,
+            start.elapsed()
+        );
+    }
+}
+
 fn write(folder: &Path, name: &str, bytes: &[u8]) {
     let path = folder.join(name);
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();

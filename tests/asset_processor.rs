@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::tasks::block_on;
 use bevy_faceoff::asset::format::{self, BAKER_VERSION};
 use bevy_faceoff::asset::processor::ProcessorSettings;
-use bevy_faceoff::asset::{CollisionMesh, register, to_obj};
+use bevy_faceoff::asset::{CollisionMesh, Imported, import_file, register, to_obj};
 use bevy_faceoff::geometry::shapes;
 use gltf_files::Gltf;
 use std::collections::BTreeMap;
@@ -125,6 +125,8 @@ fn recipes_are_baked_once_and_in_place() {
         let (baked, header) = format::from_bytes(&bytes).unwrap();
         assert_eq!(&baked, mesh.as_ref().unwrap());
         assert_eq!(header.settings.faces, recipe.contains("torus"));
+        let on_disk = import_file(imported(folder).join(recipe)).unwrap();
+        assert!(matches!(on_disk, Imported::Baked { mesh, .. } if mesh == baked));
         // The folder of assets stays what it was.
         assert!(
             std::fs::read(assets(folder).join(recipe))

@@ -202,6 +202,21 @@ fn changed_bits_do_not_panic() {
     }
 }
 
+#[test]
+fn a_million_triangles() {
+    let mesh = shapes::torus(1000, 500, 1.0, 0.3);
+    for bytes in [binary("", &mesh), text(&mesh).into_bytes()] {
+        let start = std::time::Instant::now();
+        let read = stl(&bytes).unwrap();
+        eprintln!(
+            "1000000 triangles, {} MB read in {:?}",
+            bytes.len() >> 20,
+            start.elapsed()
+        );
+        assert_eq!((read.triangles().len(), read.vertices().len()), (1_000_000, 500_000));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..Default::default() })]
 

@@ -64,12 +64,16 @@ pub fn import_part(name: &str, bytes: &[u8], part: Option<&MeshPart>) -> Result<
 /// Reads a mesh file or a `.bake.ron` recipe from disk, with the files it names. Errors name the file.
 pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let path = path.as_ref();
-    if !is_recipe(&path.to_string_lossy()) {
-        return import_mesh_file(path, None);
+    let bytes = read_file(path)?;
+    // A recipe that was baked in place keeps its name.
+    if !is_recipe(&path.to_string_lossy()) || bytes.starts_with(&format::MAGIC) {
+        return import_mesh_file(path, bytes, None);
     }
-    let recipe = Recipe::parse(&read_file(path)?).map_err(|e| in_file(path, e))?;
+    let recipe = Recipe::parse(&bytes).map_err(|e| in_file(path, e))?;
     let mesh_path = path.with_file_name("").join(&recipe.mesh);
-    Ok(match import_mesh_file(&mesh_path, recipe.part.as_ref())? {
+    let bytes = read_file(&mesh_path)?;
+    let baked_hash = format::source_hash(&bytes);
+    Ok(match import_mesh_file(&mesh_path, bytes, recipe.part.as_ref())? {
         Imported::Mesh { mesh, source_hash, .. } => Imported::Mesh {
             mesh,
             settings: recipe.settings,
@@ -79,13 +83,13 @@ pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
         Imported::Baked { mesh, .. } => Imported::Mesh {
             mesh: mesh.mesh.clone(),
             settings: recipe.settings,
-            source_hash: format::source_hash(&read_file(&mesh_path)?),
+            source_hash: baked_hash,
         },
     })
 }
 
-fn import_mesh_file(path: &Path, part: Option<&MeshPart>) -> Result<Imported, ImportError> {
-    let source = Source::open(&path.to_string_lossy(), read_file(path)?).map_err(|e| in_file(path, e))?;
+fn import_mesh_file(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Result<Imported, ImportError> {
+    let source = Source::open(&path.to_string_lossy(), bytes).map_err(|e| in_file(path, e))?;
     let mut files = Vec::new();
     for file in source.files() {
         // A device, which a hostile mesh might name, has no end.
@@ -172,7 +176,6 @@ impl Format {
             .extension()
             .map(|e| e.to_string_lossy().to_ascii_lowercase())
             .unwrap_or_default();
-        // A recipe that was baked in place keeps its name.
         if bytes.starts_with(&format::MAGIC) || extension == "faceoff" {
             return Ok(Self::Baked);
         }
