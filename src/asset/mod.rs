@@ -3,6 +3,8 @@
 //! A [`CollisionMesh`] comes from a file through Bevy's asset server (see [`loader`]), from a file on disk through
 //! [`import::import_file`], or from vertices and faces through [`CollisionMesh::new`].
 
+#[cfg(feature = "bevy_mesh")]
+pub mod bevy_mesh;
 mod bytes;
 pub mod collision_mesh;
 pub mod format;
