@@ -5,7 +5,9 @@ use crate::stages::state::{Contact, Contacts, FacePair, TouchingPair};
 use bevy::prelude::*;
 use std::time::Duration;
 
-/// All pairs of bodies that touched in the last fixed step.
+/// All pairs of bodies that touched in the last fixed step; planes are not among them.
+///
+/// "Ascending" and "smaller" are meant in the order of [`Entity`], in which a younger entity may come first.
 #[derive(Resource, Debug, Default)]
 pub struct Collisions {
     /// Ascending, so that body indices are in the order of entities.
@@ -20,7 +22,7 @@ pub struct Collision<'a> {
     pub entity1: Entity,
     /// The other.
     pub entity2: Entity,
-    /// One lies wholly inside the other, which is closed; there are no intersecting faces then.
+    /// One is closed and has the other, or a connected component of it, inside; no faces intersect then.
     pub contained: bool,
     /// Where they push each other; the normal points from the first to the second.
     pub contact: Contact,

@@ -3,7 +3,7 @@
 use crate::asset::CollisionMesh;
 use bevy::prelude::*;
 
-/// How a body moves.
+/// How a body moves. Pairs are tested if one of the two is dynamic, or one a [`Sensor`] and one kinematic.
 ///
 /// A body is an entity with a [`MeshCollider`] and a `RigidBody`; its pose is its [`Transform`], taken as a pose in the
 /// world (spawn bodies as root entities), scale included.
@@ -28,7 +28,9 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 
 /// A half-space that dynamic bodies bounce off: the points `p` with `normal . p < distance` are solid.
 ///
-/// Planes are fixed in the world; a `Transform` on the same entity has no effect.
+/// On an entity of its own, not on a body. Planes are fixed in the world: a `Transform` on the same entity has no effect. They do not look at
+/// [`CollisionLayers`]. Touching one is told by messages, events and [`CollidingEntities`];
+/// [`Collisions`](crate::collisions::Collisions) holds pairs of meshes only.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct PlaneCollider {

@@ -28,11 +28,11 @@ pub struct CollisionEnd {
     pub entity2: Entity,
 }
 
-/// A body was taken out of the step because its components cannot be used. Written once; the body comes back by itself
+/// A body or plane was left out of the step because its components cannot be used. Written once; the body comes back by itself
 /// when its components are mended.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 pub struct BodyRejected {
-    /// The body.
+    /// The body or plane.
     pub entity: Entity,
     /// What is wrong with it and what to do.
     pub fault: BodyFault,

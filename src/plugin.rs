@@ -113,20 +113,7 @@ impl From<Stage> for FaceoffSystems {
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
-            .thread_name(|i| format!("faceoff step {i}"))
-            .build();
-        let pool = match pool {
-            Ok(pool) => pool,
-            Err(error) => {
-                error!("bevy_faceoff finds no collisions: no threads to work on: {error}");
-                return;
-            }
-        };
-        info!("collisions run on the CPU with {} threads", pool.current_num_threads());
-        app.insert_resource(Step::new(pool))
-            .insert_resource(self.backend)
+        app.insert_resource(self.backend)
             .init_resource::<Culling>()
             .init_resource::<Gravity>()
             .init_resource::<Response>()
@@ -136,6 +123,21 @@ impl Plugin for StepPlugin {
             .add_message::<CollisionEnd>()
             .add_message::<BodyRejected>();
         register_types(app);
+
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads)
+            .thread_name(|i| format!("faceoff step {i}"))
+            .build();
+        match pool {
+            Ok(pool) => {
+                info!("collisions run on the CPU with {} threads", pool.current_num_threads());
+                app.insert_resource(Step::new(pool));
+            }
+            Err(error) => {
+                error!("no collisions are found and no body moves: there are no threads to work on: {error}");
+                return;
+            }
+        }
 
         let mut schedule = Schedule::new(FaceoffStep);
         schedule

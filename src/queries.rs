@@ -38,7 +38,7 @@ pub struct TouchingPair {
     pub a: u32,
     /// The other.
     pub b: u32,
-    /// One is a closed mesh and the other lies wholly inside it.
+    /// One is a closed mesh and has the other, or a connected component of it, inside; no faces intersect then.
     pub contained: bool,
     /// Intersecting faces as indices of the input meshes, `a`'s first, ascending.
     pub faces: Vec<[u32; 2]>,

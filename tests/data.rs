@@ -34,6 +34,7 @@ fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) -> Tally {
     let tally: Tally = parallel::map(pairs.len(), one).into_iter().sum();
     println!("{}\n{}", Tally::head(), tally.row(name));
     tally.require_no_failures();
+    tally.require_none_missed();
     assert!(tally.touching >= touching, "only {} pairs touch", tally.touching);
     tally
 }

@@ -29,6 +29,7 @@ fn check_finds_what_brute_force_finds() {
     let all: Tally = tallies.iter().map(|(_, tally)| tally.clone()).sum();
     println!("{}", all.row("all"));
     all.require_no_failures();
+    all.require_none_missed();
     assert!(all.touching >= ENOUGH, "only {} touching pairs", all.touching);
     // Where rounding decides by construction any number may be forgiven; elsewhere very few.
     let general: Tally = tallies

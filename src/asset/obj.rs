@@ -23,7 +23,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     let mut continued: Vec<u8> = Vec::new();
     let mut first_line = 1;
     for (line, text) in (1..).zip(bytes.split(|&b| b == b'\n')) {
-        let text = text.trim_ascii_end();
+        // A comment ends with its line, even if its last character is a backslash.
+        let text = text.split(|&b| b == b'#').next().unwrap_or_default().trim_ascii_end();
         if continued.is_empty() {
             first_line = line;
         }
@@ -69,7 +70,6 @@ struct Obj {
 
 impl Obj {
     fn line(&mut self, line: usize, text: &[u8]) -> Result<(), ImportError> {
-        let text = text.split(|&b| b == b'#').next().unwrap_or_default();
         let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         match words.next() {
             Some(b"v") => self.vertex(line, words),

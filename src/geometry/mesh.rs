@@ -331,8 +331,8 @@ fn edge_orientation(faces: &[[u32; 3]], welded: &[u32]) -> Orientation {
     }
 }
 
-/// Whether the corners lie on one line. Differences of neighbouring `f32`s are exact in `f64`, and so are the products,
-/// so the comparison with zero is exact.
+/// Whether the corners lie on one line. Differences of `f32`s are exact in `f64` unless one is some `2^29` times the
+/// other, and then so are their products: the comparison with zero is exact for all but absurd triangles.
 fn is_degenerate([a, b, c]: [Vec3; 3]) -> bool {
     let a = a.as_dvec3();
     (b.as_dvec3() - a).cross(c.as_dvec3() - a) == DVec3::ZERO

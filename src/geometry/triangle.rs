@@ -1,9 +1,9 @@
 //! Triangle against triangle, as closed sets: triangles that only touch, in a point, along an edge or face to face,
 //! intersect.
 //!
-//! Every sign is decided with a bound on its rounding error, and "within rounding of zero" counts as zero. So the
-//! answer is the true one, except that triangles apart by a few units in the last place of `f64` may count as touching;
-//! touching ones are never missed.
+//! Every sign is decided with a bound on its error, that of rounding and that of the corners' positions, and "within
+//! the error of zero" counts as zero. So the answer is the true one, except that triangles apart by no more than such
+//! errors may count as touching; touching ones are never missed.
 
 use glam::{DVec2, DVec3};
 
@@ -24,28 +24,34 @@ pub struct Intersection {
 /// Symmetric in its arguments and in the order of corners. Triangles of zero area get a safe answer, not always the
 /// exact one.
 pub fn intersect(a: &[DVec3; 3], b: &[DVec3; 3]) -> Option<Intersection> {
-    let plane_a = Plane::of(a);
+    intersect_placed(a, b, 0.0)
+}
+
+/// [`intersect`] for corners that were placed by arithmetic and are wrong by up to `placing` per coordinate: triangles
+/// that may touch within that error do.
+pub fn intersect_placed(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> Option<Intersection> {
+    let plane_a = Plane::of(a, placing);
     let heights_b = b.map(|p| plane_a.height(p));
     if one_side(&heights_b) {
         return None;
     }
-    let plane_b = Plane::of(b);
+    let plane_b = Plane::of(b, placing);
     let heights_a = a.map(|p| plane_b.height(p));
     if one_side(&heights_a) {
         return None;
     }
     if let (Some(chord_a), Some(chord_b)) = (chord(a, &heights_a), chord(b, &heights_b))
-        && let Some(answer) = overlap(plane_a.normal.cross(plane_b.normal), chord_a, chord_b)
+        && let Some(answer) = overlap(plane_a.normal.cross(plane_b.normal), chord_a, chord_b, placing)
     {
         return answer;
     }
     let flat = |h: &[Height; 3]| h.iter().all(|h| h.sign() == 0);
     if flat(&heights_b) {
-        coplanar(a, b, plane_a.normal)
+        coplanar(a, b, plane_a.normal, placing)
     } else if flat(&heights_a) {
-        coplanar(a, b, plane_b.normal)
+        coplanar(a, b, plane_b.normal, placing)
     } else {
-        by_edges(a, b, &heights_a, &heights_b)
+        by_edges(a, b, &heights_a, &heights_b, placing)
     }
 }
 
@@ -60,8 +66,10 @@ fn norm1(v: DVec3) -> f64 {
 struct Plane {
     origin: DVec3,
     normal: DVec3,
-    /// Product of the 1-norms of the two edges that span the plane.
-    weight: f64,
+    /// How much of the 1-norm of a vector its product with the normal can be wrong by.
+    error: f64,
+    /// How wrong a height is for the error of the point itself.
+    placing: f64,
 }
 
 /// A height over a plane, times the length of the plane's normal, and how wrong it can be.
@@ -78,12 +86,15 @@ impl Height {
 }
 
 impl Plane {
-    fn of(t: &[DVec3; 3]) -> Self {
+    fn of(t: &[DVec3; 3], placing: f64) -> Self {
         let (u, v) = (t[1] - t[0], t[2] - t[0]);
+        let (normal, nu, nv) = (u.cross(v), norm1(u), norm1(v));
+        // A difference of two corners is wrong by twice what each is.
         Self {
             origin: t[0],
-            normal: u.cross(v),
-            weight: norm1(u) * norm1(v),
+            normal,
+            error: ROUNDING * nu * nv + 2.0 * placing * (nu + nv + 2.0 * placing),
+            placing: 2.0 * placing * norm1(normal),
         }
     }
 
@@ -91,7 +102,7 @@ impl Plane {
         let d = p - self.origin;
         Height {
             value: self.normal.dot(d),
-            error: ROUNDING * self.weight * norm1(d),
+            error: self.error * norm1(d) + self.placing,
         }
     }
 }
@@ -101,14 +112,16 @@ fn one_side(h: &[Height; 3]) -> bool {
     s == [1; 3] || s == [-1; 3]
 }
 
-/// Where the triangle crosses the other's plane, if that is well conditioned: the corner alone on its side must be
-/// clearly off the plane, the others clearly on the other side.
+/// Where a triangle crosses the other's plane, and how far off the two points can be.
+struct Chord {
+    points: [DVec3; 2],
+    error: f64,
+}
+
+/// `None` unless every corner is clearly on one side.
 #[inline]
-fn chord(t: &[DVec3; 3], h: &[Height; 3]) -> Option<[DVec3; 2]> {
-    // A crossing point is wrong by error / (height difference) of its edge; a millionth keeps it useful.
-    const CLEAR: f64 = 1.0e6;
-    let clear = h.iter().all(|h| h.value.abs() > CLEAR * h.error);
-    if !clear {
+fn chord(t: &[DVec3; 3], h: &[Height; 3]) -> Option<Chord> {
+    if h.iter().any(|h| h.sign() == 0) {
         return None;
     }
     let [p, q, r] = h.map(|h| h.value > 0.0);
@@ -119,23 +132,33 @@ fn chord(t: &[DVec3; 3], h: &[Height; 3]) -> Option<[DVec3; 2]> {
     } else {
         0
     };
-    let (i, j) = ((alone + 1) % 3, (alone + 2) % 3);
-    let cross = |k: usize| t[alone] + (t[k] - t[alone]) * (h[alone].value / (h[alone].value - h[k].value));
-    Some([cross(i), cross(j)])
+    let cross = |k: usize| {
+        let (edge, across) = (t[k] - t[alone], h[alone].value - h[k].value);
+        let point = t[alone] + edge * (h[alone].value / across);
+        let error = norm1(edge) * ((h[alone].error + h[k].error) / across).abs();
+        (point, error)
+    };
+    let ((x, error_x), (y, error_y)) = (cross((alone + 1) % 3), cross((alone + 2) % 3));
+    Some(Chord {
+        points: [x, y],
+        error: error_x.max(error_y),
+    })
 }
 
 /// Whether two chords on the common line of both planes overlap (Moeller 1997); `None` if that is too close to call.
 #[inline]
-fn overlap(line: DVec3, a: [DVec3; 2], b: [DVec3; 2]) -> Option<Option<Intersection>> {
-    const TOO_CLOSE: f64 = 1.0e-9;
+fn overlap(line: DVec3, a: Chord, b: Chord, placing: f64) -> Option<Option<Intersection>> {
+    let origin = a.points[0];
     let sorted = |[p, q]: [DVec3; 2]| {
-        let (s, t) = (line.dot(p - a[0]), line.dot(q - a[0]));
+        let (s, t) = (line.dot(p - origin), line.dot(q - origin));
         if s <= t { [(s, p), (t, q)] } else { [(t, q), (s, p)] }
     };
-    let ([a0, a1], [b0, b1]) = (sorted(a), sorted(b));
-    let scale = (a1.0 - a0.0) + (b1.0 - b0.0);
+    let ([a0, a1], [b0, b1]) = (sorted(a.points), sorted(b.points));
     let gap = (b0.0 - a1.0).max(a0.0 - b1.0);
-    if gap.is_nan() || gap.abs() <= TOO_CLOSE * (scale + gap.abs()) || scale <= 0.0 {
+    // Sums along the line are wrong by less than the extent of what is summed.
+    let extent = norm1(a.points[1] - origin) + norm1(b.points[0] - origin) + norm1(b.points[1] - origin);
+    let error = norm1(line) * (a.error + b.error + 4.0 * placing + ROUNDING * extent);
+    if gap.is_nan() || gap.abs() <= error {
         return None;
     }
     if gap > 0.0 {
@@ -151,14 +174,14 @@ fn overlap(line: DVec3, a: [DVec3; 2], b: [DVec3; 2]) -> Option<Option<Intersect
 }
 
 /// The decision by signs alone, for triangles in different planes: they meet exactly if an edge of one meets the other.
-fn by_edges(a: &[DVec3; 3], b: &[DVec3; 3], ha: &[Height; 3], hb: &[Height; 3]) -> Option<Intersection> {
+fn by_edges(a: &[DVec3; 3], b: &[DVec3; 3], ha: &[Height; 3], hb: &[Height; 3], placing: f64) -> Option<Intersection> {
     let mut found = Farthest::default();
     for (edges_of, h, other) in [(a, ha, b), (b, hb, a)] {
         for i in 0..3 {
             let j = (i + 1) % 3;
             let (si, sj) = (h[i].sign(), h[j].sign());
             // An edge inside the other's plane adds nothing: its ends are met through the neighbouring edges.
-            if si == sj || !line_meets(edges_of[i], edges_of[j], other) {
+            if si == sj || !line_meets(edges_of[i], edges_of[j], other, placing) {
                 continue;
             }
             found.add(match (si, sj) {
@@ -172,14 +195,15 @@ fn by_edges(a: &[DVec3; 3], b: &[DVec3; 3], ha: &[Height; 3], hb: &[Height; 3]) 
 }
 
 /// Whether the line through `p` and `q` passes through the closed triangle `t`.
-fn line_meets(p: DVec3, q: DVec3, t: &[DVec3; 3]) -> bool {
+fn line_meets(p: DVec3, q: DVec3, t: &[DVec3; 3], placing: f64) -> bool {
     let d = q - p;
     let c = t.map(|v| v - p);
     let (mut left, mut right) = (false, false);
     for i in 0..3 {
         let (u, v) = (c[i], c[(i + 1) % 3]);
         let det = d.dot(u.cross(v));
-        let error = ROUNDING * norm1(d) * norm1(u) * norm1(v);
+        let (nd, nu, nv) = (norm1(d), norm1(u), norm1(v));
+        let error = ROUNDING * nd * nu * nv + 2.0 * placing * (nd * nu + nu * nv + nv * nd);
         left |= det > error;
         right |= det < -error;
     }
@@ -187,7 +211,7 @@ fn line_meets(p: DVec3, q: DVec3, t: &[DVec3; 3]) -> bool {
 }
 
 /// Triangles in one plane: edges that cross, or a corner inside the other triangle.
-fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3) -> Option<Intersection> {
+fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3, placing: f64) -> Option<Intersection> {
     let n = normal.abs();
     let flat = |p: DVec3| {
         if n.x >= n.y && n.x >= n.z {
@@ -202,7 +226,7 @@ fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3) -> Option<Intersectio
     let mut found = Farthest::default();
     for (points, flat_points, triangle) in [(a, &fa, &fb), (b, &fb, &fa)] {
         for i in 0..3 {
-            if contains(triangle, flat_points[i]) {
+            if contains(triangle, flat_points[i], placing) {
                 found.add(points[i]);
             }
         }
@@ -210,7 +234,7 @@ fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3) -> Option<Intersectio
     for i in 0..3 {
         for j in 0..3 {
             let (i2, j2) = ((i + 1) % 3, (j + 1) % 3);
-            if let Some(t) = segments_cross(fa[i], fa[i2], fb[j], fb[j2]) {
+            if let Some(t) = segments_cross([fa[i], fa[i2]], [fb[j], fb[j2]], placing) {
                 found.add(a[i].lerp(a[i2], t));
             }
         }
@@ -219,23 +243,25 @@ fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3) -> Option<Intersectio
 }
 
 /// Which side of the line `p q` the point `r` lies on; 0 within rounding.
-fn side(p: DVec2, q: DVec2, r: DVec2) -> (i8, f64) {
+fn side(p: DVec2, q: DVec2, r: DVec2, placing: f64) -> (i8, f64) {
     let (u, v) = (q - p, r - p);
     let (left, right) = (u.x * v.y, u.y * v.x);
-    let (det, error) = (left - right, ROUNDING * (left.abs() + right.abs()));
+    let det = left - right;
+    let spread = u.abs().element_sum() + v.abs().element_sum();
+    let error = ROUNDING * (left.abs() + right.abs()) + 2.0 * placing * (spread + 2.0 * placing);
     ((det > error) as i8 - (det < -error) as i8, det)
 }
 
 /// Closed. A triangle without area contains nothing here; crossing edges find its points.
-fn contains(t: &[DVec2; 3], p: DVec2) -> bool {
-    let s = [0, 1, 2].map(|i| side(t[i], t[(i + 1) % 3], p).0);
+fn contains(t: &[DVec2; 3], p: DVec2, placing: f64) -> bool {
+    let s = [0, 1, 2].map(|i| side(t[i], t[(i + 1) % 3], p, placing).0);
     s != [0; 3] && !(s.contains(&1) && s.contains(&-1))
 }
 
 /// Where along `p q` it meets `r s`, both closed. Parallel segments meet in corners of one that lie on the other.
-fn segments_cross(p: DVec2, q: DVec2, r: DVec2, s: DVec2) -> Option<f64> {
-    let ((sr, _), (ss, _)) = (side(p, q, r), side(p, q, s));
-    let ((sp, hp), (sq, hq)) = (side(r, s, p), side(r, s, q));
+fn segments_cross([p, q]: [DVec2; 2], [r, s]: [DVec2; 2], placing: f64) -> Option<f64> {
+    let ((sr, _), (ss, _)) = (side(p, q, r, placing), side(p, q, s, placing));
+    let ((sp, hp), (sq, hq)) = (side(r, s, p, placing), side(r, s, q, placing));
     if sr * ss > 0 || sp * sq > 0 {
         return None;
     }
@@ -250,12 +276,13 @@ fn segments_cross(p: DVec2, q: DVec2, r: DVec2, s: DVec2) -> Option<f64> {
     let d = q - p;
     let length = d.length_squared();
     if length == 0.0 {
-        let (lo, hi) = (r.min(s), r.max(s));
+        let (lo, hi) = (r.min(s) - 2.0 * placing, r.max(s) + 2.0 * placing);
         return (p.cmpge(lo).all() && p.cmple(hi).all()).then_some(0.0);
     }
     let (t0, t1) = (d.dot(r - p) / length, d.dot(s - p) / length);
     let (lo, hi) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
-    (lo <= hi).then_some(lo)
+    let error = 4.0 * placing / length.sqrt();
+    (lo <= hi + error).then_some(lo.min(1.0))
 }
 
 /// Keeps the two points farthest apart among those added.

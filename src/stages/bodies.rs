@@ -10,6 +10,9 @@ use thiserror::Error;
 /// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
 pub const MIN_RADIUS: f32 = 1.0e-9;
 
+/// The largest component a velocity may have, in m/s or rad/s: its square stays far from overflow.
+pub const MAX_SPEED: f32 = 1.0e9;
+
 /// Why a body cannot take part in a step.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum BodyFault {
@@ -28,12 +31,27 @@ pub enum BodyFault {
     /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
     #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
     TooFar,
-    /// Its mass is not positive.
-    #[error("its mass {0} is not positive")]
+    /// Its mass is not positive, or so small that its inverse is not finite.
+    #[error("its mass {0} is not positive or vanishingly small: set one of at least 1e-38")]
     Mass(f32),
+    /// It is faster than [`MAX_SPEED`].
+    #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
+    TooFast(f32),
     /// The normal of a plane has no length.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
+    /// It is a child of another entity.
+    #[error("it is a child of another entity, and its Transform no pose in the world: make it a root entity")]
+    Child,
+    /// Its mesh is nowhere, and is not on its way either.
+    #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
+    MeshMissing,
+    /// It is a body and a plane at once. The body goes on; the plane is left out.
+    #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
+    PlaneOnBody,
+    /// The distance of a plane is NaN or infinite.
+    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
+    PlaneDistance(f32),
     /// Its mesh could not be loaded.
     #[error(
         "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
@@ -105,6 +123,14 @@ impl Bodies {
         if !motion_finite {
             return Err(BodyFault::NonFiniteMotion);
         }
+        let speed = body
+            .linear_velocity
+            .abs()
+            .max(body.angular_velocity.abs())
+            .max_element();
+        if speed > MAX_SPEED {
+            return Err(BodyFault::TooFast(speed));
+        }
         let rotation = body.rotation.as_dquat();
         if rotation.length_squared() < 1.0e-12 {
             return Err(BodyFault::ZeroRotation);
@@ -115,19 +141,22 @@ impl Bodies {
         if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
             return Err(BodyFault::ZeroScale(body.scale));
         }
-        // A NaN from an overflow above must not pass, hence the negation.
-        if !(body.position.abs().max_element() + radius <= MAX_COORDINATE) {
-            return Err(BodyFault::TooFar);
-        }
         if let Some(mass) = body.mass.filter(|&m| m <= 0.0) {
             return Err(BodyFault::Mass(mass));
         }
 
         let frame = Frame::new(body, rotation.normalize(), slot.mesh.mass.center);
         let center = frame.center.as_vec3();
+        let reach = center.abs().max(body.position.abs()).max_element() + radius;
+        if reach.is_nan() || reach > MAX_COORDINATE {
+            return Err(BodyFault::TooFar);
+        }
         // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
         let radius = radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
         let (inverse_mass, inverse_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
+        if !inverse_mass.is_finite() {
+            return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
+        }
 
         self.mesh.push(body.mesh);
         self.kind.push(body.kind);

@@ -4,6 +4,7 @@ use crate::asset::CollisionMesh;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use glam::Vec3;
+use std::collections::HashSet;
 use std::ops::Index;
 use wide::f32x8;
 
@@ -28,6 +29,8 @@ pub struct MeshSlot {
 pub struct MeshLanes {
     /// Triangles in clusters of eight.
     pub clusters: Vec<Cluster>,
+    /// The corners of all triangles, each position once, and one bit for each lane that holds one.
+    pub vertices: Vec<(Points, u32)>,
     /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
     /// Box of the whole mesh.
@@ -45,7 +48,8 @@ pub struct Cluster {
     pub lanes: u32,
 }
 
-/// Eight boxes, by centre and half size. A lane without a box has a hugely negative half size, which overlaps nothing.
+/// Eight boxes, by centre and half size. A lane without a box has a half size of minus infinity, which overlaps nothing:
+/// all comparisons with what comes of it fail.
 #[derive(Clone, Copy)]
 pub struct BoxGroup {
     /// Centres.
@@ -53,8 +57,6 @@ pub struct BoxGroup {
     /// Half sizes.
     pub half: Points,
 }
-
-const NO_BOX: f32 = -1.0e21;
 
 impl MeshArena {
     /// Adds a mesh and tells its slot.
@@ -103,6 +105,20 @@ impl MeshLanes {
                 lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
             })
             .collect();
+        let mut seen = HashSet::new();
+        let positions: Vec<Vec3> = mesh
+            .used_positions()
+            // Adding zero turns -0 into 0.
+            .filter(|p| seen.insert((*p + Vec3::ZERO).to_array().map(f32::to_bits)))
+            .map(|p| p - center)
+            .collect();
+        let vertices = positions
+            .chunks(CLUSTER)
+            .map(|run| {
+                let held = points(|lane| run[lane.min(run.len() - 1)]);
+                (held, (1u32 << run.len()) - 1)
+            })
+            .collect();
 
         let mut levels = Vec::new();
         let mut nodes = merge(&boxes);
@@ -116,6 +132,7 @@ impl MeshLanes {
         }
         Self {
             clusters,
+            vertices,
             levels,
             aabb,
             longest_side: boxes.iter().map(|b| (b.max - b.min).max_element()).fold(0.0, f32::max),
@@ -137,7 +154,7 @@ impl BoxGroup {
             center: points(|lane| boxes.get(lane).map_or(Vec3::ZERO, |b| b.center())),
             // Rounding the centre must not shrink the box.
             half: points(|lane| {
-                boxes.get(lane).map_or(Vec3::splat(NO_BOX), |b| {
+                boxes.get(lane).map_or(Vec3::NEG_INFINITY, |b| {
                     let c = b.center();
                     (b.max - c).max(c - b.min)
                 })
@@ -149,12 +166,9 @@ impl BoxGroup {
 /// Gathers eight points.
 #[inline(always)]
 pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
-    let mut lanes = [[0.0; CLUSTER]; 3];
-    for lane in 0..CLUSTER {
-        let p = at(lane);
-        for axis in 0..3 {
-            lanes[axis][lane] = p[axis];
-        }
+    let (mut x, mut y, mut z) = ([0.0; CLUSTER], [0.0; CLUSTER], [0.0; CLUSTER]);
+    for (lane, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
+        [*x, *y, *z] = at(lane).to_array();
     }
-    lanes.map(f32x8::new)
+    [x, y, z].map(f32x8::new)
 }

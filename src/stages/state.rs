@@ -179,7 +179,7 @@ pub struct Contacts {
 pub struct TouchingPair {
     /// The two bodies, `a < b`.
     pub bodies: [u32; 2],
-    /// One lies wholly inside the other, which is closed.
+    /// One is closed and has the other, or a connected component of it, inside; no faces intersect then.
     pub contained: bool,
     /// Where its faces start in [`Contacts::faces`].
     pub first_face: u32,
@@ -218,7 +218,7 @@ pub struct PlaneContact {
     pub body: u32,
     /// Index of the half-space.
     pub plane: u32,
-    /// Mean of the vertices inside, in the world.
+    /// Mean of the vertices inside, weighted by depth, in the world.
     pub point: Vec3,
     /// How far the deepest vertex is inside, metres.
     pub depth: f32,

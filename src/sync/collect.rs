@@ -8,6 +8,7 @@ use crate::settings::{Gravity, Response};
 use crate::stages::bodies::BodyFault;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Body, Plane};
+use bevy::asset::LoadState;
 use bevy::ecs::query::QueryData;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
@@ -27,13 +28,14 @@ pub(crate) struct BodyComponents {
     gravity_scale: Option<&'static GravityScale>,
     layers: Option<&'static CollisionLayers>,
     sensor: Has<Sensor>,
+    is_child: Has<ChildOf>,
 }
 
 /// Fills the stages' input from the world.
 pub(crate) fn collect(
     mut step: ResMut<Step>,
     bodies: Query<BodyComponents>,
-    planes: Query<(Entity, &PlaneCollider, Option<&Restitution>)>,
+    planes: Query<(Entity, &PlaneCollider, Option<&Restitution>, Has<MeshCollider>)>,
     meshes: Res<Assets<CollisionMesh>>,
     assets: Res<AssetServer>,
     time: Res<Time>,
@@ -45,19 +47,27 @@ pub(crate) fn collect(
     step.begun = Instant::now();
     step.state.config.dt = time.delta_secs();
     step.state.config.response = *response;
-    step.state.config.gravity = if gravity.is_finite() { gravity.0 } else { Vec3::ZERO };
+    step.state.config.gravity = if gravity.is_finite() {
+        gravity.0
+    } else {
+        error_once!("Gravity is {}, which is not finite, and counts as zero", gravity.0);
+        Vec3::ZERO
+    };
 
-    let mut faults = HashMap::default();
+    let mut faults = Vec::new();
     step.collected.clear();
     for body in &bodies {
         let id = body.collider.0.id();
-        match slot(&mut step.state.meshes, &mut step.slots, &meshes, id) {
-            Some(mesh) => step.collected.push((body.entity, body.with_mesh(mesh))),
-            None if assets.load_state(id).is_failed() => {
-                faults.insert(body.entity, BodyFault::MeshFailed);
+        if body.is_child {
+            faults.push((body.entity, BodyFault::Child));
+        } else if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &meshes, id) {
+            step.collected.push((body.entity, body.with_mesh(mesh)));
+        } else {
+            match assets.load_state(id) {
+                LoadState::Loading | LoadState::Loaded => {}
+                LoadState::NotLoaded => faults.push((body.entity, BodyFault::MeshMissing)),
+                LoadState::Failed(_) => faults.push((body.entity, BodyFault::MeshFailed)),
             }
-            // Still loading.
-            None => {}
         }
     }
     // Query order depends on archetypes; the order of entities does not, and nearly always is the same.
@@ -68,9 +78,7 @@ pub(crate) fn collect(
     for (entity, body) in &step.collected {
         match step.state.bodies.push(body, &step.state.meshes) {
             Ok(()) => step.entities.push(*entity),
-            Err(fault) => {
-                faults.insert(*entity, fault);
-            }
+            Err(fault) => faults.push((*entity, fault)),
         }
     }
 
@@ -78,22 +86,26 @@ pub(crate) fn collect(
     sorted.sort_unstable_by_key(|&(entity, ..)| entity);
     step.planes.clear();
     step.state.planes.clear();
-    for (entity, plane, restitution) in sorted {
+    for (entity, plane, restitution, is_body) in sorted {
+        if is_body {
+            faults.push((entity, BodyFault::PlaneOnBody));
+            continue;
+        }
         match half_space(plane, restitution) {
             Ok(plane) => {
                 step.planes.push(entity);
                 step.state.planes.push(plane);
             }
-            Err(fault) => {
-                faults.insert(entity, fault);
-            }
+            Err(fault) => faults.push((entity, fault)),
         }
     }
 
-    for (&entity, &fault) in &faults {
+    faults.sort_unstable_by_key(|&(entity, _)| entity);
+    for &(entity, fault) in &faults {
         // The same kind of fault again is not news, whatever its numbers.
-        let known = step.faults.get(&entity).map(std::mem::discriminant);
-        if known != Some(std::mem::discriminant(&fault)) {
+        let known = step.faults.binary_search_by_key(&entity, |&(entity, _)| entity);
+        let known = known.map(|at| std::mem::discriminant(&step.faults[at].1));
+        if known != Ok(std::mem::discriminant(&fault)) {
             error!("{entity} is left out of collisions: {fault}");
             rejected.write(BodyRejected { entity, fault });
         }
@@ -127,12 +139,18 @@ fn slot(
 
 fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Result<Plane, BodyFault> {
     let restitution = restitution.map_or(0.0, |r| r.coefficient);
+    // In double precision no finite vector is too long or too short.
     let normal = plane
         .normal
+        .as_dvec3()
         .try_normalize()
-        .ok_or(BodyFault::PlaneNormal(plane.normal))?;
-    if !plane.distance.is_finite() || !restitution.is_finite() {
-        return Err(BodyFault::NonFinitePose);
+        .ok_or(BodyFault::PlaneNormal(plane.normal))?
+        .as_vec3();
+    if !plane.distance.is_finite() {
+        return Err(BodyFault::PlaneDistance(plane.distance));
+    }
+    if !restitution.is_finite() {
+        return Err(BodyFault::NonFiniteMotion);
     }
     Ok(Plane {
         normal,

@@ -25,8 +25,8 @@ pub(crate) struct Step {
     pub collected: Vec<(Entity, Body)>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
-    /// Bodies out of the step, and why.
-    pub faults: HashMap<Entity, BodyFault>,
+    /// Bodies out of the step, and why; ascending.
+    pub faults: Vec<(Entity, BodyFault)>,
     /// Pairs that touched in the last step, `first < second`, ascending.
     pub touching: Vec<[Entity; 2]>,
     /// When the step began.
@@ -42,7 +42,7 @@ impl Step {
             planes: Vec::new(),
             collected: Vec::new(),
             slots: HashMap::default(),
-            faults: HashMap::default(),
+            faults: Vec::new(),
             touching: Vec::new(),
             begun: Instant::now(),
         }

@@ -23,6 +23,8 @@ pub struct Tally {
     pub face_pairs: usize,
     /// Pairs of faces on which the answers differ within the margin.
     pub forgiven: usize,
+    /// Those among them that the product does not report.
+    pub missed: usize,
     /// Seconds of thread time that the oracle and the other side took.
     pub seconds: [f64; 2],
     /// Everything that is wrong.
@@ -37,6 +39,7 @@ impl Sum for Tally {
             sum.contained += next.contained;
             sum.face_pairs += next.face_pairs;
             sum.forgiven += next.forgiven;
+            sum.missed += next.missed;
             sum.seconds[0] += next.seconds[0];
             sum.seconds[1] += next.seconds[1];
             sum.failures.extend(next.failures);
@@ -82,6 +85,11 @@ impl Tally {
             self.failures.len(),
             shown.join("\n")
         );
+    }
+
+    /// Panics if a touching pair of faces was missed, however small the margin.
+    pub fn require_none_missed(&self) {
+        assert_eq!(self.missed, 0, "face pairs missed of {}", self.face_pairs);
     }
 
     /// Panics if more than one pair in 100,000 was forgiven; a few are, however small the sample.
@@ -151,6 +159,7 @@ fn compare_pair(
         let relative = margin(s, t) / size;
         if relative < FORGIVEN {
             tally.forgiven += 1;
+            tally.missed += usize::from(expected_faces.binary_search(pair).is_ok());
         } else {
             let truth = if meet(s, t) { "missed" } else { "invented" };
             wrong.push(format!("{truth} faces {pair:?} (margin {relative:.1e})"));

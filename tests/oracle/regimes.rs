@@ -133,7 +133,9 @@ pub const REGIMES: &[Regime] = &[
     }),
     general("tiny, 0.02", 1500, Expect::Any, |s, r| resized(s, r, 0.02)),
     general("tiny, 1e-5", 1500, Expect::Any, |s, r| resized(s, r, 1e-5)),
+    general("tiny, 1e-7", 1500, Expect::Any, |s, r| resized(s, r, 1e-7)),
     general("large, 1e4", 1500, Expect::Any, |s, r| resized(s, r, 1e4)),
+    general("large, 5e7", 1500, Expect::Any, |s, r| resized(s, r, 5e7)),
     general("one triangle", 2000, Expect::Any, |s, r| {
         let other = if r.chance(0.3) { &s.triangle } else { s.any(r) };
         let meshes = if r.chance(0.5) {

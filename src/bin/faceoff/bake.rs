@@ -1,6 +1,6 @@
 //! `faceoff bake`: mesh files to `.faceoff` files.
 
-use crate::{Outcome, mesh};
+use crate::{Outcome, mesh, output};
 use bevy_faceoff::asset::format::{self, Hash};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
 use bevy_faceoff::projection::{BakeSettings, Progress};
@@ -92,7 +92,7 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
     };
     settings.validate().map_err(|e| format!("{}: {e}", source.display()))?;
     if !options.force && is_up_to_date(target, &hash, &settings) {
-        println!("{} is up to date", target.display());
+        output::table(None, &format!("{} is up to date\n", target.display()));
         return Ok(());
     }
     let start = Instant::now();
@@ -103,14 +103,15 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
     mesh::warn(source, &baked);
     let bytes = format::to_bytes(&baked, hash);
     write(target, &bytes)?;
-    println!(
-        "{} -> {}: {} triangles, {} bytes, {:.2} s",
+    let line = format!(
+        "{} -> {}: {} triangles, {} bytes, {:.2} s\n",
         source.display(),
         target.display(),
         baked.mesh.triangles().len(),
         bytes.len(),
         start.elapsed().as_secs_f64()
     );
+    output::table(None, &line);
     Ok(())
 }
 
@@ -161,5 +162,9 @@ fn write(target: &Path, bytes: &[u8]) -> Outcome {
     let partial = target.with_extension("faceoff.partial");
     fs::write(&partial, bytes)
         .and_then(|()| fs::rename(&partial, target))
-        .map_err(|e| format!("cannot write {}: {e}", target.display()).into())
+        .map_err(|e| {
+            // Whether or not there is half a file to remove, the error to tell is the first one.
+            let _ = fs::remove_file(&partial);
+            format!("cannot write {}: {e}", target.display()).into()
+        })
 }

@@ -1,7 +1,10 @@
-//! The command line: simulate a scene, check placed meshes for interference, bake meshes.
+//! The command line: simulate a scene, check placed meshes for interference, bake, draw and inspect meshes.
 
 mod bake;
+mod canvas;
 mod check;
+mod image;
+mod inspect;
 mod mesh;
 mod output;
 mod scene;
@@ -19,14 +22,16 @@ struct Arguments {
     command: Command,
 }
 
+// Each command's help stands with its options: a line here would hide all but the first sentence there.
 #[derive(Subcommand)]
 enum Command {
-    /// Run the paper's scene: bodies in a box with random poses, sizes and velocities.
     Simulate(simulate::Options),
-    /// Find all touching pairs of a set of placed meshes.
     Check(check::Options),
-    /// Bake meshes into .faceoff files, skipping what is up to date.
     Bake(bake::Options),
+    /// Draw a mesh as the bake sees it: heights as colours, and the faces that are seen.
+    Image(image::Options),
+    /// Tell what a mesh file holds and what baking makes of it.
+    Inspect(inspect::Options),
 }
 
 /// How triangles are chosen for the test.
@@ -53,6 +58,8 @@ fn main() -> ExitCode {
         Command::Simulate(options) => simulate::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Bake(options) => bake::run(&options),
+        Command::Image(options) => image::run(&options),
+        Command::Inspect(options) => inspect::run(&options),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,6 +4,7 @@ use crate::scene::{self, Scene};
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::geometry::mesh::MAX_COORDINATE;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::stages::Stage;
 use clap::ValueEnum;
@@ -39,8 +40,8 @@ pub struct Options {
     /// Where the stages run.
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
-    /// Threads of the CPU stages; 0 for one per core.
-    #[arg(long, default_value_t = 0)]
+    /// Threads of the CPU stages, at most 1024; 0 for one per core.
+    #[arg(long, default_value_t = 0, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024))]
     threads: usize,
     /// What happens to bodies that touch.
     #[arg(long, value_enum, default_value = "impulse")]
@@ -142,6 +143,9 @@ pub fn run(options: &Options) -> Outcome {
         ResponseChoice::None => Response::None,
         ResponseChoice::Impulse => Response::Impulse,
     });
+    if bevy_faceoff::plugin::threads(app.world()) == 0 {
+        return Err("the operating system gives no threads to work on: try fewer --threads".into());
+    }
     let handle = app
         .world_mut()
         .resource_mut::<Assets<CollisionMesh>>()
@@ -194,7 +198,9 @@ pub fn run(options: &Options) -> Outcome {
 
 fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
     match given {
-        Some(x) if !(x.is_finite() && x >= 0.0) => Err(format!("{name} must be a finite number, not {x}").into()),
+        Some(x) if !(0.0..=MAX_COORDINATE).contains(&x) => {
+            Err(format!("{name} must be a number from 0 to {MAX_COORDINATE:e}, not {x}").into())
+        }
         given => Ok(given.unwrap_or(default)),
     }
 }

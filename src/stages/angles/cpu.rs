@@ -74,7 +74,8 @@ fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair>
         }
         let (from, to) = (nearest, (pa - pb) - nearest);
         let t = (-from.dot(to) / to.length_squared()).clamp(0.0, 1.0);
-        if !(t > 0.0) {
+        // No nearer point along this axis; NaN if both points are one.
+        if t.is_nan() || t <= 0.0 {
             break;
         }
         nearest = from + to * t;

@@ -109,6 +109,8 @@ fn overlap((p, r): (Vec3, f32), (q, s): (Vec3, f32)) -> bool {
 
 fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {
     let (a, b) = (a as usize, b as usize);
-    let dynamic = bodies.kind[a] == RigidBody::Dynamic || bodies.kind[b] == RigidBody::Dynamic;
-    dynamic && bodies.layers[a].interacts_with(bodies.layers[b])
+    let either = |kind| bodies.kind[a] == kind || bodies.kind[b] == kind;
+    let sensor = bodies.sensor[a] || bodies.sensor[b];
+    let moved = either(RigidBody::Dynamic) || (sensor && either(RigidBody::Kinematic));
+    moved && bodies.layers[a].interacts_with(bodies.layers[b])
 }

@@ -1,6 +1,6 @@
 //! ForceScan on the CPU.
 
-use super::{count_contacts, pair_impulses, plane_impulse, pushes};
+use super::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
 use crate::settings::Response;
 use crate::stages::state::{Impulse, StepState};
 use rayon::prelude::*;
@@ -33,19 +33,23 @@ pub fn run(state: &mut StepState) {
     if config.response == Response::None {
         return;
     }
-    count_contacts(bodies, contacts, counts);
+    count_contacts(bodies, config, planes, contacts, counts);
     entries.clear();
     entries.par_extend(
         contacts
             .pairs
             .par_iter()
-            .filter(|pair| pushes(bodies, pair))
+            .filter(|pair| pair_closes(bodies, config, pair))
             .flat_map_iter(|pair| pair.bodies.into_iter().zip(pair_impulses(bodies, config, counts, pair))),
     );
-    entries.par_extend(contacts.planes.par_iter().map(|contact| {
-        let plane = &planes[contact.plane as usize];
-        (contact.body, plane_impulse(bodies, config, counts, plane, contact))
-    }));
+    entries.par_extend(
+        contacts
+            .planes
+            .par_iter()
+            .map(|contact| (contact, &planes[contact.plane as usize]))
+            .filter(|(contact, plane)| plane_pushes(bodies, config, plane, contact))
+            .map(|(contact, plane)| (contact.body, plane_impulse(bodies, config, counts, plane, contact))),
+    );
     // Stable, so that each body's entries stay in the order of pairs and the sum does not depend on threads.
     entries.par_sort_by_key(|&(body, _)| body);
 

@@ -2,8 +2,9 @@
 //!
 //! For now a contact answers with a single impulse along its normal that turns the closing speed round by the mean
 //! restitution. All contacts are answered at once from the same velocities, so a body in `n` contacts counts as `n`
-//! bodies of `1/n` its mass, one for each contact (mass splitting): their mean velocity is the body's new one, and
-//! kinetic energy cannot grow.
+//! bodies of `1/n` its mass, one for each contact (mass splitting): their mean velocity is the body's new one, and pairs
+//! cannot add kinetic energy. Planes can, a little: they also push out what is inside. Pairs do not; bodies that overlap
+//! at rest stay as they are.
 
 pub mod cpu;
 
@@ -14,24 +15,55 @@ use glam::Vec3;
 /// How fast a plane pushes a body out: share of the depth per step, and the largest speed in m/s.
 const PUSH: (f32, f32) = (0.2, 1.0);
 
-/// Contacts per body that push.
-fn count_contacts(bodies: &Bodies, contacts: &Contacts, counts: &mut Vec<u32>) {
+/// Contacts per body that push in this step. One that parts already takes no share of the mass.
+fn count_contacts(bodies: &Bodies, config: &StepConfig, planes: &[Plane], contacts: &Contacts, counts: &mut Vec<u32>) {
     counts.clear();
     counts.resize(bodies.len(), 0);
     for pair in &contacts.pairs {
-        if pushes(bodies, pair) {
+        if pair_closes(bodies, config, pair) {
             for body in pair.bodies {
                 counts[body as usize] += 1;
             }
         }
     }
     for contact in &contacts.planes {
-        counts[contact.body as usize] += 1;
+        if plane_pushes(bodies, config, &planes[contact.plane as usize], contact) {
+            counts[contact.body as usize] += 1;
+        }
     }
 }
 
-fn pushes(bodies: &Bodies, pair: &TouchingPair) -> bool {
-    pair.bodies.iter().all(|&i| !bodies.sensor[i as usize])
+/// Whether a pair's bodies are solid and closing in.
+fn pair_closes(bodies: &Bodies, config: &StepConfig, pair: &TouchingPair) -> bool {
+    let (n, point) = (pair.contact.normal, pair.contact.point);
+    let [a, b] = pair.bodies.map(|i| speed(bodies, config, i, point, n));
+    a > b && pair.bodies.iter().all(|&i| !bodies.sensor[i as usize])
+}
+
+/// Whether a body is solid and slower than a plane wants it to leave.
+fn plane_pushes(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &PlaneContact) -> bool {
+    let speed = speed(bodies, config, contact.body, contact.point, plane.normal);
+    speed < wanted_speed(bodies, config, plane, contact, speed) && !bodies.sensor[contact.body as usize]
+}
+
+/// Velocity of a body's point along `n` at the end of the step if nothing is touched.
+fn speed(bodies: &Bodies, config: &StepConfig, i: u32, point: Vec3, n: Vec3) -> f32 {
+    let i = i as usize;
+    let spin = match bodies.kind[i] {
+        RigidBody::Static => Vec3::ZERO,
+        _ => bodies.angular_velocity[i],
+    };
+    (free_velocity(bodies, config, i) + spin.cross(point - bodies.center[i])).dot(n)
+}
+
+/// The speed at which a plane wants a body to leave that arrives with `speed`.
+fn wanted_speed(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &PlaneContact, speed: f32) -> f32 {
+    let bounce = if -speed > bounce_threshold(config) {
+        0.5 * (bodies.restitution[contact.body as usize] + plane.restitution) * -speed
+    } else {
+        0.0
+    };
+    bounce.max((PUSH.0 * contact.depth / config.dt).min(PUSH.1))
 }
 
 /// Velocity at the end of the step if nothing is touched.
@@ -58,15 +90,12 @@ struct End {
 
 impl End {
     fn new(bodies: &Bodies, config: &StepConfig, counts: &[u32], i: u32, point: Vec3, n: Vec3) -> Self {
+        let speed = speed(bodies, config, i, point, n);
         let i = i as usize;
         let arm = point - bodies.center[i];
-        let spin = match bodies.kind[i] {
-            RigidBody::Static => Vec3::ZERO,
-            _ => bodies.angular_velocity[i],
-        };
         let turn = bodies.inverse_inertia[i] * arm.cross(n);
         Self {
-            speed: (free_velocity(bodies, config, i) + spin.cross(arm)).dot(n),
+            speed,
             inverse_mass: counts[i] as f32 * (bodies.inverse_mass[i] + turn.cross(arm).dot(n)),
             turn,
         }
@@ -107,12 +136,7 @@ fn plane_impulse(
     let n = plane.normal;
     let end = End::new(bodies, config, counts, contact.body, contact.point, n);
     let i = contact.body as usize;
-    let bounce = if -end.speed > bounce_threshold(config) {
-        0.5 * (bodies.restitution[i] + plane.restitution) * -end.speed
-    } else {
-        0.0
-    };
-    let wanted = bounce.max((PUSH.0 * contact.depth / config.dt).min(PUSH.1));
+    let wanted = wanted_speed(bodies, config, plane, contact, end.speed);
     if !(end.speed < wanted && end.inverse_mass > 0.0) {
         return Impulse::default();
     }

@@ -73,9 +73,9 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Ta
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
-    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b]);
-    let error = product::PLACING * (bodies.radius[a] + bodies.radius[b]);
-    product.decide(error, |decided| {
+    let size = bodies.radius[a] + bodies.radius[b];
+    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
+    product.decide(|decided| {
         let [ta, tb] = decided.triangles;
         let hit = match decided.segment {
             Some([start, end]) => Some(contact::Segment::across(start, end)),

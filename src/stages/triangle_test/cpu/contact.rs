@@ -1,10 +1,11 @@
 //! Where, and in which direction, two bodies push each other.
 //!
 //! One contact per pair: the centroid of the intersection contour, and the contour's area vector, which is the
-//! direction in which the overlap shrinks fastest.
+//! direction in which the overlap shrinks fastest. It follows from the winding of the faces alone, so an open mesh pushes
+//! towards the side from which its faces run counter-clockwise.
 
 use crate::geometry::Orientation;
-use crate::geometry::triangle::intersect;
+use crate::geometry::triangle::intersect_placed;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, Contact, Frame, NearPair};
 use glam::{DMat3, DVec3, Vec3};
@@ -15,6 +16,8 @@ pub struct PairView {
     b_matrix: DMat3,
     a_origin: DVec3,
     b_origin: DVec3,
+    /// How wrong a placed coordinate can be.
+    placing: f64,
 }
 
 /// A segment in which two faces intersect, in the axes of [`PairView`].
@@ -37,13 +40,17 @@ impl Segment {
 }
 
 impl PairView {
-    pub fn new(a: &Frame, b: &Frame) -> Self {
+    /// `size` is the sum of the bounding radii.
+    pub fn new(a: &Frame, b: &Frame, size: f32) -> Self {
+        // Corners are sums of products no larger than the bodies and the way from each mesh's origin to its centre.
+        let arms = a.position.distance(a.center) + b.position.distance(b.center);
         let to_a = a.rotation.transpose();
         Self {
             a: *a,
             b_matrix: to_a * b.rotation * DMat3::from_diagonal(b.scale),
             a_origin: to_a * (a.position - a.center),
             b_origin: to_a * (b.position - a.center),
+            placing: 16.0 * f64::EPSILON * (size as f64 + arms),
         }
     }
 
@@ -51,7 +58,7 @@ impl PairView {
     pub fn intersect(&self, a: [Vec3; 3], b: [Vec3; 3]) -> Option<Segment> {
         let a = a.map(|p| self.a.scale * p.as_dvec3() + self.a_origin);
         let b = b.map(|p| self.b_matrix * p.as_dvec3() + self.b_origin);
-        let hit = intersect(&a, &b)?;
+        let hit = intersect_placed(&a, &b, self.placing)?;
         let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
         let forward = (hit.end - hit.start).dot(normal(&a).cross(normal(&b))) >= 0.0;
         let (start, end) = if forward {

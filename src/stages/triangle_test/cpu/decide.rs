@@ -53,7 +53,8 @@ pub fn decide(a: &Eight, b: &Eight, error: f32) -> Verdicts {
     let bound = norm1(line) * (chord_a.error + chord_b.error + f32x8::splat(4.0 * error));
 
     let apart = side_a.one | side_b.one;
-    let clear = side_a.clear & side_b.clear;
+    // Nearly parallel planes, or tiny faces, have next to no common line.
+    let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(f32x8::splat(1.0e-30));
     let hit = clear & overlap.simd_gt(bound);
     let miss = apart | (clear & overlap.simd_lt(-bound));
     let hit = hit.to_bitmask() & !apart.to_bitmask();

@@ -32,24 +32,23 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
     let frame = &bodies.frame[body];
     let normal = plane.normal.as_dvec3();
     let height = (normal.dot(frame.center) - plane.distance as f64) as f32;
-    if !(height < bodies.radius[body]) {
+    if height >= bodies.radius[body] {
         return None;
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
     let direction = splat(local.as_vec3());
-    // Corners inside, weighted by depth: a body lying flat is held over its whole face, one on its corner there.
+    // Vertices inside, weighted by depth: a body lying flat is held over its whole face, one on its corner there. Each
+    // counts once, however many triangles meet there: a cube that lands flat must not begin to turn.
     let (mut deepest, mut weight, mut sum) = (0f32, 0f32, Vec3::ZERO);
-    for cluster in &meshes[bodies.mesh[body]].lanes.clusters {
-        for corner in &cluster.corners {
-            let heights = dot(*corner, direction);
-            for lane in bits(cluster.lanes) {
-                let depth = -(heights.as_array()[lane] + height);
-                if depth > 0.0 {
-                    let p = Vec3::from_array(corner.each_ref().map(|x| x.as_array()[lane]));
-                    deepest = deepest.max(depth);
-                    weight += depth;
-                    sum += depth * p;
-                }
+    for (vertices, lanes) in &meshes[bodies.mesh[body]].lanes.vertices {
+        let heights = dot(*vertices, direction);
+        for lane in bits(*lanes) {
+            let depth = -(heights.as_array()[lane] + height);
+            if depth > 0.0 {
+                let p = Vec3::from_array(vertices.each_ref().map(|x| x.as_array()[lane]));
+                deepest = deepest.max(depth);
+                weight += depth;
+                sum += depth * p;
             }
         }
     }

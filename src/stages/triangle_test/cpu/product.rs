@@ -19,11 +19,14 @@ pub struct Scratch {
     a: Vec<Placed>,
     b: Vec<Placed>,
     boxes: Vec<[Points; 2]>,
+    /// The pair's unit of length per metre: a power of two near the inverse of the pair's size. Products of five lengths
+    /// occur, and in this unit none overflows or vanishes, whatever the size of the bodies.
+    unit: f32,
     /// The result: where the triangles of the first and second mesh stand among the placed ones.
     candidates: Vec<[u32; 2]>,
 }
 
-/// Eight triangles in the axes of the pair's first body, about its centre of mass.
+/// Eight triangles in the axes of the pair's first body, about its centre of mass, in the pair's own unit of length.
 struct Placed {
     /// Triangle in lane 0.
     first: u32,
@@ -39,8 +42,16 @@ struct Placed {
     aabb: Aabb,
 }
 
-/// Error of a placed coordinate, relative to the sum of the bounding radii: a handful of roundings of `2^-24`.
-pub const PLACING: f32 = 1.0e-6;
+/// Error of a placed coordinate in the pair's unit, in which the sum of the bounding radii is between 1 and 2: a handful of
+/// roundings of `2^-24`.
+const ERROR: f32 = 2.0e-6;
+
+/// The power of two that brings `size` between 1 and 2. Multiplying by it is exact.
+fn unit_of(size: f32) -> f32 {
+    let exponent = (size.to_bits() >> 23) & 0xff;
+    // Bounding radii are far from the ends of the range, so this is a normal number.
+    f32::from_bits((254 - exponent.clamp(1, 253)) << 23)
+}
 
 /// Fills `scratch.candidates` and tells how many pairs of triangles had overlapping boxes.
 pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch: &mut Scratch) -> u64 {
@@ -50,6 +61,7 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
         a,
         b,
         boxes,
+        unit,
         candidates,
     } = scratch;
     candidates.clear();
@@ -60,6 +72,8 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     let (scale_a, scale_b) = (bodies.scale[ia], bodies.scale[ib]);
     let size = bodies.radius[ia] + bodies.radius[ib];
     let pad = PAD * size;
+    *unit = unit_of(size);
+    let unit = *unit;
 
     let back = pair.rotation.transpose();
     let a_from_b = Other {
@@ -84,20 +98,20 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     };
     let reach = |lanes: &MeshLanes, scale: Vec3| 3f32.sqrt() * lanes.longest_side * scale.abs().max_element();
     let placing = Placing {
-        error: PLACING * size,
-        reach: reach(lanes_a, scale_a) + reach(lanes_b, scale_b),
-        pad,
+        error: ERROR,
+        reach: unit * (reach(lanes_a, scale_a) + reach(lanes_b, scale_b)),
+        pad: unit * pad,
     };
 
     let axis = splat(pair.axis);
     cull::clusters(lanes_a, scale_a, &a_from_b, nodes, clusters);
-    let place_a = Place::new(Mat3::from_diagonal(scale_a), Vec3::ZERO);
+    let place_a = Place::new(Mat3::from_diagonal(unit * scale_a), Vec3::ZERO);
     let mut around_a = Aabb::EMPTY;
     for &c in clusters.iter() {
         let placed = push(a, place_a.cluster(lanes_a, c, &placing));
         let reach = each(|k| dot(placed.corners[k], axis));
         let far = reach[0].fast_max(reach[1]).fast_max(reach[2]);
-        placed.keep(far.simd_ge(f32x8::splat(pair.b_above - pad)));
+        placed.keep(far.simd_ge(f32x8::splat(unit * (pair.b_above - pad))));
         if placed.lanes != 0 {
             around_a = around_a.union(placed.aabb);
         } else {
@@ -109,13 +123,16 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     }
 
     cull::clusters(lanes_b, scale_b, &b_from_a, nodes, clusters);
-    let place_b = Place::new(pair.rotation * Mat3::from_diagonal(scale_b), pair.translation);
+    let place_b = Place::new(
+        pair.rotation * Mat3::from_diagonal(unit * scale_b),
+        unit * pair.translation,
+    );
     let mut around_b = Aabb::EMPTY;
     for &c in clusters.iter() {
         let placed = push(b, place_b.cluster(lanes_b, c, &placing));
         let reach = each(|k| dot(placed.corners[k], axis));
         let near = reach[0].fast_min(reach[1]).fast_min(reach[2]);
-        placed.keep(near.simd_le(f32x8::splat(pair.a_below + pad)));
+        placed.keep(near.simd_le(f32x8::splat(unit * (pair.a_below + pad))));
         placed.keep_inside(around_a);
         if placed.lanes != 0 {
             around_b = around_b.union(placed.aabb);
@@ -173,7 +190,7 @@ impl Place {
         let normal = cross(u, v);
         // The height n . (x - p) is wrong by the error of x and p along n, and by the error of n along x - p, which is
         // no longer than the two triangles together if their boxes overlap.
-        let error = f32x8::splat(2.0 * placing.error);
+        let error = f32x8::splat(3.0 * placing.error);
         let tolerance = error * (norm1(normal) + (norm1(u) + norm1(v)) * f32x8::splat(placing.reach));
         let pad = splat(Vec3::splat(0.5 * placing.pad));
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
@@ -287,19 +304,20 @@ pub struct Decided {
 
 impl Scratch {
     /// Goes through the candidates in order, and reports those that intersect and those that may.
-    pub fn decide(&self, error: f32, mut report: impl FnMut(Decided)) {
+    pub fn decide(&self, mut report: impl FnMut(Decided)) {
+        let metres = 1.0 / self.unit;
         for run in self.candidates.chunks(CLUSTER) {
             // Lanes without a candidate repeat the last.
             let pairs: [[u32; 2]; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
             let a = gather(&self.a, pairs.map(|[a, _]| a));
             let b = gather(&self.b, pairs.map(|[_, b]| b));
-            let verdicts = decide(&a, &b, error);
+            let verdicts = decide(&a, &b, ERROR);
             let wanted = (1u32 << run.len()) - 1;
             for lane in bits((verdicts.hit | verdicts.unsure) & wanted) {
                 let [at_a, at_b] = pairs[lane];
                 report(Decided {
                     triangles: [triangle(&self.a, at_a), triangle(&self.b, at_b)],
-                    segment: (verdicts.hit >> lane & 1 == 1).then(|| verdicts.segment(lane)),
+                    segment: (verdicts.hit >> lane & 1 == 1).then(|| verdicts.segment(lane).map(|p| p * metres)),
                 });
             }
         }

@@ -1,0 +1,51 @@
+//! A picture to draw on: coloured pixels, text in a bitmap font, PNG.
+
+use crate::Outcome;
+use font8x8::UnicodeFonts;
+use image::{Rgb, RgbImage};
+use std::path::Path;
+
+/// Side of a character in pixels.
+pub const CHARACTER: u32 = 8;
+
+/// What is not drawn on.
+pub const PAPER: [u8; 3] = [250; 3];
+
+/// Text and marks.
+pub const INK: [u8; 3] = [40; 3];
+
+/// A picture, row 0 on top.
+pub struct Canvas(RgbImage);
+
+impl Canvas {
+    /// An empty sheet.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self(RgbImage::from_pixel(width, height, Rgb(PAPER)))
+    }
+
+    /// Colours a pixel; outside the sheet nothing happens.
+    pub fn set(&mut self, x: u32, y: u32, colour: [u8; 3]) {
+        if x < self.0.width() && y < self.0.height() {
+            self.0.put_pixel(x, y, Rgb(colour));
+        }
+    }
+
+    /// Writes `text` with its upper left corner at (`x`, `y`). Characters beyond ASCII stay blank.
+    pub fn text(&mut self, x: u32, y: u32, text: &str) {
+        for (i, character) in text.chars().enumerate() {
+            let rows = font8x8::BASIC_FONTS.get(character).unwrap_or_default();
+            for (dy, row) in rows.into_iter().enumerate() {
+                for dx in (0..CHARACTER).filter(|bit| row >> bit & 1 == 1) {
+                    self.set(x + CHARACTER * i as u32 + dx, y + dy as u32, INK);
+                }
+            }
+        }
+    }
+
+    /// Writes a PNG file.
+    pub fn save(&self, path: &Path) -> Outcome {
+        self.0
+            .save_with_format(path, image::ImageFormat::Png)
+            .map_err(|e| format!("cannot write {}: {e}", path.display()).into())
+    }
+}

@@ -1,0 +1,154 @@
+//! `faceoff image`: the height image of a mesh, as in figure 4 of Aly & Elawady 2010.
+
+use crate::canvas::{CHARACTER, Canvas, INK};
+use crate::{Outcome, mesh};
+use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::geometry::direction::Angles;
+use bevy_faceoff::projection::{BakeSettings, HeightImage};
+use std::path::PathBuf;
+
+/// Draw a mesh as the bake sees it: heights as colours, and the faces that are seen.
+#[derive(clap::Args)]
+pub struct Options {
+    /// torus, knot, or a mesh file.
+    mesh: String,
+    /// Projection angle about x, in degrees.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    about_x: f32,
+    /// Projection angle about y, in degrees; the mesh is turned about y first, then about x.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    about_y: f32,
+    /// Side of the image in pixels [default: 512, on a sheet 96].
+    #[arg(long)]
+    image: Option<u32>,
+    /// Draw a contact sheet of directions, 30 degrees apart, instead of one.
+    #[arg(long)]
+    sheet: bool,
+    /// The PNG file to write.
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+}
+
+/// Room around pictures.
+const MARGIN: u32 = 12;
+/// Width of the scale bar and of the numbers beside it.
+const BAR: (u32, u32) = (16, 9 * CHARACTER);
+/// Angle between pictures of a sheet.
+const STEP: i32 = 30;
+
+/// Runs the command.
+pub fn run(options: &Options) -> Outcome {
+    let size = options.image.unwrap_or(if options.sheet { 96 } else { 512 });
+    BakeSettings {
+        image: size,
+        ..BakeSettings::default()
+    }
+    .validate()?;
+    if !(options.about_x.is_finite() && options.about_y.is_finite()) {
+        return Err("--about-x and --about-y must be finite angles in degrees".into());
+    }
+    let mesh = mesh::shape(&options.mesh)?;
+    let canvas = if options.sheet {
+        sheet(&mesh.mesh, size)
+    } else {
+        single(&mesh.mesh, options.about_x, options.about_y, size)
+    };
+    canvas.save(&options.output)
+}
+
+fn draw(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> HeightImage {
+    let angles = Angles {
+        a: about_x.to_radians(),
+        b: about_y.to_radians(),
+    };
+    HeightImage::draw(mesh, angles.direction(), size)
+}
+
+/// Heights with their scale, and the faces seen, side by side.
+fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
+    let picture = draw(mesh, about_x, about_y, size);
+    let highest = picture.heights.iter().copied().fold(0.0, f32::max);
+    let left = MARGIN;
+    let bar = left + size + MARGIN;
+    let right = bar + BAR.0 + BAR.1 + MARGIN;
+    let top = 2 * MARGIN + CHARACTER;
+    let mut canvas = Canvas::new(right + size + MARGIN, top + size + MARGIN);
+
+    paint(&mut canvas, left, top, &picture, |height, _| scale(height / highest));
+    canvas.text(left, MARGIN, &format!("height, about x {about_x}, about y {about_y}"));
+    for y in 0..size {
+        let share = 1.0 - y as f32 / (size - 1) as f32;
+        for x in 0..BAR.0 {
+            canvas.set(bar + x, top + y, scale(share));
+        }
+    }
+    for tick in 0..=4 {
+        let y = top + tick * (size - 1) / 4;
+        for x in 0..4 {
+            canvas.set(bar + BAR.0 + x, y, INK);
+        }
+        let height = highest * (1.0 - tick as f32 / 4.0);
+        let label = y.saturating_sub(CHARACTER / 2).clamp(top, top + size - CHARACTER);
+        canvas.text(bar + BAR.0 + 6, label, &format!("{height:.3}"));
+    }
+
+    let mut seen: Vec<u32> = picture
+        .faces
+        .iter()
+        .copied()
+        .filter(|&f| f != HeightImage::NONE)
+        .collect();
+    seen.sort_unstable();
+    seen.dedup();
+    paint(&mut canvas, right, top, &picture, |_, face| hue(face));
+    let all = mesh.triangles().len();
+    canvas.text(right, MARGIN, &format!("{} of {all} faces seen", seen.len()));
+    canvas
+}
+
+/// Heights from directions all round.
+fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
+    let (columns, rows) = (360 / STEP as u32, 180 / STEP as u32 + 1);
+    let cell = [size + MARGIN, size + MARGIN + CHARACTER];
+    let mut canvas = Canvas::new(MARGIN + columns * cell[0], MARGIN + rows * cell[1]);
+    // One scale for all, so that pictures compare.
+    let highest = 2.0
+        * mesh
+            .used_positions()
+            .map(|p| p.distance(mesh.aabb().center()))
+            .fold(0.0, f32::max);
+    for row in 0..rows {
+        for column in 0..columns {
+            let (a, b) = (90 - STEP * row as i32, STEP * column as i32);
+            let (x, y) = (MARGIN + column * cell[0], MARGIN + row * cell[1]);
+            canvas.text(x, y, &format!("{a},{b}"));
+            let picture = draw(mesh, a as f32, b as f32, size);
+            paint(&mut canvas, x, y + CHARACTER, &picture, |height, _| {
+                scale(height / highest)
+            });
+        }
+    }
+    canvas
+}
+
+/// Paints what is seen, top row first.
+fn paint(canvas: &mut Canvas, left: u32, top: u32, picture: &HeightImage, colour: impl Fn(f32, u32) -> [u8; 3]) {
+    let size = picture.size;
+    let seen = picture.heights.iter().zip(&picture.faces).enumerate();
+    for (i, (&height, &face)) in seen.filter(|(_, (_, face))| **face != HeightImage::NONE) {
+        let (x, y) = (i as u32 % size, i as u32 / size);
+        canvas.set(left + x, top + size - 1 - y, colour(height, face));
+    }
+}
+
+/// Dark is low.
+fn scale(share: f32) -> [u8; 3] {
+    let colour = colorous::VIRIDIS.eval_continuous(f64::from(share.clamp(0.0, 1.0)));
+    [colour.r, colour.g, colour.b]
+}
+
+/// A colour for each face, unlike its neighbours': steps of the golden angle round the colour wheel.
+fn hue(face: u32) -> [u8; 3] {
+    let colour = colorous::SINEBOW.eval_continuous((f64::from(face) * 0.618_033_988_75).fract());
+    [colour.r, colour.g, colour.b]
+}

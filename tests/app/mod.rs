@@ -1,0 +1,149 @@
+//! A headless app on a manual clock, for tests that look at the plugins as a game does.
+
+#![allow(dead_code)]
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::prelude::*;
+use std::time::Duration;
+
+/// One fixed step, in seconds a power of two, so that times add up exactly.
+pub const STEP: Duration = Duration::from_nanos(15_625_000);
+pub const DT: f32 = 1.0 / 64.0;
+
+/// An app that runs one fixed step per update and keeps all messages.
+pub struct Sim {
+    pub app: App,
+    pub started: Vec<CollisionStart>,
+    pub ended: Vec<CollisionEnd>,
+    pub rejected: Vec<BodyRejected>,
+}
+
+impl Sim {
+    /// Without gravity and on one thread, in the folder of the test assets.
+    pub fn new() -> Self {
+        Self::with_threads(1)
+    }
+
+    pub fn with_threads(threads: usize) -> Self {
+        let mut app = App::new();
+        app.add_plugins((
+            MinimalPlugins,
+            FaceoffHeadlessPlugins {
+                step: StepPlugin { threads, ..default() },
+                ..default()
+            },
+        ));
+        Self::of(app)
+    }
+
+    /// Takes over an app that has its plugins.
+    pub fn of(mut app: App) -> Self {
+        app.insert_resource(Time::<Fixed>::from_duration(STEP))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
+            .insert_resource(Gravity(Vec3::ZERO));
+        app.finish();
+        app.cleanup();
+        // Bevy's first update has no time behind it and runs no step.
+        app.update();
+        Self {
+            app,
+            started: Vec::new(),
+            ended: Vec::new(),
+            rejected: Vec::new(),
+        }
+    }
+
+    pub fn world(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
+    pub fn mesh(&mut self, mesh: &TriMesh) -> MeshCollider {
+        let mut meshes = self.world().resource_mut::<Assets<CollisionMesh>>();
+        MeshCollider(meshes.add(CollisionMesh::new(mesh)))
+    }
+
+    pub fn spawn(&mut self, bundle: impl Bundle) -> Entity {
+        self.world().spawn(bundle).id()
+    }
+
+    pub fn set(&mut self, entity: Entity, bundle: impl Bundle) {
+        self.world().entity_mut(entity).insert(bundle);
+    }
+
+    pub fn get<C: Component + Clone>(&self, entity: Entity) -> C {
+        self.app.world().get::<C>(entity).unwrap().clone()
+    }
+
+    pub fn position(&self, entity: Entity) -> Vec3 {
+        self.get::<Transform>(entity).translation
+    }
+
+    pub fn velocity(&self, entity: Entity) -> Vec3 {
+        self.get::<LinearVelocity>(entity).0
+    }
+
+    pub fn spin(&self, entity: Entity) -> Vec3 {
+        self.get::<AngularVelocity>(entity).0
+    }
+
+    /// Runs updates, one step each unless the clock was set otherwise.
+    pub fn step(&mut self, updates: usize) {
+        for _ in 0..updates {
+            self.app.update();
+            let world = self.app.world_mut();
+            self.started
+                .extend(world.resource_mut::<Messages<CollisionStart>>().drain());
+            self.ended
+                .extend(world.resource_mut::<Messages<CollisionEnd>>().drain());
+            self.rejected
+                .extend(world.resource_mut::<Messages<BodyRejected>>().drain());
+        }
+    }
+
+    pub fn report(&self) -> &StepReport {
+        self.app.world().resource::<StepReport>()
+    }
+
+    pub fn collisions(&self) -> &Collisions {
+        self.app.world().resource::<Collisions>()
+    }
+
+    /// Pairs of bodies that touched in the last step.
+    pub fn touching(&self) -> Vec<[Entity; 2]> {
+        self.collisions().iter().map(|c| [c.entity1, c.entity2]).collect()
+    }
+
+    pub fn touch(&self, one: Entity, other: Entity) -> bool {
+        self.collisions().get(one, other).is_some()
+    }
+}
+
+/// A dynamic body at `position` that moves with `velocity` and bounces without loss.
+pub fn ball_like(mesh: &MeshCollider, position: Vec3, velocity: Vec3) -> impl Bundle + use<> {
+    (
+        RigidBody::Dynamic,
+        mesh.clone(),
+        Transform::from_translation(position),
+        LinearVelocity(velocity),
+        Restitution::new(1.0),
+    )
+}
+
+/// A dynamic body at rest at `position`.
+pub fn resting(mesh: &MeshCollider, position: Vec3) -> impl Bundle + use<> {
+    (RigidBody::Dynamic, mesh.clone(), Transform::from_translation(position))
+}
+
+pub fn sorted(one: Entity, other: Entity) -> [Entity; 2] {
+    [one.min(other), one.max(other)]
+}
+
+pub fn assert_near(found: Vec3, wanted: Vec3, tolerance: f32) {
+    assert!(
+        found.distance(wanted) <= tolerance,
+        "found {found}, wanted {wanted} to within {tolerance}"
+    );
+}

@@ -1,0 +1,196 @@
+//! `faceoff bake`.
+
+use crate::Folder;
+use bevy_faceoff::asset::{format, to_obj};
+use bevy_faceoff::geometry::shapes;
+use std::process::{Command, Stdio};
+
+/// A folder with a torus of 240 triangles.
+fn torus() -> Folder {
+    let folder = Folder::new();
+    folder.asset("torus.obj");
+    folder
+}
+
+const COARSE: [&str; 5] = ["--faces", "--degrees", "45", "--image", "16"];
+
+fn header(folder: &Folder, name: &str) -> (usize, format::Header, bool) {
+    let (mesh, header) = format::from_bytes(&folder.read(name)).unwrap();
+    (mesh.mesh.triangles().len(), header, mesh.faces.is_some())
+}
+
+#[test]
+fn a_mesh_is_baked_into_a_folder_that_is_made_for_it() {
+    let folder = torus();
+    let said = folder.good(&["bake", "torus.obj", "-o", "deep/out"]);
+    assert!(
+        said.contains("torus.obj -> ") && said.contains("240 triangles"),
+        "{said}"
+    );
+    let (triangles, header, faces) = header(&folder, "deep/out/torus.faceoff");
+    assert_eq!((triangles, faces), (240, false));
+    assert_eq!(header.source_hash, format::source_hash(&folder.read("torus.obj")));
+    let files: Vec<_> = std::fs::read_dir(folder.path("deep/out")).unwrap().collect();
+    assert_eq!(files.len(), 1, "no half files are left");
+}
+
+#[test]
+fn what_is_up_to_date_is_skipped_unless_forced() {
+    let folder = torus();
+    folder.good(&["bake", "torus.obj", "-o", "out"]);
+    let first = folder.read("out/torus.faceoff");
+    let said = folder.good(&["bake", "torus.obj", "-o", "out"]);
+    assert!(said.contains("up to date") && !said.contains("->"), "{said}");
+    let said = folder.good(&["bake", "torus.obj", "-o", "out", "--force"]);
+    assert!(said.contains("->"), "{said}");
+    assert_eq!(folder.read("out/torus.faceoff"), first, "the same bytes twice");
+}
+
+#[test]
+fn a_changed_mesh_or_a_damaged_output_is_baked_again() {
+    let folder = torus();
+    folder.good(&["bake", "torus.obj", "-o", "out"]);
+    let good = folder.read("out/torus.faceoff");
+    let mut flipped = good.clone();
+    *flipped.last_mut().unwrap() ^= 0xff;
+    for damaged in [&good[..good.len() / 2], &flipped, b"", b"something else"] {
+        folder.write("out/torus.faceoff", damaged);
+        let said = folder.good(&["bake", "torus.obj", "-o", "out"]);
+        assert!(said.contains("->"), "{said}");
+        assert_eq!(folder.read("out/torus.faceoff"), good);
+    }
+    folder.write("torus.obj", to_obj(&shapes::cube(1.0)));
+    folder.good(&["bake", "torus.obj", "-o", "out"]);
+    assert_eq!(header(&folder, "out/torus.faceoff").0, 12);
+}
+
+#[test]
+fn options_choose_what_is_baked_and_other_options_bake_again() {
+    let folder = torus();
+    let arguments = [&["bake", "torus.obj", "-o", "out"], &COARSE[..]].concat();
+    folder.good(&arguments);
+    let (_, header_of, faces) = header(&folder, "out/torus.faceoff");
+    assert!(faces);
+    assert_eq!((header_of.settings.degrees, header_of.settings.image), (45, 16));
+    let first = folder.read("out/torus.faceoff");
+    assert!(folder.good(&arguments).contains("up to date"));
+    folder.good(&[&arguments[..], &["--force"]].concat());
+    assert_eq!(folder.read("out/torus.faceoff"), first, "the same bytes twice");
+    assert!(folder.good(&["bake", "torus.obj", "-o", "out"]).contains("->"));
+    assert!(!header(&folder, "out/torus.faceoff").2);
+}
+
+#[test]
+fn a_recipe_and_a_baked_file_keep_their_settings() {
+    let folder = torus();
+    folder.write(
+        "coarse.bake.ron",
+        "(mesh: \"torus.obj\", settings: (faces: true, degrees: 90, image: 16))",
+    );
+    folder.good(&["bake", "coarse.bake.ron", "-o", "out"]);
+    folder.good(&["bake", "out/coarse.faceoff", "-o", "again"]);
+    for file in ["out/coarse.faceoff", "again/coarse.faceoff"] {
+        let (triangles, header, faces) = header(&folder, file);
+        assert_eq!((triangles, header.settings.degrees, faces), (240, 90, true), "{file}");
+    }
+    folder.good(&["bake", "coarse.bake.ron", "-o", "out", "--degrees", "45"]);
+    assert_eq!(
+        header(&folder, "out/coarse.faceoff").1.settings.degrees,
+        45,
+        "an option outranks the recipe"
+    );
+}
+
+#[test]
+fn settings_out_of_range_are_refused_by_name() {
+    let folder = torus();
+    for (option, value) in [
+        ("--degrees", "0"),
+        ("--degrees", "7"),
+        ("--degrees", "91"),
+        ("--image", "15"),
+        ("--image", "4097"),
+        ("--image", "0"),
+    ] {
+        let arguments = ["bake", "torus.obj", "-o", "out", "--faces", option, value];
+        folder.bad(&arguments, &["torus.obj", &option[2..], value]);
+        assert!(!folder.path("out/torus.faceoff").exists());
+    }
+    folder.bad(
+        &["bake", "torus.obj", "-o", "out", "--degrees", "many"],
+        &["--degrees", "many"],
+    );
+    folder.bad(&["bake", "torus.obj", "-o", "out", "--image=-5"], &["--image"]);
+}
+
+#[test]
+fn a_broken_mesh_among_good_ones_is_named_and_the_good_ones_are_baked() {
+    let folder = torus();
+    folder.asset("cube.obj");
+    folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
+    let inputs = ["bake", "torus.obj", "broken.obj", "gone.obj", "cube.obj", "-o", "out"];
+    let run = folder.bad(&inputs, &["broken.obj", "line 3", "gone.obj", "2 of 4 meshes"]);
+    assert!(
+        !run.stderr.contains("torus") && !run.stderr.contains("cube"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(header(&folder, "out/torus.faceoff").0, 240);
+    assert_eq!(header(&folder, "out/cube.faceoff").0, 12);
+    assert!(!folder.path("out/broken.faceoff").exists());
+}
+
+#[test]
+fn a_mesh_that_is_open_is_baked_with_a_warning_that_names_it() {
+    let folder = Folder::new();
+    folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let run = folder.run(&["bake", "open.obj", "-o", "out"]);
+    assert!(run.success);
+    assert!(run.stderr.starts_with("warning: open.obj: "), "{}", run.stderr);
+    assert_eq!(header(&folder, "out/open.faceoff").0, 1);
+}
+
+#[test]
+fn two_meshes_of_one_name_are_refused_before_anything_is_baked() {
+    let folder = torus();
+    folder.write("other/torus.obj", folder.read("torus.obj"));
+    folder.write("torus.bake.ron", "(mesh: \"torus.obj\")");
+    for other in ["other/torus.obj", "torus.bake.ron", "torus.obj"] {
+        folder.bad(
+            &["bake", "torus.obj", other, "-o", "out"],
+            &["torus.obj", other, "torus.faceoff"],
+        );
+        assert!(!folder.path("out/torus.faceoff").exists());
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_made_or_written_is_named() {
+    let folder = torus();
+    folder.write("file", "not a folder");
+    folder.bad(&["bake", "torus.obj", "-o", "file"], &["file"]);
+    folder.bad(&["bake", "torus.obj", "-o", "file/under"], &["file/under"]);
+    folder.write("out/torus.faceoff/in_the_way", "");
+    folder.bad(&["bake", "torus.obj", "-o", "out"], &["torus.faceoff"]);
+    assert!(
+        !folder.path("out/torus.faceoff.partial").exists(),
+        "no half file is left"
+    );
+}
+
+#[test]
+fn a_reader_that_closes_the_pipe_does_not_stop_the_bake() {
+    let folder = torus();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_faceoff"))
+        .args(["bake", "torus.obj", "-o", "out"])
+        .current_dir(folder.path("."))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    assert_eq!(header(&folder, "out/torus.faceoff").0, 240);
+}

@@ -1,0 +1,104 @@
+//! `faceoff image` and `faceoff inspect`.
+
+use crate::Folder;
+use serde_json::Value;
+
+/// Width, height and rows of a PNG file.
+fn png(folder: &Folder, name: &str) -> image::RgbImage {
+    image::load_from_memory(&folder.read(name)).unwrap().to_rgb8()
+}
+
+/// Pixels that are neither paper nor ink, in a part of the picture.
+fn coloured(picture: &image::RgbImage, from: [u32; 2], size: u32) -> usize {
+    let grey = |p: &image::Rgb<u8>| p.0[0] == p.0[1] && p.0[1] == p.0[2];
+    let inside = |at: u32, from: u32| (from..from + size).contains(&at);
+    picture
+        .enumerate_pixels()
+        .filter(|(x, y, p)| inside(*x, from[0]) && inside(*y, from[1]) && !grey(p))
+        .count()
+}
+
+#[test]
+fn a_cube_seen_along_an_axis_fills_its_square_and_shows_two_faces() {
+    let folder = Folder::new();
+    folder.asset("cube.obj");
+    folder.good(&["image", "cube.obj", "--image", "64", "-o", "cube.png"]);
+    let picture = png(&folder, "cube.png");
+    // Heights on the left, faces on the right, each 64 pixels wide.
+    let [left, right] = [[12, 32], [12 + 64 + 12 + 16 + 72 + 12, 32]];
+    let [heights, faces] = [left, right].map(|from| coloured(&picture, from, 64));
+    assert_eq!(heights, faces);
+    assert!(heights > 1000, "{heights}");
+    let mut colours: Vec<_> = (0..64)
+        .flat_map(|y| (0..64).map(move |x| (x, y)))
+        .map(|(x, y)| picture.get_pixel(right[0] + x, right[1] + y).0)
+        .filter(|c| *c != [250; 3])
+        .collect();
+    colours.sort_unstable();
+    colours.dedup();
+    assert_eq!(colours.len(), 2, "the two triangles of one side");
+}
+
+#[test]
+fn a_sheet_shows_every_direction() {
+    let folder = Folder::new();
+    folder.good(&["image", "torus", "--sheet", "--image", "32", "-o", "sheet.png"]);
+    let picture = png(&folder, "sheet.png");
+    assert_eq!(picture.dimensions(), (12 + 12 * 44, 12 + 7 * 52));
+    for row in 0..7 {
+        for column in 0..12 {
+            let from = [12 + column * 44, 20 + row * 52];
+            assert!(coloured(&picture, from, 32) > 100, "row {row}, column {column}");
+        }
+    }
+}
+
+#[test]
+fn pictures_that_cannot_be_drawn_or_written_are_refused() {
+    let folder = Folder::new();
+    for (arguments, named) in [
+        (["torus", "--image", "8", "-o", "t.png"], "image is 8"),
+        (["torus", "--about-x", "NaN", "-o", "t.png"], "--about-x"),
+        (["none.obj", "--about-x", "0", "-o", "t.png"], "none.obj"),
+        (["torus", "--image", "16", "-o", "no/t.png"], "no/t.png"),
+    ] {
+        folder.bad(&[&["image"], &arguments[..]].concat(), &[named]);
+    }
+}
+
+#[test]
+fn inspect_tells_what_a_mesh_and_a_baked_file_hold() {
+    let folder = Folder::new();
+    folder.asset("torus.obj");
+    folder.asset("torus.bake.ron");
+    folder.good(&[
+        "bake",
+        "torus.obj",
+        "-o",
+        ".",
+        "--faces",
+        "--degrees",
+        "30",
+        "--image",
+        "32",
+    ]);
+    let read = |file: &str| -> Value { serde_json::from_str(&folder.good(&["inspect", file, "--json"])).unwrap() };
+    let (raw, recipe, baked) = (read("torus.obj"), read("torus.bake.ron"), read("torus.faceoff"));
+    for report in [&raw, &recipe, &baked] {
+        assert_eq!(report["triangles"], 240);
+        assert_eq!(report["clusters"], 30);
+        assert_eq!(report["closed"], true);
+        assert_eq!(report["source_hash"], raw["source_hash"]);
+        assert!((0.1..0.2).contains(&report["volume"].as_f64().unwrap()));
+    }
+    assert_eq!((&raw["table"], &recipe["table"]), (&Value::Null, &Value::Null));
+    assert_eq!(recipe["settings"]["faces"], true);
+    assert_eq!(baked["table"]["directions"], 62);
+    assert!(baked["table"]["memory_bytes"].as_u64().unwrap() > 0);
+    let text = folder.good(&["inspect", "torus.faceoff"]);
+    assert!(
+        text.contains("62 directions") && text.contains("240 in 30 clusters"),
+        "{text}"
+    );
+    folder.bad(&["inspect", "none.obj"], &["none.obj"]);
+}

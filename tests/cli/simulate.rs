@@ -1,0 +1,208 @@
+//! `faceoff simulate`.
+
+use crate::Folder;
+use bevy_faceoff::asset::{CollisionMesh, format};
+use bevy_faceoff::geometry::shapes;
+use serde_json::Value;
+
+const STAGES: [&str; 5] = ["broad_phase", "angles", "triangle_test", "force_scan", "integrate"];
+const COUNTS: [&str; 4] = ["sphere_pairs", "touching_pairs", "triangle_tests", "face_pairs"];
+
+fn keys(value: &Value) -> Vec<&str> {
+    let mut keys: Vec<_> = value
+        .as_object()
+        .expect("an object")
+        .keys()
+        .map(String::as_str)
+        .collect();
+    keys.sort_unstable();
+    keys
+}
+
+fn sorted<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut names: Vec<_> = names.into_iter().collect();
+    names.sort_unstable();
+    names
+}
+
+/// Runs with `--json` to a file and checks the shape of what is written.
+#[track_caller]
+fn simulate(folder: &Folder, options: &[&str]) -> Value {
+    let mut arguments = vec!["simulate", "--json", "out.json"];
+    arguments.extend(options);
+    let table = folder.good(&arguments);
+    assert!(
+        table.contains("TriangleTest") && table.contains("touching pairs"),
+        "{table}"
+    );
+    let json: Value = serde_json::from_slice(&folder.read("out.json")).unwrap();
+    check_shape(&json);
+    json
+}
+
+fn check_shape(json: &Value) {
+    assert_eq!(keys(json), ["meta", "steps"]);
+    assert!(json["meta"].is_object());
+    for (i, step) in json["steps"].as_array().unwrap().iter().enumerate() {
+        assert_eq!(
+            keys(step),
+            sorted(["step", "step_ms", "stages_ms"].into_iter().chain(COUNTS))
+        );
+        assert_eq!(step["step"], i as u64 + 1);
+        assert!(step["step_ms"].as_f64().unwrap() >= 0.0);
+        assert_eq!(keys(&step["stages_ms"]), sorted(STAGES));
+        assert!(STAGES.iter().all(|s| step["stages_ms"][s].as_f64().unwrap() >= 0.0));
+        assert!(COUNTS.iter().all(|c| step[c].is_u64()));
+    }
+}
+
+/// The counts of all steps.
+fn counts(json: &Value) -> Vec<[u64; 4]> {
+    let steps = json["steps"].as_array().unwrap();
+    steps.iter().map(|s| COUNTS.map(|c| s[c].as_u64().unwrap())).collect()
+}
+
+fn faces(json: &Value) -> u64 {
+    counts(json).iter().map(|c| c[3]).sum()
+}
+
+#[test]
+fn a_small_scene_of_tori_has_the_promised_json() {
+    let folder = Folder::new();
+    let json = simulate(&folder, &["--bodies", "60", "--steps", "12", "--side", "4"]);
+    assert_eq!(json["steps"].as_array().unwrap().len(), 12);
+    assert_eq!(json["meta"]["bodies"], 60);
+    assert_eq!(json["meta"]["triangles"], 240);
+    assert_eq!(json["meta"]["shape"], "torus");
+    assert!(faces(&json) > 0, "such a crowd collides");
+    for [spheres, touching, tests, faces] in counts(&json) {
+        assert!(touching <= spheres && faces <= tests);
+    }
+}
+
+#[test]
+fn standard_output_carries_the_json_alone_when_asked() {
+    let folder = Folder::new();
+    let run = folder.run(&["simulate", "--bodies", "10", "--steps", "3", "--json", "-"]);
+    assert!(run.success);
+    let json: Value = serde_json::from_str(&run.stdout).unwrap();
+    check_shape(&json);
+    assert_eq!(json["steps"].as_array().unwrap().len(), 3);
+    assert!(
+        run.stderr.contains("TriangleTest"),
+        "people read the table on standard error"
+    );
+    assert!(
+        !run.stderr.contains('\u{1b}') && !run.stderr.contains('\r'),
+        "no progress bar in a pipe"
+    );
+}
+
+#[test]
+fn the_same_seed_gives_the_same_counts_with_one_thread_and_two() {
+    let folder = Folder::new();
+    let scene = ["--bodies", "80", "--steps", "20", "--side", "4"];
+    let with = |more: &[&str]| simulate(&folder, &[&scene, more].concat());
+    let first = with(&["--seed", "5", "--threads", "1"]);
+    assert_eq!(first["meta"]["threads"], 1);
+    assert!(faces(&first) > 0);
+    let two = with(&["--seed", "5", "--threads", "2"]);
+    assert_eq!(two["meta"]["threads"], 2);
+    assert_eq!(counts(&two), counts(&first));
+    assert_eq!(counts(&with(&["--seed", "5", "--threads", "2"])), counts(&two));
+    assert_ne!(counts(&with(&["--seed", "6", "--threads", "2"])), counts(&two));
+}
+
+#[test]
+fn without_response_bodies_are_counted_and_not_pushed() {
+    let folder = Folder::new();
+    let scene = ["--bodies", "60", "--steps", "30", "--side", "4", "--speed", "3"];
+    let none = simulate(&folder, &[&scene[..], &["--response", "none"]].concat());
+    let impulse = simulate(&folder, &[&scene[..], &["--response", "impulse"]].concat());
+    assert_eq!(none["meta"]["response"], "none");
+    assert!(faces(&none) > 0);
+    assert_eq!(counts(&none)[0], counts(&impulse)[0], "the first step starts alike");
+    assert_ne!(counts(&none), counts(&impulse));
+}
+
+#[test]
+fn knots_and_files_of_every_kind_are_shapes() {
+    let folder = Folder::new();
+    folder.asset("torus.obj");
+    folder.write("plain.bake.ron", "(mesh: \"torus.obj\")");
+    let baked = format::to_bytes(&CollisionMesh::new(&shapes::torus_240()), [0; 32]);
+    folder.write("torus.faceoff", baked);
+    let scene = ["--bodies", "40", "--steps", "5", "--side", "3", "--speed", "1"];
+    let with = |shape: &str| simulate(&folder, &[&scene[..], &["--shape", shape]].concat());
+    let torus = with("torus");
+    assert!(faces(&torus) > 0);
+    for file in ["torus.obj", "plain.bake.ron", "torus.faceoff"] {
+        let json = with(file);
+        assert_eq!(json["meta"]["shape"], file);
+        assert_eq!(counts(&json), counts(&torus), "{file}");
+    }
+    assert_eq!(with("knot")["meta"]["triangles"], 1120);
+}
+
+#[test]
+fn no_bodies_one_body_and_no_steps_are_scenes_too() {
+    let folder = Folder::new();
+    for bodies in ["0", "1"] {
+        let json = simulate(&folder, &["--bodies", bodies, "--steps", "4"]);
+        assert_eq!(counts(&json), [[0; 4]; 4]);
+    }
+    let json = simulate(&folder, &["--bodies", "5", "--steps", "0"]);
+    assert_eq!(json["steps"], Value::Array(Vec::new()));
+    let json = simulate(
+        &folder,
+        &["--bodies", "5", "--steps", "1", "--side", "0", "--speed", "0"],
+    );
+    assert_eq!(json["steps"][0]["sphere_pairs"], 10, "all at the origin");
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_by_name() {
+    let folder = Folder::new();
+    for option in ["--side", "--speed"] {
+        for value in ["-1", "NaN", "inf", "-inf", "1e30"] {
+            let given = format!("{option}={value}");
+            folder.bad(&["simulate", "--bodies", "2", "--steps", "1", &given], &[option]);
+        }
+        folder.bad(&["simulate", option, "wide"], &[option, "wide"]);
+    }
+    for option in ["--bodies", "--steps", "--seed", "--threads"] {
+        folder.bad(&["simulate", &format!("{option}=-1")], &[option]);
+        folder.bad(&["simulate", option, "1.5"], &[option, "1.5"]);
+    }
+    folder.bad(&["simulate", "--threads", "100000"], &["--threads", "1024"]);
+    folder.bad(&["simulate", "--response", "hug"], &["hug", "impulse", "none"]);
+}
+
+#[test]
+fn files_that_cannot_be_used_are_named() {
+    let folder = Folder::new();
+    folder.write("text.obj", "no mesh at all\n");
+    folder.write(
+        "cut.faceoff",
+        &format::to_bytes(&CollisionMesh::new(&shapes::cube(1.0)), [0; 32])[..90],
+    );
+    folder.write("lost.bake.ron", "(mesh: \"gone.obj\")");
+    for (shape, named) in [
+        ("missing.obj", "missing.obj"),
+        ("ball", "ball"),
+        ("text.obj", "text.obj"),
+        ("cut.faceoff", "cut.faceoff"),
+        ("lost.bake.ron", "gone.obj"),
+        (".", "."),
+    ] {
+        folder.bad(
+            &["simulate", "--bodies", "2", "--steps", "1", "--shape", shape],
+            &[named],
+        );
+    }
+    let small = ["simulate", "--bodies", "2", "--steps", "1", "--json"];
+    folder.bad(
+        &[&small[..], &["no/such/folder/out.json"]].concat(),
+        &["no/such/folder/out.json"],
+    );
+}
