@@ -182,7 +182,7 @@ impl<'a> Soup<'a> {
                 "it is compressed with Draco, which is not read; export without compression",
             ));
         }
-        self.check_budget(primitive, position, &wrong_accessor)?;
+        self.check_budget(primitive, position, wrong_accessor)?;
         let positions = self.data.positions(position).map_err(wrong_accessor(position))?;
         let indices = match primitive.indices {
             None => (0..positions.len() as u32).collect(),
