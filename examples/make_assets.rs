@@ -18,6 +18,7 @@ pub fn files() -> Vec<(String, String)> {
     .flat_map(|(name, mesh, faces)| {
         let recipe = Recipe {
             mesh: format!("{name}.obj"),
+            part: None,
             settings: BakeSettings {
                 faces,
                 ..Default::default()

@@ -21,6 +21,8 @@ pub mod components;
 pub mod diagnostics;
 pub mod events;
 pub mod geometry;
+#[cfg(feature = "bevy_mesh")]
+pub mod mesh_collider_from;
 pub mod plugin;
 pub mod projection;
 pub mod queries;
@@ -35,6 +37,8 @@ pub mod prelude {
     pub use crate::components::*;
     pub use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
     pub use crate::geometry::TriMesh;
+    #[cfg(feature = "bevy_mesh")]
+    pub use crate::mesh_collider_from::MeshColliderFrom;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;
     pub use crate::settings::{Backend, Culling, Gravity, Response};

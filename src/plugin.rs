@@ -22,10 +22,13 @@ pub struct FaceoffPlugins {
 
 impl PluginGroup for FaceoffPlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let group = PluginGroupBuilder::start::<Self>()
             .add(CollisionMeshPlugin)
             .add(self.step)
-            .add(FaceoffDiagnosticsPlugin)
+            .add(FaceoffDiagnosticsPlugin);
+        #[cfg(feature = "bevy_mesh")]
+        let group = group.add(crate::mesh_collider_from::MeshColliderFromPlugin);
+        group
     }
 }
 

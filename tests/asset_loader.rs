@@ -32,6 +32,9 @@ impl AssetLoader for TextLoader {
     }
 }
 
+const FACET_STL: &[u8] = b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n\
+                           endfacet\nendsolid\n";
+
 struct Stage {
     app: App,
     folder: TempDir,
@@ -174,6 +177,8 @@ fn all_kinds_of_files() {
             b"(mesh: \"../meshes/torus.obj\", settings: (faces: true, degrees: 30, image: 32))",
         ),
         ("plain.bake.ron", b"(mesh: \"meshes/torus.obj\")"),
+        ("facet.stl", FACET_STL),
+        ("facet.bake.ron", b"(mesh: \"facet.stl\")"),
         (
             "knot.bake.ron",
             b"(mesh: \"knot.faceoff\", settings: (faces: true, degrees: 45, image: 16))",
@@ -188,6 +193,8 @@ fn all_kinds_of_files() {
     assert!(deep.faces.is_some());
     assert_eq!(deep.mesh, by_type.mesh);
     assert_eq!(stage.loaded("plain.bake.ron"), by_type);
+    assert_eq!(stage.loaded("facet.stl").mesh.triangles().len(), 1);
+    assert_eq!(stage.loaded("facet.bake.ron").mesh.triangles().len(), 1);
     let rebaked = stage.loaded("knot.bake.ron");
     assert!(rebaked.faces.is_some() && rebaked.settings.degrees == 45);
 }
@@ -256,7 +263,7 @@ fn broken_files_fail_by_name_and_the_app_goes_on() {
         ("empty.faceoff", vec!["empty.faceoff", "not a .faceoff"]),
         ("bad.obj", vec!["bad.obj", "line 1"]),
         ("nothing.obj", vec!["nothing.obj", "no faces"]),
-        ("scene.glb", vec!["scene.glb", "OBJ"]),
+        ("scene.glb", vec!["scene.glb", "export it as glTF 2.0"]),
         ("syntax.bake.ron", vec!["syntax.bake.ron", "line 1"]),
         ("settings.bake.ron", vec!["settings.bake.ron", "must divide 90"]),
         ("missing.bake.ron", vec!["missing.bake.ron", "gone.obj"]),

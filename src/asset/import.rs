@@ -1,102 +1,16 @@
 //! Mesh files of any kind we read, recognised by magic or by name.
 
 use super::collision_mesh::CollisionMesh;
-use super::format::{self, FormatError, Hash, Header};
+use super::format::{self, Hash, Header};
+use super::gltf::{self, GltfError, MeshPart};
+pub use super::import_error::ImportError;
 use super::obj;
-use super::recipe::{Recipe, RecipeError, is_recipe};
-use crate::geometry::{MeshError, TriMesh};
+use super::recipe::{Recipe, is_recipe};
+use super::stl;
+use crate::geometry::TriMesh;
 use crate::projection::BakeSettings;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
-
-/// Why a file gives no mesh. Lines count from 1, faces and vertices from 0.
-#[derive(Debug, Error)]
-pub enum ImportError {
-    /// A coordinate is no number.
-    #[error("line {line}: {word:?} is not a number; coordinates look like 1.5 or -2e-3")]
-    NotANumber {
-        /// Where.
-        line: usize,
-        /// What stands there.
-        word: String,
-    },
-    /// A coordinate is NaN, infinite, or too large for single precision.
-    #[error("line {line}: {word} is not a finite single-precision number; export the mesh again, or use a larger unit")]
-    NotFinite {
-        /// Where.
-        line: usize,
-        /// What stands there.
-        word: String,
-    },
-    /// A vertex with fewer than three coordinates.
-    #[error("line {line}: a vertex needs three coordinates")]
-    ShortVertex {
-        /// Where.
-        line: usize,
-    },
-    /// A corner of a face is no index.
-    #[error("line {line}: {word:?} is not a face corner; corners look like 7, 7/1, 7//3 or 7/1/3")]
-    NotAnIndex {
-        /// Where.
-        line: usize,
-        /// What stands there.
-        word: String,
-    },
-    /// A face names a vertex that does not exist.
-    #[error(
-        "line {line}: a face names vertex {index}, but there are {vertices} vertices (they count from 1, and from -1 \
-         backwards)"
-    )]
-    NoSuchVertex {
-        /// Where.
-        line: usize,
-        /// The index as it stands there.
-        index: i64,
-        /// How many vertices there are; for a negative index, how many were read before it.
-        vertices: usize,
-    },
-    /// More vertices or triangles than 32-bit indices can name.
-    #[error("line {line}: the mesh is too large for 32-bit indices; split it")]
-    TooLarge {
-        /// Where.
-        line: usize,
-    },
-    /// There is nothing to collide with.
-    #[error("there are {vertices} vertices and no faces; is this an OBJ file, exported with its faces?")]
-    NoFaces {
-        /// How many vertices were found.
-        vertices: usize,
-    },
-    /// A format that is not read.
-    #[error("{0} files are not read; export the mesh as OBJ, or build a TriMesh from its vertices and faces in code")]
-    Foreign(&'static str),
-    /// Neither the name nor the first bytes tell what it is.
-    #[error("the format is unknown; mesh files end in .obj, .faceoff or .bake.ron")]
-    Unknown,
-    /// A recipe where a mesh is needed.
-    #[error("a recipe holds no mesh; give the path of the recipe, not its content")]
-    RecipeIsNoMesh,
-    /// The faces are read but are no usable mesh.
-    #[error(transparent)]
-    Mesh(#[from] MeshError),
-    /// A `.faceoff` file that cannot be read.
-    #[error(transparent)]
-    Format(#[from] FormatError),
-    /// A `.bake.ron` file that cannot be read.
-    #[error(transparent)]
-    Recipe(#[from] RecipeError),
-    /// The file system failed.
-    #[error("{0}")]
-    Io(#[from] std::io::Error),
-    /// Any of these, with the file it is about.
-    #[error("{}: {source}", path.display())]
-    InFile {
-        /// Which file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: Box<ImportError>,
-    },
-}
+use std::borrow::Cow;
+use std::path::Path;
 
 /// What a mesh file holds.
 #[derive(Clone, Debug)]
@@ -107,7 +21,7 @@ pub enum Imported {
         mesh: TriMesh,
         /// What the recipe asks for; the default if there is no recipe.
         settings: BakeSettings,
-        /// [`format::source_hash`] of the mesh file.
+        /// [`format::source_hash`] of the mesh file; of a glTF file with a chosen part or other files, of these too.
         source_hash: Hash,
     },
     /// A `.faceoff` file.
@@ -129,69 +43,168 @@ impl Imported {
     }
 }
 
-/// Reads a mesh from the bytes of an OBJ or `.faceoff` file. `name` is its file name; its ending decides where the bytes do
-/// not, and it need not name a file that exists.
+/// Reads a mesh from the bytes of a glTF, OBJ, STL or `.faceoff` file. `name` is its file name; its ending decides where the
+/// bytes do not, and it need not name a file that exists. Of a glTF file this is the whole scene.
 pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
-    match import(name, bytes)? {
+    import_part(name, bytes, None)
+}
+
+/// As [`import_bytes`], but a part of a glTF file, if `part` names one.
+pub fn import_part(name: &str, bytes: &[u8], part: Option<&MeshPart>) -> Result<TriMesh, ImportError> {
+    let source = Source::open(name, bytes)?;
+    if let Some(file) = source.files().first() {
+        return Err(GltfError::OtherFiles(file.clone()).into());
+    }
+    match source.read(part, &[])? {
         Imported::Mesh { mesh, .. } => Ok(mesh),
         Imported::Baked { mesh, .. } => Ok(mesh.mesh.clone()),
     }
 }
 
-/// Reads an `.obj`, `.faceoff` or `.bake.ron` file from disk, the last with the mesh it names. Errors name the file.
+/// Reads a mesh file or a `.bake.ron` recipe from disk, with the files it names. Errors name the file.
 pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let path = path.as_ref();
-    let name = path.to_string_lossy();
-    if !is_recipe(&name) {
-        return in_file(path, |bytes| import(&name, bytes));
+    let bytes = read_file(path)?;
+    // A recipe that was baked in place keeps its name.
+    if !is_recipe(&path.to_string_lossy()) || bytes.starts_with(&format::MAGIC) {
+        return import_mesh_file(path, bytes, None);
     }
-    let recipe = in_file(path, |bytes| Ok(Recipe::parse(bytes)?))?;
+    let recipe = Recipe::parse(&bytes).map_err(|e| in_file(path, e))?;
     let mesh_path = path.with_file_name("").join(&recipe.mesh);
-    in_file(&mesh_path, |bytes| {
-        Ok(Imported::Mesh {
-            mesh: import_bytes(&recipe.mesh, bytes)?,
+    let bytes = read_file(&mesh_path)?;
+    let baked_hash = format::source_hash(&bytes);
+    Ok(match import_mesh_file(&mesh_path, bytes, recipe.part.as_ref())? {
+        Imported::Mesh { mesh, source_hash, .. } => Imported::Mesh {
+            mesh,
             settings: recipe.settings,
-            source_hash: format::source_hash(bytes),
-        })
+            source_hash,
+        },
+        // What the recipe asks for is baked anew, from the mesh alone.
+        Imported::Baked { mesh, .. } => Imported::Mesh {
+            mesh: mesh.mesh.clone(),
+            settings: recipe.settings,
+            source_hash: baked_hash,
+        },
     })
 }
 
-/// As [`import_bytes`], keeping what is baked.
-pub(super) fn import(name: &str, bytes: &[u8]) -> Result<Imported, ImportError> {
-    let extension = Path::new(name)
-        .extension()
-        .map(|e| e.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default();
-    if bytes.starts_with(&format::MAGIC) || extension == "faceoff" {
-        let (mesh, header) = format::from_bytes(bytes)?;
-        return Ok(Imported::Baked { mesh, header });
+fn import_mesh_file(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Result<Imported, ImportError> {
+    let source = Source::open(&path.to_string_lossy(), bytes).map_err(|e| in_file(path, e))?;
+    let mut files = Vec::new();
+    for file in source.files() {
+        // A device, which a hostile mesh might name, has no end.
+        let file = path.with_file_name("").join(file);
+        if std::fs::metadata(&file).is_ok_and(|m| !m.is_file()) {
+            return Err(in_file(path, in_file(&file, ImportError::NoFile)));
+        }
+        files.push(read_file(&file).map_err(|e| in_file(path, e))?);
     }
-    if is_recipe(name) {
-        return Err(ImportError::RecipeIsNoMesh);
+    source.read(part, &files).map_err(|e| in_file(path, e))
+}
+
+/// A mesh file of known format, with all that is read of it before other files.
+pub(super) struct Source<'a> {
+    bytes: Cow<'a, [u8]>,
+    format: Format,
+}
+
+enum Format {
+    Baked,
+    Gltf(Box<gltf::Document>),
+    Obj,
+    Stl,
+}
+
+impl<'a> Source<'a> {
+    /// Recognises the format.
+    pub(super) fn open(name: &str, bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self, ImportError> {
+        let bytes = bytes.into();
+        let format = Format::of(name, &bytes)?;
+        Ok(Self { bytes, format })
     }
-    let foreign = match extension.as_str() {
-        _ if bytes.starts_with(b"glTF") => Some("glTF"),
-        _ if bytes.starts_with(b"Kaydara FBX") => Some("FBX"),
-        _ if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") => Some("PLY"),
-        "glb" | "gltf" => Some("glTF"),
-        "stl" => Some("STL"),
-        "fbx" => Some("FBX"),
-        "ply" => Some("PLY"),
-        "dae" => Some("Collada"),
-        "blend" => Some("Blender"),
-        _ => None,
-    };
-    if let Some(format) = foreign {
-        return Err(ImportError::Foreign(format));
+
+    /// The other files it needs, relative to its own.
+    pub(super) fn files(&self) -> &[String] {
+        match &self.format {
+            Format::Gltf(document) => &document.files,
+            _ => &[],
+        }
     }
-    if extension != "obj" && !looks_like_obj(bytes) {
-        return Err(ImportError::Unknown);
+
+    /// Reads the triangles. `files` holds the contents of [`Source::files`].
+    pub(super) fn read(&self, part: Option<&MeshPart>, files: &[Vec<u8>]) -> Result<Imported, ImportError> {
+        let bytes = &*self.bytes;
+        if part.is_some() && !matches!(self.format, Format::Gltf(_)) {
+            return Err(ImportError::NoParts);
+        }
+        let mesh = match &self.format {
+            Format::Baked => {
+                let (mesh, header) = format::from_bytes(bytes)?;
+                return Ok(Imported::Baked { mesh, header });
+            }
+            Format::Gltf(document) => document.read(bytes, part, files)?,
+            Format::Obj => obj::read(bytes)?,
+            Format::Stl => stl::read(bytes)?,
+        };
+        Ok(Imported::Mesh {
+            mesh,
+            settings: BakeSettings::default(),
+            source_hash: source_hash(bytes, part, files),
+        })
     }
-    Ok(Imported::Mesh {
-        mesh: obj::read(bytes)?,
-        settings: BakeSettings::default(),
-        source_hash: format::source_hash(bytes),
-    })
+}
+
+/// The hash of everything that the mesh depends on.
+fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8>]) -> Hash {
+    let hash = format::source_hash(bytes);
+    if part.is_none() && files.is_empty() {
+        return hash;
+    }
+    let mut all = hash.to_vec();
+    for file in files {
+        all.extend(format::source_hash(file));
+    }
+    if let Some(part) = part {
+        all.extend(part.to_string().as_bytes());
+    }
+    format::source_hash(&all)
+}
+
+impl Format {
+    fn of(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
+        let extension = Path::new(name)
+            .extension()
+            .map(|e| e.to_string_lossy().to_ascii_lowercase())
+            .unwrap_or_default();
+        if bytes.starts_with(&format::MAGIC) || extension == "faceoff" {
+            return Ok(Self::Baked);
+        }
+        if is_recipe(name) {
+            return Err(ImportError::RecipeIsNoMesh);
+        }
+        let foreign = match extension.as_str() {
+            _ if bytes.starts_with(b"Kaydara FBX") => Some("FBX"),
+            _ if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") => Some("PLY"),
+            "fbx" => Some("FBX"),
+            "ply" => Some("PLY"),
+            "dae" => Some("Collada"),
+            "blend" => Some("Blender"),
+            _ => None,
+        };
+        if let Some(format) = foreign {
+            return Err(ImportError::Foreign(format));
+        }
+        Ok(match extension.as_str() {
+            "gltf" | "glb" => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
+            _ if bytes.starts_with(b"glTF") => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
+            "obj" => Self::Obj,
+            "stl" => Self::Stl,
+            _ if gltf::is_likely(bytes) => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
+            _ if looks_like_obj(bytes) => Self::Obj,
+            _ if stl::is_likely(bytes) => Self::Stl,
+            _ => return Err(ImportError::Unknown),
+        })
+    }
 }
 
 /// Whether a vertex stands at the beginning of a line early in the file.
@@ -200,12 +213,13 @@ fn looks_like_obj(bytes: &[u8]) -> bool {
     !start.contains(&0) && start.split(|&b| b == b'\n').any(|line| line.starts_with(b"v "))
 }
 
-fn in_file<T>(path: &Path, read: impl FnOnce(&[u8]) -> Result<T, ImportError>) -> Result<T, ImportError> {
-    std::fs::read(path)
-        .map_err(ImportError::Io)
-        .and_then(|bytes| read(&bytes))
-        .map_err(|source| ImportError::InFile {
-            path: path.to_owned(),
-            source: Box::new(source),
-        })
+fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
+    std::fs::read(path).map_err(|e| in_file(path, e))
+}
+
+fn in_file(path: &Path, error: impl Into<ImportError>) -> ImportError {
+    ImportError::InFile {
+        path: path.to_owned(),
+        source: Box::new(error.into()),
+    }
 }

@@ -9,11 +9,12 @@
 //! let baked: Handle<CollisionMesh> = assets.load("knot.bake.ron");
 //! let faster: Handle<CollisionMesh> = assets.load("knot.faceoff");
 //! let without_recipe: Handle<CollisionMesh> = assets.load("knot.obj");
+//! let of_a_scene: Handle<CollisionMesh> = assets.load("machine.glb");
 //! # }
 //! ```
 //!
-//! Recipes and `.faceoff` files are known by their extension. OBJ files are not, on purpose: Bevy asks the loader registered
-//! last for an extension, so claiming `obj` would take scenes away from other loaders. They are reached by the type of the
+//! Recipes and `.faceoff` files are known by their extension. Other meshes are not, on purpose: Bevy asks the loader registered
+//! last for an extension, so claiming `obj` or `glb` would take scenes away from other loaders. They are reached by the type of the
 //! handle instead, as above. Reading and baking happen off the IO pool, so that other assets load meanwhile, and stop when
 //! the last handle is dropped.
 //!
@@ -23,10 +24,15 @@
 //! * A `.meta` file that names this loader hides the mesh from every other loader, so its scene can no longer be shown.
 //!   Write `.meta` files only for meshes that are for collision alone, and recipes for all others.
 //!
+//! A label is the business of the loader that registered the extension: `machine.glb#Mesh0` is never a collision mesh. To bake
+//! one mesh of a glTF file, choose it in the recipe, `(mesh: "machine.glb", part: (mesh: "Gear"))`.
+//!
 //! Bevy matches extensions from the first dot on: `knot.v2.bake.ron` is loaded by type, or not at all.
 
 use super::collision_mesh::CollisionMesh;
-use super::import::{ImportError, Imported, import};
+use super::format::MAGIC;
+use super::gltf::MeshPart;
+use super::import::{ImportError, Imported, Source};
 use super::jobs::{on_bake_pool, on_compute_pool};
 use super::recipe::{Recipe, RecipeError, is_recipe};
 use crate::projection::{BakeSettings, Cancelled, SettingsError};
@@ -36,17 +42,19 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Loads `.faceoff` and `.bake.ron` files, and OBJ files by type; see the [module](self).
+/// Loads `.faceoff` and `.bake.ron` files, and other meshes by type; see the [module](self).
 #[derive(Default, TypePath)]
 pub struct CollisionMeshLoader;
 
 /// Settings of one load, in code or in a `.meta` file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CollisionMeshSettings {
     /// How to bake. Outranks the recipe; a `.faceoff` file that was baked otherwise gets a new face table. Without it, the
-    /// recipe or the file decides, and an OBJ file is baked by the default settings.
+    /// recipe or the file decides, and any other mesh is baked by the default settings.
     pub bake: Option<BakeSettings>,
+    /// Which part of a glTF file to bake. Outranks the recipe; without it, the recipe decides, and else it is the whole scene.
+    pub part: Option<MeshPart>,
 }
 
 /// Why a file was not loaded. Bevy puts the path before it.
@@ -72,13 +80,13 @@ pub enum LoadError {
         /// What is wrong.
         source: ParseAssetPathError,
     },
-    /// The recipe's path leaves the asset folder.
-    #[error("the recipe names {0}, which is outside the asset folder; move the mesh into it")]
+    /// A path in a recipe or a glTF file leaves the asset folder.
+    #[error("it names {0}, which is outside the asset folder; move that file into it")]
     OutsideFolder(AssetPath<'static>),
-    /// The recipe's mesh could not be read.
-    #[error("the recipe names {path}, which cannot be read: {source}")]
-    ReadMesh {
-        /// The mesh.
+    /// The recipe's mesh, or a file that a glTF file needs, could not be read.
+    #[error("it names {path}, which cannot be read: {source}")]
+    ReadFile {
+        /// The file.
         path: AssetPath<'static>,
         /// Why.
         source: Box<ReadAssetBytesError>,
@@ -118,24 +126,24 @@ impl AssetLoader for CollisionMeshLoader {
         reader.read_to_end(&mut bytes).await?;
         let path = context.path().clone();
         let name = path.path().to_string_lossy().into_owned();
-        let mesh = if is_recipe(&name) {
+        let part = settings.part.clone();
+        // A recipe that was baked in place keeps its name.
+        let mesh = if is_recipe(&name) && !bytes.starts_with(&MAGIC) {
             let recipe = Recipe::parse(&bytes)?;
             let mesh_path = mesh_path(&path, &recipe.mesh)?;
-            let bytes = context
-                .read_asset_bytes(&mesh_path)
-                .await
-                .map_err(|source| LoadError::ReadMesh {
-                    path: mesh_path.clone(),
-                    source: Box::new(source),
-                })?;
-            load_mesh(recipe.mesh, bytes, wanted.or(Some(recipe.settings)))
+            let bytes = read_file(context, &mesh_path).await?;
+            let wanted = Wanted {
+                bake: wanted.or(Some(recipe.settings)),
+                part: part.or(recipe.part),
+            };
+            load_mesh(context, &mesh_path, bytes, wanted)
                 .await
                 .map_err(|source| LoadError::InMesh {
                     path: mesh_path,
                     source: Box::new(source),
                 })?
         } else {
-            load_mesh(name, bytes, wanted).await?
+            load_mesh(context, &path, bytes, Wanted { bake: wanted, part }).await?
         };
         for warning in mesh.warnings() {
             tracing::warn!("{path}: {warning}");
@@ -161,14 +169,59 @@ fn mesh_path(recipe: &AssetPath<'static>, mesh: &str) -> Result<AssetPath<'stati
     Ok(path)
 }
 
+/// The asset path of a file that a mesh names. `file` is relative and has no detours.
+fn path_beside(mesh: &AssetPath<'static>, file: &str) -> Result<AssetPath<'static>, LoadError> {
+    let mut path = mesh.path().to_path_buf();
+    path.pop();
+    for part in file.split('/') {
+        // A path that leads out of the folder keeps its dots, and is refused.
+        if part != ".." || !path.pop() {
+            path.push(part);
+        }
+    }
+    let path = AssetPath::from_path_buf(path).with_source(mesh.source().clone_owned());
+    if path.is_unapproved() {
+        return Err(LoadError::OutsideFolder(path));
+    }
+    Ok(path)
+}
+
+/// Reads another file than the one that is loaded, which from then on depends on it.
+async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'static>) -> Result<Vec<u8>, LoadError> {
+    context
+        .read_asset_bytes(path)
+        .await
+        .map_err(|source| LoadError::ReadFile {
+            path: path.clone(),
+            source: Box::new(source),
+        })
+}
+
+/// What the load or the recipe asks for.
+struct Wanted {
+    bake: Option<BakeSettings>,
+    part: Option<MeshPart>,
+}
+
 /// Parses and bakes off the IO pool. Only the face table goes to the pool for bakes, which serves one table after the other:
 /// a mesh without a table would wait there behind tables that take seconds.
-async fn load_mesh(name: String, bytes: Vec<u8>, wanted: Option<BakeSettings>) -> Result<CollisionMesh, LoadError> {
+async fn load_mesh(
+    context: &mut LoadContext<'_>,
+    path: &AssetPath<'static>,
+    bytes: Vec<u8>,
+    wanted: Wanted,
+) -> Result<CollisionMesh, LoadError> {
+    let name = path.path().to_string_lossy().into_owned();
+    let source = on_compute_pool(move || Ok(Source::open(&name, bytes)?)).await?;
+    let mut files = Vec::new();
+    for file in source.files() {
+        files.push(read_file(context, &path_beside(path, file)?).await?);
+    }
     let (mesh, settings) = on_compute_pool(move || {
-        Ok(match import(&name, &bytes)? {
-            Imported::Mesh { mesh, settings, .. } => (CollisionMesh::new(&mesh), wanted.unwrap_or(settings)),
+        Ok(match source.read(wanted.part.as_ref(), &files)? {
+            Imported::Mesh { mesh, settings, .. } => (CollisionMesh::new(&mesh), wanted.bake.unwrap_or(settings)),
             Imported::Baked { mesh, .. } => {
-                let settings = wanted.unwrap_or(mesh.settings);
+                let settings = wanted.bake.unwrap_or(mesh.settings);
                 (mesh, settings)
             }
         })
@@ -180,7 +233,7 @@ async fn load_mesh(name: String, bytes: Vec<u8>, wanted: Option<BakeSettings>) -
     on_bake_pool(move |pool, progress| Ok(mesh.rebake(settings, pool, progress)?)).await
 }
 
-/// Registers the asset and its loader. Returns whether that was possible: without Bevy's `AssetPlugin` it is not, and an
+/// Registers the asset, its loader, and its [processor](super::processor) where Bevy processes assets. Returns whether that was possible: without Bevy's `AssetPlugin` it is not, and an
 /// error that says so is logged. A second call does nothing.
 pub fn register(app: &mut App) -> bool {
     if !app.world().contains_resource::<AssetServer>() {
@@ -192,6 +245,7 @@ pub fn register(app: &mut App) -> bool {
     if !app.world().contains_resource::<Assets<CollisionMesh>>() {
         app.init_asset::<CollisionMesh>()
             .register_asset_loader(CollisionMeshLoader);
+        super::processor::register(app);
     }
     true
 }

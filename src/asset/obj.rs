@@ -6,6 +6,7 @@
 //! into models with vertices of their own, which would have to be put together again.
 
 use super::import::ImportError;
+use super::text::{number, shown};
 use crate::geometry::TriMesh;
 use glam::Vec3;
 use std::fmt::Write;
@@ -81,20 +82,7 @@ impl Obj {
         let mut position = [0.0f32; 3];
         for x in &mut position {
             let word = words.next().ok_or(ImportError::ShortVertex { line })?;
-            *x = std::str::from_utf8(word)
-                .ok()
-                .and_then(|w| w.parse().ok())
-                .ok_or_else(|| ImportError::NotANumber {
-                    line,
-                    word: shown(word),
-                })?;
-            // A number too large for single precision parses as infinite.
-            if !x.is_finite() {
-                return Err(ImportError::NotFinite {
-                    line,
-                    word: shown(word),
-                });
-            }
+            *x = number(line, word)?;
         }
         if self.vertices.len() >= u32::MAX as usize - 1 {
             return Err(ImportError::TooLarge { line });
@@ -167,14 +155,4 @@ impl Obj {
             _ => Ok(TriMesh::new(self.vertices, self.faces)?),
         }
     }
-}
-
-/// A word of a file as it may stand in an error message.
-fn shown(word: &[u8]) -> String {
-    let text = String::from_utf8_lossy(word);
-    let mut out: String = text.chars().take(40).flat_map(char::escape_default).collect();
-    if text.chars().nth(40).is_some() {
-        out.push_str("...");
-    }
-    out
 }

@@ -4,8 +4,14 @@
 //! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256))
 //! ```
 //!
-//! The path is relative to the recipe. `settings` and each of its fields may be left out; see [`BakeSettings`].
+//! The path is relative to the recipe. `settings` and each of its fields may be left out; see [`BakeSettings`]. Of a glTF file
+//! the whole scene is one mesh, unless the recipe chooses a part of it, see [`MeshPart`]:
+//!
+//! ```ron
+//! (mesh: "machine.glb", part: (mesh: "Gear", primitive: 0))
+//! ```
 
+use super::gltf::MeshPart;
 use crate::projection::{BakeSettings, SettingsError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -14,8 +20,11 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// The mesh file, relative to the recipe: an OBJ, or a baked file whose mesh is to be baked otherwise.
+    /// The mesh file, relative to the recipe: glTF, OBJ or STL, or a baked file whose mesh is to be baked otherwise.
     pub mesh: String,
+    /// The part of a glTF file to bake; without it, the whole scene.
+    #[serde(default)]
+    pub part: Option<MeshPart>,
     /// How to bake it.
     #[serde(default)]
     pub settings: BakeSettings,
@@ -38,7 +47,7 @@ pub enum RecipeError {
         reason: String,
     },
     /// The path of the mesh is empty, or names another recipe.
-    #[error("mesh: {0:?} is no mesh file; name an OBJ or .faceoff file relative to the recipe")]
+    #[error("mesh: {0:?} is no mesh file; name a mesh file relative to the recipe")]
     Mesh(String),
     /// Settings that cannot be baked with.
     #[error("settings: {0}")]
@@ -57,6 +66,7 @@ impl Recipe {
         }
         let recipe: Self = ron::Options::default()
             .with_recursion_limit(DEEPEST)
+            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .from_bytes(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
             .map_err(|e| RecipeError::Syntax {
                 line: e.span.start.line,
@@ -72,10 +82,15 @@ impl Recipe {
 
     /// The recipe as text, in one line.
     pub fn to_text(&self) -> String {
-        let settings = self.settings;
+        let BakeSettings { faces, degrees, image } = self.settings;
+        let part = self
+            .part
+            .as_ref()
+            .map(|part| format!("part: {part}, "))
+            .unwrap_or_default();
         format!(
-            "(mesh: {:?}, settings: (faces: {}, degrees: {}, image: {}))\n",
-            self.mesh, settings.faces, settings.degrees, settings.image
+            "(mesh: {:?}, {part}settings: (faces: {faces}, degrees: {degrees}, image: {image}))\n",
+            self.mesh
         )
     }
 }

@@ -13,7 +13,7 @@ use std::time::Instant;
 /// Bake meshes into .faceoff files, skipping what is up to date.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Mesh files: .obj, .bake.ron (whose settings count where no option is given) or .faceoff.
+    /// Mesh files: .glb, .gltf, .obj, .stl, .bake.ron (whose settings count where no option is given) or .faceoff.
     #[arg(required = true)]
     meshes: Vec<PathBuf>,
     /// Folder for the baked files; made if it is missing.

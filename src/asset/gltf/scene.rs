@@ -1,0 +1,296 @@
+//! Which meshes a file shows, where, and their triangles.
+
+use super::accessor::Data;
+use super::error::GltfError;
+use super::schema::{Mesh, Node, Primitive};
+use super::{MeshChoice, MeshPart};
+use crate::asset::ImportError;
+use crate::geometry::TriMesh;
+use glam::{DAffine3, DMat4, DQuat, DVec3, Vec3};
+
+/// All of the scene that the file shows first: every node's meshes, placed by its transform and those above it.
+pub(super) fn read_scene(data: &Data) -> Result<TriMesh, ImportError> {
+    let root = data.root;
+    let scene = root.scene.unwrap_or(0);
+    let Some(roots) = root.scenes.get(scene) else {
+        return Err(match root.scene {
+            None => GltfError::NoScene {
+                meshes: root.meshes.len(),
+            },
+            Some(_) => wrong_scene("scene", scene, "it is not there"),
+        }
+        .into());
+    };
+    let mut soup = Soup::new(data);
+    let mut visited = vec![false; root.nodes.len()];
+    // Nodes to visit, the next one last, with the transform above them.
+    let mut ahead: Vec<(usize, DAffine3)> = roots.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
+    while let Some((index, above)) = ahead.pop() {
+        let wrong = |reason| wrong_scene("node", index, reason);
+        let node = root.nodes.get(index).ok_or(wrong("it is not there"))?;
+        // Without this, nodes that are their own descendants have no end, and nodes with two parents double at every level.
+        if std::mem::replace(&mut visited[index], true) {
+            return Err(wrong("it comes twice; a node has one parent at most").into());
+        }
+        let transform = above * local(node).map_err(wrong)?;
+        if let Some(mesh) = node.mesh {
+            let found = root.meshes.get(mesh).ok_or(wrong("its mesh is not there"))?;
+            for primitive in 0..found.primitives.len() {
+                soup.add(mesh, found, primitive, Some((index, transform)))?;
+            }
+        }
+        ahead.extend(node.children.iter().rev().map(|&child| (child, transform)));
+    }
+    soup.finish("the scene; does it hold points, lines or curves only?")
+}
+
+/// One mesh or primitive as it was modelled, whether a scene shows it or not.
+pub(super) fn read_part(data: &Data, part: &MeshPart) -> Result<TriMesh, ImportError> {
+    let meshes = &data.root.meshes;
+    let index = match &part.mesh {
+        MeshChoice::Index(index) => Some(*index as usize).filter(|i| *i < meshes.len()),
+        MeshChoice::Name(name) => meshes.iter().position(|mesh| mesh.name.as_ref() == Some(name)),
+    };
+    let Some(index) = index else {
+        return Err(GltfError::NoSuchMesh {
+            choice: part.mesh.clone(),
+            count: meshes.len(),
+            names: names(meshes),
+        }
+        .into());
+    };
+    let mesh = &meshes[index];
+    let mut soup = Soup::new(data);
+    match part.primitive {
+        None => {
+            for primitive in 0..mesh.primitives.len() {
+                soup.add(index, mesh, primitive, None)?;
+            }
+        }
+        Some(primitive) if (primitive as usize) < mesh.primitives.len() => {
+            soup.add(index, mesh, primitive as usize, None)?;
+        }
+        Some(primitive) => {
+            return Err(GltfError::NoSuchPrimitive {
+                mesh: label(index, mesh),
+                primitive,
+                count: mesh.primitives.len(),
+            }
+            .into());
+        }
+    }
+    soup.finish("the chosen part; does it hold points or lines only?")
+}
+
+fn wrong_scene(place: &'static str, index: usize, reason: &'static str) -> GltfError {
+    GltfError::Scene { place, index, reason }
+}
+
+/// Number and name of a mesh.
+fn label(index: usize, mesh: &Mesh) -> String {
+    match &mesh.name {
+        Some(name) => format!("{index} {:?}", shortened(name)),
+        None => index.to_string(),
+    }
+}
+
+fn names(meshes: &[Mesh]) -> String {
+    let mut names: Vec<String> = meshes.iter().enumerate().take(20).map(|(i, m)| label(i, m)).collect();
+    if meshes.len() > names.len() {
+        names.push("...".into());
+    }
+    names.join(", ")
+}
+
+fn shortened(name: &str) -> String {
+    name.chars().take(40).collect()
+}
+
+/// The transform of a node in its parent.
+fn local(node: &Node) -> Result<DAffine3, &'static str> {
+    if let Some(matrix) = &node.matrix {
+        return Ok(DAffine3::from_mat4(DMat4::from_cols_array(matrix)));
+    }
+    let rotation = match &node.rotation {
+        None => DQuat::IDENTITY,
+        Some(rotation) => {
+            let rotation = DQuat::from_array(**rotation);
+            let length = rotation.length();
+            if !(length > 0.0 && length.is_finite()) {
+                return Err("its rotation is no quaternion");
+            }
+            rotation / length
+        }
+    };
+    let vector = |v: &Option<Box<[f64; 3]>>, default| v.as_ref().map_or(default, |v| DVec3::from_array(**v));
+    Ok(DAffine3::from_scale_rotation_translation(
+        vector(&node.scale, DVec3::ONE),
+        rotation,
+        vector(&node.translation, DVec3::ZERO),
+    ))
+}
+
+/// What was read so far.
+struct Soup<'a> {
+    data: &'a Data<'a>,
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl<'a> Soup<'a> {
+    fn new(data: &'a Data<'a>) -> Self {
+        Self {
+            data,
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+        }
+    }
+
+    /// Adds the triangles of a primitive, through the transform of a node if there is one.
+    fn add(
+        &mut self,
+        mesh_index: usize,
+        mesh: &Mesh,
+        primitive_index: usize,
+        placed: Option<(usize, DAffine3)>,
+    ) -> Result<(), GltfError> {
+        let primitive = &mesh.primitives[primitive_index];
+        let wrong = |reason: &str| GltfError::Primitive {
+            mesh: label(mesh_index, mesh),
+            primitive: primitive_index,
+            reason: reason.into(),
+        };
+        let wrong_accessor = |accessor: usize| {
+            move |reason| GltfError::Accessor {
+                mesh: label(mesh_index, mesh),
+                primitive: primitive_index,
+                accessor,
+                reason,
+            }
+        };
+        match primitive.mode {
+            // Points and lines do not collide.
+            0..=3 => return Ok(()),
+            4..=6 => {}
+            _ => return Err(wrong("its mode is not one of glTF's")),
+        }
+        let Some(position) = primitive.attributes.position else {
+            return Err(wrong("it has no POSITION"));
+        };
+        if is_compressed(primitive, self.data) {
+            return Err(wrong(
+                "it is compressed with Draco, which is not read; export without compression",
+            ));
+        }
+        self.check_budget(primitive, position, wrong_accessor)?;
+        let positions = self.data.positions(position).map_err(wrong_accessor(position))?;
+        let indices = match primitive.indices {
+            None => (0..positions.len() as u32).collect(),
+            Some(accessor) => {
+                let indices = self.data.indices(accessor).map_err(wrong_accessor(accessor))?;
+                match indices.iter().position(|&i| i as usize >= positions.len()) {
+                    None => indices,
+                    Some(at) => {
+                        let (index, count) = (indices[at], positions.len());
+                        let reason = format!("element {at} is {index}, but there are {count} positions");
+                        return Err(wrong_accessor(accessor)(reason));
+                    }
+                }
+            }
+        };
+        if primitive.mode == 4 && indices.len() % 3 != 0 {
+            let reason = format!("its {} corners do not make whole triangles", indices.len());
+            return Err(wrong(&reason));
+        }
+        if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+            return Err(wrong_accessor(position)(format!("position {vertex} is not finite")));
+        }
+        let first = self.vertices.len() as u32;
+        // A mirrored instance would look inside out.
+        let mirrored = placed.is_some_and(|(_, transform)| transform.matrix3.determinant() < 0.0);
+        self.triangles
+            .extend(corners(primitive.mode, &indices).map(|[a, b, c]| {
+                let [a, b, c] = [a + first, b + first, c + first];
+                if mirrored { [a, c, b] } else { [a, b, c] }
+            }));
+        match placed {
+            None => self.vertices.extend(positions),
+            Some((node, transform)) => {
+                for position in positions {
+                    let position = transform.transform_point3(position.as_dvec3()).as_vec3();
+                    if !position.is_finite() {
+                        let reason = "its transform takes its mesh out of the range of single precision";
+                        return Err(wrong_scene("node", node, reason));
+                    }
+                    self.vertices.push(position);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Few bytes can repeat a mesh many times, and name the same accessor in many primitives.
+    fn check_budget<F: FnOnce(String) -> GltfError>(
+        &self,
+        primitive: &Primitive,
+        position: usize,
+        wrong: impl Fn(usize) -> F,
+    ) -> Result<(), GltfError> {
+        let limit = self
+            .data
+            .length
+            .saturating_mul(EXPANSION)
+            .max(MOST_AT_ANY_LENGTH)
+            .min(u32::MAX.into());
+        let count = |accessor: usize| self.data.count(accessor).map_err(wrong(accessor));
+        let vertices = count(position)?;
+        let corners = primitive.indices.map_or(Ok(vertices), count)?;
+        let triangles = if primitive.mode == 4 { corners / 3 } else { corners };
+        for (what, there, more) in [
+            ("vertices", self.vertices.len(), vertices),
+            ("triangles", self.triangles.len(), triangles),
+        ] {
+            // What is too large by itself is a wrong number, of which the accessor says more.
+            if there > 0 && more.saturating_add(there as u64) > limit {
+                return Err(GltfError::TooManyInstances { what, limit });
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self, what: &'static str) -> Result<TriMesh, ImportError> {
+        if self.triangles.is_empty() {
+            return Err(GltfError::NoTriangles(what).into());
+        }
+        Ok(TriMesh::new(self.vertices, self.triangles)?)
+    }
+}
+
+/// Any file may have this many vertices and triangles, however short it is,
+const MOST_AT_ANY_LENGTH: u64 = 1 << 20;
+/// and this many for each of its bytes.
+const EXPANSION: u64 = 4;
+
+/// The corners of triangles, strips and fans, all of the same winding.
+fn corners(mode: u32, indices: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    let count = match mode {
+        4 => indices.len() / 3,
+        _ => indices.len().saturating_sub(2),
+    };
+    (0..count).map(move |i| match mode {
+        4 => [indices[3 * i], indices[3 * i + 1], indices[3 * i + 2]],
+        5 if i % 2 == 1 => [indices[i], indices[i + 2], indices[i + 1]],
+        5 => [indices[i], indices[i + 1], indices[i + 2]],
+        _ => [indices[i + 1], indices[i + 2], indices[0]],
+    })
+}
+
+/// A primitive compressed with Draco may carry plain data as well.
+fn is_compressed(primitive: &Primitive, data: &Data) -> bool {
+    let has_view = |accessor: Option<usize>| {
+        accessor
+            .and_then(|a| data.root.accessors.get(a))
+            .is_none_or(|a| a.buffer_view.is_some() || a.sparse.is_some())
+    };
+    primitive.extensions.draco.is_some() && !(has_view(primitive.attributes.position) && has_view(primitive.indices))
+}

@@ -1,0 +1,34 @@
+//! What the readers of text formats share.
+
+use super::import::ImportError;
+
+/// A finite number.
+pub(super) fn number(line: usize, word: &[u8]) -> Result<f32, ImportError> {
+    let number: f32 = std::str::from_utf8(word)
+        .ok()
+        .and_then(|w| w.parse().ok())
+        .ok_or_else(|| ImportError::NotANumber {
+            line,
+            word: shown(word),
+        })?;
+    // A number too large for single precision parses as infinite.
+    if number.is_finite() {
+        Ok(number)
+    } else {
+        Err(ImportError::NotFinite {
+            line,
+            word: shown(word),
+        })
+    }
+}
+
+/// A word of a file as it may stand in an error message.
+pub(super) fn shown(word: &[u8]) -> String {
+    // A word can be as long as the file.
+    let text = String::from_utf8_lossy(&word[..word.len().min(256)]);
+    let mut out: String = text.chars().take(40).flat_map(char::escape_default).collect();
+    if text.chars().nth(40).is_some() {
+        out.push_str("...");
+    }
+    out
+}

@@ -1,0 +1,202 @@
+//! Bevy's asset processor: recipes are baked once, and again when something has changed.
+
+mod asset_app;
+mod gltf_files;
+
+use asset_app::*;
+use bevy::asset::processor::{AssetProcessor, FileTransactionLogFactory};
+use bevy::prelude::*;
+use bevy::tasks::block_on;
+use bevy_faceoff::asset::format::{self, BAKER_VERSION};
+use bevy_faceoff::asset::processor::ProcessorSettings;
+use bevy_faceoff::asset::{CollisionMesh, Imported, import_file, register, to_obj};
+use bevy_faceoff::geometry::shapes;
+use gltf_files::Gltf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+const RECIPES: [&str; 3] = ["cube.bake.ron", "sub/torus.bake.ron", "scene.bake.ron"];
+
+fn assets(folder: &Path) -> PathBuf {
+    folder.join("assets")
+}
+
+fn imported(folder: &Path) -> PathBuf {
+    folder.join("imported")
+}
+
+fn plugin(folder: &Path, process: bool) -> AssetPlugin {
+    AssetPlugin {
+        file_path: assets(folder).to_string_lossy().into_owned(),
+        processed_file_path: imported(folder).to_string_lossy().into_owned(),
+        mode: AssetMode::Processed,
+        watch_for_changes_override: Some(false),
+        use_asset_processor_override: Some(process),
+        ..default()
+    }
+}
+
+/// One start of a program under development: processes what there is to process, and loads all recipes.
+fn develop(folder: &Path) -> Vec<Result<CollisionMesh, String>> {
+    let mut app = app(plugin(folder, true));
+    let processor = app.world().resource::<AssetProcessor>().clone();
+    let file_path = folder.join("log");
+    processor
+        .data()
+        .set_log_factory(Box::new(FileTransactionLogFactory { file_path }))
+        .unwrap();
+    register(&mut app);
+    finish(&mut app);
+    app.update();
+    let meshes = RECIPES.map(|recipe| loaded(&mut app, recipe)).to_vec();
+    block_on(processor.data().wait_until_finished());
+    meshes
+}
+
+/// A released game: no processor, and no source files.
+fn play(folder: &Path) -> Vec<Result<CollisionMesh, String>> {
+    let mut app = app(plugin(folder, false));
+    register(&mut app);
+    finish(&mut app);
+    RECIPES.map(|recipe| loaded(&mut app, recipe)).to_vec()
+}
+
+/// When each recipe was baked.
+fn bakes(folder: &Path) -> BTreeMap<&'static str, SystemTime> {
+    // Coarse clocks give two bakes in quick succession the same time.
+    std::thread::sleep(Duration::from_millis(20));
+    RECIPES
+        .map(|recipe| {
+            (
+                recipe,
+                imported(folder).join(recipe).metadata().unwrap().modified().unwrap(),
+            )
+        })
+        .into()
+}
+
+/// Which recipes a start bakes.
+fn baked_by(folder: &Path) -> Vec<&'static str> {
+    let before = bakes(folder);
+    for mesh in develop(folder) {
+        mesh.unwrap();
+    }
+    let after = bakes(folder);
+    RECIPES
+        .into_iter()
+        .filter(|recipe| before[recipe] != after[recipe])
+        .collect()
+}
+
+fn project() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = assets(folder.path());
+    write(&at, "cube.obj", to_obj(&shapes::cube(1.0)));
+    write(&at, "cube.bake.ron", "(mesh: \"cube.obj\")");
+    write(&at, "torus.obj", to_obj(&shapes::torus_240()));
+    write(
+        &at,
+        "sub/torus.bake.ron",
+        "(mesh: \"../torus.obj\", settings: (faces: true, degrees: 45, image: 16))",
+    );
+    let scene = Gltf::of(&shapes::ball_320());
+    write(&at, "scene.gltf", scene.with_uri("scene.bin"));
+    write(&at, "scene.bin", &scene.bin);
+    write(&at, "scene.bake.ron", "(mesh: \"scene.gltf\")");
+    folder
+}
+
+fn triangles(meshes: &[Result<CollisionMesh, String>]) -> Vec<usize> {
+    meshes
+        .iter()
+        .map(|m| m.as_ref().unwrap().mesh.triangles().len())
+        .collect()
+}
+
+#[test]
+fn recipes_are_baked_once_and_in_place() {
+    let folder = project();
+    let folder = folder.path();
+    let developed = develop(folder);
+    assert_eq!(triangles(&developed), [12, 240, 320]);
+    for (recipe, mesh) in RECIPES.iter().zip(&developed) {
+        let bytes = std::fs::read(imported(folder).join(recipe)).unwrap();
+        let (baked, header) = format::from_bytes(&bytes).unwrap();
+        assert_eq!(&baked, mesh.as_ref().unwrap());
+        assert_eq!(header.settings.faces, recipe.contains("torus"));
+        let on_disk = import_file(imported(folder).join(recipe)).unwrap();
+        assert!(matches!(on_disk, Imported::Baked { mesh, .. } if mesh == baked));
+        // The folder of assets stays what it was.
+        assert!(
+            std::fs::read(assets(folder).join(recipe))
+                .unwrap()
+                .starts_with(b"(mesh")
+        );
+    }
+    // bevyengine/bevy#14189: a second start has nothing to do.
+    assert_eq!(baked_by(folder), [""; 0]);
+    assert_eq!(baked_by(folder), [""; 0]);
+    std::fs::remove_dir_all(assets(folder)).unwrap();
+    assert_eq!(play(folder), developed);
+}
+
+#[test]
+fn changes_are_baked_again() {
+    let folder = project();
+    let folder = folder.path();
+    develop(folder);
+    let at = assets(folder);
+    write(&at, "torus.obj", to_obj(&shapes::cube(2.0)));
+    assert_eq!(baked_by(folder), ["sub/torus.bake.ron"]);
+    assert_eq!(triangles(&play(folder)), [12, 12, 320]);
+
+    let scene = Gltf::of(&shapes::torus_240());
+    write(&at, "scene.gltf", scene.with_uri("scene.bin"));
+    write(&at, "scene.bin", &scene.bin);
+    assert_eq!(baked_by(folder), ["scene.bake.ron"]);
+    let mut bin = scene.bin.clone();
+    bin[3] ^= 1;
+    write(&at, "scene.bin", bin);
+    assert_eq!(baked_by(folder), ["scene.bake.ron"]);
+
+    write(
+        &at,
+        "cube.bake.ron",
+        "(mesh: \"cube.obj\", settings: (faces: true, degrees: 90, image: 16))",
+    );
+    assert_eq!(baked_by(folder), ["cube.bake.ron"]);
+    assert!(play(folder)[0].as_ref().unwrap().faces.is_some());
+
+    // Settings of the processor outrank the recipe; a new version of the baker is nothing but another setting.
+    for (version, degrees) in [(BAKER_VERSION, 45), (BAKER_VERSION, 30), (BAKER_VERSION + 1, 30)] {
+        let meta = format!(
+            "(meta_format_version: \"1.0\", asset: Process(\
+             processor: \"bevy_faceoff::asset::processor::CollisionMeshProcessor\", \
+             settings: (baker_version: {version}, bake: Some((faces: true, degrees: {degrees}, image: 16)))))"
+        );
+        write(&at, "cube.bake.ron.meta", meta);
+        assert_eq!(baked_by(folder), ["cube.bake.ron"]);
+        assert_eq!(play(folder)[0].as_ref().unwrap().settings.degrees, degrees);
+        assert_eq!(baked_by(folder), [""; 0]);
+    }
+}
+
+#[test]
+fn the_version_is_part_of_what_bevy_hashes() {
+    let text = ron::to_string(&ProcessorSettings::default()).unwrap();
+    assert!(text.contains(&format!("baker_version:{BAKER_VERSION}")), "{text}");
+}
+
+#[test]
+fn a_broken_mesh_is_an_error_until_it_is_mended() {
+    let folder = project();
+    let folder = folder.path();
+    let at = assets(folder);
+    write(&at, "cube.obj", "v 1 2\n");
+    let developed = develop(folder);
+    assert!(developed[0].is_err());
+    assert!(developed[1].is_ok() && developed[2].is_ok());
+    write(&at, "cube.obj", to_obj(&shapes::cube(1.0)));
+    assert_eq!(triangles(&develop(folder)), [12, 240, 320]);
+}
