@@ -15,7 +15,8 @@
 
 pub mod cpu;
 
-/// Axes tried per pair. Each costs two look-ups; eight reject about 9 of 10 pairs that do not touch.
+/// Axes tried per pair. Each costs two look-ups; eight reject 91 % (tori) and 85 % (knots) of the
+/// overlapping spheres' pairs that do not touch.
 pub const AXES: usize = 8;
 
 /// Rounding allowance of single-precision culls, relative to the sum of the two bounding radii. Rotating, scaling and
