@@ -104,33 +104,19 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
     };
     let reach = |lanes: &MeshLanes, scale: Vec3| 3f32.sqrt() * lanes.longest_side * scale.abs().max_element();
     let placing = Placing {
-        error: ERROR,
         reach: unit * (reach(lanes_a, scale_a) + reach(lanes_b, scale_b)),
         pad: unit * pad,
     };
 
     let axis = splat(pair.axis);
+    let along = |placed: &Placed| each(|k| dot(placed.corners[k], axis));
     cull::clusters(lanes_a, scale_a, &a_from_b, nodes, clusters);
     let place_a = Place::new(Mat3::from_diagonal(unit * scale_a), Vec3::ZERO);
-    let mut around_a = Aabb::EMPTY;
-    for &c in clusters.iter() {
-        let chosen = choice_a.lanes(c);
-        if chosen == 0 {
-            continue;
-        }
-        let placed = push(a, place_a.cluster(lanes_a, c, chosen, &placing));
-        if let Some(facing) = choice_a.facing(placed.normal) {
-            placed.keep(facing);
-        }
-        let reach = each(|k| dot(placed.corners[k], axis));
-        let far = reach[0].fast_max(reach[1]).fast_max(reach[2]);
-        placed.keep(far.simd_ge(f32x8::splat(unit * (pair.b_above - pad))));
-        if placed.lanes != 0 {
-            around_a = around_a.union(placed.aabb);
-        } else {
-            a.pop();
-        }
-    }
+    let least = f32x8::splat(unit * (pair.b_above - pad));
+    let around_a = place_a.all(a, lanes_a, clusters, &choice_a, &placing, |placed| {
+        let reach = along(placed);
+        placed.keep(reach[0].fast_max(reach[1]).fast_max(reach[2]).simd_ge(least));
+    });
     if a.is_empty() {
         return 0;
     }
@@ -140,26 +126,12 @@ pub fn candidates(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, scratch:
         pair.rotation * Mat3::from_diagonal(unit * scale_b),
         unit * pair.translation,
     );
-    let mut around_b = Aabb::EMPTY;
-    for &c in clusters.iter() {
-        let chosen = choice_b.lanes(c);
-        if chosen == 0 {
-            continue;
-        }
-        let placed = push(b, place_b.cluster(lanes_b, c, chosen, &placing));
-        if let Some(facing) = choice_b.facing(placed.normal) {
-            placed.keep(facing);
-        }
-        let reach = each(|k| dot(placed.corners[k], axis));
-        let near = reach[0].fast_min(reach[1]).fast_min(reach[2]);
-        placed.keep(near.simd_le(f32x8::splat(unit * (pair.a_below + pad))));
+    let most = f32x8::splat(unit * (pair.a_below + pad));
+    let around_b = place_b.all(b, lanes_b, clusters, &choice_b, &placing, |placed| {
+        let reach = along(placed);
+        placed.keep(reach[0].fast_min(reach[1]).fast_min(reach[2]).simd_le(most));
         placed.keep_inside(around_a);
-        if placed.lanes != 0 {
-            around_b = around_b.union(placed.aabb);
-        } else {
-            b.pop();
-        }
-    }
+    });
     a.retain_mut(|placed| {
         placed.keep_inside(around_b);
         placed.lanes != 0
@@ -179,7 +151,6 @@ fn push<T>(list: &mut Vec<T>, item: T) -> &mut T {
 }
 
 struct Placing {
-    error: f32,
     reach: f32,
     pad: f32,
 }
@@ -198,6 +169,37 @@ impl Place {
         }
     }
 
+    /// Adds to `list` the clusters of which anything is left after `choice` and `cull`, and tells the box around them.
+    #[inline(always)]
+    fn all(
+        &self,
+        list: &mut Vec<Placed>,
+        mesh: &MeshLanes,
+        clusters: &[u32],
+        choice: &Choice,
+        placing: &Placing,
+        cull: impl Fn(&mut Placed),
+    ) -> Aabb {
+        let mut around = Aabb::EMPTY;
+        for &c in clusters {
+            let chosen = choice.lanes(c);
+            if chosen == 0 {
+                continue;
+            }
+            let placed = push(list, self.cluster(mesh, c, chosen, placing));
+            if let Some(facing) = choice.facing(placed.normal) {
+                placed.keep(facing);
+            }
+            cull(placed);
+            if placed.lanes != 0 {
+                around = around.union(placed.aabb);
+            } else {
+                list.pop();
+            }
+        }
+        around
+    }
+
     #[inline]
     fn cluster(&self, mesh: &MeshLanes, cluster: u32, chosen: u32, placing: &Placing) -> Placed {
         let Cluster { corners, lanes } = mesh.clusters[cluster as usize];
@@ -210,7 +212,7 @@ impl Place {
         let normal = cross(u, v);
         // The height n . (x - p) is wrong by the error of x and p along n, and by the error of n along x - p, which is
         // no longer than the two triangles together if their boxes overlap.
-        let error = f32x8::splat(3.0 * placing.error);
+        let error = f32x8::splat(3.0 * ERROR);
         let tolerance = error * (norm1(normal) + (norm1(u) + norm1(v)) * f32x8::splat(placing.reach));
         let pad = splat(Vec3::splat(0.5 * placing.pad));
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
