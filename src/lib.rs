@@ -21,6 +21,8 @@ pub mod components;
 pub mod diagnostics;
 pub mod events;
 pub mod geometry;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 #[cfg(feature = "bevy_mesh")]
 pub mod mesh_collider_from;
 pub mod plugin;

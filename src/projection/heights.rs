@@ -168,6 +168,11 @@ impl SupportHeights {
         &self.heights
     }
 
+    /// The virtual support points, 64 triangles an octant; see [`SupportHeights::support`].
+    pub fn points(&self) -> &[Vec3] {
+        &self.points
+    }
+
     /// Heights read from a file; `None` if there are not exactly as many as directions, or one is not finite.
     pub fn from_heights(heights: Vec<f32>) -> Option<Self> {
         if heights.len() != DIRECTIONS || !heights.iter().all(|h| h.is_finite()) {

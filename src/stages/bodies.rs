@@ -4,7 +4,7 @@ use super::mesh_arena::MeshArena;
 use super::state::{Bodies, Body, Frame};
 use crate::components::RigidBody;
 use crate::geometry::mesh::MAX_COORDINATE;
-use glam::{DMat3, DQuat, Mat3, Vec3};
+use glam::{DMat3, DQuat, Vec3};
 use thiserror::Error;
 
 /// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
@@ -85,6 +85,7 @@ impl Bodies {
             center,
             radius,
             inverse_mass,
+            own_inverse_inertia,
             inverse_inertia,
             restitution,
             gravity_scale,
@@ -103,6 +104,7 @@ impl Bodies {
         center.clear();
         radius.clear();
         inverse_mass.clear();
+        own_inverse_inertia.clear();
         inverse_inertia.clear();
         restitution.clear();
         gravity_scale.clear();
@@ -155,7 +157,8 @@ impl Bodies {
         }
         // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
         let radius = radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
-        let (inverse_mass, inverse_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
+        let (inverse_mass, own_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
+        let inverse_inertia = frame.rotation * own_inertia * frame.rotation.transpose();
         if !inverse_mass.is_finite() {
             return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
         }
@@ -171,7 +174,8 @@ impl Bodies {
         self.center.push(center);
         self.radius.push(radius);
         self.inverse_mass.push(inverse_mass);
-        self.inverse_inertia.push(inverse_inertia);
+        self.own_inverse_inertia.push(own_inertia.as_mat3());
+        self.inverse_inertia.push(inverse_inertia.as_mat3());
         self.restitution.push(body.restitution.clamp(0.0, 1.0));
         self.gravity_scale.push(body.gravity_scale);
         self.layers.push(body.layers);
@@ -194,10 +198,10 @@ impl Frame {
     }
 }
 
-/// Inverse mass and world inverse inertia. Scaling a body by `S` turns its second moment `M` into `det(S) S M S`.
-fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, Mat3) {
+/// Inverse mass and inverse inertia in the body's own axes. Scaling a body by `S` turns its second moment `M` into `det(S) S M S`.
+fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, DMat3) {
     if body.kind != RigidBody::Dynamic {
-        return (0.0, Mat3::ZERO);
+        return (0.0, DMat3::ZERO);
     }
     let volume = mesh.volume as f64 * frame.scale.element_product().abs();
     let mass = body.mass.map_or(volume, f64::from);
@@ -205,7 +209,7 @@ fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperti
     let moment = scale * mesh.second_moment.as_dmat3() * scale * (mass / mesh.volume as f64);
     let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;
     let inertia = DMat3::from_diagonal(glam::DVec3::splat(trace)) - moment;
-    let inverse = frame.rotation * inertia.inverse() * frame.rotation.transpose();
-    let finite = |m: Mat3| if m.is_finite() { m } else { Mat3::ZERO };
-    ((1.0 / mass) as f32, finite(inverse.as_mat3()))
+    let inverse = inertia.inverse();
+    let finite = if inverse.as_mat3().is_finite() { inverse } else { DMat3::ZERO };
+    ((1.0 / mass) as f32, finite)
 }

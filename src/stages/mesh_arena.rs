@@ -76,6 +76,21 @@ impl MeshArena {
         self.slots[slot as usize] = Some(MeshSlot { mesh, lanes });
     }
 
+    /// What is in a slot.
+    pub fn get(&self, slot: u32) -> Option<&MeshSlot> {
+        self.slots.get(slot as usize)?.as_ref()
+    }
+
+    /// Slots, in use or free.
+    pub fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether there is no slot.
+    pub fn is_empty(&self) -> bool {
+        self.slots.is_empty()
+    }
+
     /// Frees a slot, which no body may name any more.
     pub fn remove(&mut self, slot: u32) {
         self.slots[slot as usize] = None;
@@ -92,7 +107,8 @@ impl Index<u32> for MeshArena {
 }
 
 impl MeshLanes {
-    fn new(baked: &CollisionMesh) -> Self {
+    /// Cuts a mesh up.
+    pub fn new(baked: &CollisionMesh) -> Self {
         let mesh = &baked.mesh;
         let center = baked.mass.center;
         let count = mesh.triangles().len();

@@ -21,6 +21,8 @@ pub struct StepState {
     pub sphere_pairs: Vec<[u32; 2]>,
     /// Angles' result: what is left of them, in the same order.
     pub near_pairs: Vec<NearPair>,
+    /// How many of them are tested with some triangles left out.
+    pub approximate_pairs: usize,
     /// TriangleTest's result.
     pub contacts: Contacts,
     /// ForceScan's result: one sum per body.
@@ -79,7 +81,9 @@ pub struct Bodies {
     pub radius: Vec<f32>,
     /// 0 for what cannot be pushed.
     pub inverse_mass: Vec<f32>,
-    /// World axes; zero for what cannot be turned.
+    /// In the body's own axes; zero for what cannot be turned.
+    pub own_inverse_inertia: Vec<Mat3>,
+    /// The same in world axes.
     pub inverse_inertia: Vec<Mat3>,
     /// Bounciness.
     pub restitution: Vec<f32>,

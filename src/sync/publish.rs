@@ -58,7 +58,7 @@ pub(crate) fn publish(
         stages: step.state.times,
         total: std::time::Duration::ZERO,
         sphere_pairs: step.state.sphere_pairs.len(),
-        approximate_pairs: step.state.near_pairs.iter().filter(|p| p.is_approximate()).count(),
+        approximate_pairs: step.state.approximate_pairs,
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: step.state.contacts.pairs.len(),
         triangle_tests: step.state.contacts.triangle_tests,

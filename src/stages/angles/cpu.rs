@@ -15,6 +15,7 @@ pub fn run(state: &mut StepState) {
         meshes,
         sphere_pairs,
         near_pairs,
+        approximate_pairs,
         ..
     } = state;
     near_pairs.clear();
@@ -24,6 +25,7 @@ pub fn run(state: &mut StepState) {
             .with_min_len(16)
             .filter_map(|&pair| near(bodies, meshes, pair)),
     );
+    *approximate_pairs = near_pairs.iter().filter(|pair| pair.is_approximate()).count();
 }
 
 fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair> {

@@ -14,6 +14,8 @@
 //! table. Two bodies whose centres coincide have no direction, and show all triangles.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 
 /// Axes tried per pair. Each costs two look-ups; eight reject 91 % (tori) and 85 % (knots) of the
 /// overlapping spheres' pairs that do not touch.

@@ -8,6 +8,8 @@
 //! One body much larger than the rest makes all cells as large, and the grid no better than all pairs.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 
 /// Cells on either side of the origin, per axis. Bodies farther out share the outermost cells, which costs time and
 /// loses nothing.

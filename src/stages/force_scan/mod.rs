@@ -7,6 +7,8 @@
 //! at rest stay as they are.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 
 use super::state::{Bodies, Contacts, Impulse, Plane, PlaneContact, StepConfig, TouchingPair};
 use crate::components::RigidBody;

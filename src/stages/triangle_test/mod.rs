@@ -16,3 +16,5 @@
 //! faces whose both faces are in view.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;

@@ -1,0 +1,27 @@
+#define_import_path faceoff::arena
+
+// What every kernel that looks into the arena binds: all meshes in one array of words. Bound here, once, so that the
+// functions that read it need not be handed an array, which WGSL does not allow.
+
+#import faceoff::types::Mesh
+#import faceoff::math::direction
+
+@group(0) @binding(0) var<storage, read> meshes: array<Mesh>;
+@group(0) @binding(1) var<storage, read> words: array<u32>;
+
+fn vector(at: u32) -> vec3<f32> {
+    return bitcast<vec3<f32>>(vec3(words[at], words[at + 1u], words[at + 2u]));
+}
+
+// A point p with dot(p, u) not below that of any vertex, for a u of any length but zero; relative to the centre of mass,
+// in the mesh's own axes. `projection/heights.rs` explains it.
+fn support(heights: u32, u: vec3<f32>) -> vec3<f32> {
+    let d = abs(direction(u));
+    let at = d.xy * (8.0 / max(d.x + d.y + d.z, 1.0e-6));
+    let i = min(i32(at.x), 7);
+    let j = min(i32(at.y), 7 - i);
+    let down = (at.x - f32(i)) + (at.y - f32(j)) > 1.0 && i + j < 7;
+    let octant = i32(dot(bitcast<vec3<u32>>(u) >> vec3(31u), vec3(1u, 2u, 4u)));
+    let triangle = octant * 64 + i * (16 - i) + 2 * j + select(0, 1, down);
+    return vector(heights + 3u * u32(triangle));
+}

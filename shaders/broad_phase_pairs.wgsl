@@ -1,0 +1,83 @@
+// BroadPhase: every body looks into the cells around it, on its own level and all coarser ones, so that each pair is seen
+// once: by the smaller body, or on the same level by the one of smaller number. Counted first; with EMIT written to
+// where the scan of the counts says.
+#import faceoff::dispatch::group_index
+#import faceoff::grid::{bucket_of, cell_of}
+#import faceoff::types::{Body, GridEntry, Step, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, SENSOR}
+
+@group(0) @binding(0) var<uniform> step: Step;
+@group(0) @binding(1) var<storage, read> counters: array<u32>;
+@group(0) @binding(2) var<storage, read> bodies: array<Body>;
+@group(0) @binding(3) var<storage, read> entries: array<GridEntry>;
+@group(0) @binding(4) var<storage, read> buckets: array<vec2<u32>>;
+#ifdef EMIT
+@group(0) @binding(5) var<storage, read> pair_counts: array<u32>;
+@group(0) @binding(6) var<storage, read_write> sphere_pairs: array<vec2<u32>>;
+#else
+@group(0) @binding(5) var<storage, read_write> pair_counts: array<u32>;
+#endif
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= step.bodies {
+        return;
+    }
+    var found = 0u;
+#ifdef EMIT
+    found = pair_counts[i];
+#endif
+    let own = entries[i];
+    var level = own.level;
+    while own.radius > 0.0 && level < 64 {
+        if ((counters[LEVELS + u32(level) / 32u] >> (u32(level) % 32u)) & 1u) == 0u {
+            level += 1;
+            continue;
+        }
+        let middle = cell_of(own.center, level);
+        for (var k = 0; k < 27; k += 1) {
+            let cell = middle + vec3(k % 3, (k / 3) % 3, k / 9) - 1;
+            let bucket = buckets[bucket_of(cell, level, step.bucket_mask)];
+            for (var j = bucket.x; j < bucket.y; j += 1u) {
+                let other = entries[j];
+                if other.level != level || (level == own.level && other.body <= own.body) || !(other.radius > 0.0) {
+                    continue;
+                }
+                // Another cell may share the bucket.
+                if any(cell_of(other.center, level) != cell) || !overlap(own, other) || !may_collide(own, other) {
+                    continue;
+                }
+#ifdef EMIT
+                if found < step.pair_capacity {
+                    sphere_pairs[found] = vec2(min(own.body, other.body), max(own.body, other.body));
+                }
+#endif
+                found += 1u;
+            }
+        }
+        level += 1;
+    }
+#ifndef EMIT
+    pair_counts[i] = found;
+#endif
+}
+
+fn overlap(a: GridEntry, b: GridEntry) -> bool {
+    // Relative to the larger: squares of tiny or huge lengths would leave f32's range.
+    let reach = a.radius + b.radius;
+    let d = (b.center - a.center) / reach;
+    return dot(d, d) <= 1.000001;
+}
+
+fn may_collide(a: GridEntry, b: GridEntry) -> bool {
+    let kind_a = a.flags & KIND_MASK;
+    let kind_b = b.flags & KIND_MASK;
+    let sensor = ((a.flags | b.flags) & SENSOR) != 0u;
+    let moved = kind_a == DYNAMIC || kind_b == DYNAMIC || (sensor && (kind_a == KINEMATIC || kind_b == KINEMATIC));
+    if !moved {
+        return false;
+    }
+    let of_a = bodies[a.body];
+    let of_b = bodies[b.body];
+    return (of_a.memberships & of_b.filters) != 0u && (of_b.memberships & of_a.filters) != 0u;
+}

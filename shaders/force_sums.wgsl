@@ -1,0 +1,95 @@
+// ForceScan: every body sums the impulses of its entries, in their order, and of its planes.
+#import faceoff::arena::meshes
+#import faceoff::dispatch::group_index
+#import faceoff::math::rotate
+#import faceoff::response as r
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> step: t::Step;
+@group(0) @binding(3) var<storage, read> bodies: array<t::Body>;
+@group(0) @binding(4) var<storage, read> results: array<t::PairResult>;
+@group(0) @binding(5) var<storage, read> values: array<u32>;
+@group(0) @binding(6) var<storage, read> planes: array<t::Plane>;
+@group(0) @binding(7) var<storage, read> plane_contacts: array<t::PlaneContact>;
+@group(0) @binding(8) var<storage, read> body_contacts: array<t::BodyContacts>;
+@group(0) @binding(9) var<storage, read_write> impulses: array<t::Impulse>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= step.bodies {
+        return;
+    }
+    var sum: t::Impulse;
+    let body = bodies[i];
+    let contacts = body_contacts[i];
+    if step.response != 0u && body.inverse_mass > 0.0 {
+        for (var k = contacts.first_entry; k < contacts.last_entry; k += 1u) {
+            let value = values[k];
+            let part = of_pair(results[value / 2u], value % 2u == 0u);
+            sum.linear += part.linear;
+            sum.angular += part.angular;
+        }
+        for (var k = contacts.first_plane; k < contacts.first_plane + contacts.planes; k += 1u) {
+            if k < step.plane_contact_capacity {
+                let part = of_plane(body, plane_contacts[k], contacts.pushing);
+                sum.linear += part.linear;
+                sum.angular += part.angular;
+            }
+        }
+    }
+    impulses[i] = sum;
+}
+
+// How much a unit impulse along n at `arm` changes the speed there, if the body is split among its contacts.
+fn compliance(body: t::Body, pushing: u32, arm: vec3<f32>, n: vec3<f32>) -> f32 {
+    let spin = r::inverse_inertia(body, cross(arm, n));
+    return f32(pushing) * (body.inverse_mass + dot(cross(spin, arm), n));
+}
+
+fn impulse(body: t::Body, arm: vec3<f32>, n: vec3<f32>, size: f32) -> t::Impulse {
+    return t::Impulse(n * (size * body.inverse_mass), 0.0, r::inverse_inertia(body, cross(arm, n)) * size, 0.0);
+}
+
+// The change of velocity of one body of a pair.
+fn of_pair(result: t::PairResult, first: bool) -> t::Impulse {
+    let a = bodies[result.a];
+    let b = bodies[result.b];
+    let n = result.normal;
+    let shift_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
+    let shift_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
+    let arm_a = result.point;
+    let arm_b = result.point - ((b.position - a.position) + (shift_b - shift_a));
+    let closing = dot(r::velocity(step, a, arm_a) - r::velocity(step, b, arm_b), n);
+    let resistance = compliance(a, body_contacts[result.a].pushing, arm_a, n)
+        + compliance(b, body_contacts[result.b].pushing, arm_b, n);
+    var none: t::Impulse;
+    if !(closing > 0.0 && resistance > 0.0) {
+        return none;
+    }
+    var restitution = 0.0;
+    if closing > r::bounce_threshold(step) {
+        restitution = 0.5 * (a.restitution + b.restitution);
+    }
+    let size = (1.0 + restitution) * closing / resistance;
+    if first {
+        return impulse(a, arm_a, n, -size);
+    }
+    return impulse(b, arm_b, n, size);
+}
+
+// The change of velocity of a body that reaches into a half-space.
+fn of_plane(body: t::Body, contact: t::PlaneContact, pushing: u32) -> t::Impulse {
+    let plane = planes[contact.plane];
+    var none: t::Impulse;
+    if !r::plane_pushes(step, body, plane, contact) {
+        return none;
+    }
+    let speed = dot(r::velocity(step, body, contact.point), plane.normal);
+    let resistance = compliance(body, pushing, contact.point, plane.normal);
+    if !(resistance > 0.0) {
+        return none;
+    }
+    let size = (r::wanted_speed(step, body, plane, contact.depth, speed) - speed) / resistance;
+    return impulse(body, contact.point, plane.normal, size);
+}

@@ -1,0 +1,52 @@
+// Integrate: semi-implicit Euler. If a list was too small nothing moves, and the host runs the step again.
+#import faceoff::arena::meshes
+#import faceoff::dispatch::group_index
+#import faceoff::math::{compose, rotate, turn}
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> step: t::Step;
+@group(0) @binding(3) var<storage, read_write> status: array<u32>;
+@group(0) @binding(4) var<storage, read_write> counters: array<u32>;
+@group(0) @binding(5) var<storage, read> impulses: array<t::Impulse>;
+@group(0) @binding(6) var<storage, read_write> bodies: array<t::Body>;
+@group(0) @binding(7) var<storage, read_write> moved: array<t::Moved>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    let lacking = counters[t::HITS] > step.hit_capacity
+        || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity;
+    if lacking && i == 0u {
+        status[t::OVERFLOW] = 1u;
+        counters[t::SKIPPED] = 1u;
+    }
+    if i >= step.bodies || lacking || counters[t::SKIPPED] != 0u {
+        return;
+    }
+    let body = bodies[i];
+    let kind = body.flags & t::KIND_MASK;
+    var v = body.linear_velocity;
+    var w = body.angular_velocity;
+    var position = body.position;
+    var rotation = body.rotation;
+    if kind == t::DYNAMIC {
+        v += step.gravity * (body.gravity_scale * step.dt) + impulses[i].linear;
+        w += impulses[i].angular;
+    }
+    if kind != t::STATIC {
+        // The centre of mass moves along a line and the mesh's origin turns about it.
+        let arm = body.scale * meshes[body.mesh].center;
+        position += v * step.dt;
+        if any(w != vec3(0.0)) {
+            let turned = compose(turn(w * step.dt), rotation);
+            let before = rotate(rotation, arm);
+            rotation = turned / sqrt(dot(turned, turned));
+            position += before - rotate(rotation, arm);
+        }
+    }
+    moved[i] = t::Moved(position, 0u, rotation, v, 0u, w, 0u);
+    bodies[i].position = position;
+    bodies[i].rotation = rotation;
+    bodies[i].linear_velocity = v;
+    bodies[i].angular_velocity = w;
+}

@@ -1,0 +1,42 @@
+// Exclusive scan, second of three: one workgroup scans the sums of all blocks, and notes the total.
+#import faceoff::dispatch::divide_up
+#import faceoff::scan::{scan_length, BLOCK, NO_TOTAL}
+
+@group(0) @binding(0) var<uniform> constants: vec4<u32>;
+@group(0) @binding(1) var<storage, read_write> counters: array<u32>;
+@group(0) @binding(2) var<storage, read_write> sums: array<u32>;
+
+var<workgroup> partial: array<u32, 256>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(local_invocation_index) thread: u32) {
+    let blocks = divide_up(scan_length(constants, counters[constants.x]), BLOCK);
+    // What all blocks before this round sum up to.
+    var before = 0u;
+    for (var first = 0u; first < blocks; first += 256u) {
+        let i = first + thread;
+        var value = 0u;
+        if i < blocks {
+            value = sums[i];
+        }
+        var inclusive = value;
+        for (var reach = 1u; reach < 256u; reach *= 2u) {
+            partial[thread] = inclusive;
+            workgroupBarrier();
+            if thread >= reach {
+                inclusive += partial[thread - reach];
+            }
+            workgroupBarrier();
+        }
+        if i < blocks {
+            sums[i] = before + inclusive - value;
+        }
+        partial[thread] = inclusive;
+        workgroupBarrier();
+        before += partial[255];
+        workgroupBarrier();
+    }
+    if thread == 0u && constants.z != NO_TOTAL {
+        counters[constants.z] = before;
+    }
+}

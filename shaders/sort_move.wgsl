@@ -1,0 +1,62 @@
+// Radix sort, second of two per digit: every key goes to its place, keys of the same digit in the order they had.
+#import faceoff::dispatch::{divide_up, group_index}
+#import faceoff::scan::SORT_BLOCK
+
+// Which counter holds the number of keys; how far the digit is shifted.
+@group(0) @binding(0) var<uniform> constants: vec4<u32>;
+@group(0) @binding(1) var<storage, read> counters: array<u32>;
+@group(0) @binding(2) var<storage, read> digits: array<u32>;
+@group(0) @binding(3) var<storage, read> keys: array<u32>;
+@group(0) @binding(4) var<storage, read> values: array<u32>;
+@group(0) @binding(5) var<storage, read_write> sorted_keys: array<u32>;
+@group(0) @binding(6) var<storage, read_write> sorted_values: array<u32>;
+
+// Where the next key of each digit goes.
+var<workgroup> next: array<u32, 256>;
+// Which of the 256 threads hold a digit: eight words of bits for each.
+var<workgroup> holders: array<atomic<u32>, 2048>;
+
+@compute @workgroup_size(256)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let length = counters[constants.x];
+    let block = group_index(group);
+    let blocks = divide_up(length, SORT_BLOCK);
+    if block >= blocks {
+        return;
+    }
+    next[thread] = digits[thread * blocks + block];
+    for (var k = 0u; k < 8u; k += 1u) {
+        atomicStore(&holders[thread * 8u + k], 0u);
+    }
+    workgroupBarrier();
+    for (var round = 0u; round < SORT_BLOCK; round += 256u) {
+        let i = block * SORT_BLOCK + round + thread;
+        let held = i < length;
+        var key = 0u;
+        var digit = 0u;
+        if held {
+            key = keys[i];
+            digit = (key >> constants.y) & 255u;
+            atomicOr(&holders[digit * 8u + thread / 32u], 1u << (thread % 32u));
+        }
+        workgroupBarrier();
+        if held {
+            // Threads before this one with the same digit.
+            var rank = countOneBits(atomicLoad(&holders[digit * 8u + thread / 32u]) & ((1u << (thread % 32u)) - 1u));
+            for (var k = 0u; k < thread / 32u; k += 1u) {
+                rank += countOneBits(atomicLoad(&holders[digit * 8u + k]));
+            }
+            let at = next[digit] + rank;
+            sorted_keys[at] = key;
+            sorted_values[at] = values[i];
+        }
+        workgroupBarrier();
+        // This thread's own digit: move on, and clear for the next round.
+        var count = 0u;
+        for (var k = 0u; k < 8u; k += 1u) {
+            count += countOneBits(atomicExchange(&holders[thread * 8u + k], 0u));
+        }
+        next[thread] += count;
+        workgroupBarrier();
+    }
+}

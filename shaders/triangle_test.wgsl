@@ -1,0 +1,519 @@
+// TriangleTest: a workgroup a pair goes down the trees of boxes of both meshes, eight children of one against eight of
+// the other at a time, one thread each; then eight triangles against eight; what may intersect waits in a queue until
+// there is work for all threads. The order of everything is that of the trees, whatever runs first.
+#import faceoff::arena::{meshes, words, vector}
+#import faceoff::dispatch::{divide_up, group_index}
+#import faceoff::math::{absolute, largest, norm1, rotate}
+#import faceoff::triangles as tri
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> step: t::Step;
+@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read> bodies: array<t::Body>;
+@group(0) @binding(5) var<storage, read> near_pairs: array<t::NearPair>;
+@group(0) @binding(6) var<storage, read_write> results: array<t::PairResult>;
+@group(0) @binding(7) var<storage, read_write> touching: array<t::Touching>;
+@group(0) @binding(8) var<storage, read_write> hits: array<t::Hit>;
+
+// A node of either tree: level in the upper four bits, number within the level below. Of each of at most 8 levels no
+// more than 63 pairs wait while the 64th is opened.
+var<workgroup> stack: array<vec2<u32>, 512>;
+// Pairs of triangles: fewer than 64 wait when up to 64 come.
+var<workgroup> queue: array<vec2<u32>, 128>;
+// A bit for each thread.
+var<workgroup> found: array<atomic<u32>, 2>;
+var<workgroup> tested: atomic<u32>;
+var<workgroup> hit_base: u32;
+var<workgroup> origin: vec3<f32>;
+var<workgroup> inside: atomic<i32>;
+var<workgroup> crossings: atomic<u32>;
+
+// Where each level of each tree begins, and how many nodes it has.
+var<workgroup> first: array<u32, 16>;
+var<workgroup> count: array<u32, 16>;
+
+// The eight triangles of each side, placed.
+var<workgroup> corners: array<tri::Corners, 16>;
+var<workgroup> alive: array<u32, 16>;
+
+// Sums over the contour, per thread: middles with length, area, closing with count, unweighted middles.
+var<workgroup> sum_middle: array<vec4<f32>, 64>;
+var<workgroup> sum_area: array<vec4<f32>, 64>;
+var<workgroup> sum_closing: array<vec4<f32>, 64>;
+
+// What all threads know of the pair.
+struct Pair {
+    near: t::NearPair,
+    rotation: mat3x3<f32>,
+    spread: mat3x3<f32>,
+    scale_a: vec3<f32>,
+    scale_b: vec3<f32>,
+    mesh_a: t::Mesh,
+    mesh_b: t::Mesh,
+    radius_a: f32,
+    radius_b: f32,
+    pad: f32,
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let index = group_index(group);
+    if index >= atomicLoad(&counters[t::PAIRS]) {
+        return;
+    }
+    let near = near_pairs[index];
+    if near.near == 0u {
+        if thread == 0u {
+            results[index].touching = 0u;
+        }
+        return;
+    }
+    let a = bodies[near.a];
+    let b = bodies[near.b];
+    var pair: Pair;
+    pair.near = near;
+    pair.rotation = mat3x3(near.x, near.y, near.z);
+    pair.spread = absolute(pair.rotation);
+    pair.scale_a = near.unit * a.scale;
+    pair.scale_b = near.unit * b.scale;
+    pair.mesh_a = meshes[a.mesh];
+    pair.mesh_b = meshes[b.mesh];
+    pair.radius_a = near.unit * a.radius;
+    pair.radius_b = near.unit * b.radius;
+    pair.pad = 2.0 * near.error;
+
+    if thread < 2u {
+        atomicStore(&found[thread], 0u);
+        let mesh_boxes = select(pair.mesh_a.boxes, pair.mesh_b.boxes, thread == 1u);
+        let triangles = select(pair.mesh_a.triangle_count, pair.mesh_b.triangle_count, thread == 1u);
+        var at = mesh_boxes;
+        var nodes = divide_up(triangles, 8u);
+        for (var level = 0u; level < 8u; level += 1u) {
+            first[8u * thread + level] = at;
+            count[8u * thread + level] = nodes;
+            at += 6u * nodes;
+            nodes = divide_up(nodes, 8u);
+        }
+    }
+    if thread == 0u {
+        atomicStore(&tested, 0u);
+        stack[0] = vec2((pair.mesh_a.levels - 1u) << 28u, (pair.mesh_b.levels - 1u) << 28u);
+    }
+    workgroupBarrier();
+
+    var depth = 1u;
+    var waiting = 0u;
+    var hit_count = 0u;
+    var middle = vec4(0.0);
+    var area = vec4(0.0);
+    var closing = vec4(0.0);
+    loop {
+        if waiting >= 64u || (depth == 0u && waiting > 0u) {
+            // Up to 64 pairs of triangles, a thread each.
+            let taken = min(waiting, 64u);
+            waiting -= taken;
+            var verdict: tri::Verdict;
+            var triangles = vec2(0u);
+            if thread < taken {
+                triangles = queue[waiting + thread];
+                let ca = corners_a(pair, triangles.x);
+                let cb = corners_b(pair, triangles.y);
+                let reach = tri::reach(ca) + tri::reach(cb);
+                verdict = tri::decide(
+                    tri::triangle(ca, near.error, reach), tri::triangle(cb, near.error, reach), near.error
+                );
+            }
+            let hit = thread < taken && verdict.hit;
+            if hit {
+                atomicOr(&found[thread / 32u], 1u << (thread % 32u));
+            }
+            workgroupBarrier();
+            let mask = vec2(atomicLoad(&found[0]), atomicLoad(&found[1]));
+            let hits_now = countOneBits(mask.x) + countOneBits(mask.y);
+            let rank = rank_of(mask, thread);
+            if thread == 0u && hits_now > 0u {
+                hit_base = atomicAdd(&counters[t::HITS], hits_now);
+            }
+            if hit && hit_count == 0u && rank == 0u {
+                // Sums are taken about the first point, for digits.
+                origin = verdict.start;
+            }
+            workgroupBarrier();
+            if thread < 2u {
+                atomicStore(&found[thread], 0u);
+            }
+            if hit {
+                let at = hit_base + rank;
+                if at < step.hit_capacity {
+                    let start = to_world(a, pair, verdict.start);
+                    let end = to_world(a, pair, verdict.end);
+                    hits[at] = t::Hit(
+                        index, hit_count + rank, triangles.x, triangles.y, start.x, start.y, start.z, end.x, end.y, end.z
+                    );
+                }
+                let arm = verdict.start - origin;
+                let along = verdict.end - verdict.start;
+                let length = sqrt(dot(along, along));
+                let half_way = arm + 0.5 * along;
+                middle += vec4(half_way * length, length);
+                closing.w += 1.0;
+                if verdict.directed {
+                    area += vec4(0.5 * cross(arm, along), 0.0);
+                    closing += vec4(along, 0.0);
+                }
+            }
+            hit_count += hits_now;
+            workgroupBarrier();
+            continue;
+        }
+        if depth == 0u {
+            break;
+        }
+        depth -= 1u;
+        let nodes = stack[depth];
+        // All have read it before anything is pushed.
+        workgroupBarrier();
+        let level_a = nodes.x >> 28u;
+        let level_b = nodes.y >> 28u;
+        let number_a = nodes.x & 0x0fffffffu;
+        let number_b = nodes.y & 0x0fffffffu;
+        let i = thread / 8u;
+        let j = thread % 8u;
+        if level_a == 0u && level_b == 0u {
+            // Two clusters of eight triangles.
+            if thread < 16u {
+                place_eighth(pair, thread, select(number_b, number_a, thread < 8u));
+            }
+            workgroupBarrier();
+            var candidate = false;
+            if alive[i] != 0u && alive[8u + j] != 0u {
+                let ca = corners[i];
+                let cb = corners[8u + j];
+                let low_a = tri::low(ca);
+                let low_b = tri::low(cb);
+                let high_a = tri::high(ca);
+                let high_b = tri::high(cb);
+                if all(low_a <= high_b + pair.pad) && all(low_b <= high_a + pair.pad) {
+                    atomicAdd(&tested, 1u);
+                    let reach = tri::reach(ca) + tri::reach(cb);
+                    let ta = tri::triangle(ca, near.error, reach);
+                    let tb = tri::triangle(cb, near.error, reach);
+                    candidate = !tri::beside(ta, tb) && !tri::beside(tb, ta);
+                }
+            }
+            if candidate {
+                atomicOr(&found[thread / 32u], 1u << (thread % 32u));
+            }
+            workgroupBarrier();
+            let mask = vec2(atomicLoad(&found[0]), atomicLoad(&found[1]));
+            if candidate {
+                queue[waiting + rank_of(mask, thread)] = vec2(8u * number_a + i, 8u * number_b + j);
+            }
+            waiting += countOneBits(mask.x) + countOneBits(mask.y);
+        } else {
+            // The taller tree is opened, both if they are equally tall.
+            let open_a = level_a >= level_b;
+            let open_b = level_b >= level_a;
+            let child_a = select(nodes.x, ((level_a - 1u) << 28u) | (8u * number_a + i), open_a);
+            let child_b = select(nodes.y, ((level_b - 1u) << 28u) | (8u * number_b + j), open_b);
+            let wanted = (open_a || i == 0u) && (open_b || j == 0u);
+            let meets = wanted && boxes_meet(pair, child_a, child_b);
+            if meets {
+                atomicOr(&found[thread / 32u], 1u << (thread % 32u));
+            }
+            workgroupBarrier();
+            let mask = vec2(atomicLoad(&found[0]), atomicLoad(&found[1]));
+            if meets {
+                stack[depth + rank_of(mask, thread)] = vec2(child_a, child_b);
+            }
+            depth += countOneBits(mask.x) + countOneBits(mask.y);
+        }
+        workgroupBarrier();
+        if thread < 2u {
+            atomicStore(&found[thread], 0u);
+        }
+        workgroupBarrier();
+    }
+
+    var contained = false;
+    if hit_count == 0u {
+        contained = any_inside(pair, true, thread);
+        if !contained {
+            contained = any_inside(pair, false, thread);
+        }
+    }
+    sum_middle[thread] = middle;
+    sum_area[thread] = area;
+    sum_closing[thread] = closing;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half {
+            sum_middle[thread] += sum_middle[thread + half];
+            sum_area[thread] += sum_area[thread + half];
+            sum_closing[thread] += sum_closing[thread + half];
+        }
+        workgroupBarrier();
+    }
+    if thread == 0u {
+        atomicAdd(&counters[t::TRIANGLE_TESTS], atomicLoad(&tested));
+        let touches = hit_count > 0u || contained;
+        var result: t::PairResult;
+        result.touching = u32(touches);
+        result.a = near.a;
+        result.b = near.b;
+        if touches {
+            let local = contact(pair, a, b, hit_count);
+            result.point = rotate(a.rotation, local.point / near.unit);
+            result.normal = rotate(a.rotation, local.normal);
+            let at = atomicAdd(&counters[t::TOUCHING], 1u);
+            touching[at] = t::Touching(
+                to_world(a, pair, local.point), near.a, result.normal, near.b, index, hit_count, u32(contained), 0u
+            );
+        }
+        results[index] = result;
+    }
+}
+
+// How many threads before this one have their bit set.
+fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
+    let below = (1u << (thread % 32u)) - 1u;
+    if thread < 32u {
+        return countOneBits(mask.x & below);
+    }
+    return countOneBits(mask.x) + countOneBits(mask.y & below);
+}
+
+// From a's axes and the pair's unit.
+fn to_world(a: t::Body, pair: Pair, p: vec3<f32>) -> vec3<f32> {
+    return a.position + rotate(a.rotation, a.scale * pair.mesh_a.center + p / pair.near.unit);
+}
+
+fn placed_a(pair: Pair, at: u32) -> vec3<f32> {
+    return pair.scale_a * vector(at);
+}
+
+fn placed_b(pair: Pair, at: u32) -> vec3<f32> {
+    return pair.rotation * (pair.scale_b * vector(at)) + pair.near.translation;
+}
+
+fn corners_a(pair: Pair, number: u32) -> tri::Corners {
+    let at = pair.mesh_a.triangles + 9u * number;
+    return tri::Corners(placed_a(pair, at), placed_a(pair, at + 3u), placed_a(pair, at + 6u));
+}
+
+fn corners_b(pair: Pair, number: u32) -> tri::Corners {
+    let at = pair.mesh_b.triangles + 9u * number;
+    return tri::Corners(placed_b(pair, at), placed_b(pair, at + 3u), placed_b(pair, at + 6u));
+}
+
+// Slots 0 to 7 are a's, the others b's.
+fn place_eighth(pair: Pair, slot: u32, cluster: u32) {
+    let of_a = slot < 8u;
+    let number = 8u * cluster + slot % 8u;
+    let triangles = select(pair.mesh_b.triangle_count, pair.mesh_a.triangle_count, of_a);
+    if number >= triangles {
+        alive[slot] = 0u;
+        return;
+    }
+    let axis = pair.near.axis;
+    var c: tri::Corners;
+    var view: u32;
+    var kept: bool;
+    if of_a {
+        c = corners_a(pair, number);
+        view = pair.near.view_a;
+        kept = max(dot(c.p, axis), max(dot(c.q, axis), dot(c.r, axis))) >= pair.near.b_above - pair.pad;
+    } else {
+        c = corners_b(pair, number);
+        view = pair.near.view_b;
+        kept = min(dot(c.p, axis), min(dot(c.q, axis), dot(c.r, axis))) <= pair.near.a_below + pair.pad;
+    }
+    corners[slot] = c;
+    alive[slot] = u32(kept && in_view(pair, of_a, view, number, cross(c.q - c.p, c.r - c.p)));
+}
+
+// By the winding of the corners placed in a's axes.
+fn in_view(pair: Pair, of_a: bool, view: u32, number: u32, normal: vec3<f32>) -> bool {
+    if view == t::VIEW_ALL {
+        return true;
+    }
+    if view == t::VIEW_ALONG {
+        return dot(normal, pair.near.translation) > 0.0;
+    }
+    if view == t::VIEW_AGAINST {
+        return dot(normal, pair.near.translation) < 0.0;
+    }
+    let groups = select(pair.mesh_b.groups, pair.mesh_a.groups, of_a);
+    let group_words = select(pair.mesh_b.group_words, pair.mesh_a.group_words, of_a);
+    let word = words[groups + (view - t::VIEW_GROUP) * group_words + number / 32u];
+    return ((word >> (number % 32u)) & 1u) == 1u;
+}
+
+// Whether two nodes exist, reach into the other body's half of the support axis and sphere, and their boxes overlap along
+// the axes of both.
+fn boxes_meet(pair: Pair, node_a: u32, node_b: u32) -> bool {
+    let level_a = node_a >> 28u;
+    let level_b = 8u + (node_b >> 28u);
+    let number_a = node_a & 0x0fffffffu;
+    let number_b = node_b & 0x0fffffffu;
+    if number_a >= count[level_a] || number_b >= count[level_b] {
+        return false;
+    }
+    let at_a = first[level_a] + 6u * number_a;
+    let at_b = first[level_b] + 6u * number_b;
+    let center_a = pair.scale_a * vector(at_a);
+    let half_a = abs(pair.scale_a) * vector(at_a + 3u);
+    let own_b = pair.scale_b * vector(at_b);
+    let half_b = abs(pair.scale_b) * vector(at_b + 3u);
+    let turned_b = pair.rotation * own_b;
+    let center_b = turned_b + pair.near.translation;
+    let around_b = pair.spread * half_b;
+    if any(abs(center_b - center_a) > half_a + around_b + pair.pad) {
+        return false;
+    }
+    let axis = pair.near.axis;
+    if dot(center_a, axis) + dot(half_a, abs(axis)) < pair.near.b_above - pair.pad {
+        return false;
+    }
+    if dot(center_b, axis) - dot(around_b, abs(axis)) > pair.near.a_below + pair.pad {
+        return false;
+    }
+    let past_a = max(abs(center_a - pair.near.translation) - half_a, vec3(0.0));
+    let past_b = max(abs(center_b) - around_b, vec3(0.0));
+    let reach_a = pair.radius_a + pair.pad;
+    let reach_b = pair.radius_b + pair.pad;
+    if dot(past_a, past_a) > reach_b * reach_b || dot(past_b, past_b) > reach_a * reach_a {
+        return false;
+    }
+    let apart = (center_a - center_b) * pair.rotation;
+    return all(abs(apart) <= half_b + half_a * pair.spread + pair.pad);
+}
+
+struct Contact {
+    point: vec3<f32>,
+    normal: vec3<f32>,
+}
+
+// The share of a circle's area that a contour must enclose for its area vector to say anything.
+const SIGNIFICANT: f32 = 0.02;
+
+// Where the bodies push each other, in a's axes and the pair's unit: the contour's centroid, along its area vector.
+// `stages/triangle_test/cpu/contact.rs` explains it.
+fn contact(pair: Pair, a: t::Body, b: t::Body, hit_count: u32) -> Contact {
+    let translation = pair.near.translation;
+    let apart = sqrt(dot(translation, translation));
+    var centers = vec3(0.0, 1.0, 0.0);
+    if apart > 0.0 {
+        centers = translation / apart;
+    }
+    if hit_count == 0u {
+        // One inside the other: push apart at the centre of the smaller one.
+        return Contact(select(translation, vec3(0.0), a.radius < b.radius), centers);
+    }
+    let length = sum_middle[0].w;
+    var middle = sum_middle[0].xyz / length;
+    if !(length > 0.0) {
+        middle = vec3(0.0);
+    }
+    let area = sum_area[0].xyz - 0.5 * cross(middle, sum_closing[0].xyz);
+    let sign = sign_of(a, pair.mesh_a) * sign_of(b, pair.mesh_b);
+    let size = sqrt(dot(area, area));
+    var normal = centers;
+    if size > SIGNIFICANT * length * length * 0.07957747 && sign != 0.0 {
+        normal = area * (sign / size);
+    }
+    return Contact(middle + origin, normal);
+}
+
+// Which way a body's faces run: 1 if outwards, -1 if inwards, 0 if they disagree.
+fn sign_of(body: t::Body, mesh: t::Mesh) -> f32 {
+    let mirrored = (body.scale.x < 0.0) != ((body.scale.y < 0.0) != (body.scale.z < 0.0));
+    let orientation = mesh.flags & t::ORIENTATION_MASK;
+    if orientation == t::MIXED {
+        return 0.0;
+    }
+    return select(1.0, -1.0, mirrored != (orientation == t::INWARD));
+}
+
+// Whether one body is closed and has some component of the other inside: `of_a`, a component of a in b.
+fn any_inside(pair: Pair, of_a: bool, thread: u32) -> bool {
+    var inner = pair.mesh_b;
+    var outer = pair.mesh_a;
+    if of_a {
+        inner = pair.mesh_a;
+        outer = pair.mesh_b;
+    }
+    if (outer.flags & t::CLOSED) == 0u {
+        return false;
+    }
+    for (var k = 0u; k < inner.component_count; k += 1u) {
+        let vertex = inner.components + 3u * k;
+        var p: vec3<f32>;
+        if of_a {
+            p = ((placed_a(pair, vertex) - pair.near.translation) * pair.rotation) / pair.scale_b;
+        } else {
+            p = placed_b(pair, vertex) / pair.scale_a;
+        }
+        if any(abs(p - outer.box_center) > outer.box_half * 1.00001 + outer.radius * 1.0e-5) {
+            continue;
+        }
+        if contains(outer, p, thread) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// By the winding number along the ray from p along +z; by its parity if neighbouring faces disagree about the outside.
+fn contains(mesh: t::Mesh, p: vec3<f32>, thread: u32) -> bool {
+    if thread == 0u {
+        atomicStore(&inside, 0);
+        atomicStore(&crossings, 0u);
+    }
+    workgroupBarrier();
+    for (var n = thread; n < mesh.triangle_count; n += 64u) {
+        let at = mesh.triangles + 9u * n;
+        // Divided by the mesh's size: products of five lengths occur.
+        let side = crossing(
+            (vector(at) - p) / mesh.radius, (vector(at + 3u) - p) / mesh.radius, (vector(at + 6u) - p) / mesh.radius
+        );
+        if side != 0 {
+            atomicAdd(&inside, side);
+            atomicAdd(&crossings, 1u);
+        }
+    }
+    workgroupBarrier();
+    let winding = atomicLoad(&inside);
+    let parity = atomicLoad(&crossings) % 2u;
+    // All have read them before they are cleared for the next component.
+    workgroupBarrier();
+    if (mesh.flags & t::ORIENTATION_MASK) == t::MIXED {
+        return parity == 1u;
+    }
+    return winding != 0;
+}
+
+// Whether the ray from the origin along +z crosses the triangle, and from which side. A ray through an edge or corner
+// is moved aside by an infinitely small step, the same for all triangles.
+fn crossing(p: vec3<f32>, q: vec3<f32>, r: vec3<f32>) -> i32 {
+    let pq = left(p.xy, q.xy);
+    if left(q.xy, r.xy) != pq || left(r.xy, p.xy) != pq {
+        return 0;
+    }
+    let normal = cross(q - p, r - p);
+    if dot(normal, p) * normal.z > 0.0 {
+        return select(-1, 1, pq);
+    }
+    return 0;
+}
+
+// Whether the origin lies to the left of the way from p to q. Both triangles at an edge must agree, so it is always
+// computed in the same direction, however the products are rounded.
+fn left(p: vec2<f32>, q: vec2<f32>) -> bool {
+    let swapped = q.x < p.x || (q.x == p.x && q.y < p.y);
+    let u = select(p, q, swapped);
+    let v = select(q, p, swapped);
+    let side = u.x * v.y - u.y * v.x;
+    // On the line: as if the origin lay a little aside.
+    return (side >= 0.0) != swapped;
+}

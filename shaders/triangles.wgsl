@@ -1,0 +1,251 @@
+#define_import_path faceoff::triangles
+
+// Triangle against triangle in single precision, with a bound on every error: Moeller's interval test (1997) where the
+// bounds let it speak. What it cannot tell is called touching unless a plane is found that certainly separates the two.
+// Lengths are in the pair's unit, so products of five of them stay in f32's range.
+
+#import faceoff::math::{largest, norm1}
+
+struct Triangle {
+    p: vec3<f32>,
+    q: vec3<f32>,
+    r: vec3<f32>,
+    normal: vec3<f32>,
+    // How wrong a height over the plane, times the normal's length, can be for a point of a triangle whose box
+    // overlaps this one's.
+    tolerance: f32,
+}
+
+struct Corners {
+    p: vec3<f32>,
+    q: vec3<f32>,
+    r: vec3<f32>,
+}
+
+fn low(c: Corners) -> vec3<f32> {
+    return min(c.p, min(c.q, c.r));
+}
+
+fn high(c: Corners) -> vec3<f32> {
+    return max(c.p, max(c.q, c.r));
+}
+
+// Nothing of a triangle is farther from anything else of it.
+fn reach(c: Corners) -> f32 {
+    return norm1(high(c) - low(c));
+}
+
+// `error` is that of a coordinate; `reach` of the triangle and of the one it is compared with, added.
+fn triangle(c: Corners, error: f32, reach: f32) -> Triangle {
+    let u = c.q - c.p;
+    let v = c.r - c.p;
+    let normal = cross(u, v);
+    return Triangle(c.p, c.q, c.r, normal, 3.0 * error * (norm1(normal) + (norm1(u) + norm1(v)) * reach));
+}
+
+// Heights of the corners of `t` over the plane of `plane`, times the normal's length.
+fn heights(plane: Triangle, t: Triangle) -> vec3<f32> {
+    return vec3(
+        dot(t.p - plane.p, plane.normal),
+        dot(t.q - plane.p, plane.normal),
+        dot(t.r - plane.p, plane.normal),
+    );
+}
+
+// Whether `t` certainly lies on one side of the plane.
+fn beside(plane: Triangle, t: Triangle) -> bool {
+    let h = heights(plane, t);
+    return all(h > vec3(plane.tolerance)) || all(h < vec3(-plane.tolerance));
+}
+
+// Where a triangle crosses the other's plane: two points in order along the common line.
+struct Chord {
+    low: vec3<f32>,
+    low_at: f32,
+    high: vec3<f32>,
+    high_at: f32,
+    // How far off the points can be, apart from the error of coordinates.
+    error: f32,
+}
+
+// Every height is certainly above or below, and not all on one side.
+fn chord(t: Triangle, h: vec3<f32>, tolerance: f32, line: vec3<f32>) -> Chord {
+    let above = h > vec3(0.0);
+    // The corner that is alone on its side comes first.
+    var p = t.p;
+    var q = t.q;
+    var r = t.r;
+    var hs = h;
+    if above.x == above.y {
+        p = t.r;
+        q = t.p;
+        r = t.q;
+        hs = h.zxy;
+    } else if above.x == above.z {
+        p = t.q;
+        q = t.p;
+        r = t.r;
+        hs = h.yxz;
+    }
+    let to_q = 1.0 / (hs.x - hs.y);
+    let to_r = 1.0 / (hs.x - hs.z);
+    let x = p + (q - p) * (hs.x * to_q);
+    let y = p + (r - p) * (hs.x * to_r);
+    let error = 2.0 * tolerance * max(norm1(q - p) * abs(to_q), norm1(r - p) * abs(to_r));
+    let at_x = dot(x, line);
+    let at_y = dot(y, line);
+    if at_x <= at_y {
+        return Chord(x, at_x, y, at_y, error);
+    }
+    return Chord(y, at_y, x, at_x, error);
+}
+
+struct Verdict {
+    hit: bool,
+    // The segment runs along the cross product of both normals, and not across a common plane.
+    directed: bool,
+    start: vec3<f32>,
+    end: vec3<f32>,
+}
+
+fn decide(a: Triangle, b: Triangle, error: f32) -> Verdict {
+    var miss: Verdict;
+    miss.hit = false;
+    if beside(a, b) || beside(b, a) {
+        return miss;
+    }
+    let over_b = heights(b, a);
+    let over_a = heights(a, b);
+    let line = cross(a.normal, b.normal);
+    let clear = all(abs(over_b) > vec3(b.tolerance)) && all(abs(over_a) > vec3(a.tolerance)) && norm1(line) > 1.0e-30;
+    if clear {
+        let of_a = chord(a, over_b, b.tolerance, line);
+        let of_b = chord(b, over_a, a.tolerance, line);
+        let overlap = min(of_a.high_at, of_b.high_at) - max(of_a.low_at, of_b.low_at);
+        let bound = norm1(line) * (of_a.error + of_b.error + 4.0 * error);
+        if overlap < -bound {
+            return miss;
+        }
+        if overlap > bound {
+            let start = select(of_b.low, of_a.low, of_a.low_at >= of_b.low_at);
+            let end = select(of_b.high, of_a.high, of_a.high_at <= of_b.high_at);
+            return Verdict(true, true, start, end);
+        }
+    }
+    return unsure(a, b, error);
+}
+
+// Two triangles that nearly touch, or lie in nearly the same plane.
+fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
+    var verdict: Verdict;
+    verdict.hit = false;
+    verdict.directed = false;
+    let nearest = nearest_points(a, b);
+    verdict.start = nearest.a;
+    verdict.end = nearest.b;
+    // Any direction along which the two certainly do not overlap will do.
+    if apart(a, b, nearest.b - nearest.a, error) {
+        return verdict;
+    }
+    var ea = array(a.q - a.p, a.r - a.q, a.p - a.r);
+    var eb = array(b.q - b.p, b.r - b.q, b.p - b.r);
+    for (var i = 0; i < 3; i += 1) {
+        if apart(a, b, cross(a.normal, ea[i]), error) || apart(a, b, cross(b.normal, eb[i]), error) {
+            return verdict;
+        }
+        for (var j = 0; j < 3; j += 1) {
+            if apart(a, b, cross(ea[i], eb[j]), error) {
+                return verdict;
+            }
+        }
+    }
+    verdict.hit = true;
+    return verdict;
+}
+
+// Whether the two certainly do not overlap along an axis of any length.
+fn apart(a: Triangle, b: Triangle, axis: vec3<f32>, error: f32) -> bool {
+    let size = largest(abs(axis));
+    if !(size > 1.0e-30) {
+        return false;
+    }
+    let u = axis / size;
+    // From a corner of a: its own digits do not matter.
+    let of_a = vec2(dot(a.q - a.p, u), dot(a.r - a.p, u));
+    let of_b = vec3(dot(b.p - a.p, u), dot(b.q - a.p, u), dot(b.r - a.p, u));
+    let high = max(0.0, max(of_a.x, of_a.y));
+    let low = min(0.0, min(of_a.x, of_a.y));
+    let gap = max(min(of_b.x, min(of_b.y, of_b.z)) - high, low - max(of_b.x, max(of_b.y, of_b.z)));
+    return gap > 2.0 * error * norm1(u);
+}
+
+struct Points {
+    a: vec3<f32>,
+    b: vec3<f32>,
+    square: f32,
+}
+
+fn closer(best: Points, a: vec3<f32>, b: vec3<f32>) -> Points {
+    let d = b - a;
+    let square = dot(d, d);
+    if square < best.square {
+        return Points(a, b, square);
+    }
+    return best;
+}
+
+// About the nearest points of two triangles: good enough to try the direction between them.
+fn nearest_points(a: Triangle, b: Triangle) -> Points {
+    var best = Points(a.p, b.p, 3.0e38);
+    var ca = array(a.p, a.q, a.r);
+    var cb = array(b.p, b.q, b.r);
+    for (var i = 0; i < 3; i += 1) {
+        best = closer(best, ca[i], on_triangle(ca[i], b));
+        best = closer(best, on_triangle(cb[i], a), cb[i]);
+        let pa = ca[i];
+        let da = ca[(i + 1) % 3] - pa;
+        for (var j = 0; j < 3; j += 1) {
+            let pb = cb[j];
+            let db = cb[(j + 1) % 3] - pb;
+            // Ericson, Real-Time Collision Detection, 5.1.9; from both starts, for nearly parallel edges.
+            let w = pa - pb;
+            let aa = dot(da, da);
+            let bb = dot(db, db);
+            let ab = dot(da, db);
+            let determinant = aa * bb - ab * ab;
+            var s = 0.0;
+            if determinant > 0.0 {
+                s = clamp((ab * dot(db, w) - bb * dot(da, w)) / determinant, 0.0, 1.0);
+            }
+            let t = along(pa + da * s - pb, db, bb);
+            s = along(pb + db * t - pa, da, aa);
+            best = closer(best, pa + da * s, pb + db * t);
+        }
+    }
+    return best;
+}
+
+// Where the point at `w` from the start of an edge falls on it.
+fn along(w: vec3<f32>, edge: vec3<f32>, square: f32) -> f32 {
+    if square > 0.0 {
+        return clamp(dot(w, edge) / square, 0.0, 1.0);
+    }
+    return 0.0;
+}
+
+// The point of a triangle's inside above or below `p`; one of its corners if there is none. Edges are tried elsewhere.
+fn on_triangle(p: vec3<f32>, t: Triangle) -> vec3<f32> {
+    let square = dot(t.normal, t.normal);
+    if !(square > 0.0) {
+        return t.p;
+    }
+    let w = p - t.p;
+    let u = t.q - t.p;
+    let v = t.r - t.p;
+    let y = dot(cross(u, w), t.normal) / square;
+    let x = dot(cross(w, v), t.normal) / square;
+    if x < 0.0 || y < 0.0 || x + y > 1.0 {
+        return t.p;
+    }
+    return t.p + u * x + v * y;
+}

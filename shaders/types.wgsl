@@ -1,0 +1,255 @@
+#define_import_path faceoff::types
+
+// What passes between host and kernels. `src/gpu/layout.rs` holds the same structs; a test compares every offset.
+
+// What holds for all bodies in a step.
+struct Step {
+    gravity: vec3<f32>,
+    dt: f32,
+    bodies: u32,
+    planes: u32,
+    // Number of hash buckets of the grid, a power of two, less one.
+    bucket_mask: u32,
+    // 0: nothing is pushed.
+    response: u32,
+    // How many entries the lists of unknown length hold.
+    pair_capacity: u32,
+    hit_capacity: u32,
+    plane_contact_capacity: u32,
+    padding: u32,
+}
+
+// A body's input and state. A slot without a body has a radius of zero.
+struct Body {
+    // Where the mesh's origin lies.
+    position: vec3<f32>,
+    mesh: u32,
+    // Unit quaternion.
+    rotation: vec4<f32>,
+    scale: vec3<f32>,
+    // Of the bounding sphere about the centre of mass, rounded up.
+    radius: f32,
+    linear_velocity: vec3<f32>,
+    inverse_mass: f32,
+    angular_velocity: vec3<f32>,
+    restitution: f32,
+    // Inverse inertia in the body's own axes: xx, yy, zz and xy, xz, yz.
+    inverse_inertia: vec3<f32>,
+    gravity_scale: f32,
+    inverse_inertia_mixed: vec3<f32>,
+    // Two bits of kind, one of sensor, two of culling; see the constants.
+    flags: u32,
+    // Collision layers.
+    memberships: u32,
+    filters: u32,
+    padding: vec2<u32>,
+}
+
+const KIND_MASK: u32 = 3u;
+const DYNAMIC: u32 = 0u;
+const KINEMATIC: u32 = 1u;
+const STATIC: u32 = 2u;
+const SENSOR: u32 = 4u;
+const CULLING_MASK: u32 = 24u;
+const CULLING_FACES: u32 = 8u;
+const CULLING_FRONT: u32 = 16u;
+
+// A half-space, solid where `dot(normal, p) < distance`.
+struct Plane {
+    normal: vec3<f32>,
+    distance: f32,
+    restitution: f32,
+    padding_a: f32,
+    padding_b: f32,
+    padding_c: f32,
+}
+
+// Where a mesh lies in the arena of words. Coordinates there are relative to the centre of mass.
+struct Mesh {
+    // Centre of mass in the mesh's own space.
+    center: vec3<f32>,
+    radius: f32,
+    // Nine words a triangle.
+    triangles: u32,
+    triangle_count: u32,
+    // Six words a box, centre and half size: level 0 has one per eight triangles, each next one per eight boxes.
+    boxes: u32,
+    levels: u32,
+    // Three words a vertex, each position once.
+    vertices: u32,
+    vertex_count: u32,
+    // Three words a virtual support point.
+    heights: u32,
+    flags: u32,
+    // One vertex of each connected component, three words each.
+    components: u32,
+    component_count: u32,
+    // Face table: a word per direction, then the groups' bits. 0 directions: there is no table.
+    directions: u32,
+    turn: u32,
+    groups: u32,
+    group_words: u32,
+    padding: vec2<u32>,
+    // Half size and centre of the box around all.
+    box_center: vec3<f32>,
+    padding_a: u32,
+    box_half: vec3<f32>,
+    padding_b: u32,
+}
+
+const CLOSED: u32 = 1u;
+const ORIENTATION_MASK: u32 = 6u;
+const OUTWARD: u32 = 0u;
+const INWARD: u32 = 2u;
+const MIXED: u32 = 4u;
+const OPEN: u32 = 6u;
+
+// A body in the order of grid buckets.
+struct GridEntry {
+    center: vec3<f32>,
+    radius: f32,
+    body: u32,
+    level: i32,
+    flags: u32,
+    padding: u32,
+}
+
+// A pair of bodies whose spheres overlap, and what Angles knows of it. Lengths are in the pair's unit unless they are
+// called metres: a power of two per metre at which the sum of the radii lies between 1 and 2.
+struct NearPair {
+    a: u32,
+    b: u32,
+    // 0: a support plane separates the two.
+    near: u32,
+    unit: f32,
+    // The columns of the rotation that turns b's axes into a's.
+    x: vec3<f32>,
+    // No point of a reaches above this along the axis.
+    a_below: f32,
+    y: vec3<f32>,
+    // No point of b reaches below this along the axis.
+    b_above: f32,
+    z: vec3<f32>,
+    // How wrong each placed coordinate can be.
+    error: f32,
+    // From a's centre to b's in a's axes.
+    translation: vec3<f32>,
+    // What of a is in view: all, the group less `VIEW_GROUP`, or what faces along or against the translation.
+    view_a: u32,
+    axis: vec3<f32>,
+    view_b: u32,
+}
+
+const VIEW_ALL: u32 = 0u;
+const VIEW_ALONG: u32 = 1u;
+const VIEW_AGAINST: u32 = 2u;
+const VIEW_GROUP: u32 = 3u;
+
+// What TriangleTest found of a pair.
+struct PairResult {
+    // Relative to a's centre of mass, in world axes.
+    point: vec3<f32>,
+    // 0: they do not touch.
+    touching: u32,
+    // Unit vector from a to b.
+    normal: vec3<f32>,
+    padding_a: u32,
+    a: u32,
+    b: u32,
+    padding: vec2<u32>,
+}
+
+// The same for the host, for pairs that touch; the point in the world.
+struct Touching {
+    point: vec3<f32>,
+    a: u32,
+    normal: vec3<f32>,
+    b: u32,
+    pair: u32,
+    hits: u32,
+    contained: u32,
+    padding: u32,
+}
+
+// Two triangles that intersect: the pair, the number among the pair's, the triangles, their common segment in the
+// world. Scalars, since vectors would be padded.
+struct Hit {
+    pair: u32,
+    index: u32,
+    a: u32,
+    b: u32,
+    start_x: f32,
+    start_y: f32,
+    start_z: f32,
+    end_x: f32,
+    end_y: f32,
+    end_z: f32,
+}
+
+// A body that reaches into a half-space.
+struct PlaneContact {
+    // Relative to the body's centre of mass, in world axes.
+    point: vec3<f32>,
+    depth: f32,
+    body: u32,
+    plane: u32,
+    padding: vec2<u32>,
+}
+
+// What pushes a body.
+struct BodyContacts {
+    // Its entries among those sorted by body.
+    first_entry: u32,
+    last_entry: u32,
+    // Its run of plane contacts; some may turn out not to touch.
+    first_plane: u32,
+    planes: u32,
+    // Contacts that close in, of both kinds.
+    pushing: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
+}
+
+// Where a body is after the step.
+struct Moved {
+    position: vec3<f32>,
+    padding_a: u32,
+    rotation: vec4<f32>,
+    linear_velocity: vec3<f32>,
+    padding_b: u32,
+    angular_velocity: vec3<f32>,
+    padding_c: u32,
+}
+
+// A change of velocity.
+struct Impulse {
+    linear: vec3<f32>,
+    padding_a: f32,
+    angular: vec3<f32>,
+    padding_b: f32,
+}
+
+// Indices into `counters`. The host sets the first and zeroes the others before each step.
+const BODIES: u32 = 0u;
+const LEVELS: u32 = 1u; // two words, a bit for each level with bodies
+const SPHERE_PAIRS: u32 = 3u; // as many as there are, even if the list holds fewer
+const HITS: u32 = 4u;
+const PLANE_CONTACTS: u32 = 5u;
+const TOUCHING: u32 = 6u;
+const TRIANGLE_TESTS: u32 = 7u;
+const APPROXIMATE: u32 = 8u;
+const ENTRIES: u32 = 9u;
+const SKIPPED: u32 = 10u; // not 0: bodies were not moved, since a list was too small
+const PAIRS: u32 = 11u; // sphere pairs in the list: all, or none if they do not fit
+const COUNTERS: u32 = 16u;
+
+// Slots of the arguments of indirect dispatches: a workgroup for 64 pairs, for each pair, for each block of a sort of
+// two entries a pair, for each block of the scan of that sort's digits.
+const GROUPS_PER_64_PAIRS: u32 = 0u;
+const GROUPS_PER_PAIR: u32 = 1u;
+const GROUPS_PER_SORT_BLOCK: u32 = 2u;
+const GROUPS_PER_DIGIT_BLOCK: u32 = 3u;
+
+// Whether a list was too small, now or in an earlier step that has not been repeated yet.
+const OVERFLOW: u32 = 0u;

@@ -1,0 +1,263 @@
+//! The meshes on the device: one array of words for all, and a header for each.
+
+use super::layout::{self, CLOSED, INWARD, MIXED, OPEN, OUTWARD};
+use crate::asset::CollisionMesh;
+use crate::geometry::Orientation;
+use crate::stages::mesh_arena::{MeshArena, MeshLanes, MeshSlot, Points};
+use glam::Vec3;
+use std::ops::Range;
+
+/// What is where in the array of words.
+#[derive(Default)]
+pub struct Arena {
+    slots: Vec<Option<Resident>>,
+    /// Unused ranges below `end`, ascending, no two adjacent.
+    free: Vec<Range<u32>>,
+    end: u32,
+}
+
+struct Resident {
+    mesh: CollisionMesh,
+    words: Range<u32>,
+    header: layout::Mesh,
+}
+
+/// What must be written to the device.
+pub enum Change {
+    /// Words from this index on.
+    Words(u32, Vec<u32>),
+    /// The header of this slot.
+    Header(u32, layout::Mesh),
+}
+
+impl Arena {
+    /// Makes the arena hold what `meshes` holds, and tells what to write. Meshes that are there already stay where they
+    /// are.
+    pub fn update(&mut self, meshes: &MeshArena) -> Vec<Change> {
+        let mut changes = Vec::new();
+        self.slots.resize_with(self.slots.len().max(meshes.len()), || None);
+        for number in 0..self.slots.len() as u32 {
+            let wanted = meshes.get(number);
+            let held = &self.slots[number as usize];
+            if let (Some(wanted), Some(held)) = (wanted, held)
+                && wanted.mesh.is_same(&held.mesh)
+            {
+                continue;
+            }
+            if let Some(held) = self.slots[number as usize].take() {
+                self.release(held.words);
+            }
+            if let Some(slot) = wanted {
+                let mut packed = Packed::default();
+                let relative = packed.mesh(slot);
+                let words = self.reserve(packed.0.len() as u32);
+                let header = moved(relative, words.start);
+                changes.push(Change::Words(words.start, packed.0));
+                changes.push(Change::Header(number, header));
+                self.slots[number as usize] = Some(Resident {
+                    mesh: slot.mesh.clone(),
+                    words,
+                    header,
+                });
+            }
+        }
+        changes
+    }
+
+    /// Everything that is there, for an array that was made anew and is empty.
+    pub fn contents(&self) -> Vec<Change> {
+        let mut changes = Vec::new();
+        for (number, held) in (0..).zip(&self.slots) {
+            if let Some(held) = held {
+                let slot = MeshSlot {
+                    mesh: held.mesh.clone(),
+                    lanes: MeshLanes::new(&held.mesh),
+                };
+                let mut packed = Packed::default();
+                packed.mesh(&slot);
+                changes.push(Change::Words(held.words.start, packed.0));
+                changes.push(Change::Header(number, held.header));
+            }
+        }
+        changes
+    }
+
+    /// Slots.
+    pub fn len(&self) -> u32 {
+        self.slots.len() as u32
+    }
+
+    /// Words, unused ones between meshes included.
+    pub fn words(&self) -> u32 {
+        self.end
+    }
+
+    /// The first range that is long enough, or a new one at the end.
+    fn reserve(&mut self, length: u32) -> Range<u32> {
+        if let Some(at) = self.free.iter().position(|range| range.len() as u32 >= length) {
+            let range = &mut self.free[at];
+            let reserved = range.start..range.start + length;
+            range.start = reserved.end;
+            if range.start == range.end {
+                self.free.remove(at);
+            }
+            return reserved;
+        }
+        let start = self.end;
+        self.end += length;
+        start..self.end
+    }
+
+    fn release(&mut self, words: Range<u32>) {
+        let at = self.free.partition_point(|range| range.start < words.start);
+        self.free.insert(at, words);
+        // Neighbours become one.
+        self.free.dedup_by(|later, earlier| {
+            let adjacent = earlier.end == later.start;
+            if adjacent {
+                earlier.end = later.end;
+            }
+            adjacent
+        });
+        if let Some(last) = self.free.pop_if(|range| range.end == self.end) {
+            self.end = last.start;
+        }
+    }
+}
+
+/// A header whose offsets count from the mesh's own first word, moved to where that is.
+fn moved(mesh: layout::Mesh, by: u32) -> layout::Mesh {
+    layout::Mesh {
+        triangles: mesh.triangles + by,
+        boxes: mesh.boxes + by,
+        vertices: mesh.vertices + by,
+        heights: mesh.heights + by,
+        components: mesh.components + by,
+        directions: mesh.directions + by,
+        groups: mesh.groups + by,
+        ..mesh
+    }
+}
+
+/// The words of one mesh.
+#[derive(Default)]
+struct Packed(Vec<u32>);
+
+impl Packed {
+    fn points(&mut self, points: impl Iterator<Item = Vec3>) -> u32 {
+        let start = self.0.len() as u32;
+        self.0
+            .extend(points.flat_map(|p| p.to_array().map(f32::to_bits)));
+        start
+    }
+
+    fn mesh(&mut self, slot: &MeshSlot) -> layout::Mesh {
+        let baked = &slot.mesh;
+        let mesh = &baked.mesh;
+        let center = baked.mass.center;
+        let count = mesh.triangles().len();
+        let triangles = self.points((0..count).flat_map(|t| mesh.corners(t)).map(|p| p - center));
+
+        // The lanes' last group of each level is filled up with boxes that are none.
+        let mut nodes = count.div_ceil(8);
+        let boxes = self.0.len() as u32;
+        for level in &slot.lanes.levels {
+            let all = level
+                .iter()
+                .flat_map(|group| (0..8).flat_map(move |lane| [lane_of(&group.center, lane), lane_of(&group.half, lane)]));
+            self.points(all.take(2 * nodes));
+            nodes = nodes.div_ceil(8);
+        }
+        // The root, a box around all, has no level among the lanes, unless there is one cluster only.
+        let levels = if count > 8 {
+            let aabb = slot.lanes.aabb;
+            let middle = aabb.center();
+            self.points([middle, (aabb.max - middle).max(middle - aabb.min)].into_iter());
+            slot.lanes.levels.len() as u32 + 1
+        } else {
+            1
+        };
+
+        let mut vertex_count = 0;
+        let held = slot.lanes.vertices.iter().flat_map(|(points, lanes)| {
+            (0..8)
+                .filter(move |lane| lanes >> lane & 1 == 1)
+                .map(move |lane| lane_of(points, lane))
+        });
+        let vertices = self.points(held.inspect(|_| vertex_count += 1));
+        let heights = self.points(baked.heights.points().iter().copied());
+        let components = mesh.component_vertices();
+        let component_start = self.points(components.iter().map(|&v| mesh.vertices()[v as usize] - center));
+
+        let directions = self.0.len() as u32;
+        let (mut turn, mut groups) = (0, directions);
+        let group_words = count.div_ceil(32);
+        if let Some(table) = &baked.faces {
+            turn = table.grid().turn();
+            self.0.extend(table.directions());
+            groups = self.0.len() as u32;
+            let mut scratch = Vec::new();
+            for id in 0..table.distinct_len() as u32 {
+                let masks = table.distinct(id).lane_masks(&mut scratch);
+                self.0.extend((0..group_words).map(|word| {
+                    let byte = |k: usize| u32::from(masks.get(4 * word + k).copied().unwrap_or(0));
+                    byte(0) | byte(1) << 8 | byte(2) << 16 | byte(3) << 24
+                }));
+            }
+        }
+        let orientation = match mesh.orientation() {
+            Orientation::Outward => OUTWARD,
+            Orientation::Inward => INWARD,
+            Orientation::Mixed => MIXED,
+            Orientation::Open => OPEN,
+        };
+        let aabb = slot.lanes.aabb;
+        layout::Mesh {
+            center: center.to_array(),
+            radius: baked.radius,
+            triangles,
+            triangle_count: count as u32,
+            boxes,
+            levels,
+            vertices,
+            vertex_count,
+            heights,
+            flags: orientation | if mesh.is_closed() { CLOSED } else { 0 },
+            components: component_start,
+            component_count: components.len() as u32,
+            directions,
+            turn,
+            groups,
+            group_words: group_words as u32,
+            box_center: aabb.center().to_array(),
+            box_half: aabb.half_size().to_array(),
+            ..Default::default()
+        }
+    }
+}
+
+fn lane_of(points: &Points, lane: usize) -> Vec3 {
+    Vec3::from_array(points.each_ref().map(|x| x.as_array()[lane]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn released_words_are_used_again_and_neighbours_join() {
+        let mut arena = Arena::default();
+        let [a, b, c] = [10, 20, 30].map(|n| arena.reserve(n));
+        assert_eq!((a.clone(), b.clone(), c.clone()), (0..10, 10..30, 30..60));
+        arena.release(a);
+        arena.release(b);
+        assert_eq!(arena.free, [0..30]);
+        assert_eq!(arena.reserve(25), 0..25);
+        assert_eq!(arena.reserve(25), 60..85);
+        arena.release(60..85);
+        assert_eq!(arena.end, 60, "what is free at the end is given back");
+        arena.release(c);
+        arena.release(0..25);
+        assert_eq!((arena.end, arena.free.len()), (0, 0));
+    }
+}

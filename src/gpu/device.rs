@@ -1,0 +1,145 @@
+//! The device that the stages run on, and why there is none.
+
+use thiserror::Error;
+use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, Limits, Queue};
+
+/// A device of our own, or one that somebody handed us.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// Makes buffers and pipelines.
+    pub device: Device,
+    /// Takes work.
+    pub queue: Queue,
+    /// What it is.
+    pub info: AdapterInfo,
+}
+
+/// Why the stages cannot run on a GPU.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum NoGpu {
+    /// No driver, no loader, or no card.
+    #[error("no GPU adapter is found: install a Vulkan, Metal or DirectX 12 driver, or use Backend::Cpu")]
+    NoAdapter,
+    /// There are only adapters that compute on the CPU, which [`Backend::Auto`](crate::settings::Backend) does not take.
+    #[error("the only adapter is {0}, which computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
+    OnlySoftware(String),
+    /// The driver refused.
+    #[error("{adapter} gives no device: {reason}")]
+    Device {
+        /// Which one.
+        adapter: String,
+        /// In its own words.
+        reason: String,
+    },
+    /// The device can do too little.
+    #[error("{adapter} allows {limit} of {has} only, and the stages need {needs}")]
+    Limit {
+        /// Which one.
+        adapter: String,
+        /// The limit's name in wgpu.
+        limit: &'static str,
+        /// What the device has.
+        has: u64,
+        /// What we need.
+        needs: u64,
+    },
+    /// A kernel did not compile, or a first step failed.
+    #[error("{adapter} cannot run the stages: {reason}")]
+    Failed {
+        /// Which one.
+        adapter: String,
+        /// What went wrong.
+        reason: String,
+    },
+}
+
+/// Opens the best adapter there is: discrete before integrated before virtual ones, and one that computes on the CPU
+/// only if `software` allows it.
+///
+/// # Errors
+/// If there is none that can run the stages.
+pub fn open(software: bool) -> Result<Gpu, NoGpu> {
+    bevy::tasks::block_on(async {
+        // From the environment: WGPU_BACKEND chooses among several, WGPU_VALIDATION and the like switch checks.
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut adapters = instance.enumerate_adapters(Backends::all()).await;
+        adapters.retain(|adapter| adapter.get_info().backend != wgpu::Backend::Gl);
+        adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
+        let best = adapters.into_iter().next().ok_or(NoGpu::NoAdapter)?;
+        let info = best.get_info();
+        if info.device_type == DeviceType::Cpu && !software {
+            return Err(NoGpu::OnlySoftware(info.name));
+        }
+        request(&best).await
+    })
+}
+
+async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
+    let info = adapter.get_info();
+    let limits = adapter.limits();
+    check(&info.name, &limits)?;
+    let (device, queue) = adapter
+        .request_device(&wgpu::DeviceDescriptor {
+            label: Some("faceoff"),
+            required_features: adapter.features() & Features::TIMESTAMP_QUERY,
+            // Lists are as long as the card allows, not as long as every card does.
+            required_limits: limits,
+            ..Default::default()
+        })
+        .await
+        .map_err(|error| NoGpu::Device {
+            adapter: info.name.clone(),
+            reason: error.to_string(),
+        })?;
+    Ok(Gpu { device, queue, info })
+}
+
+/// Whether a device with these limits can run every kernel.
+pub fn check(adapter: &str, limits: &Limits) -> Result<(), NoGpu> {
+    let needs = [
+        (
+            "max_storage_buffers_per_shader_stage",
+            u64::from(limits.max_storage_buffers_per_shader_stage),
+            8,
+        ),
+        (
+            "max_compute_invocations_per_workgroup",
+            limits.max_compute_invocations_per_workgroup.into(),
+            256,
+        ),
+        (
+            "max_compute_workgroup_storage_size",
+            limits.max_compute_workgroup_storage_size.into(),
+            16 << 10,
+        ),
+        (
+            "max_compute_workgroups_per_dimension",
+            limits.max_compute_workgroups_per_dimension.into(),
+            65_535,
+        ),
+        (
+            "max_storage_buffer_binding_size",
+            limits.max_storage_buffer_binding_size,
+            128 << 20,
+        ),
+    ];
+    match needs.into_iter().find(|&(_, has, needs)| has < needs) {
+        Some((limit, has, needs)) => Err(NoGpu::Limit {
+            adapter: adapter.to_string(),
+            limit,
+            has,
+            needs,
+        }),
+        None => Ok(()),
+    }
+}
+
+fn rank(kind: DeviceType) -> u32 {
+    match kind {
+        DeviceType::DiscreteGpu => 0,
+        DeviceType::IntegratedGpu => 1,
+        DeviceType::VirtualGpu => 2,
+        DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    }
+}

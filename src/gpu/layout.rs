@@ -1,0 +1,171 @@
+//! What passes between host and kernels, byte for byte as in `shaders/types.wgsl`, where every field is explained.
+//!
+//! Vectors of three are followed by a scalar that fills their fourth word, so that Rust's layout and WGSL's agree;
+//! `tests/gpu_contract.rs` compares every offset.
+
+use bytemuck::{Pod, Zeroable};
+
+macro_rules! layout {
+    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {
+        $(
+            $(#[$doc])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+            #[allow(missing_docs)]
+            pub struct $name {
+                $(pub $field: $type,)*
+            }
+        )*
+
+        /// Name, size and fields with their offsets of every struct here.
+        pub const STRUCTS: &[Struct] = &[$(Struct {
+            name: stringify!($name),
+            size: size_of::<$name>(),
+            fields: &[$((stringify!($field), std::mem::offset_of!($name, $field))),*],
+        }),*];
+    };
+}
+
+/// The layout of a struct.
+#[derive(Clone, Copy, Debug)]
+pub struct Struct {
+    /// Its name, the same on both sides.
+    pub name: &'static str,
+    /// Bytes.
+    pub size: usize,
+    /// Names and offsets in bytes.
+    pub fields: &'static [(&'static str, usize)],
+}
+
+type Vec3 = [f32; 3];
+
+layout! {
+    /// What holds for all bodies in a step.
+    Step {
+        gravity: Vec3, dt: f32,
+        bodies: u32, planes: u32, bucket_mask: u32, response: u32,
+        pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, padding: u32,
+    }
+    /// A body's input and state.
+    Body {
+        position: Vec3, mesh: u32,
+        rotation: [f32; 4],
+        scale: Vec3, radius: f32,
+        linear_velocity: Vec3, inverse_mass: f32,
+        angular_velocity: Vec3, restitution: f32,
+        inverse_inertia: Vec3, gravity_scale: f32,
+        inverse_inertia_mixed: Vec3, flags: u32,
+        memberships: u32, filters: u32, padding: [u32; 2],
+    }
+    /// A half-space.
+    Plane {
+        normal: Vec3, distance: f32,
+        restitution: f32, padding_a: f32, padding_b: f32, padding_c: f32,
+    }
+    /// Where a mesh lies in the arena of words.
+    Mesh {
+        center: Vec3, radius: f32,
+        triangles: u32, triangle_count: u32, boxes: u32, levels: u32,
+        vertices: u32, vertex_count: u32, heights: u32, flags: u32,
+        components: u32, component_count: u32, directions: u32, turn: u32,
+        groups: u32, group_words: u32, padding: [u32; 2],
+        box_center: Vec3, padding_a: u32,
+        box_half: Vec3, padding_b: u32,
+    }
+    /// A body in the order of grid buckets.
+    GridEntry {
+        center: Vec3, radius: f32,
+        body: u32, level: i32, flags: u32, padding: u32,
+    }
+    /// A pair of bodies whose spheres overlap, and what Angles knows of it.
+    NearPair {
+        a: u32, b: u32, near: u32, unit: f32,
+        x: Vec3, a_below: f32,
+        y: Vec3, b_above: f32,
+        z: Vec3, error: f32,
+        translation: Vec3, view_a: u32,
+        axis: Vec3, view_b: u32,
+    }
+    /// What TriangleTest found of a pair.
+    PairResult {
+        point: Vec3, touching: u32,
+        normal: Vec3, padding_a: u32,
+        a: u32, b: u32, padding: [u32; 2],
+    }
+    /// The same for the host, for pairs that touch.
+    Touching {
+        point: Vec3, a: u32,
+        normal: Vec3, b: u32,
+        pair: u32, hits: u32, contained: u32, padding: u32,
+    }
+    /// Two triangles that intersect.
+    Hit {
+        pair: u32, index: u32, a: u32, b: u32,
+        start_x: f32, start_y: f32, start_z: f32,
+        end_x: f32, end_y: f32, end_z: f32,
+    }
+    /// A body that reaches into a half-space.
+    PlaneContact {
+        point: Vec3, depth: f32,
+        body: u32, plane: u32, padding: [u32; 2],
+    }
+    /// What pushes a body.
+    BodyContacts {
+        first_entry: u32, last_entry: u32, first_plane: u32, planes: u32,
+        pushing: u32, padding_a: u32, padding_b: u32, padding_c: u32,
+    }
+    /// Where a body is after the step.
+    Moved {
+        position: Vec3, padding_a: u32,
+        rotation: [f32; 4],
+        linear_velocity: Vec3, padding_b: u32,
+        angular_velocity: Vec3, padding_c: u32,
+    }
+    /// A change of velocity.
+    Impulse {
+        linear: Vec3, padding_a: f32,
+        angular: Vec3, padding_b: f32,
+    }
+}
+
+macro_rules! constants {
+    ($($name:ident = $value:expr;)*) => {
+        $(#[allow(missing_docs)] pub const $name: u32 = $value;)*
+
+        /// Every constant here by name, for the test that compares them with `types.wgsl`.
+        pub const CONSTANTS: &[(&str, u32)] = &[$((stringify!($name), $name)),*];
+    };
+}
+
+constants! {
+    DYNAMIC = 0;
+    KINEMATIC = 1;
+    STATIC = 2;
+    SENSOR = 4;
+    CULLING_FACES = 8;
+    CULLING_FRONT = 16;
+
+    CLOSED = 1;
+    OUTWARD = 0;
+    INWARD = 2;
+    MIXED = 4;
+    OPEN = 6;
+
+    BODIES = 0;
+    LEVELS = 1;
+    SPHERE_PAIRS = 3;
+    HITS = 4;
+    PLANE_CONTACTS = 5;
+    TOUCHING = 6;
+    TRIANGLE_TESTS = 7;
+    APPROXIMATE = 8;
+    ENTRIES = 9;
+    SKIPPED = 10;
+    PAIRS = 11;
+    COUNTERS = 16;
+
+    GROUPS_PER_64_PAIRS = 0;
+    GROUPS_PER_PAIR = 1;
+    GROUPS_PER_SORT_BLOCK = 2;
+    GROUPS_PER_DIGIT_BLOCK = 3;
+}

@@ -1,0 +1,23 @@
+//! What the GPU versions of all stages share.
+//!
+//! [`device`] finds a device; [`kernel`] says how a kernel is declared, compiled and called; [`layout`] is what passes
+//! between host and kernels, and [`buffers`] where it lies; [`arena`] holds the meshes; [`scan`] and [`radix_sort`] are
+//! the primitives; [`step`] runs it all. Each stage's kernels are declared in its own folder, in `gpu.rs`, with their
+//! WGSL in `shaders/`.
+//!
+//! A step is one submission of five passes. Lists of unknown length have a capacity and a counter; if one is too short, the
+//! bodies stay where they are, the list is made longer, and the step runs again: nothing is dropped.
+
+pub mod arena;
+pub mod buffers;
+pub mod device;
+pub mod kernel;
+pub mod layout;
+pub mod radix_sort;
+pub mod readback;
+pub mod results;
+pub mod run_once;
+pub mod scan;
+pub mod step;
+pub mod timer;
+pub mod upload;

@@ -1,0 +1,76 @@
+//! From the device to the host.
+
+use super::device::Gpu;
+use std::sync::mpsc;
+use wgpu::{Buffer, BufferDescriptor, BufferUsages, ErrorFilter, MapMode, PollType};
+
+/// Runs `work` and reports what the device says against it. An error out of any scope would make Bevy end the app.
+///
+/// # Errors
+/// The first error, if there is any.
+pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, String> {
+    let filters = [ErrorFilter::Internal, ErrorFilter::OutOfMemory, ErrorFilter::Validation];
+    let scopes = filters.map(|filter| gpu.device.push_error_scope(filter));
+    let result = work();
+    let mut first = None;
+    // The last one pushed is the first to be popped.
+    for scope in scopes.into_iter().rev() {
+        let error = bevy::tasks::block_on(scope.pop());
+        first = first.or(error);
+    }
+    first.map_or(Ok(result), |error| Err(error.to_string()))
+}
+
+/// Waits until all work is done.
+///
+/// # Errors
+/// If the device is lost.
+pub fn wait(gpu: &Gpu) -> Result<(), String> {
+    let polled = gpu.device.poll(PollType::wait_indefinitely());
+    polled.map(|_| ()).map_err(|error| error.to_string())
+}
+
+/// A buffer to map.
+pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
+    gpu.device.create_buffer(&BufferDescriptor {
+        label: Some("readback"),
+        size: bytes.max(4),
+        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// Waits for a mapped copy of the first `bytes` of a staging buffer, hands it to `look`, and unmaps it.
+///
+/// # Errors
+/// If the device is lost.
+pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) -> T) -> Result<T, String> {
+    let (sender, receiver) = mpsc::channel();
+    staging.map_async(MapMode::Read, ..bytes.max(4), move |result| {
+        // The receiver is gone only if waiting failed, which is reported there.
+        let _ = sender.send(result);
+    });
+    wait(gpu)?;
+    let mapped = receiver.recv().map_err(|error| error.to_string())?;
+    mapped.map_err(|error| error.to_string())?;
+    let result = look(&staging.slice(..bytes.max(4)).get_mapped_range()[..bytes as usize]);
+    staging.unmap();
+    Ok(result)
+}
+
+/// Copies the first words of a buffer.
+///
+/// # Errors
+/// What the device says.
+pub fn read_words(gpu: &Gpu, buffer: &Buffer, words: usize) -> Result<Vec<u32>, String> {
+    let bytes = 4 * words as u64;
+    scoped(gpu, || {
+        let staging = staging(gpu, bytes);
+        if words > 0 {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
+            gpu.queue.submit([encoder.finish()]);
+        }
+        map(gpu, &staging, bytes, bytemuck::pod_collect_to_vec)
+    })?
+}
