@@ -20,8 +20,9 @@
 var<workgroup> stack: array<vec2<u32>, 512>;
 // Pairs of triangles: fewer than 64 wait when up to 64 come.
 var<workgroup> queue: array<vec2<u32>, 128>;
-// A bit for each thread.
-var<workgroup> found: array<atomic<u32>, 2>;
+// A bit for each thread, three times over: one is set and read, the next is cleared meanwhile, and the last may still be
+// read by threads that have not passed the barrier.
+var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> tested: atomic<u32>;
 var<workgroup> hit_base: u32;
 var<workgroup> origin: vec3<f32>;
@@ -31,10 +32,6 @@ var<workgroup> crossings: atomic<u32>;
 // Where each level of each tree begins, and how many nodes it has.
 var<workgroup> first: array<u32, 16>;
 var<workgroup> count: array<u32, 16>;
-
-// The eight triangles of each side, placed.
-var<workgroup> corners: array<tri::Corners, 16>;
-var<workgroup> alive: array<u32, 16>;
 
 // Sums over the contour, per thread: middles with length, area, closing with count, unweighted middles.
 var<workgroup> sum_middle: array<vec4<f32>, 64>;
@@ -81,13 +78,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     pair.radius_a = near.unit * a.radius;
     pair.radius_b = near.unit * b.radius;
     pair.pad = 2.0 * near.error;
-
-    if thread < 2u {
+    if thread < 6u {
         atomicStore(&found[thread], 0u);
-        let mesh_boxes = select(pair.mesh_a.boxes, pair.mesh_b.boxes, thread == 1u);
-        let triangles = select(pair.mesh_a.triangle_count, pair.mesh_b.triangle_count, thread == 1u);
-        var at = mesh_boxes;
-        var nodes = divide_up(triangles, 8u);
+    }
+    if thread < 2u {
+        let mesh = select(a.mesh, b.mesh, thread == 1u);
+        var at = meshes[mesh].boxes;
+        var nodes = divide_up(meshes[mesh].triangle_count, 8u);
         for (var level = 0u; level < 8u; level += 1u) {
             first[8u * thread + level] = at;
             count[8u * thread + level] = nodes;
@@ -107,8 +104,21 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var middle = vec4(0.0);
     var area = vec4(0.0);
     var closing = vec4(0.0);
+    // Which of the three masks is in use.
+    var mask_set = 0u;
     loop {
-        if waiting >= 64u || (depth == 0u && waiting > 0u) {
+        // Uniform: all threads count what all have found.
+        let testing = waiting >= 64u || (depth == 0u && waiting > 0u);
+        if !testing && depth == 0u {
+            break;
+        }
+        let next_set = (mask_set + 2u) % 6u;
+        if thread < 2u {
+            atomicStore(&found[next_set + thread], 0u);
+        }
+        let bit = 1u << (thread % 32u);
+        let word = mask_set + thread / 32u;
+        if testing {
             // Up to 64 pairs of triangles, a thread each.
             let taken = min(waiting, 64u);
             waiting -= taken;
@@ -125,10 +135,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
             let hit = thread < taken && verdict.hit;
             if hit {
-                atomicOr(&found[thread / 32u], 1u << (thread % 32u));
+                atomicOr(&found[word], bit);
             }
             workgroupBarrier();
-            let mask = vec2(atomicLoad(&found[0]), atomicLoad(&found[1]));
+            let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
             let hits_now = countOneBits(mask.x) + countOneBits(mask.y);
             let rank = rank_of(mask, thread);
             if thread == 0u && hits_now > 0u {
@@ -139,9 +149,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 origin = verdict.start;
             }
             workgroupBarrier();
-            if thread < 2u {
-                atomicStore(&found[thread], 0u);
-            }
             if hit {
                 let at = hit_base + rank;
                 if at < step.hit_capacity {
@@ -154,8 +161,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 let arm = verdict.start - origin;
                 let along = verdict.end - verdict.start;
                 let length = sqrt(dot(along, along));
-                let half_way = arm + 0.5 * along;
-                middle += vec4(half_way * length, length);
+                middle += vec4((arm + 0.5 * along) * length, length);
                 closing.w += 1.0;
                 if verdict.directed {
                     area += vec4(0.5 * cross(arm, along), 0.0);
@@ -163,75 +169,48 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 }
             }
             hit_count += hits_now;
-            workgroupBarrier();
-            continue;
-        }
-        if depth == 0u {
-            break;
-        }
-        depth -= 1u;
-        let nodes = stack[depth];
-        // All have read it before anything is pushed.
-        workgroupBarrier();
-        let level_a = nodes.x >> 28u;
-        let level_b = nodes.y >> 28u;
-        let number_a = nodes.x & 0x0fffffffu;
-        let number_b = nodes.y & 0x0fffffffu;
-        let i = thread / 8u;
-        let j = thread % 8u;
-        if level_a == 0u && level_b == 0u {
-            // Two clusters of eight triangles.
-            if thread < 16u {
-                place_eighth(pair, thread, select(number_b, number_a, thread < 8u));
-            }
-            workgroupBarrier();
-            var candidate = false;
-            if alive[i] != 0u && alive[8u + j] != 0u {
-                let ca = corners[i];
-                let cb = corners[8u + j];
-                let low_a = tri::low(ca);
-                let low_b = tri::low(cb);
-                let high_a = tri::high(ca);
-                let high_b = tri::high(cb);
-                if all(low_a <= high_b + pair.pad) && all(low_b <= high_a + pair.pad) {
-                    atomicAdd(&tested, 1u);
-                    let reach = tri::reach(ca) + tri::reach(cb);
-                    let ta = tri::triangle(ca, near.error, reach);
-                    let tb = tri::triangle(cb, near.error, reach);
-                    candidate = !tri::beside(ta, tb) && !tri::beside(tb, ta);
-                }
-            }
-            if candidate {
-                atomicOr(&found[thread / 32u], 1u << (thread % 32u));
-            }
-            workgroupBarrier();
-            let mask = vec2(atomicLoad(&found[0]), atomicLoad(&found[1]));
-            if candidate {
-                queue[waiting + rank_of(mask, thread)] = vec2(8u * number_a + i, 8u * number_b + j);
-            }
-            waiting += countOneBits(mask.x) + countOneBits(mask.y);
         } else {
-            // The taller tree is opened, both if they are equally tall.
-            let open_a = level_a >= level_b;
-            let open_b = level_b >= level_a;
-            let child_a = select(nodes.x, ((level_a - 1u) << 28u) | (8u * number_a + i), open_a);
-            let child_b = select(nodes.y, ((level_b - 1u) << 28u) | (8u * number_b + j), open_b);
-            let wanted = (open_a || i == 0u) && (open_b || j == 0u);
-            let meets = wanted && boxes_meet(pair, child_a, child_b);
-            if meets {
-                atomicOr(&found[thread / 32u], 1u << (thread % 32u));
+            depth -= 1u;
+            let nodes = stack[depth];
+            let level_a = nodes.x >> 28u;
+            let level_b = nodes.y >> 28u;
+            let number_a = nodes.x & 0x0fffffffu;
+            let number_b = nodes.y & 0x0fffffffu;
+            let i = thread / 8u;
+            let j = thread % 8u;
+            if level_a == 0u && level_b == 0u {
+                // Two clusters of eight triangles. Each thread places its own two: cheaper than waiting for others to.
+                let triangles = vec2(8u * number_a + i, 8u * number_b + j);
+                let candidate = may_intersect(pair, triangles);
+                if candidate {
+                    atomicOr(&found[word], bit);
+                }
+                workgroupBarrier();
+                let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
+                if candidate {
+                    queue[waiting + rank_of(mask, thread)] = triangles;
+                }
+                waiting += countOneBits(mask.x) + countOneBits(mask.y);
+            } else {
+                // The taller tree is opened, both if they are equally tall.
+                let open_a = level_a >= level_b;
+                let open_b = level_b >= level_a;
+                let child_a = select(nodes.x, ((level_a - 1u) << 28u) | (8u * number_a + i), open_a);
+                let child_b = select(nodes.y, ((level_b - 1u) << 28u) | (8u * number_b + j), open_b);
+                let wanted = (open_a || i == 0u) && (open_b || j == 0u);
+                let meets = wanted && boxes_meet(pair, child_a, child_b);
+                if meets {
+                    atomicOr(&found[word], bit);
+                }
+                workgroupBarrier();
+                let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
+                if meets {
+                    stack[depth + rank_of(mask, thread)] = vec2(child_a, child_b);
+                }
+                depth += countOneBits(mask.x) + countOneBits(mask.y);
             }
-            workgroupBarrier();
-            let mask = vec2(atomicLoad(&found[0]), atomicLoad(&found[1]));
-            if meets {
-                stack[depth + rank_of(mask, thread)] = vec2(child_a, child_b);
-            }
-            depth += countOneBits(mask.x) + countOneBits(mask.y);
         }
-        workgroupBarrier();
-        if thread < 2u {
-            atomicStore(&found[thread], 0u);
-        }
+        mask_set = next_set;
         workgroupBarrier();
     }
 
@@ -306,30 +285,37 @@ fn corners_b(pair: Pair, number: u32) -> tri::Corners {
     return tri::Corners(placed_b(pair, at), placed_b(pair, at + 3u), placed_b(pair, at + 6u));
 }
 
-// Slots 0 to 7 are a's, the others b's.
-fn place_eighth(pair: Pair, slot: u32, cluster: u32) {
-    let of_a = slot < 8u;
-    let number = 8u * cluster + slot % 8u;
-    let triangles = select(pair.mesh_b.triangle_count, pair.mesh_a.triangle_count, of_a);
-    if number >= triangles {
-        alive[slot] = 0u;
-        return;
+// Whether two triangles exist, are in view and in reach of the other body, their boxes overlap, and neither certainly
+// lies beside the other's plane.
+fn may_intersect(pair: Pair, triangles: vec2<u32>) -> bool {
+    if triangles.x >= pair.mesh_a.triangle_count || triangles.y >= pair.mesh_b.triangle_count {
+        return false;
     }
     let axis = pair.near.axis;
-    var c: tri::Corners;
-    var view: u32;
-    var kept: bool;
-    if of_a {
-        c = corners_a(pair, number);
-        view = pair.near.view_a;
-        kept = max(dot(c.p, axis), max(dot(c.q, axis), dot(c.r, axis))) >= pair.near.b_above - pair.pad;
-    } else {
-        c = corners_b(pair, number);
-        view = pair.near.view_b;
-        kept = min(dot(c.p, axis), min(dot(c.q, axis), dot(c.r, axis))) <= pair.near.a_below + pair.pad;
+    let a = corners_a(pair, triangles.x);
+    if max(dot(a.p, axis), max(dot(a.q, axis), dot(a.r, axis))) < pair.near.b_above - pair.pad {
+        return false;
     }
-    corners[slot] = c;
-    alive[slot] = u32(kept && in_view(pair, of_a, view, number, cross(c.q - c.p, c.r - c.p)));
+    let b = corners_b(pair, triangles.y);
+    if min(dot(b.p, axis), min(dot(b.q, axis), dot(b.r, axis))) > pair.near.a_below + pair.pad {
+        return false;
+    }
+    let low_a = tri::low(a);
+    let low_b = tri::low(b);
+    let high_a = tri::high(a);
+    let high_b = tri::high(b);
+    if any(low_a > high_b + pair.pad) || any(low_b > high_a + pair.pad) {
+        return false;
+    }
+    let reach = norm1(high_a - low_a) + norm1(high_b - low_b);
+    let ta = tri::triangle(a, pair.near.error, reach);
+    let tb = tri::triangle(b, pair.near.error, reach);
+    if !in_view(pair, true, pair.near.view_a, triangles.x, ta.normal)
+        || !in_view(pair, false, pair.near.view_b, triangles.y, tb.normal) {
+        return false;
+    }
+    atomicAdd(&tested, 1u);
+    return !tri::beside(ta, tb) && !tri::beside(tb, ta);
 }
 
 // By the winding of the corners placed in a's axes.

@@ -68,7 +68,7 @@ struct Chord {
     error: f32,
 }
 
-// Every height is certainly above or below, and not all on one side.
+// Some height is above the plane, and some is not.
 fn chord(t: Triangle, h: vec3<f32>, tolerance: f32, line: vec3<f32>) -> Chord {
     let above = h > vec3(0.0);
     // The corner that is alone on its side comes first.
@@ -117,25 +117,37 @@ fn decide(a: Triangle, b: Triangle, error: f32) -> Verdict {
     let over_b = heights(b, a);
     let over_a = heights(a, b);
     let line = cross(a.normal, b.normal);
-    let clear = all(abs(over_b) > vec3(b.tolerance)) && all(abs(over_a) > vec3(a.tolerance)) && norm1(line) > 1.0e-30;
-    if clear {
+    let clear = all(abs(over_b) > vec3(b.tolerance)) && all(abs(over_a) > vec3(a.tolerance));
+    let crossing = crosses(over_a) && crosses(over_b) && norm1(line) > 1.0e-30;
+    var estimate = miss;
+    if crossing {
         let of_a = chord(a, over_b, b.tolerance, line);
         let of_b = chord(b, over_a, a.tolerance, line);
         let overlap = min(of_a.high_at, of_b.high_at) - max(of_a.low_at, of_b.low_at);
         let bound = norm1(line) * (of_a.error + of_b.error + 4.0 * error);
-        if overlap < -bound {
+        if clear && overlap < -bound {
             return miss;
         }
-        if overlap > bound {
-            let start = select(of_b.low, of_a.low, of_a.low_at >= of_b.low_at);
-            let end = select(of_b.high, of_a.high, of_a.high_at <= of_b.high_at);
-            return Verdict(true, true, start, end);
+        let start = select(of_b.low, of_a.low, of_a.low_at >= of_b.low_at);
+        let end = select(of_b.high, of_a.high, of_a.high_at <= of_b.high_at);
+        estimate = Verdict(overlap > 0.0, true, start, end);
+        if clear && overlap > bound {
+            return estimate;
         }
     }
-    return unsure(a, b, error);
+    let verdict = unsure(a, b, error);
+    if verdict.hit && estimate.hit {
+        return estimate;
+    }
+    return verdict;
 }
 
-// Two triangles that nearly touch, or lie in nearly the same plane.
+// Whether some corner is above the plane and some is not.
+fn crosses(h: vec3<f32>) -> bool {
+    return any(h > vec3(0.0)) && any(h <= vec3(0.0));
+}
+
+// Two triangles that nearly touch, or lie in nearly the same plane. If they touch, the segment is one between them.
 fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     var verdict: Verdict;
     verdict.hit = false;

@@ -33,7 +33,7 @@ fn smoke() {
     println!("compile {:?}", t.elapsed());
     for (name, tri) in [("torus", shapes::torus_240()), ("knot", shapes::knot_1120())] {
         let mesh = CollisionMesh::new(&tri);
-        for seed in 0..3 {
+        for seed in 0..1 {
             let mut cpu = scene(&mesh, 500, 13.7, seed);
             let mut gpu = scene(&mesh, 500, 13.7, seed);
             for stage in Stage::ALL {
@@ -57,6 +57,27 @@ fn smoke() {
             println!("sphere same {}", cpu.sphere_pairs == gpu.sphere_pairs);
             let key = |s: &StepState| s.contacts.pairs.iter().map(|p| (p.bodies, p.contained, p.face_count)).collect::<Vec<_>>();
             println!("pairs same {}", key(&cpu) == key(&gpu));
+            for (p, q) in cpu.contacts.pairs.iter().zip(&gpu.contacts.pairs) {
+                let (dp, dn) = (p.contact.point.distance(q.contact.point), p.contact.normal.distance(q.contact.normal));
+                let mid = |s: &StepState, p: &bevy_faceoff::stages::state::TouchingPair| {
+                    let mut sum = Vec3::ZERO;
+                    let mut w = 0.0;
+                    for f in s.contacts.faces_of(p) {
+                        let l = f.start.distance(f.end);
+                        w += l;
+                        sum += (f.start + f.end) * 0.5 * l;
+                    }
+                    (sum / w, w)
+                };
+                if dp > 1e-4 && p.face_count < 9 {
+                    println!("cpu {:?} {:?} gpu {:?} {:?}", p.contact.point, mid(&cpu, p), q.contact.point, mid(&gpu, q));
+                    for f in cpu.contacts.faces_of(p) { println!("   {f:?}"); }
+                    for f in gpu.contacts.faces_of(q) { println!(" g {f:?}"); }
+                }
+                if dp > 1e-4 || dn > 1e-3 {
+                    println!("{:?} faces {} {} point {dp} normal {dn} contained {}", p.bodies, p.face_count, q.face_count, p.contained);
+                }
+            }
             let mut worst = [0f32; 4];
             for i in 0..cpu.bodies.len() {
                 let (a, b) = (&cpu.bodies, &gpu.bodies);
