@@ -81,7 +81,8 @@ pub struct StepReport {
     pub step: u64,
     /// Bodies that took part.
     pub bodies: usize,
-    /// Wall time of each stage, in the order of [`Stage::ALL`].
+    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU that
+    /// has no time stamps.
     pub stages: [Duration; 5],
     /// Wall time of the whole step, copying components in and results out included.
     pub total: Duration,
@@ -102,7 +103,7 @@ pub struct StepReport {
 }
 
 impl StepReport {
-    /// Wall time of one stage.
+    /// Time of one stage; see [`StepReport::stages`].
     pub fn time(&self, stage: Stage) -> Duration {
         self.stages[stage as usize]
     }

@@ -16,6 +16,7 @@
 //! [`FaceoffStep`](plugin::FaceoffStep).
 
 pub mod asset;
+pub mod backend;
 pub mod collisions;
 pub mod components;
 pub mod diagnostics;
@@ -35,6 +36,7 @@ mod sync;
 /// What most programs need: `use bevy_faceoff::prelude::*;`
 pub mod prelude {
     pub use crate::asset::CollisionMesh;
+    pub use crate::backend::{ActiveBackend, BackendFailed};
     pub use crate::collisions::{Collision, Collisions, StepReport};
     pub use crate::components::*;
     pub use crate::events::{BodyRejected, CollisionEnd, CollisionStart};

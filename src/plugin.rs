@@ -1,5 +1,6 @@
 //! The plugin groups, the step's schedule and its ordered sets.
 
+use crate::backend::{ActiveBackend, BackendFailed, Engine};
 use crate::collisions::{Collisions, StepReport};
 use crate::components::*;
 use crate::diagnostics::FaceoffDiagnosticsPlugin;
@@ -81,6 +82,9 @@ pub struct StepPlugin {
 pub struct FaceoffStep;
 
 /// The parts of [`FaceoffStep`], in order.
+///
+/// On a GPU all five stages are one submission, made and waited for in [`FaceoffSystems::BroadPhase`]; systems between
+/// them see its results.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FaceoffSystems {
     /// Copies components into the stages' arrays and leaves out what cannot be used.
@@ -121,20 +125,24 @@ impl Plugin for StepPlugin {
             .init_resource::<StepReport>()
             .add_message::<CollisionStart>()
             .add_message::<CollisionEnd>()
-            .add_message::<BodyRejected>();
+            .add_message::<BodyRejected>()
+            .add_message::<BackendFailed>();
         register_types(app);
 
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
-            .thread_name(|i| format!("faceoff step {i}"))
-            .build();
-        match pool {
-            Ok(pool) => {
-                info!("collisions run on the CPU with {} threads", pool.current_num_threads());
-                app.insert_resource(Step::new(pool));
+        match Engine::new(self.backend, self.threads) {
+            Ok((engine, active)) => {
+                match &active {
+                    ActiveBackend::Gpu { adapter } => info!("collisions run on the GPU: {adapter}"),
+                    ActiveBackend::Cpu { threads, reason } => {
+                        info!("collisions run on the CPU with {threads} threads: {reason}");
+                    }
+                    ActiveBackend::None { .. } => {}
+                }
+                app.insert_resource(active).insert_resource(Step::new(engine));
             }
-            Err(error) => {
-                error!("no collisions are found and no body moves: there are no threads to work on: {error}");
+            Err(reason) => {
+                error!("no collisions are found and no body moves: {reason}");
+                app.insert_resource(ActiveBackend::None { reason });
                 return;
             }
         }
@@ -160,14 +168,14 @@ impl Plugin for StepPlugin {
             )
             .add_systems((
                 collect::collect.in_set(FaceoffSystems::Collect),
-                (publish::write_back, publish::publish)
+                (publish::write_back, publish::publish, publish::tell_failure)
                     .chain()
                     .in_set(FaceoffSystems::Publish),
             ));
         for stage in Stage::ALL {
             let run = move |mut step: ResMut<Step>| {
-                let Step { pool, state, .. } = &mut *step;
-                pool.install(|| stage.run_on_cpu(state));
+                let Step { engine, state, .. } = &mut *step;
+                engine.run(stage, state);
             };
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
@@ -200,5 +208,5 @@ fn register_types(app: &mut App) {
 pub fn threads(world: &World) -> usize {
     world
         .get_resource::<Step>()
-        .map_or(0, |step| step.pool.current_num_threads())
+        .map_or(0, |step| step.engine.pool.current_num_threads())
 }

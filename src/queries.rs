@@ -1,6 +1,8 @@
 //! Questions asked outside a simulation.
 
 use crate::asset::{BakedMesh, CollisionMesh};
+#[cfg(feature = "gpu")]
+use crate::gpu::step::{GpuStep, StepError};
 use crate::settings::Culling;
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
@@ -69,6 +71,42 @@ pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, PlacementErr
 /// # Errors
 /// If a placement cannot be used; nothing is checked then.
 pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<TouchingPair>, PlacementError> {
+    let mut state = placed(placements, options)?;
+    for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
+        stage.run_on_cpu(&mut state);
+    }
+    Ok(touching(&state))
+}
+
+/// Why a check on a GPU failed.
+#[cfg(feature = "gpu")]
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum CheckError {
+    /// A placement cannot be used.
+    #[error(transparent)]
+    Placement(#[from] PlacementError),
+    /// The device cannot hold the scene, or failed.
+    #[error(transparent)]
+    Gpu(#[from] StepError),
+}
+
+/// [`check_with`] on a GPU. See [`Backend`](crate::settings::Backend) for how its results may differ.
+///
+/// # Errors
+/// If a placement cannot be used, or the device fails.
+#[cfg(feature = "gpu")]
+pub fn check_on_gpu(
+    placements: &[Placement],
+    options: &CheckOptions,
+    gpu: &mut GpuStep,
+) -> Result<Vec<TouchingPair>, CheckError> {
+    let mut state = placed(placements, options)?;
+    gpu.run(&mut state)?;
+    Ok(touching(&state))
+}
+
+/// The stages' input for a scene.
+fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
     let mut state = StepState::default();
     let mut slots: HashMap<*const BakedMesh, u32> = HashMap::new();
     for (body, placement) in placements.iter().enumerate() {
@@ -85,9 +123,10 @@ pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Ve
             .push(&entry, &state.meshes)
             .map_err(|fault| PlacementError { body, fault })?;
     }
-    for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
-        stage.run_on_cpu(&mut state);
-    }
+    Ok(state)
+}
+
+fn touching(state: &StepState) -> Vec<TouchingPair> {
     let contacts = &state.contacts;
     let touching = |pair: &StagePair| {
         let StagePair { bodies, contained, .. } = *pair;
@@ -100,5 +139,5 @@ pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Ve
             faces,
         }
     };
-    Ok(contacts.pairs.iter().map(touching).collect())
+    contacts.pairs.iter().map(touching).collect()
 }

@@ -67,14 +67,20 @@ pub enum Culling {
     FrontFacing,
 }
 
-/// Where the five stages run.
+/// Where the five stages run; read when the app starts. [`ActiveBackend`](crate::backend::ActiveBackend) tells what was taken.
+///
+/// Both find the same pairs. Where two faces are nearer to touching than rounding can tell, the CPU decides in double
+/// precision; a GPU has none and counts them as touching, up to some millionths of the bodies' size apart.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Resource, Default, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Backend {
-    /// The best backend there is; at present always the CPU.
+    /// A GPU if there is one that is not the CPU in disguise, else the CPU. What is taken, and why, is logged.
     #[default]
     Auto,
+    /// The best adapter there is, even one that computes on the CPU. Without any the step does not run, and an error says
+    /// why.
+    Gpu,
     /// The CPU, on a thread pool of the plugin's own.
     Cpu,
 }

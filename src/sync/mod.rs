@@ -5,6 +5,7 @@ pub(crate) mod publish;
 mod tables;
 
 use crate::asset::CollisionMesh;
+use crate::backend::Engine;
 use crate::stages::bodies::BodyFault;
 use crate::stages::state::{Body, StepState};
 use bevy::platform::collections::HashMap;
@@ -15,9 +16,8 @@ use std::time::Instant;
 #[derive(Resource)]
 pub(crate) struct Step {
     pub state: StepState,
-    /// The threads that the CPU stages run on. A pool of their own: rayon's global one serves jobs from outside last, so
-    /// a bake on it would hold up every step.
-    pub pool: rayon::ThreadPool,
+    /// What runs the stages.
+    pub engine: Engine,
     /// Entity of each body, ascending.
     pub entities: Vec<Entity>,
     /// Entity of each plane, ascending.
@@ -37,10 +37,10 @@ pub(crate) struct Step {
 }
 
 impl Step {
-    pub fn new(pool: rayon::ThreadPool) -> Self {
+    pub fn new(engine: Engine) -> Self {
         Self {
             state: StepState::default(),
-            pool,
+            engine,
             entities: Vec::new(),
             planes: Vec::new(),
             collected: Vec::new(),

@@ -1,6 +1,7 @@
 //! Results to components, resources, messages and events.
 
 use super::Step;
+use crate::backend::{ActiveBackend, BackendFailed};
 use crate::collisions::{Collisions, StepReport};
 use crate::components::*;
 use crate::events::{CollisionEnd, CollisionStart};
@@ -37,6 +38,19 @@ pub(crate) fn write_back(
                 angular.set_if_neq(AngularVelocity(bodies.angular_velocity[i]));
             }
         }
+    }
+}
+
+/// Tells that a device failed.
+pub(crate) fn tell_failure(
+    mut step: ResMut<Step>,
+    mut active: ResMut<ActiveBackend>,
+    mut failed: MessageWriter<BackendFailed>,
+) {
+    if let Some((reason, now)) = step.engine.take_failure() {
+        error!("{reason}");
+        *active = now;
+        failed.write(BackendFailed { reason });
     }
 }
 

@@ -32,7 +32,11 @@ impl Sim {
         app.add_plugins((
             MinimalPlugins,
             FaceoffHeadlessPlugins {
-                step: StepPlugin { threads, ..default() },
+                // What these tests expect to the last bit is the CPU's; a GPU has tests of its own.
+                step: StepPlugin {
+                    backend: Backend::Cpu,
+                    threads,
+                },
                 ..default()
             },
         ));

@@ -2,7 +2,8 @@
 
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::queries::{CheckOptions, Placement, TouchingPair, check_with};
+use bevy_faceoff::gpu::{device, step::GpuStep};
+use bevy_faceoff::queries::{CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu, check_with};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -19,7 +20,7 @@ pub struct Options {
     /// How triangles are chosen for the test.
     #[arg(long, value_enum, default_value = "exact")]
     culling: CullingChoice,
-    /// Where the stages run.
+    /// Where the stages run; auto is the CPU, since opening a GPU takes longer than most checks.
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
     /// List the intersecting faces of each pair.
@@ -72,13 +73,21 @@ struct PairReport<'a> {
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
-    let (BackendChoice::Auto | BackendChoice::Cpu) = options.backend;
     let path = options.scene.as_path();
     let placements = placements(path, options.culling)?;
     let how = CheckOptions {
         culling: options.culling.into(),
     };
-    let pairs = check_with(&placements, &how).map_err(|error| format!("{}: {error}", path.display()))?;
+    let checked = match options.backend {
+        // Opening a device takes longer than most checks.
+        BackendChoice::Auto | BackendChoice::Cpu => check_with(&placements, &how).map_err(CheckError::from),
+        BackendChoice::Gpu => {
+            let gpu = device::open(true).and_then(GpuStep::new);
+            let mut gpu = gpu.map_err(|error| format!("--backend gpu: {error}"))?;
+            check_on_gpu(&placements, &how, &mut gpu)
+        }
+    };
+    let pairs = checked.map_err(|error| format!("{}: {error}", path.display()))?;
     let report = Report {
         pairs: pairs.iter().map(|pair| PairReport::new(pair, options.faces)).collect(),
     };

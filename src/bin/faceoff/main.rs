@@ -74,8 +74,10 @@ impl From<CullingChoice> for Culling {
 /// Where the stages run.
 #[derive(Clone, Copy, ValueEnum)]
 enum BackendChoice {
-    /// The best there is; at present the CPU.
+    /// A GPU if there is one, else the CPU.
     Auto,
+    /// The best GPU adapter there is, even one that computes on the CPU.
+    Gpu,
     /// The CPU.
     Cpu,
 }

@@ -84,6 +84,8 @@ struct Meta {
     side: f32,
     culling: &'static str,
     backend: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adapter: Option<String>,
     threads: usize,
     response: &'static str,
     dt: f64,
@@ -133,6 +135,7 @@ pub fn run(options: &Options) -> Outcome {
     };
     let backend = match options.backend {
         BackendChoice::Auto => Backend::Auto,
+        BackendChoice::Gpu => Backend::Gpu,
         BackendChoice::Cpu => Backend::Cpu,
     };
 
@@ -156,8 +159,8 @@ pub fn run(options: &Options) -> Outcome {
         ResponseChoice::None => Response::None,
         ResponseChoice::Impulse => Response::Impulse,
     });
-    if bevy_faceoff::plugin::threads(app.world()) == 0 {
-        return Err("the operating system gives no threads to work on: try fewer --threads".into());
+    if let ActiveBackend::None { reason } = app.world().resource() {
+        return Err(format!("nothing can run the stages: {reason}").into());
     }
     let handle = app
         .world_mut()
@@ -188,6 +191,7 @@ pub fn run(options: &Options) -> Outcome {
     }
     progress.finish_and_clear();
 
+    let active = app.world().resource::<ActiveBackend>().clone();
     let record = Record {
         meta: Meta {
             version: env!("CARGO_PKG_VERSION"),
@@ -198,7 +202,11 @@ pub fn run(options: &Options) -> Outcome {
             speed: scene.speed,
             side: scene.side,
             culling: options.culling.name(),
-            backend: "cpu",
+            backend: active.name(),
+            adapter: match &active {
+                ActiveBackend::Gpu { adapter } => Some(adapter.clone()),
+                _ => None,
+            },
             threads: bevy_faceoff::plugin::threads(app.world()),
             response: match options.response {
                 ResponseChoice::None => "none",
@@ -255,11 +263,16 @@ fn summary(record: &Record) -> String {
         speed,
         threads,
         culling,
+        adapter,
         ..
     } = &record.meta;
+    let place = match adapter {
+        Some(adapter) => format!("GPU, {adapter}; stages in device time"),
+        None => format!("CPU, {threads} threads"),
+    };
     let mut text = format!(
-        "{bodies} bodies of {triangles} triangles ({shape}) in a box of {side:.2} m, up to {speed} m/s; CPU, {threads} \
-         threads, {culling}; medians of {} steps\n\n",
+        "{bodies} bodies of {triangles} triangles ({shape}) in a box of {side:.2} m, up to {speed} m/s; {place}, \
+         {culling}; medians of {} steps\n\n",
         record.steps.len()
     );
     let mut row = |name: &str, unit: &str, value: &dyn Fn(&StepRecord) -> f64| {
