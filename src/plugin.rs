@@ -130,15 +130,16 @@ impl Plugin for StepPlugin {
         register_types(app);
 
         match Engine::new(self.backend, self.threads) {
-            Ok((engine, active)) => {
-                match &active {
+            Ok(engine) => {
+                match engine.active() {
                     ActiveBackend::Gpu { adapter } => info!("collisions run on the GPU: {adapter}"),
                     ActiveBackend::Cpu { threads, reason } => {
                         info!("collisions run on the CPU with {threads} threads: {reason}");
                     }
                     ActiveBackend::None { .. } => {}
                 }
-                app.insert_resource(active).insert_resource(Step::new(engine));
+                app.insert_resource(engine.active().clone())
+                    .insert_resource(Step::new(engine));
             }
             Err(reason) => {
                 error!("no collisions are found and no body moves: {reason}");
@@ -209,4 +210,10 @@ pub fn threads(world: &World) -> usize {
     world
         .get_resource::<Step>()
         .map_or(0, |step| step.engine.pool.current_num_threads())
+}
+
+/// The device that the stages run on, if it is a GPU.
+#[cfg(feature = "gpu")]
+pub fn gpu(world: &World) -> Option<&crate::gpu::device::Gpu> {
+    world.get_resource::<Step>()?.engine.gpu()
 }

@@ -47,9 +47,9 @@ pub(crate) fn tell_failure(
     mut active: ResMut<ActiveBackend>,
     mut failed: MessageWriter<BackendFailed>,
 ) {
-    if let Some((reason, now)) = step.engine.take_failure() {
+    if let Some(reason) = step.engine.take_failure() {
         error!("{reason}");
-        *active = now;
+        *active = step.engine.active().clone();
         failed.write(BackendFailed { reason });
     }
 }
