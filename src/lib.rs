@@ -19,6 +19,8 @@ pub mod asset;
 pub mod backend;
 pub mod collisions;
 pub mod components;
+#[cfg(feature = "debug_gizmos")]
+pub mod debug;
 pub mod diagnostics;
 pub mod events;
 pub mod geometry;

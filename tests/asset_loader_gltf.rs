@@ -1,52 +1,14 @@
-//! glTF files through Bevy's asset server, beside a loader that owns their extensions, as Bevy's own does.
+//! glTF files through Bevy's asset server. `bevy_gltf.rs` has Bevy's own loader beside ours.
 
 mod asset_app;
 mod gltf_files;
 
 use asset_app::*;
-use bevy::asset::io::Reader;
-use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
 use bevy_faceoff::asset::{CollisionMesh, CollisionMeshSettings, register};
 use bevy_faceoff::geometry::shapes;
-use gltf_files::*;
+use gltf_files::{Gltf, U16};
 use serde_json::json;
-
-/// What the owner of the extensions makes of a file.
-#[derive(Asset, TypePath)]
-struct DrawnScene;
-
-#[derive(Asset, TypePath)]
-struct DrawnMesh(usize);
-
-#[derive(TypePath)]
-struct SceneLoader;
-
-impl AssetLoader for SceneLoader {
-    type Asset = DrawnScene;
-    type Settings = ();
-    type Error = std::io::Error;
-    async fn load(
-        &self,
-        reader: &mut dyn Reader,
-        _: &(),
-        context: &mut LoadContext<'_>,
-    ) -> std::io::Result<DrawnScene> {
-        let mut bytes = Vec::new();
-        reader.read_to_end(&mut bytes).await?;
-        context.add_labeled_asset("Mesh0", DrawnMesh(bytes.len()));
-        Ok(DrawnScene)
-    }
-    fn extensions(&self) -> &[&str] {
-        &["gltf", "glb"]
-    }
-}
-
-fn register_scene_loader(app: &mut App) {
-    app.init_asset::<DrawnScene>()
-        .init_asset::<DrawnMesh>()
-        .register_asset_loader(SceneLoader);
-}
 
 fn two_meshes() -> Gltf {
     let mut gltf = Gltf::of(&shapes::torus_240());
@@ -54,45 +16,6 @@ fn two_meshes() -> Gltf {
     let cube = gltf.mesh("Cube", vec![primitive]);
     gltf.root_node(json!({"mesh": cube, "translation": [9, 0, 0]}));
     gltf
-}
-
-#[test]
-fn the_owner_of_the_extensions_keeps_them() {
-    for ours_first in [true, false] {
-        let folder = tempfile::tempdir().unwrap();
-        let glb = two_meshes().glb();
-        for name in ["a.glb", "b.glb", "c.glb"] {
-            write(folder.path(), name, &glb);
-        }
-        let mut app = app(plain(folder.path()));
-        if ours_first {
-            register(&mut app);
-        }
-        register_scene_loader(&mut app);
-        if !ours_first {
-            register(&mut app);
-        }
-        finish(&mut app);
-        let server = server(&app);
-
-        // By label alone, by label after the collision mesh, and the other way round.
-        let drawn: Handle<DrawnMesh> = server.load("a.glb#Mesh0");
-        settle(&mut app, &drawn).unwrap();
-        assert_eq!(loaded(&mut app, "a.glb").unwrap().mesh.triangles().len(), 252);
-        assert_eq!(loaded(&mut app, "b.glb").unwrap().mesh.triangles().len(), 252);
-        let drawn: Handle<DrawnMesh> = server.load("b.glb#Mesh0");
-        settle(&mut app, &drawn).unwrap();
-        assert_eq!(
-            app.world().resource::<Assets<DrawnMesh>>().get(&drawn).unwrap().0,
-            glb.len()
-        );
-        let scene: Handle<DrawnScene> = server.load("c.glb");
-        let mesh: Handle<CollisionMesh> = server.load("c.glb");
-        settle(&mut app, &scene).unwrap();
-        settle(&mut app, &mesh).unwrap();
-        let untyped = server.load_builder().load_untyped("c.glb");
-        settle(&mut app, &untyped).unwrap();
-    }
 }
 
 #[test]

@@ -47,6 +47,34 @@ fn lists_with_and_without_indices() {
 }
 
 #[test]
+fn a_collision_mesh_is_drawn_face_by_face() {
+    let (vertices, mut faces) = (
+        shapes::torus_240().vertices().to_vec(),
+        shapes::torus_240().triangles().to_vec(),
+    );
+    faces.iter_mut().for_each(|face| face.swap(0, 1));
+    let inward = TriMesh::new(vertices, faces).unwrap();
+    for mesh in [shapes::torus_240(), inward] {
+        let baked = CollisionMesh::new(&mesh);
+        let drawn = baked.to_bevy_mesh();
+        let back = TriMesh::try_from(&drawn).unwrap();
+        assert_eq!(back.orientation(), Orientation::Outward);
+        let normals = drawn.attribute(Mesh::ATTRIBUTE_NORMAL).unwrap().as_float3().unwrap();
+        for t in 0..240 {
+            let sorted = |mut corners: [Vec3; 3]| {
+                corners.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap());
+                corners
+            };
+            assert_eq!(sorted(back.corners(t)), sorted(baked.mesh.corners(t)));
+            let [a, b, c] = back.corners(t);
+            for normal in &normals[3 * t..3 * t + 3] {
+                assert!((b - a).cross(c - a).normalize().distance(Vec3::from(*normal)) < 1e-6);
+            }
+        }
+    }
+}
+
+#[test]
 fn strips_and_shapes_of_bevy() {
     // A tetrahedron is a strip that comes back to its first two corners.
     let corners = vec![[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];

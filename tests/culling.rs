@@ -1,5 +1,6 @@
 //! The approximate culling modes: what they find, and whose faces they look at.
 
+use bevy::prelude::Transform;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::direction::{Angles, DirectionGrid};
 use bevy_faceoff::geometry::{Orientation, TriMesh, shapes};
@@ -230,11 +231,31 @@ fn a_body_in_a_baked_direction_looks_up_that_directions_group() {
             View::Group(table.directions()[index as usize]),
             "direction {index}"
         );
+        // The question asked from outside the step has the same answer.
+        let pose = Transform {
+            translation: -(rotation * (scale * mesh.mass.center)),
+            rotation,
+            scale,
+        };
+        let lit = mesh.faces_towards(&pose, offset).expect("a table and a direction");
+        assert!(lit == table.of_direction(index), "direction {index}");
         let back = Angles::of(-offset);
         let steps = [back.a, back.b].map(|angle| (angle.to_degrees() / 10.0).round() as i32);
         let [a, b] = steps.map(|step| step.rem_euclid(36) as u32);
         assert_eq!(views[1], View::Group(table.directions()[grid.index_at(a, b) as usize]));
     }
+}
+
+#[test]
+fn without_table_or_direction_nothing_is_known_of_what_is_seen() {
+    let mesh = baked(&shapes::torus_240(), 30, 32);
+    let pose = Transform::from_xyz(1.0, 2.0, 3.0);
+    let center = pose.transform_point(mesh.mass.center);
+    assert!(mesh.faces_towards(&pose, center + Vec3::X).is_some());
+    assert!(mesh.faces_towards(&pose, center).is_none());
+    assert!(mesh.faces_towards(&pose, Vec3::NAN).is_none());
+    let bare = CollisionMesh::new(&shapes::torus_240());
+    assert!(bare.faces_towards(&pose, center + Vec3::X).is_none());
 }
 
 #[test]

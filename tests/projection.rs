@@ -5,8 +5,6 @@ use bevy_faceoff::geometry::{Orientation, TriMesh};
 use bevy_faceoff::projection::raster::Raster;
 use bevy_faceoff::projection::{BakeSettings, Cancelled, FaceTable, HeightImage, Progress, SettingsError, bake_pool};
 use glam::{DVec3, Vec3};
-use proptest::prelude::*;
-use std::sync::OnceLock;
 
 #[path = "projection/meshes.rs"]
 mod meshes;
@@ -411,61 +409,6 @@ fn extreme_meshes_can_be_baked() {
             FaceTable::decode(&table.encode(), mesh.triangles().len() as u32, &settings(15, 64)),
             Ok(table)
         );
-    }
-}
-
-fn coarse_table() -> &'static (FaceTable, Vec<u8>) {
-    static TABLE: OnceLock<(FaceTable, Vec<u8>)> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        let table = bake(&mesh(torus()), &settings(30, 64));
-        let bytes = table.encode();
-        (table, bytes)
-    })
-}
-
-#[test]
-fn truncated_tables_are_refused() {
-    let (_, bytes) = coarse_table();
-    for len in 0..bytes.len() {
-        assert!(FaceTable::decode(&bytes[..len], 240, &settings(30, 64)).is_err());
-    }
-    let longer: Vec<u8> = bytes.iter().copied().chain([0]).collect();
-    assert!(FaceTable::decode(&longer, 240, &settings(30, 64)).is_err());
-    // Many triangles, few bytes: one list with one triangle, then nothing changes in any other direction.
-    let mut bomb = vec![0xff, 0xff, 0xff, 0xff, 0x0f, 1, 1, 1, 0];
-    for _ in 0..64_441 {
-        bomb.extend([2, 1, 0]);
-    }
-    assert!(FaceTable::decode(&bomb, u32::MAX, &settings(1, 64)).is_ok());
-}
-
-proptest! {
-    #[test]
-    fn damaged_tables_never_panic(flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
-        let (_, bytes) = coarse_table();
-        let mut bytes = bytes.clone();
-        for (at, value) in flips {
-            let at = at.index(bytes.len());
-            bytes[at] ^= value;
-        }
-        if let Ok(table) = FaceTable::decode(&bytes, 240, &settings(30, 64)) {
-            // Whatever was accepted is a table of this mesh.
-            prop_assert!((0..12).all(|a| (0..12).all(|b| table.at(a, b).iter().all(|t| t < 240))));
-            prop_assert_eq!(FaceTable::decode(&table.encode(), 240, &settings(30, 64)), Ok(table));
-        }
-    }
-
-    #[test]
-    fn random_bytes_never_panic(tail in prop::collection::vec(any::<u8>(), 0..400), triangles in any::<u32>()) {
-        let mut bytes = Vec::new();
-        let mut n = triangles;
-        while n >= 0x80 {
-            bytes.push(n as u8 | 0x80);
-            n >>= 7;
-        }
-        bytes.extend([n as u8, 90]);
-        bytes.extend(tail);
-        let _ = FaceTable::decode(&bytes, triangles, &settings(90, 64));
     }
 }
 

@@ -1,10 +1,11 @@
-//! Collision meshes from Bevy's own meshes. Needs the feature `bevy_mesh`.
+//! Collision meshes from Bevy's own meshes, and back. Needs the feature `bevy_mesh`.
 //!
 //! The round shapes that Bevy builds, spheres and tori say, have a seam whose two sides differ by a rounding error. They
 //! collide, but count as open meshes: a body wholly inside one is not found, and its mass is that of its box.
 
 use super::collision_mesh::CollisionMesh;
-use crate::geometry::{MeshError, TriMesh};
+use crate::geometry::{MeshError, Orientation, TriMesh};
+use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use thiserror::Error;
@@ -113,5 +114,28 @@ impl CollisionMesh {
     /// If the mesh is not in the main world, has no positions or no triangles.
     pub fn from_bevy_mesh(mesh: &Mesh) -> Result<Self, BevyMeshError> {
         Ok(Self::new(&TriMesh::try_from(mesh)?))
+    }
+
+    /// The mesh as Bevy draws it, every triangle flat and with corners of its own: corners `3 t`, `3 t + 1` and `3 t + 2` are
+    /// those of triangle `t` of [`BakedMesh::mesh`](super::BakedMesh::mesh). It has positions and normals. To look at what
+    /// collides, and to colour single faces; a game draws a model of its own.
+    pub fn to_bevy_mesh(&self) -> Mesh {
+        let mesh = &self.mesh;
+        let inward = mesh.orientation() == Orientation::Inward;
+        let mut positions = Vec::with_capacity(3 * mesh.triangles().len());
+        let mut normals = Vec::with_capacity(3 * mesh.triangles().len());
+        for t in 0..mesh.triangles().len() {
+            let mut corners = mesh.corners(t);
+            if inward {
+                corners.swap(1, 2);
+            }
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            positions.extend(corners.map(|corner| corner.to_array()));
+            normals.extend([normal.to_array(); 3]);
+        }
+        Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+            .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
     }
 }

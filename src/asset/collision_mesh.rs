@@ -2,7 +2,7 @@
 
 use crate::geometry::cluster::cluster_order;
 use crate::geometry::{MassProperties, Orientation, TriMesh};
-use crate::projection::{BakeSettings, Cancelled, FaceTable, Progress, SupportHeights};
+use crate::projection::{BakeSettings, Cancelled, FaceTable, Group, Progress, SupportHeights};
 use bevy::prelude::*;
 use std::fmt;
 use std::ops::Deref;
@@ -67,6 +67,18 @@ impl CollisionMesh {
     /// Heights and clusters only, which takes milliseconds and no pool.
     pub fn new(mesh: &TriMesh) -> Self {
         prepare(mesh, BakeSettings::default()).into()
+    }
+
+    /// The *faces of collision* that the mesh, placed by `pose`, shows a body whose centre of mass is at `point`, both in
+    /// the world: triangles of [`BakedMesh::mesh`] that can be seen from there, along the line of centres. `None` without a
+    /// face table, and where the centres coincide, since then there is no direction.
+    pub fn faces_towards(&self, pose: &Transform, point: Vec3) -> Option<Group<'_>> {
+        let to_point = point - pose.transform_point(self.mass.center);
+        // Directions between points of a mesh are scaled as the mesh is.
+        let local = pose.rotation.inverse() * to_point / pose.scale;
+        (local.is_finite() && local != Vec3::ZERO)
+            .then(|| self.faces.as_ref())?
+            .map(|table| table.group(local))
     }
 
     /// The same mesh baked with other settings; only the face table is made anew.

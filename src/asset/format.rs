@@ -31,7 +31,7 @@ use thiserror::Error;
 /// The first bytes of every `.faceoff` file.
 pub const MAGIC: [u8; 8] = *b"FACEOFF\0";
 /// Changes when the meaning of a file's bytes changes. Files of another version are refused.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 /// Changes when the same source and settings bake to something else. Older files still load, but are not up to date.
 pub const BAKER_VERSION: u32 = 1;
 /// Length of the header in bytes; enough for [`read_header`].

@@ -41,7 +41,12 @@ impl<'t> Group<'t> {
         Self { bytes, triangles }
     }
 
-    fn is_bits(&self) -> bool {
+    /// The stored form.
+    pub(super) fn bytes(&self) -> &'t [u8] {
+        self.bytes
+    }
+
+    pub(super) fn is_bits(&self) -> bool {
         self.bytes.len() == bits_len(self.triangles)
     }
 
@@ -194,9 +199,10 @@ pub(super) fn pack_bits(words: &[u64], triangles: u32, out: &mut Vec<u8>) {
 /// Appends the stored form of the set given as an ascending list.
 pub(super) fn pack_list(list: &[u32], triangles: u32, out: &mut Vec<u8>) {
     if is_list(list.len(), triangles) {
-        let width = index_width(triangles);
-        for t in list {
-            out.extend_from_slice(&t.to_le_bytes()[..width]);
+        match index_width(triangles) {
+            1 => out.extend(list.iter().map(|&t| t as u8)),
+            2 => out.extend(list.iter().flat_map(|&t| (t as u16).to_le_bytes())),
+            _ => out.extend(list.iter().flat_map(|t| t.to_le_bytes())),
         }
     } else {
         let start = out.len();
@@ -216,6 +222,29 @@ pub(super) struct GroupStore {
 }
 
 impl GroupStore {
+    /// An empty store with room for so many groups and their bytes, and no more; `None` if there is no memory.
+    pub fn with_capacity(groups: usize, bytes: u64) -> Option<Self> {
+        let mut store = Self::default();
+        store.ends.try_reserve_exact(groups).ok()?;
+        store.data.try_reserve_exact(usize::try_from(bytes).ok()?).ok()?;
+        Some(store)
+    }
+
+    /// Adds a group, equal to another or not, and returns its number; `None` if there is no room.
+    pub fn push_within_capacity(&mut self, bytes: &[u8]) -> Option<u32> {
+        if self.ends.len() == self.ends.capacity() || bytes.len() > self.data.capacity() - self.data.len() {
+            return None;
+        }
+        self.data.extend_from_slice(bytes);
+        self.ends.push(self.data.len() as u64);
+        Some(self.ends.len() as u32 - 1)
+    }
+
+    /// Bytes of all groups together.
+    pub fn data_bytes(&self) -> usize {
+        self.data.len()
+    }
+
     pub fn len(&self) -> usize {
         self.ends.len()
     }

@@ -9,6 +9,7 @@
 
 mod bake;
 mod codec;
+mod decode;
 pub mod faces;
 mod groups;
 pub mod heights;

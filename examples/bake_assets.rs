@@ -1,0 +1,107 @@
+//! Meshes baked ahead of time by Bevy's asset processor, as a game would have it: source files in one folder, what the
+//! game is shipped with in another.
+//!
+//! `cargo run --release --example bake_assets`
+//!
+//! Starts a program over a folder of assets three times: the first bakes, the second finds nothing to do, the third
+//! is what players get, with no processor and no source files. All folders are temporary. A game sets
+//! `AssetPlugin::mode` to `AssetMode::Processed`, as here, and leaves the rest at its defaults: the folders `assets` and
+//! `imported_assets`, and a processor if Bevy's feature `asset_processor` is on.
+
+use bevy::app::ScheduleRunnerPlugin;
+use bevy::asset::LoadState;
+use bevy::asset::processor::{AssetProcessor, FileTransactionLogFactory};
+use bevy::prelude::*;
+use bevy::tasks::block_on;
+use bevy_faceoff::asset::to_obj;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::prelude::*;
+use std::error::Error;
+use std::path::Path;
+use std::time::{Duration, Instant, SystemTime};
+
+const RECIPE: &str = "knot.bake.ron";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = tempfile::tempdir()?;
+    let folder = folder.path();
+    let sources = folder.join("assets");
+    std::fs::create_dir(&sources)?;
+    std::fs::write(sources.join("knot.obj"), to_obj(&shapes::knot_1120()))?;
+    std::fs::write(
+        sources.join(RECIPE),
+        "(mesh: \"knot.obj\", settings: (faces: true, degrees: 3))",
+    )?;
+
+    let first = start(folder, true)?;
+    let baked_at = time_of_bake(folder)?;
+    // Coarse clocks would give two bakes in quick succession the same time.
+    std::thread::sleep(Duration::from_millis(50));
+    let second = start(folder, true)?;
+    assert_eq!(time_of_bake(folder)?, baked_at, "the second start baked again");
+    println!("the second start baked nothing");
+
+    std::fs::remove_dir_all(&sources)?;
+    let shipped = start(folder, false)?;
+    assert!(first == second && second == shipped, "all three are the same mesh");
+    println!("the third got along without {}", sources.display());
+    Ok(())
+}
+
+/// One start of the program: loads the recipe and says how long it took.
+fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> {
+    let began = Instant::now();
+    let text = |path: &Path| path.to_string_lossy().into_owned();
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
+        FaceoffHeadlessPlugins {
+            assets: AssetPlugin {
+                mode: AssetMode::Processed,
+                file_path: text(&folder.join("assets")),
+                processed_file_path: text(&folder.join("imported_assets")),
+                use_asset_processor_override: Some(process),
+                ..default()
+            },
+            ..default()
+        },
+    ));
+    // Bevy keeps a log in the working folder, to repair what a crash left half done.
+    if let Some(processor) = app.world().get_resource::<AssetProcessor>() {
+        let file_path = folder.join("log");
+        processor
+            .data()
+            .set_log_factory(Box::new(FileTransactionLogFactory { file_path }))
+            .map_err(|_| "the processor has begun already")?;
+    }
+    app.finish();
+    app.cleanup();
+
+    let server = app.world().resource::<AssetServer>().clone();
+    let handle: Handle<CollisionMesh> = server.load(RECIPE);
+    let mesh = loop {
+        app.update();
+        match server.load_state(&handle) {
+            LoadState::Failed(error) => return Err(error.to_string().into()),
+            _ if began.elapsed() > Duration::from_secs(300) => return Err("it takes too long".into()),
+            _ => {}
+        }
+        if let Some(mesh) = app.world().resource::<Assets<CollisionMesh>>().get(&handle) {
+            break mesh.clone();
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    if let Some(processor) = app.world().get_resource::<AssetProcessor>().cloned() {
+        block_on(processor.data().wait_until_finished());
+    }
+    println!(
+        "{}: {RECIPE} there after {:.0} ms, {mesh:?}",
+        if process { "with processor" } else { "as shipped" },
+        began.elapsed().as_secs_f64() * 1e3
+    );
+    Ok(mesh)
+}
+
+fn time_of_bake(folder: &Path) -> std::io::Result<SystemTime> {
+    folder.join("imported_assets").join(RECIPE).metadata()?.modified()
+}

@@ -1,0 +1,138 @@
+//! What the examples share: an app that opens a window, or with `--headless` runs its steps as fast as it can.
+//!
+//! | argument | effect |
+//! |---|---|
+//! | `--headless` | no window and no GPU: runs as many fixed steps as the example says, then ends |
+//! | `--frames N` | ends after N steps (headless) or N frames (window) |
+//! | `--screenshot FILE` | saves the last of these frames as a picture; needs `--frames` |
+#![allow(dead_code, reason = "no example uses all of it")]
+
+#[cfg(feature = "window")]
+pub mod window;
+
+use bevy::app::ScheduleRunnerPlugin;
+use bevy::asset::LoadState;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::prelude::*;
+use std::path::PathBuf;
+use std::process::exit;
+use std::time::Duration;
+
+/// Length of a fixed step, Bevy's default.
+const STEP: Duration = Duration::from_nanos(15_625_000);
+
+/// The command line.
+#[derive(Resource, Clone, Default)]
+pub struct Options {
+    pub headless: bool,
+    pub frames: Option<u32>,
+    pub screenshot: Option<PathBuf>,
+}
+
+impl Options {
+    fn parse() -> Self {
+        let mut options = Self::default();
+        let mut args = std::env::args().skip(1);
+        while let Some(arg) = args.next() {
+            match arg.as_str() {
+                "--headless" => options.headless = true,
+                "--frames" => match args.next().and_then(|n| n.parse().ok()) {
+                    Some(frames) => options.frames = Some(frames),
+                    None => usage("--frames needs a number"),
+                },
+                "--screenshot" => match args.next() {
+                    Some(file) => options.screenshot = Some(file.into()),
+                    None => usage("--screenshot needs a file"),
+                },
+                other => usage(&format!("unknown argument {other}")),
+            }
+        }
+        if options.screenshot.is_some() && (options.headless || options.frames.is_none()) {
+            usage("--screenshot needs a window and --frames");
+        }
+        options
+    }
+}
+
+fn usage(what: &str) -> ! {
+    eprintln!("{what}; arguments: [--headless] [--frames N] [--screenshot FILE.png]");
+    exit(2)
+}
+
+/// An app with Bevy's plugins and ours. Without a window it runs `steps` fixed steps, unless `--frames` says otherwise.
+pub fn app(title: &str, steps: u32) -> App {
+    let options = Options::parse();
+    let mut app = App::new();
+    app.insert_resource(options.clone());
+    if options.headless {
+        app.add_plugins((
+            MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
+            FaceoffHeadlessPlugins::default(),
+        ));
+        let steps = options.frames.unwrap_or(steps);
+        app.set_runner(move |app| run_headless(app, steps));
+    } else {
+        #[cfg(feature = "window")]
+        window::open(&mut app, title);
+        #[cfg(not(feature = "window"))]
+        {
+            eprintln!("{title}: built without windows; add --features window, or run it with -- --headless");
+            exit(2);
+        }
+    }
+    app
+}
+
+/// Waits for the meshes, then runs one step per update, however long it takes.
+fn run_headless(mut app: App, steps: u32) -> AppExit {
+    app.finish();
+    app.cleanup();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+    loop {
+        app.update();
+        if let Some(exit) = app.should_exit() {
+            return exit;
+        }
+        match meshes_loaded(app.world_mut()) {
+            Ok(true) => break,
+            Ok(false) => std::thread::sleep(Duration::from_millis(1)),
+            Err(error) => {
+                eprintln!("{error}");
+                return AppExit::error();
+            }
+        }
+    }
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
+    for _ in 0..steps {
+        app.update();
+        if let Some(exit) = app.should_exit() {
+            return exit;
+        }
+    }
+    AppExit::Success
+}
+
+fn meshes_loaded(world: &mut World) -> Result<bool, String> {
+    let mut colliders = world.query::<&MeshCollider>();
+    let (server, meshes) = (
+        world.resource::<AssetServer>(),
+        world.resource::<Assets<CollisionMesh>>(),
+    );
+    for MeshCollider(handle) in colliders.iter(world) {
+        if let LoadState::Failed(error) = server.load_state(handle) {
+            return Err(error.to_string());
+        }
+        if !meshes.contains(handle) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
+}
+
+/// Six planes that face each other, `half` metres from the origin.
+pub fn spawn_box(commands: &mut Commands, half: f32) {
+    for side in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+        commands.spawn((PlaneCollider::through(half * side, -side), Restitution::new(1.0)));
+    }
+}

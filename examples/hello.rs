@@ -1,0 +1,60 @@
+//! Two tori collide.
+//!
+//! * `cargo run --release --example hello --features window` shows them in a window;
+//! * `cargo run --release --example hello -- --headless` needs neither window nor GPU, and prints what happens.
+//!
+//! `common` opens the window, which in your own game `DefaultPlugins` do. Everything else is here.
+
+mod common;
+
+use bevy::prelude::*;
+use bevy_faceoff::prelude::*;
+
+fn main() -> AppExit {
+    common::app("hello", 64 * 6)
+        .insert_resource(Gravity(Vec3::ZERO))
+        .add_systems(Startup, spawn)
+        // After every step, not every frame: a slow frame runs several steps.
+        .add_systems(FixedLast, report)
+        .run()
+}
+
+fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+    // A recipe: it names the mesh and how to bake it. Bodies wait until that is done.
+    let torus: Handle<CollisionMesh> = assets.load("torus.bake.ron");
+    for (name, side) in [("left", -1.0), ("right", 1.0)] {
+        commands.spawn((
+            Name::new(name),
+            RigidBody::Dynamic,
+            MeshCollider(torus.clone()),
+            Transform::from_xyz(1.2 * side, 0.1 * side, 0.0).with_rotation(Quat::from_rotation_x(0.8 * side)),
+            LinearVelocity(Vec3::X * -side),
+            AngularVelocity(Vec3::new(0.4, 0.7 * side, 0.2)),
+            Restitution::new(1.0),
+        ));
+    }
+    common::spawn_box(&mut commands, 1.5);
+}
+
+/// Only bodies have names: what touches a wall is not told.
+fn report(
+    mut started: MessageReader<CollisionStart>,
+    mut ended: MessageReader<CollisionEnd>,
+    collisions: Res<Collisions>,
+    names: Query<&Name>,
+    time: Res<Time<Fixed>>,
+) {
+    let seconds = time.elapsed_secs();
+    for &CollisionStart { entity1, entity2 } in started.read() {
+        let Ok([one, other]) = names.get_many([entity1, entity2]) else {
+            continue;
+        };
+        let faces = collisions.get(entity1, entity2).map_or(0, |hit| hit.faces.len());
+        println!("{seconds:.2} s: {one} and {other} touch, with {faces} pairs of faces");
+    }
+    for &CollisionEnd { entity1, entity2 } in ended.read() {
+        if let Ok([one, other]) = names.get_many([entity1, entity2]) {
+            println!("{seconds:.2} s: {one} and {other} part");
+        }
+    }
+}
