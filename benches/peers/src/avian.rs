@@ -9,8 +9,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use std::collections::HashMap;
 
-/// The scene in avian, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and never
-/// sleep, steps as long as ours.
+/// The scene in avian, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and
+/// never sleep, steps as long as ours.
 pub struct Avian {
     app: App,
     indices: HashMap<Entity, u32>,

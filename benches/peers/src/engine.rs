@@ -1,7 +1,7 @@
 //! An engine that runs whole steps, and the process it runs in.
 //!
-//! Each engine has a process of its own, which does one step whenever it reads a line: so steps of different engines take
-//! turns, and an engine that panics, hangs or eats all time ends without ending the others.
+//! Each engine has a process of its own, which does one step whenever it reads a line: so steps of different engines
+//! take turns, and an engine that panics, hangs or eats all time ends without ending the others.
 
 use crate::scene::{Scene, Shape};
 use crate::{avian, ours, rapier};

@@ -1,12 +1,12 @@
-//! The slow truth about a pair on which two libraries differ: all triangles of one body against all of the other, in double
-//! precision, from the scene alone. It shares no code with either.
+//! The slow truth about a pair on which two libraries differ: all triangles of one body against all of the other, in
+//! double precision, from the scene alone. It shares no code with either.
 
 use crate::scene::Scene;
 use bevy::math::{DMat3, DVec3};
 use serde::Serialize;
 
-/// By how much of the pair's size single precision can be wrong about where a body is, here: ten units in the last place of a
-/// coordinate at the border of the box.
+/// By how much of the pair's size single precision can be wrong about where a body is, here: ten units in the last
+/// place of a coordinate at the border of the box.
 pub const ROUNDING: f64 = 1.0e-5;
 
 /// A pair on which a peer and we differ.

@@ -1,8 +1,8 @@
 //! bevy_faceoff beside parry3d, rapier3d and avian3d, on the paper's scenes:
 //! `cargo run --release --manifest-path benches/peers/Cargo.toml`.
 //!
-//! No first hit's time is printed unless the answers are the same, or a slow and independent test finds ours right where they
-//! differ; each difference is printed.
+//! No first hit's time is printed unless the answers are the same, or a slow and independent test finds ours right
+//! where they differ; each difference is printed.
 
 mod avian;
 mod engine;

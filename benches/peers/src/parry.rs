@@ -1,4 +1,5 @@
-//! parry3d: first hits and contact manifolds of pairs of triangle meshes, and pairs of overlapping boxes by its hierarchy.
+//! parry3d: first hits and contact manifolds of pairs of triangle meshes, and pairs of overlapping boxes by its
+//! hierarchy.
 
 use crate::scene::{STEP, Scene};
 use parry3d::bounding_volume::Aabb;
@@ -52,8 +53,8 @@ impl Parry {
         }
     }
 
-    /// The same pairs, each with the body of the larger box first: parry goes through all of the first mesh's triangles near the
-    /// second, so the order matters, and it sorts pairs in this way itself for contact manifolds only.
+    /// The same pairs, each with the body of the larger box first: parry goes through all of the first mesh's triangles
+    /// near the second, so the order matters, and it sorts pairs in this way itself for contact manifolds only.
     pub fn larger_first(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let size = |i: u32| self.boxes[i as usize].half_extents().length_squared();
         let sorted = |&[a, b]: &[u32; 2]| if size(a) < size(b) { [b, a] } else { [a, b] };

@@ -8,8 +8,8 @@ use rapier3d::math::{Pose, Rotation, Vector};
 use rapier3d::prelude::{ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder};
 use std::collections::HashMap;
 
-/// The scene in rapier, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and never
-/// sleep, steps as long as ours.
+/// The scene in rapier, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and
+/// never sleep, steps as long as ours.
 pub struct Rapier {
     world: PhysicsWorld,
     indices: HashMap<ColliderHandle, u32>,

@@ -2,12 +2,13 @@
 
 use crate::engine::{Kind, THREADS};
 use crate::judge::Dispute;
-use crate::narrow::{FirstHits, Narrow};
+use crate::narrow::{Narrow, ParryNarrow};
 use crate::parry::PREDICTIONS;
 use crate::scene::Shape;
 use crate::steps::Run;
 use crate::timing::{median, ratio};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Everything that was measured.
 #[derive(Serialize)]
@@ -165,11 +166,17 @@ impl Report {
             }
         }
         for narrow in &self.narrow {
-            narrow.parry.first_hits.print_disputes(narrow.shape, "as they come");
-            narrow
-                .parry
-                .larger_first
-                .print_disputes(narrow.shape, "larger body first");
+            let ParryNarrow {
+                first_hits,
+                larger_first,
+                ..
+            } = &narrow.parry;
+            // Most disputes do not hang on the order.
+            let disputes = first_hits.disputes.iter().chain(&larger_first.disputes);
+            let disputes: BTreeMap<[u32; 2], &Dispute> = disputes.map(|d| (d.pair, d)).collect();
+            for dispute in disputes.values() {
+                print_dispute(narrow.shape, dispute);
+            }
         }
     }
 
@@ -225,10 +232,10 @@ impl Report {
             self.bodies
         );
         println!(
-            "| shape | engine | steps | first, ms | median, ms | ours over the same steps, ms | times ours | first step: touching \
+            "| shape | engine | steps | first, ms | median, ms | ours over the same steps, ms | times ours | times ours, steps 2 to 8 | first step: touching \
              by both, only ours, only it | touching pairs, median | |"
         );
-        println!("|---|---|---|---|---|---|---|---|---|---|");
+        println!("|---|---|---|---|---|---|---|---|---|---|---|");
         for (shape, runs) in &self.steps {
             let ours = &runs[0].seconds;
             for run in runs {
@@ -240,19 +247,22 @@ impl Report {
                 let steps = run.seconds.len();
                 let failure = run.failure.as_deref().unwrap_or_default();
                 if steps == 0 {
-                    println!("| {} | {name} | 0 | | | | | | | {failure} |", shape.name());
+                    println!("| {} | {name} | 0 | | | | | | | | {failure} |", shape.name());
                     continue;
                 }
                 let ms = |times: &[f64]| median(times.iter().copied()) * 1e3;
                 let same = &ours[..steps.min(ours.len())];
+                let early = run.seconds.get(1..8).zip(ours.get(1..8));
                 let [both, only_ours, only_it] = run.first;
                 println!(
-                    "| {} | {name} | {steps} | {:.2} | {:.2} | {:.2} | {} | {both}, {only_ours}, {only_it} | {} | {failure} |",
+                    "| {} | {name} | {steps} | {:.2} | {:.2} | {:.2} | {} | {} | {both}, {only_ours}, {only_it} | {} | {failure} |",
                     shape.name(),
                     run.seconds[0] * 1e3,
                     ms(&run.seconds),
                     ms(same),
                     cut(ratio(&run.seconds, same)),
+                    // Later, the engines differ in how many pairs still touch.
+                    early.map_or(String::new(), |(run, ours)| cut(ratio(run, ours))),
                     median(run.touching.iter().map(|&n| n as f64))
                 );
             }
@@ -260,28 +270,24 @@ impl Report {
     }
 }
 
-impl FirstHits {
-    fn print_disputes(&self, shape: Shape, order: &str) {
-        for dispute in &self.disputes {
-            let Dispute {
-                pair, ours, distance, ..
-            } = dispute;
-            println!(
-                "\n{}, {order}: {} says that bodies {} and {} touch; in double precision their surfaces {}: {}.",
-                shape.name(),
-                if *ours { "only ours" } else { "only parry3d" },
-                pair[0],
-                pair[1],
-                match distance {
-                    0.0 => "intersect".into(),
-                    d => format!("are {:.4} mm apart", d * 1e3),
-                },
-                match (dispute.rounding, dispute.is_our_fault()) {
-                    (true, _) => "a matter of rounding",
-                    (_, true) => "ours is wrong",
-                    (_, false) => "parry3d is wrong",
-                }
-            );
+fn print_dispute(shape: Shape, dispute: &Dispute) {
+    let Dispute {
+        pair, ours, distance, ..
+    } = dispute;
+    println!(
+        "\n{}: {} says that bodies {} and {} touch; in double precision their surfaces {}: {}.",
+        shape.name(),
+        if *ours { "only ours" } else { "only parry3d" },
+        pair[0],
+        pair[1],
+        match distance {
+            0.0 => "intersect".into(),
+            d => format!("are {:.4} mm apart", d * 1e3),
+        },
+        match (dispute.rounding, dispute.is_our_fault()) {
+            (true, _) => "a matter of rounding",
+            (_, true) => "ours is wrong",
+            (_, false) => "parry3d is wrong",
         }
-    }
+    );
 }

@@ -32,8 +32,8 @@ pub fn pool(threads: usize) -> rayon::ThreadPool {
         .expect("threads to work on")
 }
 
-/// Arithmetic in registers, in equal pieces: it needs no memory and waits for nothing, so that two threads halve its time
-/// as far as the machine has two cores to give.
+/// Arithmetic in registers, in equal pieces: it needs no memory and waits for nothing, so that two threads halve its
+/// time as far as the machine has two cores to give.
 pub fn control() {
     (0..64_u32).into_par_iter().for_each(|piece| {
         let mut x = piece + 1;
