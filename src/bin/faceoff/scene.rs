@@ -1,4 +1,5 @@
-//! The scene of Aly & Elawady 2010: bodies in a box, random poses, sizes and velocities.
+//! The scene of Aly & Elawady 2010: bodies in a box, random poses, sizes and velocities. `benches/peers` includes this file, to
+//! give other engines the same scene.
 
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;

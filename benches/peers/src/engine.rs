@@ -1,0 +1,160 @@
+//! An engine that runs whole steps, and the process it runs in.
+//!
+//! Each engine has a process of its own, which does one step whenever it reads a line: so steps of different engines
+//! take turns, and an engine that panics, hangs or eats all time ends without ending the others.
+
+use crate::scene::{Scene, Shape};
+use crate::{avian, ours, rapier};
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How many threads each engine has.
+pub const THREADS: usize = 2;
+
+/// Whole steps of a simulation.
+pub trait Engine {
+    /// Does one step and tells how many seconds it took.
+    fn step(&mut self) -> f64;
+
+    /// Pairs of bodies that touched in the last step, in the engine's own sense of the word, walls left out.
+    fn touching(&mut self) -> Vec<[u32; 2]>;
+}
+
+/// The engines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// bevy_faceoff.
+    Ours,
+    /// rapier3d.
+    Rapier,
+    /// avian3d.
+    Avian,
+}
+
+/// What a step took and found.
+#[derive(Serialize, Deserialize)]
+pub struct Step {
+    /// How long it took.
+    pub seconds: f64,
+    /// Which bodies touched; the smaller index first, ascending.
+    pub touching: Vec<[u32; 2]>,
+}
+
+/// Runs an engine in this process: one step for each line of standard input, one line of JSON for each step.
+pub fn serve(kind: Kind, scene: &Scene) {
+    let mut engine: Box<dyn Engine> = match kind {
+        Kind::Ours => Box::new(ours::Faceoff::new(scene)),
+        Kind::Rapier => Box::new(rapier::Rapier::new(scene)),
+        Kind::Avian => Box::new(avian::Avian::new(scene)),
+    };
+    let mut out = std::io::stdout();
+    for _ in std::io::stdin().lines().map_while(Result::ok) {
+        let seconds = engine.step();
+        let mut touching = engine.touching();
+        for pair in &mut touching {
+            pair.sort_unstable();
+        }
+        touching.sort_unstable();
+        touching.dedup();
+        let line = serde_json::to_string(&Step { seconds, touching }).expect("numbers");
+        if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
+            return;
+        }
+    }
+}
+
+/// An engine in a process of its own.
+pub struct Process {
+    child: Child,
+    orders: Option<ChildStdin>,
+    answers: Receiver<String>,
+    complaints: Option<JoinHandle<String>>,
+    left: Duration,
+}
+
+impl Process {
+    /// Starts an engine, which may take `limit` in all.
+    pub fn start(kind: Kind, shape: Shape, bodies: usize, seed: u64, limit: Duration) -> std::io::Result<Self> {
+        let mut child = Command::new(std::env::current_exe()?)
+            .args(["--serve", name(kind), "--shape", shape.name()])
+            .args(["--bodies", &bodies.to_string(), "--seed", &seed.to_string()])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()?;
+        let (send, answers) = channel();
+        let out = child.stdout.take().expect("it is piped");
+        std::thread::spawn(move || {
+            for line in BufReader::new(out).lines().map_while(Result::ok) {
+                if send.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        let mut errors = child.stderr.take().expect("it is piped");
+        let complaints = std::thread::spawn(move || {
+            let mut text = Vec::new();
+            // What cannot be read is not said.
+            let _ = errors.read_to_end(&mut text);
+            String::from_utf8_lossy(&text).into_owned()
+        });
+        Ok(Self {
+            orders: child.stdin.take(),
+            child,
+            answers,
+            complaints: Some(complaints),
+            left: limit,
+        })
+    }
+
+    /// Has one step done.
+    ///
+    /// # Errors
+    /// How the engine failed, in words.
+    pub fn step(&mut self) -> Result<Step, String> {
+        let start = Instant::now();
+        // A process that is gone is noticed by its silence.
+        let _ = self.orders.as_mut().map(|orders| orders.write_all(b"step\n"));
+        let answer = self.answers.recv_timeout(self.left);
+        self.left = self.left.saturating_sub(start.elapsed());
+        match answer {
+            Ok(line) => serde_json::from_str(&line).map_err(|e| format!("answers {line:?}: {e}")),
+            Err(RecvTimeoutError::Timeout) => Err("out of time".into()),
+            Err(RecvTimeoutError::Disconnected) => Err(self.last_words()),
+        }
+    }
+
+    fn last_words(&mut self) -> String {
+        let status = self.child.wait().map_or_else(|e| e.to_string(), |s| s.to_string());
+        let text = self.complaints.take().and_then(|thread| thread.join().ok());
+        let text = text.unwrap_or_default();
+        let mut lines = text.lines().skip_while(|line| !line.contains("panicked at"));
+        match (lines.next(), lines.next()) {
+            (Some(_), Some(message)) => format!("panics ({status}): {message}"),
+            _ => format!("ends ({status})"),
+        }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.orders = None;
+        // It has no state worth an orderly end.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Ours => "ours",
+        Kind::Rapier => "rapier",
+        Kind::Avian => "avian",
+    }
+}

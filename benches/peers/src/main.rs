@@ -1,0 +1,120 @@
+//! bevy_faceoff beside parry3d, rapier3d and avian3d, on the paper's scenes:
+//! `cargo run --release --manifest-path benches/peers/Cargo.toml`.
+//!
+//! No first hit's time is printed unless the answers are the same, or a slow and independent test finds ours right
+//! where they differ; each difference is printed.
+
+mod avian;
+mod engine;
+mod judge;
+mod narrow;
+mod ours;
+mod parry;
+mod rapier;
+mod report;
+mod scene;
+mod steps;
+mod timing;
+
+use clap::{Parser, ValueEnum};
+use engine::Kind;
+use report::{Machine, Report};
+use scene::{Scene, Shape};
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Times bevy_faceoff beside parry3d, rapier3d and avian3d, and prints tables in Markdown.
+#[derive(Parser)]
+struct Options {
+    /// Compare with these only.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "parry,rapier,avian")]
+    only: Vec<Peer>,
+    /// Of these scenes only.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "torus,knot")]
+    shape: Vec<Shape>,
+    /// How many bodies; the box grows with them.
+    #[arg(long, default_value_t = 2200)]
+    bodies: usize,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Rounds of the narrow phase [default: 15, or 3 with --quick].
+    #[arg(long)]
+    rounds: Option<usize>,
+    /// Whole steps [default: 64, or 8 with --quick].
+    #[arg(long)]
+    steps: Option<usize>,
+    /// Seconds that an engine may take for all its steps of a scene [default: 180, or 20 with --quick].
+    #[arg(long)]
+    limit: Option<u64>,
+    /// A few rounds and steps, in about a minute.
+    #[arg(long)]
+    quick: bool,
+    /// Write all times and counts as JSON to this file.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Be the process of an engine.
+    #[arg(long, value_enum, hide = true)]
+    serve: Option<Kind>,
+}
+
+/// What to compare with.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Peer {
+    /// Narrow and broad phase.
+    Parry,
+    /// Whole steps.
+    Rapier,
+    /// Whole steps.
+    Avian,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse();
+    if let Some(kind) = options.serve {
+        engine::serve(kind, &Scene::new(options.shape[0], options.bodies, options.seed));
+        return Ok(());
+    }
+    let default = |long, quick| if options.quick { quick } else { long };
+    let rounds = options.rounds.unwrap_or(default(15, 3));
+    let steps = options.steps.unwrap_or(default(64, 8));
+    let limit = Duration::from_secs(options.limit.unwrap_or(default(180, 20) as u64));
+    let engines: Vec<Kind> = [(Peer::Rapier, Kind::Rapier), (Peer::Avian, Kind::Avian)]
+        .into_iter()
+        .filter(|(peer, _)| options.only.contains(peer))
+        .map(|(_, kind)| kind)
+        .collect();
+
+    let mut report = Report {
+        machine: Machine::here(),
+        versions: report::versions(),
+        bodies: options.bodies,
+        seed: options.seed,
+        narrow: Vec::new(),
+        steps: Vec::new(),
+    };
+    for &shape in &options.shape {
+        if options.only.contains(&Peer::Parry) {
+            eprintln!("{}: narrow phase ..", shape.name());
+            let scene = Scene::new(shape, options.bodies, options.seed);
+            report.narrow.push(narrow::measure(shape, &scene, rounds));
+        }
+        if !engines.is_empty() {
+            eprintln!("{}: whole steps ..", shape.name());
+            let world = (shape, options.bodies, options.seed);
+            report
+                .steps
+                .push((shape, steps::measure(&engines, world, steps, limit)?));
+        }
+    }
+    report.machine.finish();
+    report.print();
+    if let Some(path) = &options.json {
+        std::fs::write(path, serde_json::to_string_pretty(&report)?)?;
+    }
+    if report.is_our_fault() {
+        return Err("bevy_faceoff errs on a pair that a peer gets right: see the disputes above".into());
+    }
+    Ok(())
+}

@@ -1,0 +1,123 @@
+//! bevy_faceoff: its narrow phase alone, as `benches/narrow_phase` runs it, and a whole headless app.
+
+use crate::engine::{Engine, THREADS};
+use crate::scene::{STEP, Scene, paper};
+use crate::timing::time;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::prelude::*;
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::state::{Body, StepState};
+use std::collections::HashMap;
+
+/// The stages without an app.
+pub struct Stages {
+    state: StepState,
+}
+
+impl Stages {
+    /// Holds the bodies of `scene`.
+    pub fn new(scene: &Scene) -> Self {
+        let mut state = StepState::default();
+        let mesh = state.meshes.add(scene.mesh.clone());
+        for body in &scene.bodies {
+            let Transform {
+                translation,
+                rotation,
+                scale,
+            } = body.pose;
+            let body = Body::at_rest(mesh, translation, rotation, scale);
+            state.bodies.push(&body, &state.meshes).expect("a usable body");
+        }
+        Self { state }
+    }
+
+    /// Finds the pairs whose bounding spheres overlap.
+    pub fn broad_phase(&mut self) {
+        Stage::BroadPhase.run_on_cpu(&mut self.state);
+    }
+
+    /// What [`Self::broad_phase`] found.
+    pub fn sphere_pairs(&self) -> &[[u32; 2]] {
+        &self.state.sphere_pairs
+    }
+
+    /// Finds all intersecting faces of those pairs, with their segments, and the contacts.
+    pub fn narrow_phase(&mut self) {
+        Stage::Angles.run_on_cpu(&mut self.state);
+        Stage::TriangleTest.run_on_cpu(&mut self.state);
+    }
+
+    /// Pairs whose surfaces intersect.
+    pub fn touching(&self) -> Vec<[u32; 2]> {
+        let pairs = self.state.contacts.pairs.iter();
+        pairs.filter(|p| p.face_count > 0).map(|p| p.bodies).collect()
+    }
+
+    /// How many pairs touch only in that one body is wholly inside the other.
+    pub fn contained(&self) -> usize {
+        self.state.contacts.pairs.iter().filter(|p| p.face_count == 0).count()
+    }
+
+    /// How many pairs of faces intersect.
+    pub fn face_pairs(&self) -> usize {
+        self.state.contacts.faces.len()
+    }
+}
+
+/// The app of `faceoff simulate`.
+pub struct Faceoff {
+    app: App,
+    indices: HashMap<Entity, u32>,
+}
+
+impl Faceoff {
+    /// An app that is ready for its first step.
+    pub fn new(scene: &Scene) -> Self {
+        let mut app = App::new();
+        app.add_plugins((
+            MinimalPlugins,
+            FaceoffHeadlessPlugins {
+                step: StepPlugin {
+                    threads: THREADS,
+                    ..default()
+                },
+                ..default()
+            },
+        ))
+        .insert_resource(Time::<Fixed>::from_duration(STEP))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
+        .insert_resource(Gravity(Vec3::ZERO));
+        let mesh = app
+            .world_mut()
+            .resource_mut::<Assets<CollisionMesh>>()
+            .add(scene.mesh.clone());
+        paper::spawn(app.world_mut(), &scene.paper, &scene.mesh, &mesh);
+        app.finish();
+        app.cleanup();
+        // Bevy's first update has no time behind it and runs no step.
+        app.update();
+        let indices = app
+            .world_mut()
+            .query_filtered::<Entity, With<MeshCollider>>()
+            .iter(app.world())
+            .zip(0..)
+            .collect();
+        Self { app, indices }
+    }
+}
+
+impl Engine for Faceoff {
+    fn step(&mut self) -> f64 {
+        time(|| self.app.update()).0
+    }
+
+    fn touching(&mut self) -> Vec<[u32; 2]> {
+        let index = |entity| self.indices[&entity];
+        let collisions = self.app.world().resource::<Collisions>();
+        collisions
+            .iter()
+            .map(|c| [index(c.entity1), index(c.entity2)])
+            .collect()
+    }
+}

@@ -1,0 +1,154 @@
+//! parry3d: first hits and contact manifolds of pairs of triangle meshes, and pairs of overlapping boxes by its
+//! hierarchy.
+
+use crate::scene::{STEP, Scene};
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::{Pose, Rotation, Vector};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+use parry3d::query::details::ContactManifoldsWorkspace;
+use parry3d::query::{self, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use parry3d::shape::{Shape, TriMesh};
+use serde::Serialize;
+
+/// Within how many metres contacts are reported: nothing that gapes, and rapier3d's default.
+pub const PREDICTIONS: [f32; 2] = [0.0, 0.02];
+
+/// The bodies. Each has a mesh of its own, scaled beforehand: parry has no scaled view of a mesh.
+pub struct Parry {
+    meshes: Vec<TriMesh>,
+    poses: Vec<Pose>,
+    boxes: Vec<Aabb>,
+    /// The boxes as they are one step later.
+    later: Vec<Aabb>,
+}
+
+/// What the contact manifolds say.
+#[derive(Clone, Copy, Default, Serialize)]
+pub struct Manifolds {
+    /// Pairs with contacts within the prediction distance.
+    pub near: usize,
+    /// Pairs with contacts that do not gape.
+    pub touching: usize,
+}
+
+impl Parry {
+    /// Holds the bodies of `scene`.
+    pub fn new(scene: &Scene) -> Self {
+        let mesh = |body| {
+            let (vertices, triangles) = scene.scaled_mesh(body);
+            TriMesh::new(vertices.map(|v| Vector::from(v.to_array())).collect(), triangles).expect("a valid mesh")
+        };
+        let meshes: Vec<TriMesh> = scene.bodies.iter().map(mesh).collect();
+        let poses: Vec<Pose> = scene.bodies.iter().map(|b| pose(&b.pose)).collect();
+        let boxes: Vec<Aabb> = meshes.iter().zip(&poses).map(|(m, p)| m.compute_aabb(p)).collect();
+        let later = boxes.iter().zip(&scene.bodies).map(|(aabb, body)| {
+            let way = Vector::from((body.velocity * STEP.as_secs_f32()).to_array());
+            Aabb::new(aabb.mins + way, aabb.maxs + way)
+        });
+        Self {
+            later: later.collect(),
+            meshes,
+            poses,
+            boxes,
+        }
+    }
+
+    /// The same pairs, each with the body of the larger box first: parry goes through all of the first mesh's triangles
+    /// near the second, so the order matters, and it sorts pairs in this way itself for contact manifolds only.
+    pub fn larger_first(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        let size = |i: u32| self.boxes[i as usize].half_extents().length_squared();
+        let sorted = |&[a, b]: &[u32; 2]| if size(a) < size(b) { [b, a] } else { [a, b] };
+        pairs.iter().map(sorted).collect()
+    }
+
+    /// Those of `pairs` whose surfaces intersect; a pair's test ends at the first hit.
+    pub fn first_hits(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
+        let hit = |pair: &&[u32; 2]| {
+            let [a, b] = pair.map(|i| i as usize);
+            query::intersection_test(&self.poses[a], &self.meshes[a], &self.poses[b], &self.meshes[b])
+                .expect("meshes are supported")
+                .intersecting
+        };
+        pairs.iter().filter(hit).copied().collect()
+    }
+
+    /// Contact manifolds of all of `pairs`, from nothing: none is kept from an earlier round.
+    pub fn manifolds(&self, pairs: &[[u32; 2]], prediction: f32) -> Manifolds {
+        let mut found = Manifolds::default();
+        for pair in pairs {
+            let [a, b] = pair.map(|i| i as usize);
+            let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+            let mut workspace: Option<ContactManifoldsWorkspace> = None;
+            DefaultQueryDispatcher
+                .contact_manifolds(
+                    &self.poses[a].inv_mul(&self.poses[b]),
+                    &self.meshes[a],
+                    &self.meshes[b],
+                    prediction,
+                    &mut manifolds,
+                    &mut workspace,
+                )
+                .expect("meshes are supported");
+            let points = || manifolds.iter().flat_map(|m| &m.points);
+            found.near += usize::from(points().next().is_some());
+            found.touching += usize::from(points().any(|p| p.dist <= 0.0));
+        }
+        found
+    }
+}
+
+/// The broad phase. Boxes are computed beforehand, as our bounding spheres are.
+pub struct BroadPhase<'a> {
+    parry: &'a Parry,
+    tree: Bvh,
+    workspace: BvhWorkspace,
+}
+
+impl<'a> BroadPhase<'a> {
+    /// A tree around the bodies.
+    pub fn new(parry: &'a Parry) -> Self {
+        Self {
+            parry,
+            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &parry.boxes),
+            workspace: BvhWorkspace::default(),
+        }
+    }
+
+    /// Builds the tree anew, then finds all pairs of overlapping boxes.
+    pub fn rebuilt(&mut self) -> Vec<[u32; 2]> {
+        self.tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.parry.boxes);
+        self.pairs()
+    }
+
+    /// Fits the tree to where the bodies are one step later, so that [`Self::refitted`] has something to do.
+    pub fn misfit(&mut self) {
+        self.fit(&self.parry.later);
+    }
+
+    /// Fits the tree to bodies that have all moved by one step, then finds all pairs of overlapping boxes.
+    pub fn refitted(&mut self) -> Vec<[u32; 2]> {
+        self.fit(&self.parry.boxes);
+        self.pairs()
+    }
+
+    fn fit(&mut self, boxes: &[Aabb]) {
+        for (aabb, leaf) in boxes.iter().zip(0..) {
+            self.tree.insert_or_update_partially(*aabb, leaf, 0.0);
+        }
+        self.tree.refit(&mut self.workspace);
+    }
+
+    fn pairs(&mut self) -> Vec<[u32; 2]> {
+        let mut pairs = Vec::new();
+        self.tree
+            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut |a, b| pairs.push([a.min(b), a.max(b)]));
+        pairs
+    }
+}
+
+fn pose(transform: &bevy::prelude::Transform) -> Pose {
+    Pose::from_parts(
+        Vector::from(transform.translation.to_array()),
+        Rotation::from_array(transform.rotation.to_array()),
+    )
+}

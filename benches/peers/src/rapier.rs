@@ -1,0 +1,63 @@
+//! rapier3d: whole steps.
+
+use crate::engine::{Engine, THREADS};
+use crate::scene::{STEP, Scene};
+use crate::timing::time;
+use bevy::math::Vec3;
+use rapier3d::math::{Pose, Rotation, Vector};
+use rapier3d::prelude::{ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder};
+use std::collections::HashMap;
+
+/// The scene in rapier, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and
+/// never sleep, steps as long as ours.
+pub struct Rapier {
+    world: PhysicsWorld,
+    indices: HashMap<ColliderHandle, u32>,
+}
+
+impl Rapier {
+    /// A world that is ready for its first step.
+    pub fn new(scene: &Scene) -> Self {
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vector::ZERO;
+        world.integration_parameters.dt = STEP.as_secs_f32();
+        world.configure_thread_pool(THREADS).expect("threads to work on");
+        let mut indices = HashMap::new();
+        for (body, index) in scene.bodies.iter().zip(0..) {
+            let (vertices, triangles) = scene.scaled_mesh(body);
+            let shape = ColliderBuilder::trimesh(vertices.map(vector).collect(), triangles).expect("a valid mesh");
+            let rotation = Rotation::from_array(body.pose.rotation.to_array());
+            let handle = world.insert_body(
+                RigidBodyBuilder::dynamic()
+                    .pose(Pose::from_parts(vector(body.pose.translation), rotation))
+                    .linvel(vector(body.velocity))
+                    .can_sleep(false),
+            );
+            let collider = world.insert_collider(shape.friction(0.0).restitution(1.0), Some(handle));
+            indices.insert(collider, index);
+        }
+        for (center, size) in scene.walls() {
+            let wall = ColliderBuilder::cuboid(size.x, size.y, size.z).translation(vector(center));
+            world.insert_collider(wall.friction(0.0).restitution(1.0), None);
+        }
+        Self { world, indices }
+    }
+}
+
+impl Engine for Rapier {
+    fn step(&mut self) -> f64 {
+        time(|| self.world.step()).0
+    }
+
+    /// Pairs with contacts that its solver works on, gaping ones within its prediction distance included.
+    fn touching(&mut self) -> Vec<[u32; 2]> {
+        let pairs = self.world.contact_pairs().filter(|pair| pair.has_any_active_contact());
+        pairs
+            .filter_map(|pair| Some([*self.indices.get(&pair.collider1)?, *self.indices.get(&pair.collider2)?]))
+            .collect()
+    }
+}
+
+fn vector(v: Vec3) -> Vector {
+    Vector::from(v.to_array())
+}

@@ -1,0 +1,293 @@
+//! The tables on standard output, and the same as JSON.
+
+use crate::engine::{Kind, THREADS};
+use crate::judge::Dispute;
+use crate::narrow::{Narrow, ParryNarrow};
+use crate::parry::PREDICTIONS;
+use crate::scene::Shape;
+use crate::steps::Run;
+use crate::timing::{median, ratio};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Everything that was measured.
+#[derive(Serialize)]
+pub struct Report {
+    /// What it was measured on.
+    pub machine: Machine,
+    /// Version of each library that takes part.
+    pub versions: Vec<(&'static str, String)>,
+    /// How many bodies.
+    pub bodies: usize,
+    /// Of the random numbers.
+    pub seed: u64,
+    /// One per shape.
+    pub narrow: Vec<Narrow>,
+    /// One list of engines per shape.
+    pub steps: Vec<(Shape, Vec<Run>)>,
+}
+
+/// What the operating system says of the machine.
+#[derive(Serialize)]
+pub struct Machine {
+    /// The processor.
+    pub cpu: String,
+    /// How many cores this process may use.
+    pub cores: usize,
+    /// Processes that wanted a core in the last minute: before and after.
+    pub load: [String; 2],
+}
+
+impl Machine {
+    /// This one.
+    pub fn here() -> Self {
+        let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+        let model = text.lines().find_map(|line| line.strip_prefix("model name"));
+        Self {
+            cpu: model.map_or("unknown".into(), |m| m.trim_start_matches([' ', '\t', ':']).into()),
+            cores: std::thread::available_parallelism().map_or(0, usize::from),
+            load: [load(), String::new()],
+        }
+    }
+
+    /// Notes the load at the end.
+    pub fn finish(&mut self) {
+        self.load[1] = load();
+    }
+}
+
+fn load() -> String {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    text.split(' ').next().unwrap_or_default().into()
+}
+
+/// Versions as the lock file has them. avian3d brings an older parry3d of its own; the newest is the one measured.
+pub fn versions() -> Vec<(&'static str, String)> {
+    let lock = include_str!("../Cargo.lock");
+    let version = |name: &str| {
+        let head = format!("name = \"{name}\"\nversion = \"");
+        let last = lock.rsplit_once(&head)?.1;
+        Some(last.split('"').next()?.to_owned())
+    };
+    ["bevy_faceoff", "parry3d", "rapier3d", "avian3d", "bevy"]
+        .into_iter()
+        .map(|name| (name, version(name).unwrap_or_default()))
+        .collect()
+}
+
+/// Cut off, not rounded up: no ratio looks better than it is.
+fn cut(x: f64) -> String {
+    format!("{:.2}", (x * 100.0).floor() / 100.0)
+}
+
+impl Report {
+    /// Whether a dispute was settled against ours.
+    pub fn is_our_fault(&self) -> bool {
+        let hits = self
+            .narrow
+            .iter()
+            .flat_map(|n| [&n.parry.first_hits, &n.parry.larger_first]);
+        hits.flat_map(|hits| &hits.disputes).any(Dispute::is_our_fault)
+    }
+
+    /// Prints the tables.
+    pub fn print(&self) {
+        let Machine { cpu, cores, load } = &self.machine;
+        let versions: Vec<String> = self.versions.iter().map(|(name, v)| format!("{name} {v}")).collect();
+        println!(
+            "{}; {cpu}, {cores} cores, load {} to {}",
+            versions.join(", "),
+            load[0],
+            load[1]
+        );
+        if !self.narrow.is_empty() {
+            self.print_narrow();
+            self.print_broad();
+            self.print_threads();
+        }
+        if !self.steps.is_empty() {
+            self.print_steps();
+        }
+    }
+
+    fn print_narrow(&self) {
+        println!(
+            "\nNarrow phase of the first step of {} bodies, one thread, medians of {} interleaved rounds; ratios are medians \
+             of the rounds' ratios\n",
+            self.bodies,
+            self.narrow[0].ours.len()
+        );
+        println!("| shape | what | us per sphere pair | times ours | touching pairs |");
+        println!("|---|---|---|---|---|");
+        for narrow in &self.narrow {
+            let name = format!("{} {}", narrow.shape.name(), narrow.triangles);
+            let pairs = narrow.sphere_pairs;
+            let micros = |times: &[f64]| median(times.iter().copied()) * 1e6 / pairs as f64;
+            println!(
+                "| {name}, {pairs} sphere pairs | ours, exact: all {} face pairs, with segments and contacts | {:.2} | 1 | {} and \
+                 {} wholly inside another |",
+                narrow.face_pairs,
+                micros(&narrow.ours),
+                narrow.touching,
+                narrow.contained
+            );
+            println!("| {name} | ours, first hit | not in the library | | |");
+            let parry = &narrow.parry;
+            for (order, hits) in [
+                ("as they come", &parry.first_hits),
+                ("larger body first", &parry.larger_first),
+            ] {
+                let same = match hits.disputes.len() {
+                    0 => "the same".into(),
+                    n => format!("and {n} in dispute, see below"),
+                };
+                let [time, times_ours] = if hits.disputes.iter().any(Dispute::is_our_fault) {
+                    ["ours is wrong".into(), String::new()]
+                } else {
+                    let times = &hits.seconds;
+                    [format!("{:.2}", micros(times)), cut(ratio(times, &narrow.ours))]
+                };
+                println!(
+                    "| {name} | parry3d `intersection_test`: first hit, {order} | {time} | {times_ours} | {}, {same} |",
+                    hits.both
+                );
+            }
+            for ((prediction, times), found) in PREDICTIONS.iter().zip(&parry.manifolds).zip(&parry.manifold_pairs) {
+                let near = match found.near - found.touching {
+                    0 => String::new(),
+                    n => format!(", and {n} that gape"),
+                };
+                println!(
+                    "| {name} | parry3d `contact_manifolds` within {prediction} m, from nothing | {:.2} | {} | {}{near} |",
+                    micros(times),
+                    cut(ratio(times, &narrow.ours)),
+                    found.touching,
+                );
+            }
+        }
+        for narrow in &self.narrow {
+            let ParryNarrow {
+                first_hits,
+                larger_first,
+                ..
+            } = &narrow.parry;
+            // Most disputes do not hang on the order.
+            let disputes = first_hits.disputes.iter().chain(&larger_first.disputes);
+            let disputes: BTreeMap<[u32; 2], &Dispute> = disputes.map(|d| (d.pair, d)).collect();
+            for dispute in disputes.values() {
+                print_dispute(narrow.shape, dispute);
+            }
+        }
+    }
+
+    fn print_broad(&self) {
+        println!("\nBroad phase of the same step, one thread, the same rounds\n");
+        println!("| shape | what | ms | times ours | pairs |");
+        println!("|---|---|---|---|---|");
+        let ms = |times: &[f64]| median(times.iter().copied()) * 1e3;
+        for narrow in &self.narrow {
+            let name = narrow.shape.name();
+            println!(
+                "| {name} | ours: grid, from nothing | {:.3} | 1 | {} of spheres |",
+                ms(&narrow.ours_broad),
+                narrow.sphere_pairs
+            );
+            let parry = &narrow.parry;
+            for (what, times) in [
+                ("tree, built anew", &parry.broad_rebuilt),
+                ("tree, fitted to bodies that moved", &parry.broad_refitted),
+            ] {
+                println!(
+                    "| {name} | parry3d: {what} | {:.3} | {} | {} of boxes; misses {} that touch |",
+                    ms(times),
+                    cut(ratio(times, &narrow.ours_broad)),
+                    parry.box_pairs,
+                    parry.boxes_miss
+                );
+            }
+        }
+    }
+
+    fn print_threads(&self) {
+        println!("\nOur narrow phase on two threads, the same rounds; the control is arithmetic in registers\n");
+        println!("| shape | one thread, ms | two threads, ms | times faster | control, times faster |");
+        println!("|---|---|---|---|---|");
+        for narrow in &self.narrow {
+            let ms = |times: &[f64]| median(times.iter().copied()) * 1e3;
+            println!(
+                "| {} | {:.2} | {:.2} | {} | {} |",
+                narrow.shape.name(),
+                ms(&narrow.ours),
+                ms(&narrow.ours_two),
+                cut(ratio(&narrow.ours, &narrow.ours_two)),
+                cut(ratio(&narrow.control[0], &narrow.control[1]))
+            );
+        }
+    }
+
+    fn print_steps(&self) {
+        println!(
+            "\nWhole steps of {} bodies with response, {THREADS} threads each, one step each in turn; medians over the steps done. \
+             Trajectories part after the first step\n",
+            self.bodies
+        );
+        println!(
+            "| shape | engine | steps | first, ms | median, ms | ours over the same steps, ms | times ours | times ours, steps 2 to 8 | first step: touching \
+             by both, only ours, only it | touching pairs, median | |"
+        );
+        println!("|---|---|---|---|---|---|---|---|---|---|---|");
+        for (shape, runs) in &self.steps {
+            let ours = &runs[0].seconds;
+            for run in runs {
+                let name = match run.engine {
+                    Kind::Ours => "ours",
+                    Kind::Rapier => "rapier3d",
+                    Kind::Avian => "avian3d",
+                };
+                let steps = run.seconds.len();
+                let failure = run.failure.as_deref().unwrap_or_default();
+                if steps == 0 {
+                    println!("| {} | {name} | 0 | | | | | | | | {failure} |", shape.name());
+                    continue;
+                }
+                let ms = |times: &[f64]| median(times.iter().copied()) * 1e3;
+                let same = &ours[..steps.min(ours.len())];
+                let early = run.seconds.get(1..8).zip(ours.get(1..8));
+                let [both, only_ours, only_it] = run.first;
+                println!(
+                    "| {} | {name} | {steps} | {:.2} | {:.2} | {:.2} | {} | {} | {both}, {only_ours}, {only_it} | {} | {failure} |",
+                    shape.name(),
+                    run.seconds[0] * 1e3,
+                    ms(&run.seconds),
+                    ms(same),
+                    cut(ratio(&run.seconds, same)),
+                    // Later, the engines differ in how many pairs still touch.
+                    early.map_or(String::new(), |(run, ours)| cut(ratio(run, ours))),
+                    median(run.touching.iter().map(|&n| n as f64))
+                );
+            }
+        }
+    }
+}
+
+fn print_dispute(shape: Shape, dispute: &Dispute) {
+    let Dispute {
+        pair, ours, distance, ..
+    } = dispute;
+    println!(
+        "\n{}: {} says that bodies {} and {} touch; in double precision their surfaces {}: {}.",
+        shape.name(),
+        if *ours { "only ours" } else { "only parry3d" },
+        pair[0],
+        pair[1],
+        match distance {
+            0.0 => "intersect".into(),
+            d => format!("are {:.4} mm apart", d * 1e3),
+        },
+        match (dispute.rounding, dispute.is_our_fault()) {
+            (true, _) => "a matter of rounding",
+            (_, true) => "ours is wrong",
+            (_, false) => "parry3d is wrong",
+        }
+    );
+}

@@ -1,0 +1,75 @@
+//! Whole steps: each engine in a process of its own, one step each in turn.
+
+use crate::engine::{Kind, Process, Step};
+use crate::scene::Shape;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+/// What one engine did.
+#[derive(Serialize)]
+pub struct Run {
+    /// Which engine.
+    pub engine: Kind,
+    /// Seconds of each step.
+    pub seconds: Vec<f64>,
+    /// How many pairs of bodies touched in each step.
+    pub touching: Vec<usize>,
+    /// In the first step, at the poses that all share: pairs that it names and that ours names, that only ours names,
+    /// that only it names.
+    pub first: [usize; 3],
+    /// Why it did not do all steps.
+    pub failure: Option<String>,
+    #[serde(skip)]
+    first_pairs: BTreeSet<[u32; 2]>,
+}
+
+/// Runs ours and `peers` for `steps` steps.
+pub fn measure(
+    peers: &[Kind],
+    (shape, bodies, seed): (Shape, usize, u64),
+    steps: usize,
+    limit: Duration,
+) -> std::io::Result<Vec<Run>> {
+    let mut runs = Vec::new();
+    for &engine in [Kind::Ours].iter().chain(peers) {
+        let run = Run {
+            engine,
+            seconds: Vec::new(),
+            touching: Vec::new(),
+            first: [0; 3],
+            failure: None,
+            first_pairs: BTreeSet::new(),
+        };
+        runs.push((run, Some(Process::start(engine, shape, bodies, seed, limit)?)));
+    }
+    for _ in 0..steps {
+        for (run, process) in &mut runs {
+            let Some(running) = process else { continue };
+            match running.step() {
+                Ok(step) => run.add(step),
+                Err(failure) => {
+                    run.failure = Some(failure);
+                    *process = None;
+                }
+            }
+        }
+    }
+    let mut runs: Vec<Run> = runs.into_iter().map(|(run, _)| run).collect();
+    let ours = runs[0].first_pairs.clone();
+    for run in &mut runs {
+        let both = run.first_pairs.intersection(&ours).count();
+        run.first = [both, ours.len() - both, run.first_pairs.len() - both];
+    }
+    Ok(runs)
+}
+
+impl Run {
+    fn add(&mut self, step: Step) {
+        if self.seconds.is_empty() {
+            self.first_pairs = step.touching.iter().copied().collect();
+        }
+        self.seconds.push(step.seconds);
+        self.touching.push(step.touching.len());
+    }
+}
