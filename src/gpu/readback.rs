@@ -40,16 +40,18 @@ pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
     })
 }
 
-/// Waits for a mapped copy of the first `bytes` of a staging buffer, hands it to `look`, and unmaps it.
+/// Waits for the first `bytes` of a staging buffer, hands them to `look`, and unmaps it.
 ///
 /// # Errors
 /// If the device is lost.
 pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) -> T) -> Result<T, String> {
     let (sender, receiver) = mpsc::channel();
-    staging.map_async(MapMode::Read, ..bytes.max(4), move |result| {
-        // The receiver is gone only if waiting failed, which is reported there.
-        let _ = sender.send(result);
-    });
+    scoped(gpu, || {
+        staging.map_async(MapMode::Read, ..bytes.max(4), move |result| {
+            // The receiver is gone only if waiting failed, which is reported there.
+            let _ = sender.send(result);
+        });
+    })?;
     wait(gpu)?;
     let mapped = receiver.recv().map_err(|error| error.to_string())?;
     mapped.map_err(|error| error.to_string())?;

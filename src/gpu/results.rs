@@ -73,8 +73,8 @@ impl Results {
         if self.lists.as_ref().is_none_or(|lists| lists.size() < total) {
             self.lists = None;
         }
-        let lists = self.lists.get_or_insert_with(|| staging(gpu, total + total / 4));
-        scoped(gpu, || {
+        let lists = scoped(gpu, || {
+            let lists = self.lists.get_or_insert_with(|| staging(gpu, total + total / 4));
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             for (from, range) in wanted {
                 if !range.is_empty() {
@@ -82,6 +82,7 @@ impl Results {
                 }
             }
             gpu.queue.submit([encoder.finish()]);
+            &*lists
         })?;
         map(gpu, lists, total, |bytes| {
             state.sphere_pairs = list(bytes, pairs);
