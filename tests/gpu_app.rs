@@ -1,5 +1,4 @@
 //! The plugin on a GPU: what it says it takes, what it finds, and what happens when the device is lost.
-#![cfg(feature = "gpu")]
 
 mod app;
 mod gpu;
@@ -135,7 +134,11 @@ fn lost_once(_: &Gpu) {
     sim.step(2);
     assert_eq!(failures(&mut sim), 0);
     assert_eq!(active(&sim).name(), "gpu");
-    assert!((sim.position(body).x - 6.0 / 64.0).abs() < 1.0e-6, "six steps: {}", sim.position(body));
+    assert!(
+        (sim.position(body).x - 6.0 / 64.0).abs() < 1.0e-6,
+        "six steps: {}",
+        sim.position(body)
+    );
 }
 
 fn lost_for_good(_: &Gpu) {

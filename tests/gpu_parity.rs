@@ -15,7 +15,12 @@ fn scene(mesh: &CollisionMesh, count: usize, side: f32, seed: u64) -> StepState 
     let mut random = fastrand::Rng::with_seed(seed);
     for _ in 0..count {
         let scale = (0.25 + 1.75 * random.f32()) / (2.0 * mesh.radius);
-        let q = Quat::from_xyzw(random.f32() - 0.5, random.f32() - 0.5, random.f32() - 0.5, random.f32() - 0.5);
+        let q = Quat::from_xyzw(
+            random.f32() - 0.5,
+            random.f32() - 0.5,
+            random.f32() - 0.5,
+            random.f32() - 0.5,
+        );
         let p = Vec3::new(random.f32(), random.f32(), random.f32()) * side;
         let mut body = Body::at_rest(slot, p, q, Vec3::splat(scale));
         body.linear_velocity = Vec3::new(random.f32(), random.f32(), random.f32()) - 0.5;
@@ -55,10 +60,19 @@ fn smoke() {
                 gpu.contacts.triangle_tests
             );
             println!("sphere same {}", cpu.sphere_pairs == gpu.sphere_pairs);
-            let key = |s: &StepState| s.contacts.pairs.iter().map(|p| (p.bodies, p.contained, p.face_count)).collect::<Vec<_>>();
+            let key = |s: &StepState| {
+                s.contacts
+                    .pairs
+                    .iter()
+                    .map(|p| (p.bodies, p.contained, p.face_count))
+                    .collect::<Vec<_>>()
+            };
             println!("pairs same {}", key(&cpu) == key(&gpu));
             for (p, q) in cpu.contacts.pairs.iter().zip(&gpu.contacts.pairs) {
-                let (dp, dn) = (p.contact.point.distance(q.contact.point), p.contact.normal.distance(q.contact.normal));
+                let (dp, dn) = (
+                    p.contact.point.distance(q.contact.point),
+                    p.contact.normal.distance(q.contact.normal),
+                );
                 let mid = |s: &StepState, p: &bevy_faceoff::stages::state::TouchingPair| {
                     let mut sum = Vec3::ZERO;
                     let mut w = 0.0;
@@ -70,12 +84,25 @@ fn smoke() {
                     (sum / w, w)
                 };
                 if dp > 1e-4 && p.face_count < 9 {
-                    println!("cpu {:?} {:?} gpu {:?} {:?}", p.contact.point, mid(&cpu, p), q.contact.point, mid(&gpu, q));
-                    for f in cpu.contacts.faces_of(p) { println!("   {f:?}"); }
-                    for f in gpu.contacts.faces_of(q) { println!(" g {f:?}"); }
+                    println!(
+                        "cpu {:?} {:?} gpu {:?} {:?}",
+                        p.contact.point,
+                        mid(&cpu, p),
+                        q.contact.point,
+                        mid(&gpu, q)
+                    );
+                    for f in cpu.contacts.faces_of(p) {
+                        println!("   {f:?}");
+                    }
+                    for f in gpu.contacts.faces_of(q) {
+                        println!(" g {f:?}");
+                    }
                 }
                 if dp > 1e-4 || dn > 1e-3 {
-                    println!("{:?} faces {} {} point {dp} normal {dn} contained {}", p.bodies, p.face_count, q.face_count, p.contained);
+                    println!(
+                        "{:?} faces {} {} point {dp} normal {dn} contained {}",
+                        p.bodies, p.face_count, q.face_count, p.contained
+                    );
                 }
             }
             let mut worst = [0f32; 4];

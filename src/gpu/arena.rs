@@ -146,8 +146,7 @@ struct Packed(Vec<u32>);
 impl Packed {
     fn points(&mut self, points: impl Iterator<Item = Vec3>) -> u32 {
         let start = self.0.len() as u32;
-        self.0
-            .extend(points.flat_map(|p| p.to_array().map(f32::to_bits)));
+        self.0.extend(points.flat_map(|p| p.to_array().map(f32::to_bits)));
         start
     }
 
@@ -162,9 +161,9 @@ impl Packed {
         let mut nodes = count.div_ceil(8);
         let boxes = self.0.len() as u32;
         for level in &slot.lanes.levels {
-            let all = level
-                .iter()
-                .flat_map(|group| (0..8).flat_map(move |lane| [lane_of(&group.center, lane), lane_of(&group.half, lane)]));
+            let all = level.iter().flat_map(|group| {
+                (0..8).flat_map(move |lane| [lane_of(&group.center, lane), lane_of(&group.half, lane)])
+            });
             self.points(all.take(2 * nodes));
             nodes = nodes.div_ceil(8);
         }

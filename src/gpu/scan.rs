@@ -101,7 +101,13 @@ pub fn exclusive(gpu: &Gpu, values: &[u32]) -> Result<(Vec<u32>, u32), String> {
             values: &array,
             sums: &sums,
         };
-        scan.record(builder, 0, Length::Counter, Some(1), Groups::Exactly(length.div_ceil(BLOCK)));
+        scan.record(
+            builder,
+            0,
+            Length::Counter,
+            Some(1),
+            Groups::Exactly(length.div_ceil(BLOCK)),
+        );
     })?;
     let total = run.read(&counters, 2)?[1];
     Ok((run.read(&array, values.len())?, total))

@@ -5,7 +5,7 @@ use super::buffers::{Buffers, Sizes, TooLarge};
 use super::device::{Gpu, NoGpu};
 use super::kernel::{Builder, Kernel, Kernels, Program};
 use super::layout::{self, COUNTERS, HITS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS};
-use super::readback::{scoped, wait};
+use super::readback::scoped;
 use super::results::Results;
 use super::timer::Timer;
 use super::upload;
@@ -124,13 +124,6 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot hold the lists, or fails. `state` is then as it was, its results stale.
     pub fn run(&mut self, state: &mut StepState) -> Result<(), StepError> {
-        self.run_within(state).map_err(|error| match error {
-            StepError::Device(reason) => StepError::Device(reason),
-            too_large @ StepError::TooLarge(_) => too_large,
-        })
-    }
-
-    fn run_within(&mut self, state: &mut StepState) -> Result<(), StepError> {
         let changes = self.arena.update(&state.meshes);
         let needed = Sizes {
             bodies: state.bodies.len() as u32,
@@ -160,7 +153,9 @@ impl GpuStep {
                 ..Sizes::default()
             })?;
         }
-        Err(StepError::Device("lists stay too short however long they are made".into()))
+        Err(StepError::Device(
+            "lists stay too short however long they are made".into(),
+        ))
     }
 
     /// Makes lists longer where they do not suffice, and tells whether it did; the meshes are written anew then.
@@ -235,14 +230,6 @@ impl GpuStep {
             Some(timer) => timer.read(&self.gpu).unwrap_or_default(),
             None => Default::default(),
         };
-    }
-
-    /// Waits until the device is idle.
-    ///
-    /// # Errors
-    /// If it is lost.
-    pub fn finish(&self) -> Result<(), StepError> {
-        wait(&self.gpu).map_err(StepError::Device)
     }
 }
 

@@ -210,6 +210,10 @@ fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperti
     let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;
     let inertia = DMat3::from_diagonal(glam::DVec3::splat(trace)) - moment;
     let inverse = inertia.inverse();
-    let finite = if inverse.as_mat3().is_finite() { inverse } else { DMat3::ZERO };
+    let finite = if inverse.as_mat3().is_finite() {
+        inverse
+    } else {
+        DMat3::ZERO
+    };
     ((1.0 / mass) as f32, finite)
 }

@@ -50,6 +50,8 @@ impl Folder {
         let output = Command::new(env!("CARGO_BIN_EXE_faceoff"))
             .args(arguments)
             .current_dir(self.0.path())
+            // A Vulkan driver may complain on standard error if there is none.
+            .env("XDG_RUNTIME_DIR", self.0.path())
             .timeout(std::time::Duration::from_secs(300))
             .output()
             .unwrap();

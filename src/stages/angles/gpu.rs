@@ -28,7 +28,14 @@ pub const KERNELS: [&Kernel; 1] = [&ANGLES];
 pub fn record(builder: &mut Builder, b: &Buffers) {
     builder.call(
         &ANGLES,
-        &[&b.meshes, &b.words, &b.counters, &b.bodies, &b.sphere_pairs, &b.near_pairs],
+        &[
+            &b.meshes,
+            &b.words,
+            &b.counters,
+            &b.bodies,
+            &b.sphere_pairs,
+            &b.near_pairs,
+        ],
         Groups::Indirect(GROUPS_PER_64_PAIRS),
     );
 }

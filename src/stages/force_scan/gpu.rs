@@ -77,7 +77,15 @@ pub const KERNELS: [&Kernel; 4] = [&ENTRIES, &SEGMENTS, &COUNTS, &SUMS];
 pub fn record(builder: &mut Builder, b: &Buffers) {
     builder.call(
         &ENTRIES,
-        &[&b.meshes, &b.step, &b.counters, &b.bodies, &b.results, &b.keys[0], &b.values[0]],
+        &[
+            &b.meshes,
+            &b.step,
+            &b.counters,
+            &b.bodies,
+            &b.results,
+            &b.keys[0],
+            &b.values[0],
+        ],
         Groups::Indirect(GROUPS_PER_64_PAIRS),
     );
     let sort = Sort {

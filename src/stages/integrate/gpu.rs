@@ -27,7 +27,15 @@ pub const KERNELS: [&Kernel; 1] = [&MOVE];
 pub fn record(builder: &mut Builder, b: &Buffers) {
     builder.call(
         &MOVE,
-        &[&b.meshes, &b.step, &b.status, &b.counters, &b.impulses, &b.bodies, &b.moved],
+        &[
+            &b.meshes,
+            &b.step,
+            &b.status,
+            &b.counters,
+            &b.impulses,
+            &b.bodies,
+            &b.moved,
+        ],
         Groups::PerBodies(64),
     );
 }
