@@ -1,0 +1,38 @@
+//! The harness of tests that need a graphics card, real or computed on the CPU as by Mesa's lavapipe.
+//!
+//! Without one every test says *ignored*, and why; with `FACEOFF_REQUIRE_GPU=1` it fails instead, so that a machine that
+//! is meant to have one cannot skip them unnoticed. The device is opened once. Tests run one after the other unless told
+//! otherwise: lavapipe uses all cores for each.
+
+use bevy_faceoff::gpu::device::{self, Gpu, NoGpu};
+use libtest_mimic::{Arguments, Completion, Failed, Trial};
+use std::sync::{Arc, OnceLock};
+
+/// A name, and what to do with the device.
+pub type Test = (&'static str, fn(&Gpu));
+
+/// Runs the tests that the command line names, and ends the process.
+pub fn run(tests: &[Test]) -> ! {
+    let mut arguments = Arguments::from_args();
+    arguments.test_threads = arguments.test_threads.or(Some(1));
+    let device: Arc<OnceLock<Result<Gpu, NoGpu>>> = Arc::default();
+    let required = std::env::var_os("FACEOFF_REQUIRE_GPU").is_some_and(|value| value != "0");
+    let trials = tests.iter().map(|&(name, test)| {
+        let device = device.clone();
+        Trial::ignorable_test(name, move || match device.get_or_init(open) {
+            Ok(gpu) => {
+                test(gpu);
+                Ok(Completion::Completed)
+            }
+            Err(reason) if required => Err(Failed::from(reason.to_string())),
+            Err(reason) => Ok(Completion::ignored_with(reason)),
+        })
+    });
+    libtest_mimic::run(&arguments, trials.collect()).exit()
+}
+
+fn open() -> Result<Gpu, NoGpu> {
+    let gpu = device::open(true)?;
+    println!("on {} ({:?})", gpu.info.name, gpu.info.device_type);
+    Ok(gpu)
+}
