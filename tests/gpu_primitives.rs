@@ -1,26 +1,22 @@
-//! Scan and sort against the standard library's, and dispatches of any size.
-#![cfg(feature = "gpu")]
+//! Scan, sort and dispatches of any size, each against the plainest code that does the same.
 
-use bevy_faceoff::gpu::{device, radix_sort, scan};
+mod gpu;
 
-#[test]
-fn smoke() {
-    let gpu = device::open(true).unwrap();
-    println!("{:?}", gpu.info);
-    for n in [0usize, 1, 255, 256, 257, 5000, 1_000_000] {
-        let values: Vec<u32> = (0..n as u32).map(|i| i.wrapping_mul(2654435761) >> 20).collect();
-        let (before, total) = scan::exclusive(&gpu, &values).unwrap();
-        let mut sum = 0u32;
-        for (v, b) in values.iter().zip(&before) {
-            assert_eq!(sum, *b);
-            sum += v;
-        }
-        assert_eq!(total, sum);
-        let keys: Vec<u32> = values.iter().map(|v| v * 3).collect();
-        let (sorted, from) = radix_sort::sort(&gpu, &keys, 16).unwrap();
-        let mut want: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
-        want.sort();
-        let got: Vec<(u32, u32)> = sorted.into_iter().zip(from).collect();
-        assert!(want == got, "{n}");
-    }
+#[path = "gpu_primitives/dispatch.rs"]
+mod dispatch;
+#[path = "gpu_primitives/scan_sort.rs"]
+mod scan_sort;
+
+fn main() {
+    gpu::run(&[
+        ("scan", scan_sort::scans),
+        ("scan_wraps_at_2_to_the_32", scan_sort::a_scan_wraps),
+        ("sort", scan_sort::sorts),
+        ("sort_of_any_number_of_bits", scan_sort::sorts_keys_of_any_width),
+        ("sort_is_stable", scan_sort::a_sort_is_stable),
+        ("direct_dispatches", dispatch::direct),
+        ("indirect_dispatches", dispatch::indirect),
+        ("arguments_that_the_broad_phase_writes", dispatch::of_the_broad_phase),
+        ("no_work_for_lists_that_do_not_fit", dispatch::nothing_after_overflow),
+    ])
 }

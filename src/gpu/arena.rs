@@ -1,5 +1,6 @@
 //! The meshes on the device: one array of words for all, and a header for each.
 
+use super::buffers::TooLarge;
 use super::layout::{self, CLOSED, INWARD, MIXED, OPEN, OUTWARD};
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
@@ -22,6 +23,9 @@ struct Resident {
     header: layout::Mesh,
 }
 
+/// Eight levels of boxes with eight children each, as the shared arrays of `triangle_test.wgsl` hold them.
+const MAX_TRIANGLES: u64 = 1 << 24;
+
 /// What must be written to the device.
 pub enum Change {
     /// Words from this index on.
@@ -33,7 +37,10 @@ pub enum Change {
 impl Arena {
     /// Makes the arena hold what `meshes` holds, and tells what to write. Meshes that are there already stay where they
     /// are.
-    pub fn update(&mut self, meshes: &MeshArena) -> Vec<Change> {
+    ///
+    /// # Errors
+    /// If the tree over some mesh's triangles is higher than the kernels can go down.
+    pub fn update(&mut self, meshes: &MeshArena) -> Result<Vec<Change>, TooLarge> {
         let mut changes = Vec::new();
         self.slots.resize_with(self.slots.len().max(meshes.len()), || None);
         for number in 0..self.slots.len() as u32 {
@@ -48,6 +55,14 @@ impl Arena {
                 self.release(held.words);
             }
             if let Some(slot) = wanted {
+                let triangles = slot.mesh.mesh.triangles().len() as u64;
+                if triangles > MAX_TRIANGLES {
+                    return Err(TooLarge {
+                        what: "triangles of one mesh",
+                        bytes: 36 * triangles,
+                        limit: 36 * MAX_TRIANGLES,
+                    });
+                }
                 let mut packed = Packed::default();
                 let relative = packed.mesh(slot);
                 let words = self.reserve(packed.0.len() as u32);
@@ -61,7 +76,7 @@ impl Arena {
                 });
             }
         }
-        changes
+        Ok(changes)
     }
 
     /// Everything that is there, for an array that was made anew and is empty.
@@ -104,7 +119,8 @@ impl Arena {
             return reserved;
         }
         let start = self.end;
-        self.end += length;
+        // No device holds as much as that: making room fails next.
+        self.end = self.end.saturating_add(length);
         start..self.end
     }
 

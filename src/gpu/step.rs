@@ -124,7 +124,7 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot hold the lists, or fails. `state` is then as it was, its results stale.
     pub fn run(&mut self, state: &mut StepState) -> Result<(), StepError> {
-        let changes = self.arena.update(&state.meshes);
+        let changes = self.arena.update(&state.meshes)?;
         let needed = Sizes {
             bodies: state.bodies.len() as u32,
             planes: state.planes.len() as u32,

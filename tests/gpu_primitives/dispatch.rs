@@ -1,0 +1,175 @@
+//! More workgroups than one dimension holds: every one runs, once, whoever counted them.
+
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::gpu::kernel::{Builder, Groups, Kernel, Kernels, MAX_ROW, read, rows, write};
+use bevy_faceoff::gpu::layout::{
+    COUNTERS, ENTRIES, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_PAIR, GROUPS_PER_SORT_BLOCK, PAIRS,
+    SKIPPED, SPHERE_PAIRS, Step,
+};
+use bevy_faceoff::gpu::readback::{read_words, scoped};
+use bevy_faceoff::gpu::{radix_sort, scan};
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::broad_phase::gpu::ARGUMENTS;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{Buffer, BufferUsages};
+
+/// Around a row, the round figures of real steps, and far beyond.
+const COUNTS: [u32; 8] = [0, 1, MAX_ROW - 1, MAX_ROW, MAX_ROW + 1, 70_000, 2 * MAX_ROW, 5_000_000];
+
+/// Counts how often each group runs, and those that are none of the wanted.
+const MARK: Kernel = Kernel {
+    name: "test/mark",
+    source: "
+        #import faceoff::dispatch::group_index
+        @group(0) @binding(0) var<storage, read> wanted: array<u32>;
+        @group(0) @binding(1) var<storage, read_write> marks: array<atomic<u32>>;
+        @compute @workgroup_size(1)
+        fn main(@builtin(workgroup_id) group: vec3<u32>) {
+            let i = group_index(group);
+            atomicAdd(&marks[min(i, wanted[0])], 1u);
+        }
+    ",
+    emit: false,
+    workgroup: 1,
+    bindings: &[read(0, "wanted", "u32"), write(1, "marks", "u32")],
+};
+
+/// The device's own `rows`, into the first slot.
+const ROWS: Kernel = Kernel {
+    name: "test/rows",
+    source: "
+        #import faceoff::dispatch::rows
+        @group(0) @binding(0) var<storage, read> wanted: array<u32>;
+        @group(0) @binding(1) var<storage, read_write> arguments: array<u32>;
+        @compute @workgroup_size(1)
+        fn main() {
+            let r = rows(wanted[0]);
+            arguments[0] = r.x;
+            arguments[1] = r.y;
+            arguments[2] = r.z;
+        }
+    ",
+    emit: false,
+    workgroup: 1,
+    bindings: &[read(0, "wanted", "u32"), write(1, "arguments", "u32")],
+};
+
+fn buffer(gpu: &Gpu, words: &[u32], usage: BufferUsages) -> Buffer {
+    gpu.device.create_buffer_init(&BufferInitDescriptor {
+        label: Some("test"),
+        contents: bytemuck::cast_slice(words),
+        usage: usage | BufferUsages::STORAGE | BufferUsages::COPY_SRC,
+    })
+}
+
+/// Runs what `add` adds; indirect dispatches take their groups from `arguments`.
+fn run(gpu: &Gpu, kernels: &Kernels, arguments: &Buffer, add: impl FnOnce(&mut Builder)) {
+    scoped(gpu, || {
+        let mut builder = Builder::new(gpu, kernels);
+        add(&mut builder);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let program = builder.finish();
+        program.record(Stage::BroadPhase, &mut encoder, 0, arguments, None);
+        gpu.queue.submit([encoder.finish()]);
+    })
+    .unwrap();
+}
+
+/// Every group below `wanted` ran once; of those beyond, which `rows` allows, there are fewer than a row.
+fn check_marks(gpu: &Gpu, marks: &Buffer, wanted: u32) {
+    let marks = read_words(gpu, marks, wanted as usize + 1).unwrap();
+    let wrong = marks[..wanted as usize].iter().position(|&mark| mark != 1);
+    assert_eq!(wrong, None, "of {wanted} groups");
+    let [x, y, z] = rows(wanted);
+    assert_eq!(marks[wanted as usize], x * y * z - wanted);
+}
+
+pub fn direct(gpu: &Gpu) {
+    let kernels = Kernels::new(gpu, [&MARK]).unwrap();
+    let arguments = buffer(gpu, &[0; 4], BufferUsages::INDIRECT);
+    for wanted in COUNTS {
+        let count = buffer(gpu, &[wanted], BufferUsages::empty());
+        let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
+        run(gpu, &kernels, &arguments, |builder| {
+            builder.call(&MARK, &[&count, &marks], Groups::Exactly(wanted));
+        });
+        check_marks(gpu, &marks, wanted);
+    }
+}
+
+pub fn indirect(gpu: &Gpu) {
+    let kernels = Kernels::new(gpu, [&MARK, &ROWS]).unwrap();
+    for wanted in COUNTS {
+        let arguments = buffer(gpu, &[0; 4], BufferUsages::INDIRECT);
+        let count = buffer(gpu, &[wanted], BufferUsages::empty());
+        let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
+        run(gpu, &kernels, &arguments, |builder| {
+            builder.call(&ROWS, &[&count, &arguments], Groups::Exactly(1));
+            builder.call(&MARK, &[&count, &marks], Groups::Indirect(0));
+        });
+        assert_eq!(read_words(gpu, &arguments, 3).unwrap(), rows(wanted));
+        check_marks(gpu, &marks, wanted);
+    }
+}
+
+/// What the kernel writes that ends the broad phase: counters and arguments.
+fn broad_phase_arguments(gpu: &Gpu, kernels: &Kernels, pairs: u32, capacity: u32) -> [Buffer; 2] {
+    let step = Step {
+        pair_capacity: capacity,
+        ..Default::default()
+    };
+    let words: &[u32] = bytemuck::cast_slice(std::slice::from_ref(&step));
+    let step = buffer(gpu, words, BufferUsages::UNIFORM);
+    let status = buffer(gpu, &[0; 4], BufferUsages::empty());
+    let mut start = [0; COUNTERS as usize];
+    start[SPHERE_PAIRS as usize] = pairs;
+    let counters = buffer(gpu, &start, BufferUsages::empty());
+    // What an earlier step left there must not matter.
+    let arguments = buffer(gpu, &[77; 16], BufferUsages::INDIRECT);
+    run(gpu, kernels, &arguments, |builder| {
+        builder.call(&ARGUMENTS, &[&step, &status, &counters, &arguments], Groups::Exactly(1));
+    });
+    [counters, arguments]
+}
+
+/// The four indirect dispatches of a step.
+fn slots(pairs: u32) -> [(u32, u32); 4] {
+    let blocks = (2 * pairs).div_ceil(radix_sort::BLOCK);
+    [
+        (GROUPS_PER_64_PAIRS, pairs.div_ceil(64)),
+        (GROUPS_PER_PAIR, pairs),
+        (GROUPS_PER_SORT_BLOCK, blocks),
+        (GROUPS_PER_DIGIT_BLOCK, (256 * blocks).div_ceil(scan::BLOCK)),
+    ]
+}
+
+pub fn of_the_broad_phase(gpu: &Gpu) {
+    let kernels = Kernels::new(gpu, [&MARK, &ARGUMENTS]).unwrap();
+    for pairs in [0, 1, 64, 65, MAX_ROW + 1, 70_000, 5_000_000] {
+        let [counters, arguments] = broad_phase_arguments(gpu, &kernels, pairs, 5_000_000);
+        let counters = read_words(gpu, &counters, COUNTERS as usize).unwrap();
+        let noted = [PAIRS, ENTRIES, SKIPPED].map(|counter| counters[counter as usize]);
+        assert_eq!(noted, [pairs, 2 * pairs, 0]);
+        for (slot, wanted) in slots(pairs) {
+            let count = buffer(gpu, &[wanted], BufferUsages::empty());
+            let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
+            run(gpu, &kernels, &arguments, |builder| {
+                builder.call(&MARK, &[&count, &marks], Groups::Indirect(slot));
+            });
+            check_marks(gpu, &marks, wanted);
+        }
+    }
+}
+
+pub fn nothing_after_overflow(gpu: &Gpu) {
+    let kernels = Kernels::new(gpu, [&ARGUMENTS]).unwrap();
+    let [counters, arguments] = broad_phase_arguments(gpu, &kernels, 1001, 1000);
+    let counters = read_words(gpu, &counters, COUNTERS as usize).unwrap();
+    let noted = [PAIRS, ENTRIES, SPHERE_PAIRS].map(|counter| counters[counter as usize]);
+    assert_eq!(noted, [0, 0, 1001], "the host must learn how many there are");
+    assert_ne!(counters[SKIPPED as usize], 0);
+    let arguments = read_words(gpu, &arguments, 12).unwrap();
+    for slot in arguments.chunks(3) {
+        assert_eq!(slot.iter().product::<u32>(), 0, "{arguments:?}");
+    }
+}

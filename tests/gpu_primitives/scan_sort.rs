@@ -1,0 +1,94 @@
+//! Scan and sort on the device against the standard library's.
+
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::gpu::{radix_sort, scan};
+
+/// Around the workgroup, the block of a scan and that of a sort; several rounds of a scan's second pass.
+const SIZES: [usize; 15] = [
+    0, 1, 2, 255, 256, 257, 1023, 1024, 1025, 2047, 2048, 2049, 70_001, 300_000, 1_000_000,
+];
+
+fn random(count: usize, bits: u32, seed: u64) -> Vec<u32> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    (0..count).map(|_| random.u32(..) >> (32 - bits)).collect()
+}
+
+fn check_scan(gpu: &Gpu, values: &[u32]) {
+    let (before, total) = scan::exclusive(gpu, values).unwrap();
+    let mut sum = 0u32;
+    let expected = values.iter().map(|value| {
+        let before = sum;
+        sum = sum.wrapping_add(*value);
+        before
+    });
+    let expected: Vec<u32> = expected.collect();
+    // Not `assert_eq`, which would print a million numbers.
+    let wrong = (0..values.len()).find(|&i| expected[i] != before[i]);
+    assert_eq!(wrong, None, "of {} values", values.len());
+    assert_eq!((before.len(), total), (values.len(), sum), "of {} values", values.len());
+}
+
+pub fn scans(gpu: &Gpu) {
+    for count in SIZES {
+        check_scan(gpu, &random(count, 12, count as u64));
+        check_scan(gpu, &vec![1; count]);
+        check_scan(gpu, &vec![0; count]);
+    }
+    // One value alone, at the ends of blocks.
+    for at in [0, 1023, 1024, 262_143, 262_144, 299_999] {
+        let mut values = vec![0; 300_000];
+        values[at] = 7;
+        check_scan(gpu, &values);
+    }
+}
+
+/// As words do. The lists of a step are far too short for it.
+pub fn a_scan_wraps(gpu: &Gpu) {
+    check_scan(gpu, &random(5000, 32, 1));
+    check_scan(gpu, &[u32::MAX, 1, u32::MAX, u32::MAX]);
+    check_scan(gpu, &vec![u32::MAX; 1_000_000]);
+}
+
+/// Where each key was tells whether equal ones kept their order: the sort's values are the keys' places.
+fn check_sort(gpu: &Gpu, keys: &[u32], bits: u32, what: &str) {
+    let (sorted, from) = radix_sort::sort(gpu, keys, bits).unwrap();
+    let mut expected: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
+    expected.sort_by_key(|&(key, _)| key);
+    let wrong = (0..keys.len()).find(|&i| expected[i] != (sorted[i], from[i]));
+    assert_eq!(wrong, None, "{} {what} keys of {bits} bits", keys.len());
+    assert_eq!((sorted.len(), from.len()), (keys.len(), keys.len()));
+}
+
+pub fn sorts(gpu: &Gpu) {
+    for count in SIZES {
+        let mut keys = random(count, 16, count as u64);
+        check_sort(gpu, &keys, 16, "random");
+        keys.sort_unstable();
+        check_sort(gpu, &keys, 16, "sorted");
+        keys.reverse();
+        check_sort(gpu, &keys, 16, "reversed");
+        check_sort(gpu, &vec![0xabcd; count], 16, "equal");
+    }
+}
+
+pub fn sorts_keys_of_any_width(gpu: &Gpu) {
+    for bits in [1, 7, 8, 9, 15, 16, 17, 24, 25, 31, 32] {
+        check_sort(gpu, &random(10_000, bits, u64::from(bits)), bits, "random");
+    }
+    check_sort(gpu, &random(1_000_000, 32, 5), 32, "random");
+    // The largest key of all, and none in between.
+    let ends: Vec<u32> = random(5000, 1, 3).into_iter().map(|key| key.wrapping_neg()).collect();
+    check_sort(gpu, &ends, 32, "smallest and largest");
+    // No bits at all: nothing moves.
+    check_sort(gpu, &[0; 5000], 0, "equal");
+}
+
+/// Runs of equal keys that reach across workgroups and rounds.
+pub fn a_sort_is_stable(gpu: &Gpu) {
+    for distinct in [2, 3, 255, 256, 257] {
+        let keys = random(100_000, 20, 11).into_iter().map(|key| key % distinct);
+        check_sort(gpu, &keys.collect::<Vec<_>>(), 9, "few distinct");
+    }
+    let runs: Vec<u32> = (0..100_000u32).map(|i| (i / 1000) % 7).collect();
+    check_sort(gpu, &runs, 8, "runs of");
+}
