@@ -11,6 +11,7 @@
 //! * Read [`Collisions`](collisions::Collisions), [`CollidingEntities`](components::CollidingEntities) or
 //!   [`events`].
 //! * To check placed meshes without an app, call [`queries::check`].
+//! * The stages run on a GPU or on the CPU: see [`Backend`](settings::Backend) and [`backend`].
 //!
 //! Units are metres, kilograms, seconds and radians. Bodies move in `FixedPostUpdate`, in the schedule
 //! [`FaceoffStep`](plugin::FaceoffStep).

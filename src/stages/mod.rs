@@ -8,6 +8,9 @@
 //! | [`force_scan`] | contacts | one sum of impulses per body |
 //! | [`integrate`] | the sums, gravity | velocities and poses |
 //!
+//! Each stage has a file per backend: `cpu.rs` runs on rayon, `gpu.rs` declares the kernels in `shaders/` that do the same
+//! on a device (see `crate::gpu`).
+//!
 //! [`state`] holds every array that passes between them. Stages know nothing of the ECS: the plugin copies components
 //! in and results out.
 
