@@ -98,7 +98,7 @@ impl Arena {
     }
 
     /// Slots.
-    pub fn len(&self) -> u32 {
+    pub fn slots(&self) -> u32 {
         self.slots.len() as u32
     }
 
@@ -266,7 +266,7 @@ mod tests {
         assert_eq!((a.clone(), b.clone(), c.clone()), (0..10, 10..30, 30..60));
         arena.release(a);
         arena.release(b);
-        assert_eq!(arena.free, [0..30]);
+        assert_eq!(arena.free, std::slice::from_ref(&(0..30)));
         assert_eq!(arena.reserve(25), 0..25);
         assert_eq!(arena.reserve(25), 60..85);
         arena.release(60..85);

@@ -128,7 +128,7 @@ impl GpuStep {
         let needed = Sizes {
             bodies: state.bodies.len() as u32,
             planes: state.planes.len() as u32,
-            meshes: self.arena.len(),
+            meshes: self.arena.slots(),
             words: self.arena.words(),
             ..Sizes::default()
         };
