@@ -7,6 +7,8 @@
 
 var<workgroup> inside: atomic<i32>;
 var<workgroup> crossings: atomic<u32>;
+// Whether the device left a loop before its end.
+var<private> unfinished: bool = false;
 
 // By the winding number along the ray from p along +z; by its parity if neighbouring faces disagree about the outside.
 fn contains(mesh: t::Mesh, p: vec3<f32>, thread: u32) -> bool {
@@ -15,7 +17,8 @@ fn contains(mesh: t::Mesh, p: vec3<f32>, thread: u32) -> bool {
         atomicStore(&crossings, 0u);
     }
     workgroupBarrier();
-    for (var n = thread; n < mesh.triangle_count; n += 64u) {
+    var n = thread;
+    for (; n < mesh.triangle_count; n += 64u) {
         let at = mesh.triangles + 9u * n;
         // Divided by the mesh's size: products of five lengths occur.
         let side = crossing(
@@ -26,6 +29,7 @@ fn contains(mesh: t::Mesh, p: vec3<f32>, thread: u32) -> bool {
             atomicAdd(&crossings, 1u);
         }
     }
+    unfinished = unfinished || n < mesh.triangle_count;
     workgroupBarrier();
     let winding = atomicLoad(&inside);
     let parity = atomicLoad(&crossings) % 2u;

@@ -3,7 +3,7 @@
 // there is work for all threads. The order of everything is that of the trees, whatever runs first.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::dispatch::{divide_up, group_index}
-#import faceoff::containment::contains
+#import faceoff::containment::{contains, unfinished}
 #import faceoff::math::{absolute, norm1, rotate}
 #import faceoff::triangles as tri
 #import faceoff::types as t
@@ -212,12 +212,21 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         workgroupBarrier();
     }
 
+    // Some devices leave a loop that takes long: Mesa's llvmpipe after some ten thousand rounds, each group of threads for
+    // itself. What is in the lists then is worth nothing.
+    if depth != 0u || waiting != 0u {
+        atomicOr(&counters[t::CUT_SHORT], 1u);
+    }
+
     var contained = false;
     if hit_count == 0u {
         contained = any_inside(pair, true, thread);
         if !contained {
             contained = any_inside(pair, false, thread);
         }
+    }
+    if unfinished {
+        atomicOr(&counters[t::CUT_SHORT], 1u);
     }
     sum_middle[thread] = middle;
     sum_area[thread] = area;

@@ -155,8 +155,9 @@ fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     let nearest = nearest_points(a, b);
     verdict.start = nearest.a;
     verdict.end = nearest.b;
-    // Any direction along which the two certainly do not overlap will do.
-    if apart(a, b, nearest.b - nearest.a, error) {
+    // Any direction along which the two certainly do not overlap will do. The normals once more: `beside` must allow for
+    // the error of a normal where it meets the plane, and of an axis only its name is wanted.
+    if apart(a, b, nearest.b - nearest.a, error) || apart(a, b, a.normal, error) || apart(a, b, b.normal, error) {
         return verdict;
     }
     var ea = array(a.q - a.p, a.r - a.q, a.p - a.r);

@@ -242,6 +242,7 @@ const APPROXIMATE: u32 = 8u;
 const ENTRIES: u32 = 9u;
 const SKIPPED: u32 = 10u; // not 0: bodies were not moved, since a list was too small
 const PAIRS: u32 = 11u; // sphere pairs in the list: all, or none if they do not fit
+const CUT_SHORT: u32 = 12u; // not 0: the device left a loop before its end
 const COUNTERS: u32 = 16u;
 
 // Slots of the arguments of indirect dispatches: a workgroup for 64 pairs, for each pair, for each block of a sort of

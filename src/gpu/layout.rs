@@ -162,6 +162,7 @@ constants! {
     ENTRIES = 9;
     SKIPPED = 10;
     PAIRS = 11;
+    CUT_SHORT = 12;
     COUNTERS = 16;
 
     GROUPS_PER_64_PAIRS = 0;

@@ -4,7 +4,7 @@ use super::arena::{Arena, Change};
 use super::buffers::{Buffers, Sizes, TooLarge};
 use super::device::{Gpu, NoGpu};
 use super::kernel::{Builder, Kernel, Kernels, Program};
-use super::layout::{self, COUNTERS, HITS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS};
+use super::layout::{self, COUNTERS, CUT_SHORT, HITS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS};
 use super::readback::scoped;
 use super::results::Results;
 use super::timer::Timer;
@@ -20,7 +20,7 @@ pub enum StepError {
     /// More than the device can hold.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
-    /// The device reports an error, or is lost.
+    /// The device reports an error, is lost, or cannot finish a kernel.
     #[error("the device says: {0}")]
     Device(String),
 }
@@ -124,6 +124,15 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot hold the lists, or fails. `state` is then as it was, its results stale.
     pub fn run(&mut self, state: &mut StepState) -> Result<(), StepError> {
+        let result = self.run_within(state);
+        if result.is_err() {
+            // Nobody knows which meshes arrived: the next step writes all of them.
+            self.arena = Arena::default();
+        }
+        result
+    }
+
+    fn run_within(&mut self, state: &mut StepState) -> Result<(), StepError> {
         let changes = self.arena.update(&state.meshes)?;
         let needed = Sizes {
             bodies: state.bodies.len() as u32,
@@ -138,6 +147,12 @@ impl GpuStep {
         for _ in 0..REPEATS {
             self.submit(state)?;
             let counters = self.results.counters(&self.gpu).map_err(StepError::Device)?;
+            if counters[CUT_SHORT as usize] != 0 {
+                return Err(StepError::Device(
+                    "it left the test of a pair before the end: too many triangles of the two are near each other"
+                        .into(),
+                ));
+            }
             if counters[SKIPPED as usize] == 0 {
                 return self
                     .results

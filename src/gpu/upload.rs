@@ -1,6 +1,6 @@
 //! From the host's arrays to the device's.
 
-use super::buffers::Buffers;
+use super::buffers::{Buffers, Sizes};
 use super::device::Gpu;
 use super::layout::{self, BODIES, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KINEMATIC, SENSOR, STATIC};
 use crate::components::RigidBody;
@@ -14,12 +14,17 @@ pub fn write(gpu: &Gpu, buffers: &Buffers, state: &StepState) {
         config, bodies, planes, ..
     } = state;
     let sizes = &buffers.sizes;
+    let held = Sizes {
+        bodies: bodies.len() as u32,
+        ..*sizes
+    };
     let step = layout::Step {
         gravity: config.gravity.to_array(),
         dt: config.dt,
         bodies: bodies.len() as u32,
         planes: planes.len() as u32,
-        bucket_mask: sizes.buckets() - 1,
+        // By the bodies there are and not by the room for them: the order of pairs, and so of sums, follows the buckets.
+        bucket_mask: held.buckets() - 1,
         response: u32::from(config.response != Response::None),
         pair_capacity: sizes.pairs,
         hit_capacity: sizes.hits,

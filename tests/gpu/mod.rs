@@ -7,6 +7,7 @@
 use bevy_faceoff::gpu::device::{self, Gpu, NoGpu};
 use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 /// A name, and what to do with the device.
 pub type Test = (&'static str, fn(&Gpu));
@@ -21,7 +22,9 @@ pub fn run(tests: &[Test]) -> ! {
         let device = device.clone();
         Trial::ignorable_test(name, move || match device.get_or_init(open) {
             Ok(gpu) => {
+                let start = Instant::now();
                 test(gpu);
+                print!("{:.1} s ", start.elapsed().as_secs_f32());
                 Ok(Completion::Completed)
             }
             Err(reason) if required => Err(Failed::from(reason.to_string())),
