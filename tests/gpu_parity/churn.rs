@@ -181,7 +181,7 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
         "{early_bytes} bytes became {}",
         step.bytes()
     );
-    let most: usize = churn.known.iter().map(|shape| words(shape)).max().unwrap() * MESHES;
+    let most: usize = churn.known.iter().map(words).max().unwrap() * MESHES;
     assert!(
         step.sizes().words as usize <= 2 * most,
         "{} words for {most}",
