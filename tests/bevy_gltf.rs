@@ -49,7 +49,6 @@ fn both(folder: &std::path::Path, ours_first: bool) -> App {
     }
     app.add_plugins((ImagePlugin::default(), MeshPlugin, WorldSerializationPlugin))
         .init_asset::<SkinnedMeshInverseBindposes>()
-        .init_asset::<AnimationClip>()
         .add_plugins(GltfPlugin::default());
     if !ours_first {
         app.add_plugins(FaceoffPlugins::default());
