@@ -85,11 +85,11 @@ fn of_plane(body: t::Body, contact: t::PlaneContact, pushing: u32) -> t::Impulse
     if !r::plane_pushes(step, body, plane, contact) {
         return none;
     }
-    let speed = dot(r::velocity(step, body, contact.point), plane.normal);
-    let resistance = compliance(body, pushing, contact.point, plane.normal);
+    let speed = dot(r::velocity(step, body, contact.arm), plane.normal);
+    let resistance = compliance(body, pushing, contact.arm, plane.normal);
     if !(resistance > 0.0) {
         return none;
     }
     let size = (r::wanted_speed(step, body, plane, contact.depth, speed) - speed) / resistance;
-    return impulse(body, contact.point, plane.normal, size);
+    return impulse(body, contact.arm, plane.normal, size);
 }

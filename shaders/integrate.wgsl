@@ -8,7 +8,7 @@
 @group(0) @binding(3) var<storage, read_write> status: array<u32>;
 @group(0) @binding(4) var<storage, read_write> counters: array<u32>;
 @group(0) @binding(5) var<storage, read> impulses: array<t::Impulse>;
-@group(0) @binding(6) var<storage, read_write> bodies: array<t::Body>;
+@group(0) @binding(6) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(7) var<storage, read_write> moved: array<t::Moved>;
 
 @compute @workgroup_size(64)
@@ -45,8 +45,4 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
     }
     moved[i] = t::Moved(position, 0u, rotation, v, 0u, w, 0u);
-    bodies[i].position = position;
-    bodies[i].rotation = rotation;
-    bodies[i].linear_velocity = v;
-    bodies[i].angular_velocity = w;
 }

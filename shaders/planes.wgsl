@@ -74,11 +74,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             workgroupBarrier();
         }
         if thread == 0u {
-            var point = vec3(0.0);
+            var arm = vec3(0.0);
             if deepest[0] > 0.0 {
-                point = rotate(body.rotation, body.scale * (sums[0].xyz / sums[0].w));
+                arm = rotate(body.rotation, body.scale * (sums[0].xyz / sums[0].w));
             }
-            plane_contacts[at] = t::PlaneContact(point, deepest[0], index, k, vec2(0u));
+            plane_contacts[at] = t::PlaneContact(arm, deepest[0], center + arm, index, k, 0u, 0u, 0u);
         }
         at += 1u;
         workgroupBarrier();

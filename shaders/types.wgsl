@@ -27,7 +27,7 @@ struct Body {
     // Unit quaternion.
     rotation: vec4<f32>,
     scale: vec3<f32>,
-    // Of the bounding sphere about the centre of mass, rounded up.
+    // Of the bounding sphere about the centre of mass, rounded up; complete once the body is placed.
     radius: f32,
     linear_velocity: vec3<f32>,
     inverse_mass: f32,
@@ -42,8 +42,15 @@ struct Body {
     // Collision layers.
     memberships: u32,
     filters: u32,
-    padding: vec2<u32>,
+    // Which body of the step before this is, and what of its state comes from there; see the constants.
+    source: u32,
+    carried: u32,
 }
+
+// The pose is that of `moved[source]`; without it that which the host wrote.
+const CARRIED_POSE: u32 = 1u;
+// The velocities are those of `moved[source]`, and what the host wrote is added to them.
+const CARRIED_VELOCITY: u32 = 2u;
 
 const KIND_MASK: u32 = 3u;
 const DYNAMIC: u32 = 0u;
@@ -188,12 +195,16 @@ struct Hit {
 
 // A body that reaches into a half-space.
 struct PlaneContact {
-    // Relative to the body's centre of mass, in world axes.
-    point: vec3<f32>,
+    // From the body's centre of mass to the point, in world axes.
+    arm: vec3<f32>,
     depth: f32,
+    // The point in the world.
+    point: vec3<f32>,
     body: u32,
     plane: u32,
-    padding: vec2<u32>,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // What pushes a body.
@@ -211,7 +222,7 @@ struct BodyContacts {
     padding_c: u32,
 }
 
-// Where a body is after the step.
+// Where a body is after the step. It stays here until the next one moves it.
 struct Moved {
     position: vec3<f32>,
     padding_a: u32,

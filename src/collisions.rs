@@ -100,6 +100,10 @@ pub struct StepReport {
     pub triangle_tests: u64,
     /// Pairs of faces that intersect.
     pub face_pairs: usize,
+    /// Steps on the GPU whose results are not published yet; see [`Reading`](crate::settings::Reading).
+    pub in_flight: usize,
+    /// How often a step had to wait for the results of another one.
+    pub waits: u64,
 }
 
 impl StepReport {

@@ -33,13 +33,14 @@ pub mod plugin;
 pub mod projection;
 pub mod queries;
 pub mod settings;
+pub mod snapshot;
 pub mod stages;
 mod sync;
 
 /// What most programs need: `use bevy_faceoff::prelude::*;`
 pub mod prelude {
     pub use crate::asset::CollisionMesh;
-    pub use crate::backend::{ActiveBackend, BackendFailed};
+    pub use crate::backend::{ActiveBackend, BackendFailed, BackendReady};
     pub use crate::collisions::{Collision, Collisions, StepReport};
     pub use crate::components::*;
     pub use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
@@ -48,7 +49,8 @@ pub mod prelude {
     pub use crate::mesh_collider_from::MeshColliderFrom;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;
-    pub use crate::settings::{Backend, Culling, Gravity, Response};
+    pub use crate::settings::{Backend, Culling, Gravity, Reading, Response};
+    pub use crate::snapshot::Snapshot;
 }
 
 /// Runs the programs of the README as tests.

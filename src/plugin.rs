@@ -1,11 +1,13 @@
 //! The plugin groups, the step's schedule and its ordered sets.
 
-use crate::backend::{ActiveBackend, BackendFailed, Engine};
+use crate::backend::{ActiveBackend, BackendFailed, BackendReady, Engine};
 use crate::collisions::{Collisions, StepReport};
 use crate::components::*;
 use crate::diagnostics::FaceoffDiagnosticsPlugin;
 use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
-use crate::settings::{Backend, Culling, Gravity, Response};
+#[cfg(feature = "gpu")]
+use crate::gpu::{device::Gpu, step::Poses};
+use crate::settings::{Backend, Culling, Gravity, Reading, Response};
 use crate::stages::Stage;
 use crate::sync::{Step, collect, publish};
 use bevy::app::PluginGroupBuilder;
@@ -74,6 +76,8 @@ pub struct StepPlugin {
     pub backend: Backend,
     /// Threads of the CPU stages; 0 for one per core.
     pub threads: usize,
+    /// When results of a GPU reach the world.
+    pub reading: Reading,
 }
 
 /// The schedule of one fixed step. It runs in `FixedPostUpdate`; add systems around [`FaceoffSystems`] to it to see or
@@ -126,18 +130,12 @@ impl Plugin for StepPlugin {
             .add_message::<CollisionStart>()
             .add_message::<CollisionEnd>()
             .add_message::<BodyRejected>()
+            .add_message::<BackendReady>()
             .add_message::<BackendFailed>();
         register_types(app);
 
-        match Engine::new(self.backend, self.threads) {
+        match Engine::new(self.backend, self.threads, self.reading) {
             Ok(engine) => {
-                match engine.active() {
-                    ActiveBackend::Gpu { adapter } => info!("collisions run on the GPU: {adapter}"),
-                    ActiveBackend::Cpu { threads, reason } => {
-                        info!("collisions run on the CPU with {threads} threads: {reason}");
-                    }
-                    ActiveBackend::None { .. } => {}
-                }
                 app.insert_resource(engine.active().clone())
                     .insert_resource(Step::new(engine));
             }
@@ -174,14 +172,31 @@ impl Plugin for StepPlugin {
                     .in_set(FaceoffSystems::Publish),
             ));
         for stage in Stage::ALL {
-            let run = move |mut step: ResMut<Step>| {
-                let Step { engine, state, .. } = &mut *step;
-                engine.run(stage, state);
-            };
+            let run = move |mut step: ResMut<Step>| step.run(stage);
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
-        app.add_schedule(schedule)
-            .add_systems(FixedPostUpdate, |world: &mut World| world.run_schedule(FaceoffStep));
+        app.add_schedule(schedule).add_systems(FixedPostUpdate, run_step);
+    }
+}
+
+/// Runs the step, if there is something to run it on by now.
+fn run_step(world: &mut World) {
+    let mut step = world.resource_mut::<Step>();
+    if let Some(active) = step.engine.poll() {
+        match &active {
+            ActiveBackend::Gpu { adapter } => info!("collisions run on the GPU: {adapter}"),
+            ActiveBackend::Cpu { threads, reason } => {
+                info!("collisions run on the CPU with {threads} threads: {reason}");
+            }
+            ActiveBackend::None { reason } => error!("no collisions are found and no body moves: {reason}"),
+            ActiveBackend::Opening => {}
+        }
+        world.insert_resource(active.clone());
+        world.write_message(BackendReady { active });
+    }
+    match world.resource::<ActiveBackend>() {
+        ActiveBackend::Cpu { .. } | ActiveBackend::Gpu { .. } => world.run_schedule(FaceoffStep),
+        ActiveBackend::Opening | ActiveBackend::None { .. } => {}
     }
 }
 
@@ -214,6 +229,15 @@ pub fn threads(world: &World) -> usize {
 
 /// The device that the stages run on, if it is a GPU.
 #[cfg(feature = "gpu")]
-pub fn gpu(world: &World) -> Option<&crate::gpu::device::Gpu> {
-    world.get_resource::<Step>()?.engine.gpu()
+pub fn gpu(world: &World) -> Option<&Gpu> {
+    world.get_resource::<Step>()?.engine.device()
+}
+
+/// Where all bodies are, for shaders that draw them with [`Reading::Resident`], or otherwise without waiting for results:
+/// two poses on the GPU, and the entities in their order. `None` if results are not read later than steps run.
+#[cfg(feature = "gpu")]
+pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {
+    let step = world.get_resource::<Step>()?;
+    step.engine.latent()?;
+    Some((step.engine.gpu()?.poses(), step.latent.entities()))
 }

@@ -85,6 +85,40 @@ pub enum Backend {
     Cpu,
 }
 
+/// When the results of a step on a GPU reach components, [`Collisions`](crate::collisions::Collisions) and messages; read
+/// when the app starts. On the CPU they are there at once, whatever this says.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Default, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Reading {
+    /// [`Reading::Latent`] where the stages share the device of Bevy's renderer (feature `bevy_render`), else
+    /// [`Reading::Lockstep`].
+    #[default]
+    Auto,
+    /// Every step waits for its results. For tests, tools and servers.
+    Lockstep,
+    /// Results are published [`LATENCY`] steps later, so that the GPU works while the app goes on; the same results, to the
+    /// bit, as those of `Lockstep` for the same input. Steps are never skipped: if results are late the step waits, which
+    /// [`StepReport::waits`](crate::collisions::StepReport::waits) counts. How many steps a slow frame makes up for is
+    /// limited by Bevy's `Time<Virtual>::max_delta`.
+    ///
+    /// What a system writes takes effect in the next step and is not overwritten by results of earlier ones: a changed
+    /// `Transform` puts the body there; a changed velocity of a dynamic body is taken as a push, and the difference added to
+    /// the velocity that the body has by then.
+    ///
+    /// Until the kernels are compiled no step runs; then [`BackendReady`](crate::backend::BackendReady) is written. If the
+    /// device is lost the bodies go on from where their components say.
+    Latent,
+    /// As `Latent`, but the bodies stay on the GPU: neither their components nor `Collisions` are written, and no message
+    /// tells of collisions. [`StepReport`](crate::collisions::StepReport) has the counts; draw from
+    /// [`poses`](crate::plugin::poses), and ask [`Snapshot::take`](crate::snapshot::Snapshot::take) where the bodies are. Bodies are
+    /// driven by writing to their components, as with `Latent`.
+    Resident,
+}
+
+/// Steps between the one that runs and the one whose results are published, with [`Reading::Latent`].
+pub const LATENCY: usize = 2;
+
 /// What happens to bodies that touch.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Resource, Default, Debug, PartialEq)]

@@ -25,11 +25,19 @@ fn main() {
 }
 
 fn app(backend: Backend) -> Sim {
+    app_that_reads(backend, Reading::Lockstep)
+}
+
+fn app_that_reads(backend: Backend, reading: Reading) -> Sim {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
         FaceoffHeadlessPlugins {
-            step: StepPlugin { backend, threads: 1 },
+            step: StepPlugin {
+                backend,
+                threads: 1,
+                reading,
+            },
             ..default()
         },
     ));

@@ -35,6 +35,21 @@ pub enum Change {
 }
 
 impl Arena {
+    /// Whether it holds what `meshes` holds.
+    pub fn holds(&self, meshes: &MeshArena) -> bool {
+        let slots = self.slots.len().max(meshes.len()) as u32;
+        (0..slots).all(|number| {
+            match (
+                meshes.get(number),
+                self.slots.get(number as usize).and_then(Option::as_ref),
+            ) {
+                (Some(wanted), Some(held)) => wanted.mesh.is_same(&held.mesh),
+                (None, None) => true,
+                _ => false,
+            }
+        })
+    }
+
     /// Makes the arena hold what `meshes` holds, and tells what to write. Meshes that are there already stay where they
     /// are.
     ///

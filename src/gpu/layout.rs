@@ -55,7 +55,7 @@ layout! {
         angular_velocity: Vec3, restitution: f32,
         inverse_inertia: Vec3, gravity_scale: f32,
         inverse_inertia_mixed: Vec3, flags: u32,
-        memberships: u32, filters: u32, padding: [u32; 2],
+        memberships: u32, filters: u32, source: u32, carried: u32,
     }
     /// A half-space.
     Plane {
@@ -106,8 +106,9 @@ layout! {
     }
     /// A body that reaches into a half-space.
     PlaneContact {
-        point: Vec3, depth: f32,
-        body: u32, plane: u32, padding: [u32; 2],
+        arm: Vec3, depth: f32,
+        point: Vec3, body: u32,
+        plane: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// What pushes a body.
     BodyContacts {
@@ -144,6 +145,9 @@ constants! {
     SENSOR = 4;
     CULLING_FACES = 8;
     CULLING_FRONT = 16;
+
+    CARRIED_POSE = 1;
+    CARRIED_VELOCITY = 2;
 
     CLOSED = 1;
     OUTWARD = 0;

@@ -11,6 +11,7 @@
 pub mod arena;
 pub mod buffers;
 pub mod device;
+mod flight;
 pub mod kernel;
 pub mod layout;
 pub mod radix_sort;

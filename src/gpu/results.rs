@@ -1,110 +1,184 @@
 //! What a step found, brought back into the host's arrays, in an order that does not depend on which workgroup was first.
 
-use super::buffers::Buffers;
-use super::device::Gpu;
+use super::buffers::{Buffers, Sizes};
 use super::layout::{
-    APPROXIMATE, HITS, Hit, Moved, PLANE_CONTACTS, PlaneContact, SPHERE_PAIRS, TOUCHING, TRIANGLE_TESTS, Touching,
+    APPROXIMATE, COUNTERS, HITS, Hit, Moved, PLANE_CONTACTS, PlaneContact, SPHERE_PAIRS, TOUCHING, TRIANGLE_TESTS,
+    Touching,
 };
-use super::readback::{map, scoped, staging};
-use super::step::COUNTER_BYTES;
-use crate::stages::state::{self, Contact, FacePair, StepState, TouchingPair};
+use super::timer::{self, Timer};
+use super::upload::Input;
+use crate::stages::state::{self, Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
 use bytemuck::Pod;
 use glam::{Quat, Vec3};
 use std::ops::Range;
+use std::time::Duration;
 use wgpu::{Buffer, CommandEncoder};
 
-/// Buffers to read from.
-#[derive(Default)]
-pub struct Results {
-    counters: Option<Buffer>,
-    lists: Option<Buffer>,
+/// How much of a step's results comes back to the host.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// Contacts and motions.
+    #[default]
+    All,
+    /// How many there are of each.
+    Counts,
 }
 
-impl Results {
-    /// To be recorded after the stages.
-    pub fn copy_counters(&mut self, gpu: &Gpu, buffers: &Buffers, encoder: &mut CommandEncoder) {
-        let to = self.counters.get_or_insert_with(|| staging(gpu, COUNTER_BYTES));
-        encoder.copy_buffer_to_buffer(&buffers.counters, 0, to, 0, COUNTER_BYTES);
-    }
+/// The results of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Output {
+    /// Where every body is after the step; empty with [`Detail::Counts`].
+    pub motions: Vec<Motion>,
+    /// Bodies whose spheres overlap, `a < b`, ascending; empty with [`Detail::Counts`].
+    pub sphere_pairs: Vec<[u32; 2]>,
+    /// What touches; empty but for the number of tests with [`Detail::Counts`].
+    pub contacts: Contacts,
+    /// How many there are.
+    pub counts: Counts,
+    /// How long each stage took on the device; zero where it cannot tell.
+    pub times: [Duration; 5],
+}
 
-    /// Waits for the step's counters.
-    ///
-    /// # Errors
-    /// If the device is lost.
-    pub fn counters(&self, gpu: &Gpu) -> Result<Vec<u32>, String> {
-        match &self.counters {
-            Some(staging) => map(gpu, staging, COUNTER_BYTES, bytemuck::pod_collect_to_vec),
-            None => Err("no step has run".into()),
-        }
-    }
+/// What lies where in the buffer in which the results come back.
+pub(super) struct Parts {
+    counters: Range<u64>,
+    times: Range<u64>,
+    moved: Range<u64>,
+    sphere_pairs: Range<u64>,
+    touching: Range<u64>,
+    hits: Range<u64>,
+    planes: Range<u64>,
+    /// Bytes of all.
+    pub total: u64,
+}
 
-    /// Copies what there is and puts it into `state`.
-    ///
-    /// # Errors
-    /// If the device is lost.
-    pub fn fetch(
-        &mut self,
-        gpu: &Gpu,
-        buffers: &Buffers,
-        counters: &[u32],
-        state: &mut StepState,
-    ) -> Result<(), String> {
-        let count = |counter: u32| counters[counter as usize] as usize;
-        let mut end = 0;
-        let mut range = |count: usize, size: usize| {
-            let start = end;
-            end += count * size;
+impl Parts {
+    /// Room for as much as the lists hold: how much there will be is not known when the copy is recorded.
+    pub fn new(sizes: &Sizes, bodies: u32, detail: Detail) -> Self {
+        let mut total = 0;
+        let mut part = |count: u32, size: usize| {
+            let start = total;
             // Copies are made of words of four bytes, and these are all made of such.
-            start..end
+            total += u64::from(count) * size as u64;
+            start..total
         };
-        let moved = range(state.bodies.len(), size_of::<Moved>());
-        let pairs = range(count(SPHERE_PAIRS), 8);
-        let touching = range(count(TOUCHING), size_of::<Touching>());
-        let hits = range(count(HITS), size_of::<Hit>());
-        let planes = range(count(PLANE_CONTACTS), size_of::<PlaneContact>());
-        let total = end as u64;
-        let wanted = [
-            (&buffers.moved, &moved),
-            (&buffers.sphere_pairs, &pairs),
-            (&buffers.touching, &touching),
-            (&buffers.hits, &hits),
-            (&buffers.plane_contacts, &planes),
-        ];
-        if self.lists.as_ref().is_none_or(|lists| lists.size() < total) {
-            self.lists = None;
+        let counters = part(COUNTERS, 4);
+        let times = part(timer::BYTES as u32, 1);
+        let lists = |count: u32| if detail == Detail::All { count } else { 0 };
+        let moved = part(lists(bodies), size_of::<Moved>());
+        let sphere_pairs = part(lists(sizes.pairs), 8);
+        let touching = part(lists(sizes.pairs), size_of::<Touching>());
+        let hits = part(lists(sizes.hits), size_of::<Hit>());
+        let planes = part(lists(sizes.plane_contacts), size_of::<PlaneContact>());
+        Self {
+            counters,
+            times,
+            moved,
+            sphere_pairs,
+            touching,
+            hits,
+            planes,
+            total,
         }
-        let lists = scoped(gpu, || {
-            let lists = self.lists.get_or_insert_with(|| staging(gpu, total + total / 4));
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            for (from, range) in wanted {
-                if !range.is_empty() {
-                    encoder.copy_buffer_to_buffer(from, 0, lists, range.start as u64, range.len() as u64);
-                }
+    }
+
+    /// To be recorded after the stages.
+    pub fn copy(&self, buffers: &Buffers, timer: Option<&Timer>, encoder: &mut CommandEncoder, to: &Buffer) {
+        let times = timer.map(|timer| (timer.resolved(), &self.times));
+        let lists = [
+            (&buffers.counters, &self.counters),
+            (&buffers.moved, &self.moved),
+            (&buffers.sphere_pairs, &self.sphere_pairs),
+            (&buffers.touching, &self.touching),
+            (&buffers.hits, &self.hits),
+            (&buffers.plane_contacts, &self.planes),
+        ];
+        for (from, range) in lists.into_iter().chain(times) {
+            if !range.is_empty() {
+                encoder.copy_buffer_to_buffer(from, 0, to, range.start, range.end - range.start);
             }
-            gpu.queue.submit([encoder.finish()]);
-            &*lists
-        })?;
-        map(gpu, lists, total, |bytes| {
-            state.sphere_pairs = list(bytes, pairs);
-            state.sphere_pairs.sort_unstable();
-            state.near_pairs.clear();
-            state.approximate_pairs = count(APPROXIMATE);
-            state.contacts.triangle_tests = count(TRIANGLE_TESTS) as u64;
-            put_contacts(state, list(bytes, touching), &list::<Hit>(bytes, hits));
-            put_planes(state, list(bytes, planes));
-            put_moved(state, &list::<Moved>(bytes, moved));
-        })
+        }
+    }
+
+    /// The counters among `bytes`.
+    pub fn counters(&self, bytes: &[u8]) -> Vec<u32> {
+        list(bytes, &self.counters, COUNTERS as usize)
+    }
+
+    /// Everything among `bytes`.
+    pub fn read(&self, bytes: &[u8], input: &Input, detail: Detail, timer: Option<&Timer>) -> Output {
+        let counters = self.counters(bytes);
+        let count = |counter: u32| counters[counter as usize] as usize;
+        let mut output = Output {
+            counts: Counts {
+                sphere_pairs: count(SPHERE_PAIRS),
+                approximate_pairs: count(APPROXIMATE),
+                touching_pairs: count(TOUCHING),
+                triangle_tests: count(TRIANGLE_TESTS) as u64,
+                face_pairs: count(HITS),
+            },
+            times: timer.map_or_else(Default::default, |timer| {
+                timer.times(&list(bytes, &self.times, timer::COUNT as usize))
+            }),
+            ..Default::default()
+        };
+        output.contacts.triangle_tests = output.counts.triangle_tests;
+        if detail == Detail::All {
+            output.sphere_pairs = list(bytes, &self.sphere_pairs, count(SPHERE_PAIRS));
+            output.sphere_pairs.sort_unstable();
+            let touching = list(bytes, &self.touching, count(TOUCHING));
+            put_contacts(
+                &mut output.contacts,
+                input,
+                touching,
+                &list(bytes, &self.hits, count(HITS)),
+            );
+            put_planes(&mut output.contacts, list(bytes, &self.planes, count(PLANE_CONTACTS)));
+            let moved: Vec<Moved> = list(bytes, &self.moved, input.len() as usize);
+            output.motions = moved.iter().map(Motion::from).collect();
+        }
+        output
     }
 }
 
-fn list<T: Pod>(bytes: &[u8], range: Range<usize>) -> Vec<T> {
-    bytemuck::pod_collect_to_vec(&bytes[range])
+impl Output {
+    /// Puts everything where the CPU's stages would.
+    pub fn put(self, state: &mut StepState) {
+        for (i, motion) in self.put_lists(state).iter().enumerate() {
+            state.bodies.set_motion(i, motion);
+        }
+    }
+
+    /// Puts everything but the motions there, and returns those.
+    pub fn put_lists(self, state: &mut StepState) -> Vec<Motion> {
+        state.sphere_pairs = self.sphere_pairs;
+        state.near_pairs.clear();
+        state.approximate_pairs = self.counts.approximate_pairs;
+        state.contacts = self.contacts;
+        state.times = self.times;
+        self.motions
+    }
 }
 
-fn put_contacts(state: &mut StepState, mut touching: Vec<Touching>, hits: &[Hit]) {
+impl From<&Moved> for Motion {
+    fn from(moved: &Moved) -> Self {
+        Self {
+            position: moved.position.into(),
+            rotation: Quat::from_array(moved.rotation),
+            linear_velocity: moved.linear_velocity.into(),
+            angular_velocity: moved.angular_velocity.into(),
+        }
+    }
+}
+
+/// The first `count` elements of a part.
+fn list<T: Pod>(bytes: &[u8], range: &Range<u64>, count: usize) -> Vec<T> {
+    let start = range.start as usize;
+    bytemuck::pod_collect_to_vec(&bytes[start..start + count * size_of::<T>()])
+}
+
+fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touching>, hits: &[Hit]) {
     touching.sort_unstable_by_key(|t| [t.a, t.b]);
-    let contacts = &mut state.contacts;
-    contacts.pairs.clear();
     // Where the faces of each pair begin, by the pair's number on the device.
     let most = touching.iter().map(|t| t.pair as usize + 1).max().unwrap_or(0);
     let mut starts = vec![(0, 0); most];
@@ -129,43 +203,32 @@ fn put_contacts(state: &mut StepState, mut touching: Vec<Touching>, hits: &[Hit]
         start: Vec3::ZERO,
         end: Vec3::ZERO,
     };
-    contacts.faces.clear();
     contacts.faces.resize(first_face as usize, none);
     for hit in hits {
         let (rank, first) = starts[hit.pair as usize];
-        let [mesh_a, mesh_b] = contacts.pairs[rank]
-            .bodies
-            .map(|i| &state.meshes[state.bodies.mesh[i as usize]].mesh.mesh);
+        let [a, b] = contacts.pairs[rank].bodies;
+        let id = |body: u32, triangle: u32| {
+            let mesh = input
+                .mesh_of(body)
+                .expect("the step's input holds the meshes of its bodies");
+            mesh.mesh.face_ids()[triangle as usize]
+        };
         contacts.faces[(first + hit.index) as usize] = FacePair {
-            a: mesh_a.face_ids()[hit.a as usize],
-            b: mesh_b.face_ids()[hit.b as usize],
+            a: id(a, hit.a),
+            b: id(b, hit.b),
             start: Vec3::new(hit.start_x, hit.start_y, hit.start_z),
             end: Vec3::new(hit.end_x, hit.end_y, hit.end_z),
         };
     }
 }
 
-fn put_planes(state: &mut StepState, mut planes: Vec<PlaneContact>) {
+fn put_planes(contacts: &mut Contacts, mut planes: Vec<PlaneContact>) {
     planes.retain(|contact| contact.depth > 0.0);
     planes.sort_unstable_by_key(|contact| [contact.body, contact.plane]);
-    state.contacts.planes.clear();
-    state
-        .contacts
-        .planes
-        .extend(planes.iter().map(|contact| state::PlaneContact {
-            body: contact.body,
-            plane: contact.plane,
-            point: state.bodies.center[contact.body as usize] + Vec3::from(contact.point),
-            depth: contact.depth,
-        }));
-}
-
-fn put_moved(state: &mut StepState, moved: &[Moved]) {
-    let bodies = &mut state.bodies;
-    for (i, moved) in moved.iter().enumerate() {
-        bodies.position[i] = moved.position.into();
-        bodies.rotation[i] = Quat::from_array(moved.rotation);
-        bodies.linear_velocity[i] = moved.linear_velocity.into();
-        bodies.angular_velocity[i] = moved.angular_velocity.into();
-    }
+    contacts.planes.extend(planes.iter().map(|contact| state::PlaneContact {
+        body: contact.body,
+        plane: contact.plane,
+        point: contact.point.into(),
+        depth: contact.depth,
+    }));
 }

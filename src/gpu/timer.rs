@@ -1,7 +1,6 @@
 //! How long each stage took on the device, where it can tell.
 
 use super::device::Gpu;
-use super::readback::{map, staging};
 use crate::stages::Stage;
 use std::time::Duration;
 use wgpu::{
@@ -13,11 +12,14 @@ use wgpu::{
 pub struct Timer {
     queries: QuerySet,
     resolved: Buffer,
-    staging: Buffer,
+    /// Nanoseconds a tick.
+    period: f64,
 }
 
-const COUNT: u32 = 2 * Stage::ALL.len() as u32;
-const BYTES: u64 = 8 * COUNT as u64;
+/// Stamps of a step.
+pub const COUNT: u32 = 2 * Stage::ALL.len() as u32;
+/// Bytes that they take.
+pub const BYTES: u64 = 8 * COUNT as u64;
 
 impl Timer {
     /// `None` if the device has no time stamps.
@@ -34,7 +36,7 @@ impl Timer {
                 usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
-            staging: staging(gpu, BYTES),
+            period: f64::from(gpu.queue.get_timestamp_period()),
         })
     }
 
@@ -50,21 +52,18 @@ impl Timer {
     /// To be recorded after the stages.
     pub fn resolve(&self, encoder: &mut CommandEncoder) {
         encoder.resolve_query_set(&self.queries, 0..COUNT, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, BYTES);
     }
 
-    /// The times of the step that ran last.
-    ///
-    /// # Errors
-    /// If the device is lost.
-    pub fn read(&self, gpu: &Gpu) -> Result<[Duration; 5], String> {
-        let nanoseconds = f64::from(gpu.queue.get_timestamp_period());
-        map(gpu, &self.staging, BYTES, |bytes| {
-            let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(bytes);
-            Stage::ALL.map(|stage| {
-                let [start, end] = [0, 1].map(|k| stamps[2 * stage as usize + k]);
-                Duration::from_nanos((end.saturating_sub(start) as f64 * nanoseconds) as u64)
-            })
+    /// Where the stamps then are, as many as [`COUNT`].
+    pub fn resolved(&self) -> &Buffer {
+        &self.resolved
+    }
+
+    /// What the stamps mean.
+    pub fn times(&self, stamps: &[u64]) -> [Duration; 5] {
+        Stage::ALL.map(|stage| {
+            let [start, end] = [0, 1].map(|k| stamps[2 * stage as usize + k]);
+            Duration::from_nanos((end.saturating_sub(start) as f64 * self.period) as u64)
         })
     }
 }

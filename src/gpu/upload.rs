@@ -2,64 +2,119 @@
 
 use super::buffers::{Buffers, Sizes};
 use super::device::Gpu;
-use super::layout::{self, BODIES, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KINEMATIC, SENSOR, STATIC};
+use super::layout::{
+    self, BODIES, CARRIED_POSE, CARRIED_VELOCITY, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KINEMATIC, SENSOR,
+    STATIC,
+};
+use crate::asset::CollisionMesh;
 use crate::components::RigidBody;
 use crate::settings::{Culling, Response};
 use crate::stages::state::{Bodies, Plane, StepState};
-use bytemuck::{Pod, cast_slice};
+use bytemuck::cast_slice;
+use glam::Vec3;
 
-/// Writes all input of a step.
-pub fn write(gpu: &Gpu, buffers: &Buffers, state: &StepState) {
-    let StepState {
-        config, bodies, planes, ..
-    } = state;
-    let sizes = &buffers.sizes;
-    let held = Sizes {
-        bodies: bodies.len() as u32,
-        ..*sizes
-    };
-    let step = layout::Step {
-        gravity: config.gravity.to_array(),
-        dt: config.dt,
-        bodies: bodies.len() as u32,
-        planes: planes.len() as u32,
-        // By the bodies there are and not by the room for them: the order of pairs, and so of sums, follows the buckets.
-        bucket_mask: held.buckets() - 1,
-        response: u32::from(config.response != Response::None),
-        pair_capacity: sizes.pairs,
-        hit_capacity: sizes.hits,
-        plane_contact_capacity: sizes.plane_contacts,
-        padding: 0,
-    };
-    gpu.queue.write_buffer(&buffers.step, 0, bytemuck::bytes_of(&step));
-    let mut counters = [0u32; COUNTERS as usize];
-    counters[BODIES as usize] = step.bodies;
-    gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
-    gpu.queue.write_buffer(&buffers.status, 0, cast_slice(&[0u32; 4]));
-    fill(gpu, &buffers.bodies, bodies.len(), |i| body(bodies, state, i));
-    fill(gpu, &buffers.planes, planes.len(), |i| plane(&planes[i]));
+/// A body that goes on from where the step before left it, which only the device may know as yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// Its number in that step.
+    pub source: u32,
+    /// Whether its pose is carried over. If not, it was put where [`Bodies`] says.
+    pub pose: bool,
+    /// Linear and angular velocity to be added to those that are carried over. Without, they are those of [`Bodies`].
+    pub push: Option<[Vec3; 2]>,
 }
 
-/// Writes the first elements of an array.
-fn fill<T: Pod>(gpu: &Gpu, buffer: &wgpu::Buffer, count: usize, of: impl Fn(usize) -> T) {
-    let all: Vec<T> = (0..count).map(of).collect();
-    gpu.queue.write_buffer(buffer, 0, cast_slice(&all));
+/// All that a step is told. It is kept until the results are there: a step whose lists were too short runs again.
+pub struct Input {
+    step: layout::Step,
+    bodies: Vec<layout::Body>,
+    planes: Vec<layout::Plane>,
+    meshes: Vec<Option<CollisionMesh>>,
 }
 
-fn body(bodies: &Bodies, state: &StepState, i: usize) -> layout::Body {
+impl Input {
+    /// Packs the bodies, planes and settings of `state`. `carried` has an entry for each body, or none at all.
+    pub fn new(state: &StepState, carried: &[Option<Carried>]) -> Self {
+        let StepState {
+            config, bodies, planes, ..
+        } = state;
+        let count = bodies.len();
+        let body = |i: usize| body(bodies, state, i, carried.get(i).copied().flatten());
+        Self {
+            step: layout::Step {
+                gravity: config.gravity.to_array(),
+                dt: config.dt,
+                bodies: count as u32,
+                planes: planes.len() as u32,
+                response: u32::from(config.response != Response::None),
+                ..Default::default()
+            },
+            bodies: (0..count).map(body).collect(),
+            planes: planes.iter().map(plane).collect(),
+            meshes: (0..state.meshes.len() as u32)
+                .map(|slot| state.meshes.get(slot).map(|slot| slot.mesh.clone()))
+                .collect(),
+        }
+    }
+
+    /// How many bodies there are.
+    pub fn len(&self) -> u32 {
+        self.step.bodies
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.step.bodies == 0
+    }
+
+    /// The mesh of a body.
+    pub(super) fn mesh_of(&self, body: u32) -> Option<&CollisionMesh> {
+        self.meshes[self.bodies[body as usize].mesh as usize].as_ref()
+    }
+
+    /// Writes everything.
+    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers) {
+        let sizes = &buffers.sizes;
+        let held = Sizes {
+            bodies: self.step.bodies,
+            ..*sizes
+        };
+        let step = layout::Step {
+            // By the bodies there are and not by the room for them: the order of pairs, and so of sums, follows the buckets.
+            bucket_mask: held.buckets() - 1,
+            pair_capacity: sizes.pairs,
+            hit_capacity: sizes.hits,
+            plane_contact_capacity: sizes.plane_contacts,
+            ..self.step
+        };
+        let mut counters = [0u32; COUNTERS as usize];
+        counters[BODIES as usize] = step.bodies;
+        gpu.queue.write_buffer(&buffers.step, 0, bytemuck::bytes_of(&step));
+        gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
+        gpu.queue.write_buffer(&buffers.bodies, 0, cast_slice(&self.bodies));
+        gpu.queue.write_buffer(&buffers.planes, 0, cast_slice(&self.planes));
+    }
+}
+
+fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) -> layout::Body {
     let inertia = bodies.own_inverse_inertia[i];
     let scale = bodies.scale[i];
-    // The device places the centre of mass in single precision: the sphere grows by what that can cost.
-    let arm = scale * state.meshes[bodies.mesh[i]].mesh.mass.center;
+    let mesh = &state.meshes[bodies.mesh[i]].mesh;
+    // The device places the centre of mass in single precision: the sphere grows by what that can cost. What the distance
+    // from the origin adds is for the device to say, which knows the place.
+    let arm = scale * mesh.mass.center;
+    let radius = mesh.radius * scale.abs().max_element();
+    let own = [bodies.linear_velocity[i], bodies.angular_velocity[i]];
+    let [linear, angular] = carried.and_then(|carried| carried.push).unwrap_or(own);
     layout::Body {
         position: bodies.position[i].to_array(),
         mesh: bodies.mesh[i],
         rotation: bodies.rotation[i].to_array(),
         scale: scale.to_array(),
-        radius: bodies.radius[i] + 1.0e-6 * arm.length(),
-        linear_velocity: bodies.linear_velocity[i].to_array(),
+        radius: radius * (1.0 + 1.0e-6) + 1.5e-6 * arm.length(),
+        linear_velocity: linear.to_array(),
         inverse_mass: bodies.inverse_mass[i],
-        angular_velocity: bodies.angular_velocity[i].to_array(),
+        angular_velocity: angular.to_array(),
         restitution: bodies.restitution[i],
         inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
         gravity_scale: bodies.gravity_scale[i],
@@ -67,7 +122,11 @@ fn body(bodies: &Bodies, state: &StepState, i: usize) -> layout::Body {
         flags: flags(bodies, i),
         memberships: bodies.layers[i].memberships,
         filters: bodies.layers[i].filters,
-        padding: [0; 2],
+        source: carried.map_or(0, |carried| carried.source),
+        carried: carried.map_or(0, |carried| {
+            let pose = if carried.pose { CARRIED_POSE } else { 0 };
+            pose | if carried.push.is_some() { CARRIED_VELOCITY } else { 0 }
+        }),
     }
 }
 

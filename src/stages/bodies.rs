@@ -1,7 +1,7 @@
 //! How bodies enter a step: what is checked, and what is derived from pose and mesh.
 
 use super::mesh_arena::MeshArena;
-use super::state::{Bodies, Body, Frame};
+use super::state::{Bodies, Body, Frame, Motion};
 use crate::components::RigidBody;
 use crate::geometry::mesh::MAX_COORDINATE;
 use glam::{DMat3, DQuat, Vec3};
@@ -111,6 +111,24 @@ impl Bodies {
         layers.clear();
         sensor.clear();
         culling.clear();
+    }
+
+    /// Where body `i` is after a step and how it moves. What follows from the pose is that of before.
+    pub fn motion(&self, i: usize) -> Motion {
+        Motion {
+            position: self.position[i],
+            rotation: self.rotation[i],
+            linear_velocity: self.linear_velocity[i],
+            angular_velocity: self.angular_velocity[i],
+        }
+    }
+
+    /// Moves body `i`, without what follows from its pose.
+    pub fn set_motion(&mut self, i: usize, motion: &Motion) {
+        self.position[i] = motion.position;
+        self.rotation[i] = motion.rotation;
+        self.linear_velocity[i] = motion.linear_velocity;
+        self.angular_velocity[i] = motion.angular_velocity;
     }
 
     /// Checks `body` and adds it, with all that follows from its pose and mesh.

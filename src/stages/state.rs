@@ -35,6 +35,21 @@ pub struct StepState {
     pub times: [Duration; 5],
 }
 
+/// How many of each thing a step found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Pairs of bodies whose spheres overlap.
+    pub sphere_pairs: usize,
+    /// Pairs tested with some triangles left out.
+    pub approximate_pairs: usize,
+    /// Pairs of bodies that touch.
+    pub touching_pairs: usize,
+    /// Pairs of triangles tested.
+    pub triangle_tests: u64,
+    /// Pairs of faces that intersect.
+    pub face_pairs: usize,
+}
+
 /// What holds for all bodies in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepConfig {
@@ -139,6 +154,19 @@ pub struct Frame {
     pub scale: DVec3,
     /// The centre of mass in the world.
     pub center: DVec3,
+}
+
+/// Where a body is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Where the mesh's origin lies.
+    pub position: Vec3,
+    /// Unit quaternion.
+    pub rotation: Quat,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec3,
+    /// World axes, rad/s.
+    pub angular_velocity: Vec3,
 }
 
 /// A solid half-space: `normal . p < distance`.
@@ -254,6 +282,19 @@ pub struct Impulse {
     pub linear: Vec3,
     /// rad/s, world axes.
     pub angular: Vec3,
+}
+
+impl StepState {
+    /// How much the step found.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            sphere_pairs: self.sphere_pairs.len(),
+            approximate_pairs: self.approximate_pairs,
+            touching_pairs: self.contacts.pairs.len(),
+            triangle_tests: self.contacts.triangle_tests,
+            face_pairs: self.contacts.faces.len(),
+        }
+    }
 }
 
 impl Contacts {

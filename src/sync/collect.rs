@@ -1,7 +1,7 @@
 //! Components to arrays.
 
-use super::Step;
 use super::tables::Tables;
+use super::{Collected, Step};
 use crate::asset::CollisionMesh;
 use crate::components::*;
 use crate::events::BodyRejected;
@@ -58,7 +58,7 @@ pub(crate) fn collect(
     };
 
     let mut faults = Vec::new();
-    step.collected.clear();
+    step.bodies.clear();
     step.tables.poll();
     for body in &bodies {
         let id = body.collider.0.id();
@@ -78,7 +78,7 @@ pub(crate) fn collect(
             step.tables.request(id, mesh, name);
         }
         if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &step.tables, &meshes, id) {
-            step.collected.push((body.entity, body.with_mesh(mesh, culling)));
+            step.bodies.push((body.entity, body.with_mesh(mesh, culling)));
         } else {
             match assets.load_state(id) {
                 LoadState::Loading | LoadState::Loaded => {}
@@ -88,20 +88,29 @@ pub(crate) fn collect(
         }
     }
     // Query order depends on archetypes; the order of entities does not, and nearly always is the same.
-    step.collected.sort_unstable_by_key(|&(entity, _)| entity);
+    step.bodies.sort_unstable_by_key(|&(entity, _)| entity);
 
-    step.entities.clear();
+    let Collected {
+        entities,
+        kinds,
+        planes: plane_entities,
+    } = &mut step.collected;
+    entities.clear();
+    kinds.clear();
     step.state.bodies.clear();
-    for (entity, body) in &step.collected {
+    for (entity, body) in &step.bodies {
         match step.state.bodies.push(body, &step.state.meshes) {
-            Ok(()) => step.entities.push(*entity),
+            Ok(()) => {
+                entities.push(*entity);
+                kinds.push(body.kind);
+            }
             Err(fault) => faults.push((*entity, fault)),
         }
     }
 
     let mut sorted: Vec<_> = planes.iter().collect();
     sorted.sort_unstable_by_key(|&(entity, ..)| entity);
-    step.planes.clear();
+    plane_entities.clear();
     step.state.planes.clear();
     for (entity, plane, restitution, is_body) in sorted {
         if is_body {
@@ -110,7 +119,7 @@ pub(crate) fn collect(
         }
         match half_space(plane, restitution) {
             Ok(plane) => {
-                step.planes.push(entity);
+                plane_entities.push(entity);
                 step.state.planes.push(plane);
             }
             Err(fault) => faults.push((entity, fault)),

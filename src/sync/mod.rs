@@ -1,15 +1,22 @@
 //! Between the ECS and the stages: components in before a step, results out after it.
 
 pub(crate) mod collect;
+#[cfg(feature = "gpu")]
+pub(crate) mod latent;
 pub(crate) mod publish;
 mod tables;
 
 use crate::asset::CollisionMesh;
 use crate::backend::Engine;
+use crate::components::RigidBody;
+#[cfg(feature = "gpu")]
+use crate::settings::LATENCY;
+use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
-use crate::stages::state::{Body, StepState};
+use crate::stages::state::{Body, Counts, Motion, StepState};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// The stages' arrays and what ties them to entities.
@@ -18,12 +25,17 @@ pub(crate) struct Step {
     pub state: StepState,
     /// What runs the stages.
     pub engine: Engine,
-    /// Entity of each body, ascending.
-    pub entities: Vec<Entity>,
-    /// Entity of each plane, ascending.
-    pub planes: Vec<Entity>,
-    /// Scratch: usable bodies in query order.
-    pub collected: Vec<(Entity, Body)>,
+    /// What the stages are about to work on.
+    pub collected: Collected,
+    /// What the results in `state` are about; `None` while the first ones are on their way.
+    pub results: Option<Collected>,
+    /// How much was found.
+    pub counts: Counts,
+    /// Steps whose results are on their way.
+    #[cfg(feature = "gpu")]
+    pub latent: latent::Latent,
+    /// Scratch: bodies in the order of entities, usable or not.
+    pub bodies: Vec<(Entity, Body)>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
     /// Face tables that bodies asked for and their meshes lack.
@@ -36,19 +48,105 @@ pub(crate) struct Step {
     pub begun: Instant,
 }
 
+/// Who takes part in a step.
+#[derive(Default)]
+pub(crate) struct Collected {
+    /// Entity of each body, ascending.
+    pub entities: Vec<Entity>,
+    /// How each body moves.
+    pub kinds: Vec<RigidBody>,
+    /// Entity of each plane, ascending.
+    pub planes: Vec<Entity>,
+}
+
 impl Step {
     pub fn new(engine: Engine) -> Self {
         Self {
             state: StepState::default(),
             engine,
-            entities: Vec::new(),
-            planes: Vec::new(),
-            collected: Vec::new(),
+            collected: Collected::default(),
+            results: None,
+            counts: Counts::default(),
+            #[cfg(feature = "gpu")]
+            latent: latent::Latent::default(),
+            bodies: Vec::new(),
             slots: HashMap::default(),
             tables: tables::Tables::default(),
             faults: Vec::new(),
             touching: Vec::new(),
             begun: Instant::now(),
         }
+    }
+
+    /// Runs a stage, or on a device all of them when asked for the first.
+    pub fn run(&mut self, stage: Stage) {
+        #[cfg(feature = "gpu")]
+        if self.advance(stage) {
+            return;
+        }
+        self.engine.run(stage, &mut self.state);
+        if stage == Stage::Integrate {
+            self.counts = self.state.counts();
+            self.results = Some(std::mem::take(&mut self.collected));
+        }
+    }
+
+    /// Runs a step whose results come later, if they are to; false if not.
+    #[cfg(feature = "gpu")]
+    fn advance(&mut self, stage: Stage) -> bool {
+        if stage != Stage::BroadPhase {
+            return self.engine.latent().is_some();
+        }
+        if self.engine.latent().is_some() {
+            self.latent.link(&self.collected.entities, &self.bodies);
+        }
+        while let Some(detail) = self.engine.latent() {
+            let carried = &self.latent.carried;
+            let Some(output) = self.engine.advance(&self.state, carried, detail, LATENCY) else {
+                // The device failed. Whoever takes over begins where the components say.
+                self.latent.forget();
+                continue;
+            };
+            self.latent.sent(std::mem::take(&mut self.collected));
+            self.results = output.and_then(|output| {
+                self.counts = output.counts;
+                let motions = output.put_lists(&mut self.state);
+                self.latent.arrived(motions)
+            });
+            return true;
+        }
+        false
+    }
+
+    /// Brings `bodies`, which hold what the components say, up to the last step that was sent off.
+    #[cfg(feature = "gpu")]
+    pub fn catch_up(&mut self, bodies: &mut BTreeMap<Entity, Motion>) {
+        let (Some(_), Some(gpu)) = (self.engine.latent(), self.engine.gpu_step()) else {
+            return;
+        };
+        match gpu.motions() {
+            Ok(motions) => self.latent.catch_up(&motions, bodies),
+            Err(error) => {
+                // What the components say is all that is left.
+                self.engine.replace(&error);
+                self.latent.forget();
+            }
+        }
+    }
+
+    /// On the CPU the components say all.
+    #[cfg(not(feature = "gpu"))]
+    pub fn catch_up(&mut self, _: &mut BTreeMap<Entity, Motion>) {}
+
+    /// Drops what is on its way: bodies go on from where the components say.
+    pub fn forget(&mut self) {
+        #[cfg(feature = "gpu")]
+        {
+            if let Some(gpu) = self.engine.gpu_step() {
+                gpu.forget();
+            }
+            self.latent.forget();
+        }
+        self.results = None;
     }
 }

@@ -9,35 +9,50 @@ use bevy::prelude::*;
 
 /// Moves the bodies in the world.
 pub(crate) fn write_back(
-    step: Res<Step>,
+    mut step: ResMut<Step>,
     mut moving: Query<(
         &mut Transform,
         Option<&mut LinearVelocity>,
         Option<&mut AngularVelocity>,
     )>,
 ) {
-    let bodies = &step.state.bodies;
-    for (i, &entity) in step.entities.iter().enumerate() {
-        if bodies.kind[i] == RigidBody::Static {
-            continue;
-        }
+    let step = &mut *step;
+    let Some(results) = &step.results else { return };
+    let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>| {
         let Ok((mut transform, linear, angular)) = moving.get_mut(entity) else {
-            continue;
+            return;
         };
-        let moved = Transform {
-            translation: bodies.position[i],
-            rotation: bodies.rotation[i],
-            scale: transform.scale,
-        };
-        transform.set_if_neq(moved);
-        if bodies.kind[i] == RigidBody::Dynamic {
+        if let Some((translation, rotation)) = pose {
+            let scale = transform.scale;
+            transform.set_if_neq(Transform {
+                translation,
+                rotation,
+                scale,
+            });
+        }
+        if let Some([v, w]) = velocities {
             if let Some(mut linear) = linear {
-                linear.set_if_neq(LinearVelocity(bodies.linear_velocity[i]));
+                linear.set_if_neq(LinearVelocity(v));
             }
             if let Some(mut angular) = angular {
-                angular.set_if_neq(AngularVelocity(bodies.angular_velocity[i]));
+                angular.set_if_neq(AngularVelocity(w));
             }
         }
+    };
+    #[cfg(feature = "gpu")]
+    if step.engine.latent().is_some() {
+        step.latent.write(results, |entity, written| {
+            write(entity, written.pose, written.velocities)
+        });
+        return;
+    }
+    for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
+        let motion = step.state.bodies.motion(i);
+        write(
+            entity,
+            (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
+            (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
+        );
     }
 }
 
@@ -66,26 +81,30 @@ pub(crate) fn publish(
     mut commands: Commands,
 ) {
     let step = &mut *step;
+    (report.in_flight, report.waits) = step.engine.flights();
+    let Some(results) = &mut step.results else { return };
+    let counts = step.counts;
     *report = StepReport {
         step: report.step + 1,
-        bodies: step.entities.len(),
+        bodies: results.entities.len(),
         stages: step.state.times,
         total: std::time::Duration::ZERO,
-        sphere_pairs: step.state.sphere_pairs.len(),
-        approximate_pairs: step.state.approximate_pairs,
+        sphere_pairs: counts.sphere_pairs,
+        approximate_pairs: counts.approximate_pairs,
         tables_in_bake: step.tables.in_bake(),
-        touching_pairs: step.state.contacts.pairs.len(),
-        triangle_tests: step.state.contacts.triangle_tests,
-        face_pairs: step.state.contacts.faces.len(),
+        touching_pairs: counts.touching_pairs,
+        triangle_tests: counts.triangle_tests,
+        face_pairs: counts.face_pairs,
+        ..*report
     };
 
     let contacts = &step.state.contacts;
     let pairs = contacts
         .pairs
         .iter()
-        .map(|pair| pair.bodies.map(|i| step.entities[i as usize]));
+        .map(|pair| pair.bodies.map(|i| results.entities[i as usize]));
     let planes = contacts.planes.iter().map(|c| {
-        let (body, plane) = (step.entities[c.body as usize], step.planes[c.plane as usize]);
+        let (body, plane) = (results.entities[c.body as usize], results.planes[c.plane as usize]);
         [body.min(plane), body.max(plane)]
     });
     let mut touching: Vec<[Entity; 2]> = pairs.chain(planes).collect();
@@ -123,7 +142,7 @@ pub(crate) fn publish(
 
     report.total = step.begun.elapsed();
     std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);
-    std::mem::swap(&mut collisions.entities, &mut step.entities);
+    std::mem::swap(&mut collisions.entities, &mut results.entities);
 }
 
 /// Walks two ascending lists and tells what is only in the second (`true`) or only in the first (`false`).

@@ -36,6 +36,7 @@ impl Sim {
                 step: StepPlugin {
                     backend: Backend::Cpu,
                     threads,
+                    ..default()
                 },
                 ..default()
             },

@@ -146,6 +146,7 @@ pub fn run(options: &Options) -> Outcome {
             step: StepPlugin {
                 backend,
                 threads: options.threads,
+                ..default()
             },
             ..default()
         },

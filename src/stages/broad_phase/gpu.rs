@@ -9,6 +9,19 @@ use crate::gpu::layout::{BODIES, SPHERE_PAIRS};
 use crate::gpu::radix_sort::{self, Sort};
 use crate::gpu::scan::{self, Length, Scan};
 
+/// Where the bodies are.
+pub const PLACE: Kernel = Kernel {
+    name: "broad_phase/place",
+    source: include_str!("../../../shaders/broad_phase_place.wgsl"),
+    emit: false,
+    workgroup: 64,
+    bindings: &[
+        uniform(0, "step", "Step"),
+        read(1, "moved", "Moved"),
+        write(2, "bodies", "Body"),
+    ],
+};
+
 /// The bucket of every body.
 pub const CELLS: Kernel = Kernel {
     name: "broad_phase/cells",
@@ -90,11 +103,12 @@ pub const ARGUMENTS: Kernel = Kernel {
 };
 
 /// All of them.
-pub const KERNELS: [&Kernel; 5] = [&CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS];
+pub const KERNELS: [&Kernel; 6] = [&PLACE, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS];
 
 /// Adds this stage's calls.
 pub fn record(builder: &mut Builder, b: &Buffers) {
     let per_body = Groups::PerBodies(64);
+    builder.call(&PLACE, &[&b.step, &b.moved, &b.bodies], per_body);
     builder.call(
         &CELLS,
         &[&b.step, &b.bodies, &b.meshes, &b.counters, &b.keys[0], &b.values[0]],

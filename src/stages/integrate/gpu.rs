@@ -15,7 +15,7 @@ pub const MOVE: Kernel = Kernel {
         write(3, "status", "u32"),
         write(4, "counters", "u32"),
         read(5, "impulses", "Impulse"),
-        write(6, "bodies", "Body"),
+        read(6, "bodies", "Body"),
         write(7, "moved", "Moved"),
     ],
 };

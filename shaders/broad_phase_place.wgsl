@@ -1,0 +1,31 @@
+// BroadPhase, before all else: where each body is as the step begins. Bodies may go on from where the last step left them,
+// which the host need not know yet.
+#import faceoff::dispatch::group_index
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> step: t::Step;
+@group(0) @binding(1) var<storage, read> moved: array<t::Moved>;
+@group(0) @binding(2) var<storage, read_write> bodies: array<t::Body>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= step.bodies {
+        return;
+    }
+    let carried = bodies[i].carried;
+    if carried != 0u {
+        let last = moved[bodies[i].source];
+        if (carried & t::CARRIED_POSE) != 0u {
+            bodies[i].position = last.position;
+            bodies[i].rotation = last.rotation;
+        }
+        if (carried & t::CARRIED_VELOCITY) != 0u {
+            bodies[i].linear_velocity += last.linear_velocity;
+            bodies[i].angular_velocity += last.angular_velocity;
+        }
+    }
+    // The sphere grows by what rounding its centre costs, four units in the last place.
+    let place = abs(bodies[i].position);
+    bodies[i].radius += 4.8e-7 * max(place.x, max(place.y, place.z));
+}

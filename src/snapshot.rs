@@ -1,0 +1,82 @@
+//! The state of a simulation, to go back to.
+
+use crate::components::{AngularVelocity, LinearVelocity, MeshCollider};
+use crate::stages::state::Motion;
+use crate::sync::Step;
+use bevy::prelude::*;
+use std::collections::BTreeMap;
+
+/// Where all bodies were and how they moved after some step, and which of them touched.
+///
+/// With what users decide, components like [`RigidBody`](crate::components::RigidBody) or resources like
+/// [`Gravity`](crate::settings::Gravity), unchanged, steps after [`Snapshot::restore`] repeat those after
+/// [`Snapshot::take`] to the bit on the same machine. What users decide is not part of it, nor is the clock.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    bodies: BTreeMap<Entity, Motion>,
+    touching: Vec<[Entity; 2]>,
+}
+
+impl Snapshot {
+    /// The state after the last step. If results of steps on a GPU are on their way this waits for them: with
+    /// [`Reading::Latent`](crate::settings::Reading::Latent) the snapshot is ahead of the components.
+    pub fn take(world: &mut World) -> Self {
+        let mut bodies: BTreeMap<Entity, Motion> = world
+            .query_filtered::<(
+                Entity,
+                &Transform,
+                Option<&LinearVelocity>,
+                Option<&AngularVelocity>,
+            ), With<MeshCollider>>()
+            .iter(world)
+            .map(|(entity, transform, linear, angular)| {
+                let motion = Motion {
+                    position: transform.translation,
+                    rotation: transform.rotation,
+                    linear_velocity: linear.map_or(Vec3::ZERO, |v| v.0),
+                    angular_velocity: angular.map_or(Vec3::ZERO, |w| w.0),
+                };
+                (entity, motion)
+            })
+            .collect();
+        let Some(mut step) = world.get_resource_mut::<Step>() else {
+            return Self::default();
+        };
+        step.catch_up(&mut bodies);
+        Self {
+            bodies,
+            touching: step.touching.clone(),
+        }
+    }
+
+    /// Puts all bodies where they were. What is on its way of later steps is dropped. Bodies that were spawned since stay
+    /// as they are; those that are gone are returned.
+    pub fn restore(&self, world: &mut World) -> Vec<Entity> {
+        let mut gone = Vec::new();
+        for (&entity, motion) in &self.bodies {
+            let Ok(mut body) = world.get_entity_mut(entity) else {
+                gone.push(entity);
+                continue;
+            };
+            if let Some(mut transform) = body.get_mut::<Transform>() {
+                (transform.translation, transform.rotation) = (motion.position, motion.rotation);
+            }
+            if let Some(mut linear) = body.get_mut::<LinearVelocity>() {
+                linear.0 = motion.linear_velocity;
+            }
+            if let Some(mut angular) = body.get_mut::<AngularVelocity>() {
+                angular.0 = motion.angular_velocity;
+            }
+        }
+        if let Some(mut step) = world.get_resource_mut::<Step>() {
+            step.forget();
+            step.touching.clone_from(&self.touching);
+        }
+        gone
+    }
+
+    /// The bodies, in the order of entities.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &Motion)> {
+        self.bodies.iter().map(|(&entity, motion)| (entity, motion))
+    }
+}
