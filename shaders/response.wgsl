@@ -53,6 +53,6 @@ fn plane_pushes(step: t::Step, body: t::Body, plane: t::Plane, contact: t::Plane
     if !(contact.depth > 0.0) || (body.flags & t::SENSOR) != 0u {
         return false;
     }
-    let speed = dot(velocity(step, body, contact.point), plane.normal);
+    let speed = dot(velocity(step, body, contact.arm), plane.normal);
     return speed < wanted_speed(step, body, plane, contact.depth, speed);
 }

@@ -1,7 +1,8 @@
 //! A step whose results are on their way.
 
 use super::device::Gpu;
-use super::results::{Detail, Output, Parts};
+use super::readback::alive;
+use super::results::{Detail, Output, Parts, Raw};
 use super::timer::Timer;
 use super::upload::Input;
 use bevy::platform::cell::SyncCell;
@@ -18,6 +19,7 @@ pub(super) struct Flight {
     staging: Buffer,
     submission: SubmissionIndex,
     mapped: SyncCell<Receiver<Result<(), BufferAsyncError>>>,
+    raw: Option<Raw>,
 }
 
 impl Flight {
@@ -35,6 +37,7 @@ impl Flight {
             staging,
             submission,
             mapped: SyncCell::new(mapped),
+            raw: None,
         }
     }
 
@@ -43,35 +46,36 @@ impl Flight {
     /// # Errors
     /// If the device is lost.
     pub fn wait(&mut self, gpu: &Gpu) -> Result<bool, String> {
-        let arrived = |result: Result<(), BufferAsyncError>| result.map_err(|error| error.to_string());
         gpu.device.poll(PollType::Poll).map_err(|error| error.to_string())?;
         let mapped = self.mapped.get();
-        match mapped.try_recv() {
-            Ok(result) => return arrived(result).map(|()| false),
-            Err(TryRecvError::Empty) => {}
+        let (result, waited) = match mapped.try_recv() {
+            Err(TryRecvError::Empty) => {
+                let this = PollType::Wait {
+                    submission_index: Some(self.submission.clone()),
+                    timeout: None,
+                };
+                gpu.device.poll(this).map_err(|error| error.to_string())?;
+                (mapped.recv().map_err(|error| error.to_string())?, true)
+            }
             Err(TryRecvError::Disconnected) => return Err("the results of a step were dropped".into()),
-        }
-        let this = PollType::Wait {
-            submission_index: Some(self.submission.clone()),
-            timeout: None,
+            Ok(result) => (result, false),
         };
-        gpu.device.poll(this).map_err(|error| error.to_string())?;
-        let result = mapped.recv().map_err(|error| error.to_string())?;
-        arrived(result).map(|()| true)
-    }
-
-    /// The counters, for which [`Flight::wait`] has waited.
-    pub fn counters(&self) -> Vec<u32> {
-        self.parts
-            .counters(&self.staging.slice(..self.parts.total).get_mapped_range())
-    }
-
-    /// The results, for which [`Flight::wait`] has waited, and the buffer in which they came.
-    pub fn land(self, timer: Option<&Timer>) -> (Output, Buffer) {
+        result.map_err(|error| error.to_string())?;
+        alive(gpu)?;
         let bytes = self.staging.slice(..self.parts.total).get_mapped_range();
-        let output = self.parts.read(&bytes, &self.input, self.detail, timer);
+        self.raw = Some(self.parts.read(&bytes));
         drop(bytes);
         self.staging.unmap();
-        (output, self.staging)
+        Ok(waited)
+    }
+
+    /// The results as they came, once [`Flight::wait`] has waited for them.
+    pub fn raw(&self) -> Option<&Raw> {
+        self.raw.as_ref()
+    }
+
+    /// The results, and the buffer in which they came, once [`Flight::wait`] has waited for them.
+    pub fn land(self, timer: Option<&Timer>) -> Option<(Output, Buffer)> {
+        Some((self.raw?.sort(&self.input, timer), self.staging))
     }
 }

@@ -30,6 +30,25 @@ pub fn wait(gpu: &Gpu) -> Result<(), String> {
     polled.map(|_| ()).map_err(|error| error.to_string())
 }
 
+/// Whether the device still works. A lost one may report that a buffer is mapped, and looking at it is a panic.
+///
+/// # Errors
+/// If the device is lost.
+pub fn alive(gpu: &Gpu) -> Result<(), String> {
+    scoped(gpu, || {
+        // wgpu keeps errors of lost devices to itself, but refuses to map their buffers, at once.
+        let probe = staging(gpu, 4);
+        let (sender, receiver) = mpsc::channel();
+        probe.map_async(MapMode::Read, .., move |result| {
+            let _ = sender.send(result);
+        });
+        match receiver.try_recv() {
+            Ok(Err(_)) => Err("it is lost".to_string()),
+            _ => Ok(()),
+        }
+    })?
+}
+
 /// A buffer to map.
 pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
     gpu.device.create_buffer(&BufferDescriptor {
@@ -55,6 +74,7 @@ pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) 
     wait(gpu)?;
     let mapped = receiver.recv().map_err(|error| error.to_string())?;
     mapped.map_err(|error| error.to_string())?;
+    alive(gpu)?;
     let result = look(&staging.slice(..bytes.max(4)).get_mapped_range()[..bytes as usize]);
     staging.unmap();
     Ok(result)

@@ -2,8 +2,8 @@
 
 use super::buffers::{Buffers, Sizes};
 use super::layout::{
-    APPROXIMATE, COUNTERS, HITS, Hit, Moved, PLANE_CONTACTS, PlaneContact, SPHERE_PAIRS, TOUCHING, TRIANGLE_TESTS,
-    Touching,
+    APPROXIMATE, COUNTERS, HITS, Hit, Moved, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TOUCHING,
+    TRIANGLE_TESTS, Touching,
 };
 use super::timer::{self, Timer};
 use super::upload::Input;
@@ -100,15 +100,46 @@ impl Parts {
         }
     }
 
-    /// The counters among `bytes`.
-    pub fn counters(&self, bytes: &[u8]) -> Vec<u32> {
-        list(bytes, &self.counters, COUNTERS as usize)
+    /// What is there among `bytes`.
+    pub fn read(&self, bytes: &[u8]) -> Raw {
+        let counters: Vec<u32> = list(bytes, &self.counters, COUNTERS as usize);
+        // Of a list that is too short there is nothing.
+        let skipped = counters[SKIPPED as usize] != 0;
+        let count = |counter: u32| {
+            if skipped {
+                0
+            } else {
+                counters[counter as usize] as usize
+            }
+        };
+        Raw {
+            stamps: list(bytes, &self.times, timer::COUNT as usize),
+            moved: list(bytes, &self.moved, usize::MAX),
+            sphere_pairs: list(bytes, &self.sphere_pairs, count(SPHERE_PAIRS)),
+            touching: list(bytes, &self.touching, count(TOUCHING)),
+            hits: list(bytes, &self.hits, count(HITS)),
+            planes: list(bytes, &self.planes, count(PLANE_CONTACTS)),
+            counters,
+        }
     }
+}
 
-    /// Everything among `bytes`.
-    pub fn read(&self, bytes: &[u8], input: &Input, detail: Detail, timer: Option<&Timer>) -> Output {
-        let counters = self.counters(bytes);
-        let count = |counter: u32| counters[counter as usize] as usize;
+/// Results as the device wrote them.
+pub(super) struct Raw {
+    /// The counters.
+    pub counters: Vec<u32>,
+    stamps: Vec<u64>,
+    moved: Vec<Moved>,
+    sphere_pairs: Vec<[u32; 2]>,
+    touching: Vec<Touching>,
+    hits: Vec<Hit>,
+    planes: Vec<PlaneContact>,
+}
+
+impl Raw {
+    /// In order, and in the words of the input.
+    pub fn sort(mut self, input: &Input, timer: Option<&Timer>) -> Output {
+        let count = |counter: u32| self.counters[counter as usize] as usize;
         let mut output = Output {
             counts: Counts {
                 sphere_pairs: count(SPHERE_PAIRS),
@@ -117,26 +148,15 @@ impl Parts {
                 triangle_tests: count(TRIANGLE_TESTS) as u64,
                 face_pairs: count(HITS),
             },
-            times: timer.map_or_else(Default::default, |timer| {
-                timer.times(&list(bytes, &self.times, timer::COUNT as usize))
-            }),
+            times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             ..Default::default()
         };
         output.contacts.triangle_tests = output.counts.triangle_tests;
-        if detail == Detail::All {
-            output.sphere_pairs = list(bytes, &self.sphere_pairs, count(SPHERE_PAIRS));
-            output.sphere_pairs.sort_unstable();
-            let touching = list(bytes, &self.touching, count(TOUCHING));
-            put_contacts(
-                &mut output.contacts,
-                input,
-                touching,
-                &list(bytes, &self.hits, count(HITS)),
-            );
-            put_planes(&mut output.contacts, list(bytes, &self.planes, count(PLANE_CONTACTS)));
-            let moved: Vec<Moved> = list(bytes, &self.moved, input.len() as usize);
-            output.motions = moved.iter().map(Motion::from).collect();
-        }
+        self.sphere_pairs.sort_unstable();
+        output.sphere_pairs = self.sphere_pairs;
+        put_contacts(&mut output.contacts, input, self.touching, &self.hits);
+        put_planes(&mut output.contacts, self.planes);
+        output.motions = self.moved.iter().map(Motion::from).collect();
         output
     }
 }
@@ -171,10 +191,11 @@ impl From<&Moved> for Motion {
     }
 }
 
-/// The first `count` elements of a part.
+/// The first `count` elements of a part, or as many as it holds.
 fn list<T: Pod>(bytes: &[u8], range: &Range<u64>, count: usize) -> Vec<T> {
-    let start = range.start as usize;
-    bytemuck::pod_collect_to_vec(&bytes[start..start + count * size_of::<T>()])
+    let part = &bytes[range.start as usize..range.end as usize];
+    let size = count.saturating_mul(size_of::<T>()).min(part.len());
+    bytemuck::pod_collect_to_vec(&part[..size])
 }
 
 fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touching>, hits: &[Hit]) {

@@ -279,14 +279,13 @@ impl GpuStep {
             let Some(flight) = self.flights.front_mut() else { break };
             let waited = scoped(&self.gpu, || flight.wait(&self.gpu)).map_err(StepError::Device)?;
             self.waits += u64::from(waited.map_err(StepError::Device)?);
-            let counters = flight.counters();
+            let counters = flight.raw().map(|raw| raw.counters.clone()).unwrap_or_default();
             if counters[CUT_SHORT as usize] != 0 {
                 return Err(StepError::CutShort);
             }
             if counters[SKIPPED as usize] == 0
-                && let Some(flight) = self.flights.pop_front()
+                && let Some((output, staging)) = self.flights.pop_front().and_then(|f| f.land(self.timer.as_ref()))
             {
-                let (output, staging) = flight.land(self.timer.as_ref());
                 self.spare.push(staging);
                 return Ok(output);
             }
@@ -401,9 +400,10 @@ impl GpuStep {
 /// Two poses of every body, in the order of the last step that was submitted; its results may not be known yet.
 #[derive(Clone, Copy, Debug)]
 pub struct Poses<'a> {
-    /// Before that step: an array of `Body` of `shaders/types.wgsl`, which begins with position, mesh and rotation.
+    /// Before that step: an array of `Body` of `shaders/types.wgsl`, 128 bytes each, which begins with position, mesh and
+    /// rotation.
     pub previous: &'a Buffer,
-    /// After it: an array of `Moved`, which begins with position, a word of padding and rotation.
+    /// After it: an array of `Moved`, 64 bytes each, which begins with position, a word of padding and rotation.
     pub current: &'a Buffer,
     /// How many there are.
     pub bodies: u32,

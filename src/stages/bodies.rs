@@ -4,7 +4,7 @@ use super::mesh_arena::MeshArena;
 use super::state::{Bodies, Body, Frame, Motion};
 use crate::components::RigidBody;
 use crate::geometry::mesh::MAX_COORDINATE;
-use glam::{DMat3, DQuat, Vec3};
+use glam::{DMat3, DQuat, Quat, Vec3};
 use thiserror::Error;
 
 /// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
@@ -184,7 +184,7 @@ impl Bodies {
         self.mesh.push(body.mesh);
         self.kind.push(body.kind);
         self.position.push(body.position);
-        self.rotation.push(body.rotation.normalize());
+        self.rotation.push(unit(body.rotation, rotation.length_squared()));
         self.scale.push(body.scale);
         self.linear_velocity.push(body.linear_velocity);
         self.angular_velocity.push(body.angular_velocity);
@@ -200,6 +200,16 @@ impl Bodies {
         self.sensor.push(body.sensor);
         self.culling.push(body.culling);
         Ok(())
+    }
+}
+
+/// The unit quaternion along one of this squared length. What has unit length but for rounding stays as it is: a rotation
+/// that a step wrote comes back unchanged.
+fn unit(rotation: Quat, length_squared: f64) -> Quat {
+    if (length_squared - 1.0).abs() < 1.0e-6 {
+        rotation
+    } else {
+        rotation.normalize()
     }
 }
 
