@@ -87,6 +87,15 @@ impl Latent {
         self.carried.clear();
     }
 
+    /// Nothing of what is in flight will come, and the step that was linked last begins where the components say.
+    pub fn restart(&mut self) {
+        self.flights.clear();
+        self.carried.clear();
+        for (_, shadow) in &mut self.shadows {
+            *shadow = Shadow::new(shadow.motion, self.now);
+        }
+    }
+
     /// The step that was linked last is on its way.
     pub fn sent(&mut self, collected: Collected) {
         self.flights.push_back((self.now, collected));

@@ -104,7 +104,7 @@ impl Step {
             let carried = &self.latent.carried;
             let Some(output) = self.engine.advance(&self.state, carried, detail, LATENCY) else {
                 // The device failed. Whoever takes over begins where the components say.
-                self.latent.forget();
+                self.latent.restart();
                 continue;
             };
             self.latent.sent(std::mem::take(&mut self.collected));
