@@ -1,110 +1,166 @@
-//! BroadPhase on the CPU: a parallel sort by cell, then one binary search per cell and row.
+//! BroadPhase on the CPU.
 
-use super::{BITS, CELLS, cell, key};
+mod counting_sort;
+mod grid;
+
 use crate::components::RigidBody;
 use crate::stages::state::{Bodies, StepState};
-use glam::Vec3;
+use counting_sort::CountingSort;
+use grid::{Grid, Level};
 use rayon::prelude::*;
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    sorted: Vec<(u64, u32)>,
-    spheres: Vec<(Vec3, f32)>,
+    grid: Grid,
+    /// For each level, who is there, and who on coarser ones.
+    populations: Vec<Population>,
     found: Vec<Vec<[u32; 2]>>,
+    unsorted: Vec<[u32; 2]>,
+    firsts: Vec<u32>,
+    sort: CountingSort,
 }
 
 /// Bodies per task.
-const TASK: usize = 256;
+const TASK: usize = 512;
 
 /// Fills `state.sphere_pairs`.
 pub fn run(state: &mut StepState) {
     let StepState {
         bodies,
         sphere_pairs,
-        grid_scratch: Scratch { sorted, spheres, found },
+        grid_scratch,
         ..
     } = state;
-    sphere_pairs.clear();
-    let largest = bodies.radius.iter().copied().fold(0.0, f32::max);
-    if largest == 0.0 {
-        return;
-    }
-    // A little more than the largest diameter, so that rounding cannot move a pair two cells apart.
-    let per_meter = 1.0 / (2.0 * largest as f64 * (1.0 + 1.0e-6));
+    let Scratch {
+        grid,
+        populations,
+        found,
+        unsorted,
+        firsts,
+        sort,
+    } = grid_scratch;
+    grid.fill(&bodies.center, &bodies.radius);
+    count(grid, bodies, populations);
 
-    sorted.clear();
-    sorted.par_extend(bodies.center.par_iter().enumerate().map(|(i, c)| {
-        let [x, y, z] = c.to_array().map(|x| cell(x, per_meter));
-        (key(x, y, z), i as u32)
-    }));
-    sorted.par_sort_unstable();
-    spheres.clear();
-    spheres.par_extend(
-        sorted
-            .par_iter()
-            .map(|&(_, i)| (bodies.center[i as usize], bodies.radius[i as usize])),
-    );
-
-    found.resize_with(sorted.len().div_ceil(TASK), Vec::new);
+    let grid = &*grid;
+    let tasks = grid.ids.len().div_ceil(TASK);
+    found.truncate(tasks);
+    found.resize_with(tasks, Vec::new);
     found.par_iter_mut().enumerate().for_each(|(task, found)| {
         found.clear();
         let first = task * TASK;
-        let last = (first + TASK).min(sorted.len());
-        let mut rows = [(0, 0); 4];
-        let mut current = None;
-        for i in first..last {
-            let cell = sorted[i].0;
-            if current.replace(cell) != Some(cell) {
-                rows = later_rows(sorted, cell);
+        let end = (first + TASK).min(grid.ids.len());
+        let mut number = grid.levels.partition_point(|level| level.end as usize <= first);
+        for i in first..end {
+            if i == grid.levels[number].end as usize {
+                number += 1;
             }
-            // Same cell or the next one along x.
-            let mut rest = i + 1;
-            while rest < sorted.len() && sorted[rest].0 <= cell + 1 {
-                rest += 1;
+            let looks = populations[number].looks(bodies.kind[grid.ids[i] as usize]);
+            if looks.own {
+                find(grid, &grid.levels[number], i, looks.back, bodies, found);
             }
-            for (from, to) in [(i + 1, rest), rows[0], rows[1], rows[2], rows[3]] {
-                for j in from..to {
-                    if overlap(spheres[i], spheres[j]) {
-                        let (a, b) = (sorted[i].1, sorted[j].1);
-                        let pair = [a.min(b), a.max(b)];
-                        if may_collide(bodies, pair) {
-                            found.push(pair);
-                        }
-                    }
+            if looks.coarser {
+                for level in &grid.levels[number + 1..] {
+                    find(grid, level, i, true, bodies, found);
                 }
             }
         }
     });
-    for found in found.iter() {
-        sphere_pairs.extend_from_slice(found);
-    }
+
     // The one order that depends on nothing but the bodies.
-    sphere_pairs.par_sort_unstable();
+    unsorted.clear();
+    for found in &*found {
+        unsorted.extend_from_slice(found);
+    }
+    firsts.clear();
+    firsts.extend(unsorted.iter().map(|pair| pair[0]));
+    sort.sort(bodies.center.len(), firsts);
+    sphere_pairs.clear();
+    sphere_pairs.par_extend(sort.order().with_min_len(TASK).map(|at| unsorted[at as usize]));
+    let runs = sphere_pairs.par_chunk_by_mut(|p, q| p[0] == q[0]);
+    runs.for_each(|run| run.sort_unstable());
 }
 
-/// Runs of `sorted` that hold the three neighbours along x in each of the four neighbouring rows after the cell's own.
-fn later_rows(sorted: &[(u64, u32)], cell: u64) -> [(usize, usize); 4] {
-    let mask = (1 << BITS) - 1;
-    let (x, y, z) = (cell & mask, (cell >> BITS) & mask, cell >> (2 * BITS));
-    let last = 2 * CELLS as u64 - 1;
-    [(1, 0), (-1, 1), (0, 1), (1, 1)].map(|(dy, dz)| {
-        let (Some(y), z) = (y.checked_add_signed(dy), z + dz) else {
-            return (0, 0);
-        };
-        if y > last || z > last {
-            return (0, 0);
+/// Who is on a level, and on the coarser ones.
+#[derive(Clone, Copy, Default)]
+struct Population {
+    still: bool,
+    moving: bool,
+    coarser_moving: bool,
+}
+
+/// Where a body looks for others.
+struct Looks {
+    /// On its own level.
+    own: bool,
+    /// There also in what comes before it in the grid's order.
+    back: bool,
+    /// On coarser levels.
+    coarser: bool,
+}
+
+impl Population {
+    /// Two static bodies never collide: only the moving one of two looks, if there is but one.
+    fn looks(self, kind: RigidBody) -> Looks {
+        if kind == RigidBody::Static {
+            Looks {
+                own: false,
+                back: false,
+                coarser: self.coarser_moving,
+            }
+        } else {
+            Looks {
+                own: true,
+                back: self.still,
+                coarser: true,
+            }
         }
-        let low = key(x.saturating_sub(1), y, z);
-        let high = key((x + 1).min(last), y, z);
-        let from = sorted.partition_point(|&(k, _)| k < low);
-        let count = sorted[from..].iter().take_while(|&&(k, _)| k <= high).count();
-        (from, from + count)
-    })
+    }
 }
 
-fn overlap((p, r): (Vec3, f32), (q, s): (Vec3, f32)) -> bool {
-    p.distance_squared(q) <= (r + s) * (r + s) * (1.0 + 1.0e-6)
+fn count(grid: &Grid, bodies: &Bodies, populations: &mut Vec<Population>) {
+    populations.clear();
+    let mut coarser_moving = false;
+    for level in grid.levels.iter().rev() {
+        let ids = &grid.ids[level.first as usize..level.end as usize];
+        let is_still = |id: &u32| bodies.kind[*id as usize] == RigidBody::Static;
+        let population = Population {
+            still: ids.iter().any(is_still),
+            moving: !ids.iter().all(is_still),
+            coarser_moving,
+        };
+        coarser_moving |= population.moving;
+        populations.push(population);
+    }
+    populations.reverse();
+}
+
+/// Finds the bodies of a level that overlap body `i`, in the grid's order. Of two that may find each other the first does;
+/// with `back` this one finds also those before it that cannot find it.
+#[inline(always)]
+fn find(grid: &Grid, level: &Level, i: usize, back: bool, bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
+    let sphere = grid.spheres[i];
+    let [x, y, z, radius] = sphere;
+    let same = (level.first as usize..level.end as usize).contains(&i);
+    grid.visit(level, level.reach(sphere), |mut run| {
+        if !back {
+            run.start = run.start.max(i + 1);
+        }
+        for j in run {
+            let [p, q, r, other] = grid.spheres[j];
+            let [dx, dy, dz] = [x - p, y - q, z - r];
+            let reach = radius + other;
+            if dx * dx + dy * dy + dz * dz <= reach * reach * (1.0 + 1.0e-6) {
+                let found_by_it = same && j <= i && bodies.kind[grid.ids[j] as usize] != RigidBody::Static;
+                let [a, b] = [grid.ids[i], grid.ids[j]];
+                let pair = [a.min(b), a.max(b)];
+                if !found_by_it && may_collide(bodies, pair) {
+                    found.push(pair);
+                }
+            }
+        }
+    });
 }
 
 fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {

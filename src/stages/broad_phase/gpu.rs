@@ -1,7 +1,6 @@
 //! BroadPhase on the GPU: a hashed grid with a level of cells for every power of two of the diameter.
 //!
-//! Unlike the CPU's uniform grid it does not mind one huge body: each body looks into its own level and the coarser ones
-//! that hold any.
+//! Each body looks into its own level and the coarser ones that hold any.
 
 use crate::gpu::buffers::Buffers;
 use crate::gpu::kernel::{Builder, Groups, Kernel, read, uniform, write};

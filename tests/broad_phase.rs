@@ -1,0 +1,202 @@
+//! The broad phase against all pairs of spheres, tested one by one.
+
+use bevy_faceoff::components::{CollisionLayers, RigidBody};
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::state::{Bodies, StepState};
+use fastrand::Rng;
+use glam::Vec3;
+
+/// The rule, for all pairs.
+fn all_pairs(bodies: &Bodies) -> Vec<[u32; 2]> {
+    let n = bodies.center.len();
+    let mut pairs = Vec::new();
+    for a in 0..n {
+        for b in a + 1..n {
+            let reach = bodies.radius[a] + bodies.radius[b];
+            let distance = bodies.center[a].distance_squared(bodies.center[b]);
+            let kinds = [bodies.kind[a], bodies.kind[b]];
+            let sensor = bodies.sensor[a] || bodies.sensor[b];
+            let moved = kinds.contains(&RigidBody::Dynamic) || (sensor && kinds.contains(&RigidBody::Kinematic));
+            if distance <= reach * reach * (1.0 + 1.0e-6) && moved && bodies.layers[a].interacts_with(bodies.layers[b])
+            {
+                pairs.push([a as u32, b as u32]);
+            }
+        }
+    }
+    pairs
+}
+
+fn push(state: &mut StepState, center: Vec3, radius: f32) {
+    let bodies = &mut state.bodies;
+    bodies.center.push(center);
+    bodies.radius.push(radius);
+    bodies.kind.push(RigidBody::Dynamic);
+    bodies.layers.push(CollisionLayers::default());
+    bodies.sensor.push(false);
+}
+
+fn somewhere(random: &mut Rng, side: f32) -> Vec3 {
+    Vec3::from_array([0; 3].map(|_| side * (random.f32() - 0.5)))
+}
+
+/// Some of every kind, in several layers.
+fn mix(state: &mut StepState, random: &mut Rng) {
+    let bodies = &mut state.bodies;
+    for i in 0..bodies.center.len() {
+        bodies.kind[i] = [RigidBody::Static, RigidBody::Kinematic, RigidBody::Dynamic][random.usize(..3)];
+        bodies.sensor[i] = random.u8(..4) == 0;
+        bodies.layers[i] = CollisionLayers {
+            memberships: 1 << random.u32(..3),
+            filters: random.u32(..8),
+        };
+    }
+}
+
+/// Compares, as all dynamic and as a mixture, and again after some have moved; returns the pairs of the first.
+fn check(state: &mut StepState, random: &mut Rng, what: &str) -> usize {
+    let compare = |state: &mut StepState| {
+        Stage::BroadPhase.run_on_cpu(state);
+        let expected = all_pairs(&state.bodies);
+        let missing = expected.iter().find(|p| state.sphere_pairs.binary_search(p).is_err());
+        assert!(missing.is_none(), "{what}: {missing:?} is missing");
+        assert!(state.sphere_pairs == expected, "{what}: too many, or out of order");
+        expected.len()
+    };
+    let pairs = compare(state);
+    mix(state, random);
+    compare(state);
+    for i in 0..state.bodies.center.len() {
+        if state.bodies.kind[i] != RigidBody::Static || random.u8(..50) == 0 {
+            let step = 0.5 * state.bodies.radius[i];
+            state.bodies.center[i] += somewhere(random, step);
+        }
+    }
+    compare(state);
+    compare(state);
+    pairs
+}
+
+#[test]
+fn random_scenes_of_all_sizes() {
+    let mut random = Rng::with_seed(1);
+    for spread in [1.0f32, 1.5, 100.0, 1.0e6] {
+        for (n, side) in [(2, 1.0), (30, 3.0), (700, 8.0), (3000, 30.0)] {
+            let mut state = StepState::default();
+            for _ in 0..n {
+                let radius = spread.powf(-random.f32());
+                push(&mut state, somewhere(&mut random, side), radius);
+            }
+            let pairs = check(&mut state, &mut random, &format!("{n} bodies, sizes 1:{spread}"));
+            assert!(n < 100 || pairs > 0, "nothing tested");
+        }
+    }
+}
+
+#[test]
+fn one_huge_body() {
+    let mut random = Rng::with_seed(2);
+    for factor in [1.0e3, 1.0e8] {
+        for huge in [0, 500] {
+            let mut state = StepState::default();
+            for i in 0..1000 {
+                if i == huge {
+                    push(&mut state, Vec3::Y * -factor, factor);
+                } else {
+                    push(&mut state, somewhere(&mut random, 20.0), 0.7);
+                }
+            }
+            assert!(check(&mut state, &mut random, "one huge body") > 300);
+        }
+    }
+}
+
+#[test]
+fn few_moving_giants_among_small_static_bodies() {
+    let mut random = Rng::with_seed(3);
+    let mut state = StepState::default();
+    for i in 0..2500 {
+        let radius = if i % 500 == 0 { 9.0 } else { 0.3 };
+        push(&mut state, somewhere(&mut random, 30.0), radius);
+        state.bodies.kind[i] = if i % 500 == 0 {
+            RigidBody::Dynamic
+        } else {
+            RigidBody::Static
+        };
+    }
+    check(&mut state, &mut random, "giants");
+}
+
+#[test]
+fn coincident_bodies() {
+    let mut random = Rng::with_seed(4);
+    for center in [
+        Vec3::ZERO,
+        Vec3::new(-0.0, 0.0, -0.0),
+        Vec3::splat(-1.0e9),
+        Vec3::new(3.0, -7.0, 1.0e5),
+    ] {
+        let mut state = StepState::default();
+        for i in 0..300 {
+            push(&mut state, center, if i % 3 == 0 { 1.0e-9 } else { 0.5 });
+        }
+        assert_eq!(check(&mut state, &mut random, "coincident"), 300 * 299 / 2);
+    }
+}
+
+#[test]
+fn far_from_the_origin() {
+    let mut random = Rng::with_seed(5);
+    for far in [1.0e4, 1.0e6, 1.0e9] {
+        for radius in [1.0e-9, 1.0e-3, 1.0, 1.0e3, 1.0e9] {
+            let mut state = StepState::default();
+            for i in 0..600 {
+                let at = [Vec3::splat(far), Vec3::new(-far, far, 0.0), Vec3::new(0.0, 0.0, -far)][i % 3];
+                push(&mut state, at + somewhere(&mut random, 8.0 * radius), radius);
+            }
+            check(&mut state, &mut random, &format!("{far} m away, radius {radius}"));
+        }
+    }
+}
+
+#[test]
+fn on_the_borders_of_cells() {
+    let mut random = Rng::with_seed(6);
+    // A lattice: neighbours touch exactly, or miss by the last bit.
+    for radius in [0.5, 0.5f32.next_up(), 0.5f32.next_down(), 0.49, 1.0, 1.0 / 3.0] {
+        let mut state = StepState::default();
+        for x in -5..5 {
+            for y in -5..5 {
+                for z in -5..5 {
+                    push(&mut state, Vec3::new(x as f32, y as f32, z as f32), radius);
+                }
+            }
+        }
+        check(&mut state, &mut random, &format!("lattice, radius {radius}"));
+    }
+}
+
+#[test]
+fn bodies_on_a_line() {
+    let mut random = Rng::with_seed(7);
+    for axis in Vec3::AXES {
+        let mut state = StepState::default();
+        for _ in 0..3000 {
+            let radius = if random.u8(..100) == 0 { 20.0 } else { 0.2 };
+            push(&mut state, axis * 1000.0 * random.f32(), radius);
+        }
+        check(&mut state, &mut random, &format!("along {axis}"));
+    }
+}
+
+#[test]
+fn bodies_come_and_go() {
+    let mut random = Rng::with_seed(8);
+    let mut state = StepState::default();
+    for n in [0, 500, 3, 0, 2500, 1] {
+        state.bodies = Bodies::default();
+        for _ in 0..n {
+            push(&mut state, somewhere(&mut random, 8.0), 0.5);
+        }
+        check(&mut state, &mut random, &format!("{n} bodies"));
+    }
+}
