@@ -1,4 +1,5 @@
-// Exclusive scan, second of three: one workgroup scans the sums of all blocks, and notes the total.
+// Exclusive scan, second of three: one workgroup scans the sums of all blocks, and notes the total: if that is
+// more than a counter holds, the largest number there is, which no list has room for.
 #import faceoff::dispatch::divide_up
 #import faceoff::scan::{scan_length, BLOCK, NO_TOTAL}
 
@@ -13,12 +14,15 @@ fn main(@builtin(local_invocation_index) thread: u32) {
     let blocks = divide_up(scan_length(constants, counters[constants.x]), BLOCK);
     // What all blocks before this round sum up to.
     var before = 0u;
+    // The same without end, for this thread's blocks.
+    var roughly = 0.0;
     for (var first = 0u; first < blocks; first += 256u) {
         let i = first + thread;
         var value = 0u;
         if i < blocks {
             value = sums[i];
         }
+        roughly += f32(value);
         var inclusive = value;
         for (var reach = 1u; reach < 256u; reach *= 2u) {
             partial[thread] = inclusive;
@@ -36,7 +40,15 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         before += partial[255];
         workgroupBarrier();
     }
+    partial[thread] = bitcast<u32>(roughly);
+    workgroupBarrier();
+    for (var half = 128u; half > 0u; half /= 2u) {
+        if thread < half {
+            partial[thread] = bitcast<u32>(bitcast<f32>(partial[thread]) + bitcast<f32>(partial[thread + half]));
+        }
+        workgroupBarrier();
+    }
     if thread == 0u && constants.z != NO_TOTAL {
-        counters[constants.z] = before;
+        counters[constants.z] = select(before, 0xffffffffu, bitcast<f32>(partial[0]) > 4.29e9);
     }
 }

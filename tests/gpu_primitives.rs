@@ -10,7 +10,10 @@ mod scan_sort;
 fn main() {
     gpu::run(&[
         ("scan", scan_sort::scans),
-        ("scan_wraps_at_2_to_the_32", scan_sort::a_scan_wraps),
+        (
+            "a_total_beyond_a_word_is_the_largest",
+            scan_sort::a_total_beyond_a_word_is_the_largest,
+        ),
         ("sort", scan_sort::sorts),
         ("sort_of_any_number_of_bits", scan_sort::sorts_keys_of_any_width),
         ("sort_is_stable", scan_sort::a_sort_is_stable),
