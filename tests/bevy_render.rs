@@ -23,7 +23,7 @@ use bevy_faceoff::prelude::*;
 use gpu::Test;
 use std::time::Duration;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BufferUsages, DeviceType};
+use wgpu::{BufferUsages, DeviceType, PollType};
 
 const TESTS: &[Test] = &[
     ("the_stages_run_on_the_renderers_device", shares),
@@ -60,7 +60,6 @@ fn renderer(settings: WgpuSettings) -> PluginGroupBuilder {
         .add(ImagePlugin::default())
         .add(MeshPlugin)
         .add(CameraPlugin)
-        .add(PipelinedRenderingPlugin)
 }
 
 fn faceoff(backend: Backend, reading: Reading) -> FaceoffPlugins {
@@ -103,16 +102,18 @@ fn told(sim: &Sim) -> (usize, usize) {
     (told.ready, told.failed)
 }
 
-fn shared(reading: Reading) -> Sim {
-    let mut sim = Sim::of(app(Backend::Gpu, reading, default()));
-    wait(&mut sim);
-    sim
+fn shared(reading: Reading) -> App {
+    app(Backend::Gpu, reading, default())
 }
 
 /// The same, with a handler that opens a new device for a lost one.
-fn shared_and_recovering(reading: Reading) -> Sim {
-    let mut app = app(Backend::Gpu, reading, default());
+fn shared_and_recovering(reading: Reading) -> App {
+    let mut app = shared(reading);
     app.insert_resource(RenderErrorHandler(recover_from_device_loss));
+    app
+}
+
+fn run(app: App) -> Sim {
     let mut sim = Sim::of(app);
     wait(&mut sim);
     sim
@@ -138,8 +139,12 @@ fn on_renderers_device(sim: &Sim) -> bool {
     matches!(active(sim), ActiveBackend::Gpu { shared: true, .. })
 }
 
+/// As if the driver had lost it: at once, and the renderer knows.
 fn lose(sim: &Sim) {
-    sim.app.world().resource::<RenderDevice>().wgpu_device().destroy();
+    let device = sim.app.world().resource::<RenderDevice>().wgpu_device();
+    device.destroy();
+    // Fails if there is something that the device will not do any more.
+    let _ = device.poll(PollType::wait_indefinitely());
 }
 
 /// A body that moves by 1/64 m a step.
@@ -167,7 +172,7 @@ impl Mover {
 }
 
 fn shares(_: &Gpu) {
-    let mut sim = shared(Reading::Auto);
+    let mut sim = run(shared(Reading::Auto));
     assert!(on_renderers_device(&sim), "{:?}", active(&sim));
     assert_eq!(told(&sim), (1, 0));
     sim.step(5);
@@ -216,6 +221,9 @@ fn same_collisions(_: &Gpu) {
     assert!(on_cpu.iter().all(|pairs| !pairs.is_empty()));
     for (reading, late) in [(Reading::Lockstep, 0), (Reading::Auto, 2)] {
         let mut gpu = shared(reading);
+        // As in a game: the renderer draws while the next steps run.
+        gpu.add_plugins(PipelinedRenderingPlugin);
+        let mut gpu = run(gpu);
         assert!(on_renderers_device(&gpu));
         let bodies = crowd(&mut gpu);
         let on_gpu = touching(&mut gpu, &bodies, 8 + late);
@@ -224,8 +232,7 @@ fn same_collisions(_: &Gpu) {
 }
 
 fn auto(gpu: &Gpu) {
-    let mut sim = Sim::of(app(Backend::Auto, Reading::Auto, default()));
-    wait(&mut sim);
+    let sim = run(app(Backend::Auto, Reading::Auto, default()));
     match active(&sim) {
         ActiveBackend::Cpu { reason, .. } if gpu.info.device_type == DeviceType::Cpu => {
             assert!(reason.contains(&gpu.info.name), "{reason}");
@@ -266,8 +273,7 @@ fn added_later(_: &Gpu) {
     app.add_plugins(faceoff(Backend::Gpu, Reading::Auto));
     app.add_plugins(renderer(default()));
     watch(&mut app);
-    let mut sim = Sim::of(app);
-    wait(&mut sim);
+    let mut sim = run(app);
     assert!(on_renderers_device(&sim), "{:?}", active(&sim));
     assert_eq!(told(&sim), (1, 0));
     let mover = Mover::new(&mut sim);
@@ -277,7 +283,7 @@ fn added_later(_: &Gpu) {
 
 fn lost_for_good(_: &Gpu) {
     for reading in [Reading::Lockstep, Reading::Auto] {
-        let mut sim = shared(reading);
+        let mut sim = run(shared(reading));
         let mover = Mover::new(&mut sim);
         sim.step(4);
         assert_eq!(sim.app.should_exit(), None);
@@ -293,7 +299,7 @@ fn lost_for_good(_: &Gpu) {
 
 fn recovered(_: &Gpu) {
     for reading in [Reading::Lockstep, Reading::Auto] {
-        let mut sim = shared_and_recovering(reading);
+        let mut sim = run(shared_and_recovering(reading));
         let mover = Mover::new(&mut sim);
         sim.step(8);
         let before = mover.x(&sim);
@@ -313,7 +319,7 @@ fn recovered(_: &Gpu) {
 }
 
 fn replaced_unseen(_: &Gpu) {
-    let mut sim = shared_and_recovering(Reading::Auto);
+    let mut sim = run(shared_and_recovering(Reading::Auto));
     let mover = Mover::new(&mut sim);
     sim.step(8);
     let before = mover.x(&sim);
@@ -333,9 +339,7 @@ fn replaced_unseen(_: &Gpu) {
 }
 
 fn lost_early(_: &Gpu) {
-    let mut app = app(Backend::Gpu, Reading::Auto, default());
-    app.insert_resource(RenderErrorHandler(recover_from_device_loss));
-    let mut sim = Sim::of(app);
+    let mut sim = Sim::of(shared_and_recovering(Reading::Auto));
     assert_eq!(active(&sim), ActiveBackend::Opening);
     lose(&sim);
     wait(&mut sim);
@@ -346,7 +350,7 @@ fn lost_early(_: &Gpu) {
 }
 
 fn lost_repeatedly(_: &Gpu) {
-    let mut sim = shared_and_recovering(Reading::Lockstep);
+    let mut sim = run(shared_and_recovering(Reading::Lockstep));
     let mover = Mover::new(&mut sim);
     let mut losses = 0;
     while active(&sim).name() == "gpu" {
