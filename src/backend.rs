@@ -5,8 +5,8 @@
 //! [two steps later](Reading::Latent).
 //!
 //! **If the renderer loses its device** the app ends, unless it has a `RenderErrorHandler` that recovers: so Bevy decides.
-//! With `recover_from_device_loss` of this module as that handler the bodies stand still until Bevy has a new device, and then go on from
-//! where their components say.
+//! With `recover_from_device_loss` of this module as that handler the bodies stand still until Bevy has a new device, and then
+//! go on from where their components say.
 
 #[cfg(feature = "bevy_render")]
 pub use crate::renderer::recover_from_device_loss;
