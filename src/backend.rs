@@ -1,4 +1,15 @@
 //! What the stages run on, how it is chosen, and what happens when it fails.
+//!
+//! With the feature `bevy_render`, and a renderer in the app that has a device, the stages run on that device and open none
+//! of their own. They begin when the renderer's plugins are finished, and with [`Reading::Auto`] results are published
+//! [two steps later](Reading::Latent).
+//!
+//! **If the renderer loses its device** the app ends, unless it has a `RenderErrorHandler` that recovers: so Bevy decides.
+//! With `recover_from_device_loss` of this module as that handler the bodies stand still until Bevy has a new device, and then
+//! go on from where their components say.
+
+#[cfg(feature = "bevy_render")]
+pub use crate::renderer::recover_from_device_loss;
 
 use crate::settings::{Backend, Reading};
 use crate::stages::Stage;
@@ -9,6 +20,7 @@ use rayon::ThreadPool;
 #[cfg(feature = "gpu")]
 use crate::gpu::{
     device::{self, Gpu, NoGpu},
+    readback::outlive,
     results::{Detail, Output},
     step::{GpuStep, StepError},
     upload::Carried,
@@ -30,9 +42,13 @@ pub enum ActiveBackend {
     Gpu {
         /// The adapter's name and driver interface.
         adapter: String,
+        /// Whether the device is that of Bevy's renderer.
+        shared: bool,
     },
     /// Not yet: a GPU is looked for and kernels are compiled. Bodies do not move.
     Opening,
+    /// The device of Bevy's renderer, on which the stages ran, is lost. Bodies do not move until the renderer has another.
+    Lost,
     /// Nowhere: no collision is found and no body moves.
     None {
         /// Why, and what to do.
@@ -41,18 +57,20 @@ pub enum ActiveBackend {
 }
 
 impl ActiveBackend {
-    /// `cpu`, `gpu`, `opening` or `none`, for reports.
+    /// `cpu`, `gpu`, `opening`, `lost` or `none`, for reports.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Cpu { .. } => "cpu",
             Self::Gpu { .. } => "gpu",
             Self::Opening => "opening",
+            Self::Lost => "lost",
             Self::None { .. } => "none",
         }
     }
 }
 
-/// The first step is about to run: the choice is made, and what the stages need is compiled.
+/// The first step is about to run, or the first one on the device that Bevy's renderer has instead of a lost one: the choice
+/// is made, and what the stages need is compiled.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct BackendReady {
     /// Where they run.
@@ -60,11 +78,24 @@ pub struct BackendReady {
 }
 
 /// The device on which the stages ran failed. They went on with the same step where [`ActiveBackend`] says: on the device
-/// opened anew, or on the CPU.
+/// opened anew, or on the CPU; or they wait for the renderer's next one.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct BackendFailed {
     /// What happened, and what to do.
     pub reason: String,
+}
+
+/// Where a device comes from.
+#[cfg(feature = "gpu")]
+#[derive(Clone)]
+enum Source {
+    /// It is not known yet whether Bevy's renderer has one.
+    Unknown,
+    /// The stages have one of their own.
+    Own,
+    /// Bevy's renderer.
+    #[cfg_attr(not(feature = "bevy_render"), expect(dead_code, reason = "there is none"))]
+    Renderer(Gpu),
 }
 
 /// What runs the stages.
@@ -75,6 +106,8 @@ pub(crate) struct Engine {
     backend: Backend,
     #[cfg(feature = "gpu")]
     reading: Reading,
+    #[cfg(feature = "gpu")]
+    source: Source,
     #[cfg(feature = "gpu")]
     gpu: Option<Box<GpuStep>>,
     #[cfg(feature = "gpu")]
@@ -95,7 +128,7 @@ pub(crate) struct Engine {
 const RETRIES: u32 = 3;
 
 impl Engine {
-    /// Makes the choice; with [`Reading::Latent`] and [`Reading::Resident`] in the background.
+    /// With nothing chosen yet.
     ///
     /// # Errors
     /// If there are no threads to run on.
@@ -105,11 +138,15 @@ impl Engine {
             .thread_name(|i| format!("faceoff step {i}"))
             .build()
             .map_err(|error| format!("there are no threads to work on: {error}"))?;
-        let mut engine = Self {
+        #[cfg(not(feature = "gpu"))]
+        let _ = reading;
+        Ok(Self {
             pool,
             backend,
             #[cfg(feature = "gpu")]
             reading,
+            #[cfg(feature = "gpu")]
+            source: Source::Unknown,
             #[cfg(feature = "gpu")]
             gpu: None,
             #[cfg(feature = "gpu")]
@@ -119,32 +156,45 @@ impl Engine {
             active: ActiveBackend::Opening,
             told: false,
             failure: None,
-        };
-        engine.start(reading);
-        Ok(engine)
+        })
     }
 
+    /// Makes the choice, if it is not made yet: a device of our own, or the CPU.
     #[cfg(feature = "gpu")]
-    fn start(&mut self, reading: Reading) {
-        let software = self.backend == Backend::Gpu;
-        if self.backend == Backend::Cpu {
-            self.fall_back("Backend::Cpu asks for it");
-        } else if matches!(reading, Reading::Auto | Reading::Lockstep) {
-            self.opened(open(software));
-        } else {
-            let thread = std::thread::Builder::new().name("faceoff kernels".into());
-            match thread.spawn(move || open(software)) {
-                Ok(opening) => self.opening = Some(opening),
-                Err(_) => self.opened(open(software)),
-            }
+    pub fn choose(&mut self) {
+        if matches!(self.source, Source::Unknown) {
+            self.source = Source::Own;
+            self.start();
         }
     }
 
+    /// Makes the choice, if it is not made yet.
     #[cfg(not(feature = "gpu"))]
-    fn start(&mut self, _: Reading) {
+    pub fn choose(&mut self) {
         match self.backend {
+            _ if self.active != ActiveBackend::Opening => {}
             Backend::Cpu => self.fall_back("Backend::Cpu asks for it"),
             _ => self.fall_back("bevy_faceoff was built without its feature `gpu`"),
+        }
+    }
+
+    /// Opens what the source has; in the background if results are not waited for.
+    #[cfg(feature = "gpu")]
+    fn start(&mut self) {
+        self.active = ActiveBackend::Opening;
+        self.told = false;
+        let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
+        if self.backend == Backend::Cpu {
+            self.fall_back("Backend::Cpu asks for it");
+        } else if self.reading() == Reading::Lockstep {
+            self.opened(source.open(software));
+        } else {
+            let (thread, to_open) = (std::thread::Builder::new(), source.clone());
+            let opening = thread.name("faceoff kernels".into());
+            match opening.spawn(move || to_open.open(software)) {
+                Ok(opening) => self.opening = Some(opening),
+                Err(_) => self.opened(source.open(software)),
+            }
         }
     }
 
@@ -156,11 +206,23 @@ impl Engine {
                 let info = &gpu.gpu().info;
                 self.active = ActiveBackend::Gpu {
                     adapter: format!("{} ({})", info.name, info.backend),
+                    shared: matches!(self.source, Source::Renderer(_)),
                 };
                 self.gpu = Some(Box::new(gpu));
             }
+            Err(error) if self.source.is_lost() => self.wait_for_renderer(&error.to_string()),
             Err(error) => self.fall_back(&error.to_string()),
         }
+    }
+
+    /// Nobody does the work until Bevy's renderer has a new device.
+    #[cfg(feature = "gpu")]
+    fn wait_for_renderer(&mut self, error: &str) {
+        self.active = ActiveBackend::Lost;
+        self.failure = Some(format!(
+            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has a new \
+             one, for which the app needs a RenderErrorHandler that recovers, like backend::recover_from_device_loss: {error}"
+        ));
     }
 
     /// The CPU does the work, unless a GPU was insisted on.
@@ -185,7 +247,7 @@ impl Engine {
                 Err(_) => self.fall_back("the driver panicked while kernels were compiled"),
             }
         }
-        if self.told || self.active == ActiveBackend::Opening {
+        if self.told || matches!(self.active, ActiveBackend::Opening | ActiveBackend::Lost) {
             return None;
         }
         self.told = true;
@@ -197,8 +259,13 @@ impl Engine {
         &self.active
     }
 
+    /// Whether there is something to run a step on.
+    pub fn runs(&self) -> bool {
+        matches!(self.active, ActiveBackend::Cpu { .. } | ActiveBackend::Gpu { .. })
+    }
+
     /// Runs a stage. A device runs all five at once, when it is asked for the first. If it fails nothing has moved: the
-    /// same step runs again on a new device, or on the CPU.
+    /// same step runs again on a new device, or on the CPU, or not at all if the renderer's next device has to be waited for.
     pub fn run(&mut self, stage: Stage, state: &mut StepState) {
         #[cfg(feature = "gpu")]
         while let Some(gpu) = &mut self.gpu {
@@ -210,7 +277,9 @@ impl Engine {
                 Err(error) => self.replace(&error),
             }
         }
-        self.pool.install(|| stage.run_on_cpu(state));
+        if self.runs() {
+            self.pool.install(|| stage.run_on_cpu(state));
+        }
     }
 
     /// Steps whose results are on their way, and how often one was waited for.
@@ -222,6 +291,11 @@ impl Engine {
         (0, 0)
     }
 
+    /// Whether something failed since the last call of [`Engine::take_failure`].
+    pub fn has_failed(&self) -> bool {
+        self.failure.is_some()
+    }
+
     /// What failed since the last call.
     pub fn take_failure(&mut self) -> Option<String> {
         self.failure.take()
@@ -229,8 +303,22 @@ impl Engine {
 }
 
 #[cfg(feature = "gpu")]
-fn open(software: bool) -> Result<GpuStep, NoGpu> {
-    device::open(software).and_then(GpuStep::new)
+impl Source {
+    /// The stages on the source's device, if it suits them.
+    fn open(&self, software: bool) -> Result<GpuStep, NoGpu> {
+        let gpu = match self {
+            Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| gpu.clone()),
+            Self::Own | Self::Unknown => device::open(software),
+        };
+        let gpu = gpu?;
+        let adapter = gpu.info.name.clone();
+        outlive(|| GpuStep::new(gpu)).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
+    }
+
+    /// Whether another device is Bevy's to open.
+    fn is_lost(&self) -> bool {
+        matches!(self, Self::Renderer(gpu) if device::is_lost(gpu))
+    }
 }
 
 #[cfg(feature = "gpu")]
@@ -250,9 +338,41 @@ impl Engine {
         self.gpu.as_ref().map(|step| step.gpu())
     }
 
+    /// Takes the device of Bevy's renderer, which has a new one, and tells whether anything changes: nothing is carried over
+    /// then. Who has come to the CPU stays there.
+    #[cfg(feature = "bevy_render")]
+    pub fn share(&mut self, gpu: Gpu) -> bool {
+        if self.backend == Backend::Cpu {
+            return false;
+        }
+        let before = std::mem::replace(&mut self.source, Source::Renderer(gpu));
+        if matches!(before, Source::Renderer(_)) && matches!(self.active, ActiveBackend::Cpu { .. }) {
+            return false;
+        }
+        if let (Some(step), Source::Renderer(_)) = (self.gpu.take(), before) {
+            let name = &step.gpu().info.name;
+            self.retries = self.retries.saturating_sub(1);
+            self.failure = Some(format!(
+                "Bevy's renderer opened {name} anew, and the stages go on there"
+            ));
+        }
+        self.opening = None;
+        self.start();
+        true
+    }
+
+    /// When results are published, with the choice made that [`Reading::Auto`] leaves open.
+    fn reading(&self) -> Reading {
+        match (self.reading, &self.source) {
+            (Reading::Auto, Source::Renderer(_)) => Reading::Latent,
+            (Reading::Auto, _) => Reading::Lockstep,
+            (reading, _) => reading,
+        }
+    }
+
     /// What comes back of a step, if that is later and not at once.
     pub fn latent(&self) -> Option<Detail> {
-        match (&self.gpu, self.reading) {
+        match (&self.gpu, self.reading()) {
             (Some(_), Reading::Latent) => Some(Detail::All),
             (Some(_), Reading::Resident) => Some(Detail::Counts),
             _ => None,
@@ -293,7 +413,10 @@ impl Engine {
         let lost = matches!(error, StepError::Device(_));
         if lost && self.retries > 0 {
             self.retries -= 1;
-            if let Ok(gpu) = open(self.backend == Backend::Gpu) {
+            if self.source.is_lost() {
+                return self.wait_for_renderer(&error.to_string());
+            }
+            if let Ok(gpu) = self.source.open(self.backend == Backend::Gpu) {
                 self.opened(Ok(gpu));
                 self.failure = Some(format!("{name} failed and was opened anew: {error}"));
                 return;

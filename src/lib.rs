@@ -32,6 +32,7 @@ pub mod mesh_collider_from;
 pub mod plugin;
 pub mod projection;
 pub mod queries;
+mod renderer;
 pub mod settings;
 pub mod snapshot;
 pub mod stages;

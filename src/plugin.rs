@@ -7,6 +7,7 @@ use crate::diagnostics::FaceoffDiagnosticsPlugin;
 use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
 #[cfg(feature = "gpu")]
 use crate::gpu::{device::Gpu, step::Poses};
+use crate::renderer;
 use crate::settings::{Backend, Culling, Gravity, Reading, Response};
 use crate::stages::Stage;
 use crate::sync::{Step, collect, publish};
@@ -15,6 +16,8 @@ use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, Single
 use bevy::prelude::*;
 
 /// Everything of bevy_faceoff, to be added after `DefaultPlugins` or whatever else brings Bevy's `AssetPlugin`.
+///
+/// With the feature `bevy_render` the stages share the device of the app's renderer: see [`backend`](crate::backend).
 ///
 /// Parts can be replaced or disabled like those of any plugin group.
 #[derive(Default)]
@@ -135,7 +138,10 @@ impl Plugin for StepPlugin {
         register_types(app);
 
         match Engine::new(self.backend, self.threads, self.reading) {
-            Ok(engine) => {
+            Ok(mut engine) => {
+                if !renderer::is_coming(app) {
+                    engine.choose();
+                }
                 app.insert_resource(engine.active().clone())
                     .insert_resource(Step::new(engine));
             }
@@ -172,31 +178,62 @@ impl Plugin for StepPlugin {
                     .in_set(FaceoffSystems::Publish),
             ));
         for stage in Stage::ALL {
-            let run = move |mut step: ResMut<Step>| step.run(stage);
+            let run = move |mut step: ResMut<Step>| {
+                step.run(stage);
+                if !step.engine.runs() {
+                    // The device is lost, and another one has to be waited for.
+                    step.forget();
+                }
+            };
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
         app.add_schedule(schedule).add_systems(FixedPostUpdate, run_step);
+    }
+
+    fn finish(&self, app: &mut App) {
+        choose(app.world_mut());
+    }
+}
+
+/// Chooses what the stages run on, if that is not done yet or Bevy's renderer has a new device.
+fn choose(world: &mut World) {
+    renderer::follow(world);
+    let Some(mut step) = world.get_resource_mut::<Step>() else {
+        return;
+    };
+    step.engine.choose();
+    let active = step.engine.active().clone();
+    if *world.resource::<ActiveBackend>() != active {
+        world.insert_resource(active);
     }
 }
 
 /// Runs the step, if there is something to run it on by now.
 fn run_step(world: &mut World) {
-    let mut step = world.resource_mut::<Step>();
-    if let Some(active) = step.engine.poll() {
+    choose(world);
+    let engine = &mut world.resource_mut::<Step>().engine;
+    if let Some(active) = engine.poll() {
         match &active {
-            ActiveBackend::Gpu { adapter } => info!("collisions run on the GPU: {adapter}"),
+            ActiveBackend::Gpu { adapter, shared: false } => info!("collisions run on the GPU: {adapter}"),
+            ActiveBackend::Gpu { adapter, shared: true } => {
+                info!("collisions run on the GPU, on the device of Bevy's renderer: {adapter}");
+            }
             ActiveBackend::Cpu { threads, reason } => {
                 info!("collisions run on the CPU with {threads} threads: {reason}");
             }
             ActiveBackend::None { reason } => error!("no collisions are found and no body moves: {reason}"),
-            ActiveBackend::Opening => {}
+            ActiveBackend::Opening | ActiveBackend::Lost => {}
         }
         world.insert_resource(active.clone());
         world.write_message(BackendReady { active });
     }
-    match world.resource::<ActiveBackend>() {
-        ActiveBackend::Cpu { .. } | ActiveBackend::Gpu { .. } => world.run_schedule(FaceoffStep),
-        ActiveBackend::Opening | ActiveBackend::None { .. } => {}
+    let engine = &world.resource::<Step>().engine;
+    if engine.runs() {
+        world.run_schedule(FaceoffStep);
+    } else if engine.has_failed()
+        && let Err(error) = world.run_system_cached(publish::tell_failure)
+    {
+        error!("{error}");
     }
 }
 

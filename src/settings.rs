@@ -75,11 +75,12 @@ pub enum Culling {
 #[reflect(Resource, Default, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Backend {
-    /// A GPU if there is one that is not the CPU in disguise, else the CPU. What is taken, and why, is logged.
+    /// A GPU if there is one that is not the CPU in disguise, else the CPU. What is taken, and why, is logged. With the
+    /// feature `bevy_render` it is the renderer's GPU or none, if the app has a renderer.
     #[default]
     Auto,
-    /// The best adapter there is, even one that computes on the CPU. Without any the step does not run, and an error says
-    /// why.
+    /// The renderer's device, or the best adapter there is, even one that computes on the CPU. Without any the step does not
+    /// run, and an error says why.
     Gpu,
     /// The CPU, on a thread pool of the plugin's own.
     Cpu,
@@ -107,7 +108,7 @@ pub enum Reading {
     /// the velocity that the body has by then.
     ///
     /// Until the kernels are compiled no step runs; then [`BackendReady`](crate::backend::BackendReady) is written. If the
-    /// device is lost the bodies go on from where their components say.
+    /// device is lost the bodies go on from where their components say, once there is something to go on with.
     Latent,
     /// As `Latent`, but the bodies stay on the GPU: neither their components nor `Collisions` are written, and no message
     /// tells of collisions. [`StepReport`](crate::collisions::StepReport) has the counts; draw from

@@ -1,9 +1,13 @@
 //! The device that the stages run on, and why there is none.
 
+use super::readback::{alive, wait};
 use thiserror::Error;
 use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, Limits, Queue};
 
-/// A device of our own, or one that somebody handed us.
+/// A device of our own, or that of Bevy's renderer. Clones are the same device.
+///
+/// Whoever uses it puts every call into an error scope and leaves its callbacks alone: on one that is shared, these are the
+/// renderer's, and an error that reaches them ends the app.
 #[derive(Clone, Debug)]
 pub struct Gpu {
     /// Makes buffers and pipelines.
@@ -20,9 +24,12 @@ pub enum NoGpu {
     /// No driver, no loader, or no card.
     #[error("no GPU adapter is found: install a Vulkan, Metal or DirectX 12 driver, or use Backend::Cpu")]
     NoAdapter,
-    /// There are only adapters that compute on the CPU, which [`Backend::Auto`](crate::settings::Backend) does not take.
-    #[error("the only adapter is {0}, which computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
+    /// The adapter computes on the CPU, which [`Backend::Auto`](crate::settings::Backend) does not take.
+    #[error("the adapter {0} computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
     OnlySoftware(String),
+    /// Bevy's renderer uses OpenGL, on which no stage has been tried.
+    #[error("Bevy's renderer drives {0} through OpenGL, which the stages do not use")]
+    OpenGl(String),
     /// The driver refused.
     #[error("{adapter} gives no device: {reason}")]
     Device {
@@ -66,18 +73,35 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
         adapters.retain(|adapter| adapter.get_info().backend != wgpu::Backend::Gl);
         adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
         let best = adapters.into_iter().next().ok_or(NoGpu::NoAdapter)?;
-        let info = best.get_info();
-        if info.device_type == DeviceType::Cpu && !software {
-            return Err(NoGpu::OnlySoftware(info.name));
-        }
+        suits(&best.get_info(), &best.limits(), software)?;
         request(&best).await
     })
+}
+
+/// Whether the stages can run there, and may: on an adapter that computes on the CPU only if `software` allows it.
+///
+/// # Errors
+/// If not.
+pub fn suits(info: &AdapterInfo, limits: &Limits, software: bool) -> Result<(), NoGpu> {
+    let name = &info.name;
+    if info.device_type == DeviceType::Cpu && !software {
+        Err(NoGpu::OnlySoftware(name.clone()))
+    } else if info.backend == wgpu::Backend::Gl {
+        Err(NoGpu::OpenGl(name.clone()))
+    } else {
+        check(name, limits)
+    }
+}
+
+/// Whether the device takes no work any more. Waits until it has nothing to do; one that was destroyed tells its owner then,
+/// and not before.
+pub fn is_lost(gpu: &Gpu) -> bool {
+    wait(gpu).and_then(|()| alive(gpu)).is_err()
 }
 
 async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
     let info = adapter.get_info();
     let limits = adapter.limits();
-    check(&info.name, &limits)?;
     let (device, queue) = adapter
         .request_device(&wgpu::DeviceDescriptor {
             label: Some("faceoff"),

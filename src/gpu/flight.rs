@@ -1,7 +1,7 @@
 //! A step whose results are on their way.
 
 use super::device::Gpu;
-use super::readback::alive;
+use super::readback::{poll, view};
 use super::results::{Detail, Output, Parts, Raw};
 use super::timer::Timer;
 use super::upload::Input;
@@ -46,7 +46,7 @@ impl Flight {
     /// # Errors
     /// If the device is lost.
     pub fn wait(&mut self, gpu: &Gpu) -> Result<bool, String> {
-        gpu.device.poll(PollType::Poll).map_err(|error| error.to_string())?;
+        poll(gpu, PollType::Poll)?;
         let mapped = self.mapped.get();
         let (result, waited) = match mapped.try_recv() {
             Err(TryRecvError::Empty) => {
@@ -54,15 +54,14 @@ impl Flight {
                     submission_index: Some(self.submission.clone()),
                     timeout: None,
                 };
-                gpu.device.poll(this).map_err(|error| error.to_string())?;
+                poll(gpu, this)?;
                 (mapped.recv().map_err(|error| error.to_string())?, true)
             }
             Err(TryRecvError::Disconnected) => return Err("the results of a step were dropped".into()),
             Ok(result) => (result, false),
         };
         result.map_err(|error| error.to_string())?;
-        alive(gpu)?;
-        let bytes = self.staging.slice(..self.parts.total).get_mapped_range();
+        let bytes = view(gpu, &self.staging, self.parts.total)?;
         self.raw = Some(self.parts.read(&bytes));
         drop(bytes);
         self.staging.unmap();

@@ -1,8 +1,9 @@
 //! From the device to the host.
 
 use super::device::Gpu;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc;
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, ErrorFilter, MapMode, PollType};
+use wgpu::{Buffer, BufferDescriptor, BufferUsages, BufferView, ErrorFilter, MapMode, PollType};
 
 /// Runs `work` and reports what the device says against it. An error out of any scope would make Bevy end the app.
 ///
@@ -26,7 +27,15 @@ pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, String> {
 /// # Errors
 /// If the device is lost.
 pub fn wait(gpu: &Gpu) -> Result<(), String> {
-    let polled = gpu.device.poll(PollType::wait_indefinitely());
+    poll(gpu, PollType::wait_indefinitely())
+}
+
+/// Sees what is done, or waits for it.
+///
+/// # Errors
+/// If the device is lost.
+pub fn poll(gpu: &Gpu, what: PollType) -> Result<(), String> {
+    let polled = outlive(|| gpu.device.poll(what))?;
     polled.map(|_| ()).map_err(|error| error.to_string())
 }
 
@@ -47,6 +56,24 @@ pub fn alive(gpu: &Gpu) -> Result<(), String> {
             _ => Ok(()),
         }
     })?
+}
+
+/// What was mapped.
+///
+/// # Errors
+/// If the device is lost.
+pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, String> {
+    alive(gpu)?;
+    outlive(|| staging.slice(..bytes).get_mapped_range())
+}
+
+/// Some calls make wgpu panic, without a lock in its hands, if the device is lost by then; and a shared one may be lost at any
+/// time, to somebody else.
+///
+/// # Errors
+/// If it did.
+pub fn outlive<T>(call: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(call)).map_err(|_| "it is lost".to_string())
 }
 
 /// A buffer to map.
@@ -74,9 +101,8 @@ pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) 
     wait(gpu)?;
     let mapped = receiver.recv().map_err(|error| error.to_string())?;
     mapped.map_err(|error| error.to_string())?;
-    alive(gpu)?;
-    let result = look(&staging.slice(..bytes.max(4)).get_mapped_range()[..bytes as usize]);
-    staging.unmap();
+    let result = look(&view(gpu, staging, bytes.max(4))?[..bytes as usize]);
+    scoped(gpu, || staging.unmap())?;
     Ok(result)
 }
 

@@ -205,7 +205,7 @@ pub fn run(options: &Options) -> Outcome {
             culling: options.culling.name(),
             backend: active.name(),
             adapter: match &active {
-                ActiveBackend::Gpu { adapter } => Some(adapter.clone()),
+                ActiveBackend::Gpu { adapter, .. } => Some(adapter.clone()),
                 _ => None,
             },
             threads: bevy_faceoff::plugin::threads(app.world()),
