@@ -60,7 +60,7 @@ fn table(count: usize) {
 /// Moves what is not static by up to a tenth of a metre along each axis, to and fro.
 fn drift(state: &mut StepState, round: usize) {
     let mut random = fastrand::Rng::with_seed(round as u64 / 2);
-    let sign = if round % 2 == 0 { 0.1 } else { -0.1 };
+    let sign = if round.is_multiple_of(2) { 0.1 } else { -0.1 };
     let bodies = &mut state.bodies;
     for (center, kind) in bodies.center.iter_mut().zip(&bodies.kind) {
         if *kind != RigidBody::Static {
