@@ -8,14 +8,13 @@ use crate::stages::state::{Bodies, StepState};
 use counting_sort::CountingSort;
 use grid::{Grid, Level};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
     grid: Grid,
-    /// For each level, who is there, and who on coarser ones.
-    populations: Vec<Population>,
-    found: Vec<Vec<[u32; 2]>>,
+    found: Vec<Finder>,
     unsorted: Vec<[u32; 2]>,
     firsts: Vec<u32>,
     sort: CountingSort,
@@ -34,44 +33,26 @@ pub fn run(state: &mut StepState) {
     } = state;
     let Scratch {
         grid,
-        populations,
         found,
         unsorted,
         firsts,
         sort,
     } = grid_scratch;
-    grid.fill(&bodies.center, &bodies.radius);
-    count(grid, bodies, populations);
+    grid.fill(&bodies.center, &bodies.radius, &bodies.kind);
 
     let grid = &*grid;
     let tasks = grid.ids.len().div_ceil(TASK);
     found.truncate(tasks);
-    found.resize_with(tasks, Vec::new);
-    found.par_iter_mut().enumerate().for_each(|(task, found)| {
-        found.clear();
+    found.resize_with(tasks, Finder::default);
+    found.par_iter_mut().enumerate().for_each(|(task, finder)| {
         let first = task * TASK;
-        let end = (first + TASK).min(grid.ids.len());
-        let mut number = grid.levels.partition_point(|level| level.end as usize <= first);
-        for i in first..end {
-            if i == grid.levels[number].end as usize {
-                number += 1;
-            }
-            let looks = populations[number].looks(bodies.kind[grid.ids[i] as usize]);
-            if looks.own {
-                find(grid, &grid.levels[number], i, looks.back, bodies, found);
-            }
-            if looks.coarser {
-                for level in &grid.levels[number + 1..] {
-                    find(grid, level, i, true, bodies, found);
-                }
-            }
-        }
+        finder.run(grid, first..(first + TASK).min(grid.ids.len()), bodies);
     });
 
     // The one order that depends on nothing but the bodies.
     unsorted.clear();
-    for found in &*found {
-        unsorted.extend_from_slice(found);
+    for finder in &*found {
+        unsorted.extend_from_slice(&finder.found);
     }
     firsts.clear();
     firsts.extend(unsorted.iter().map(|pair| pair[0]));
@@ -82,85 +63,73 @@ pub fn run(state: &mut StepState) {
     runs.for_each(|run| run.sort_unstable());
 }
 
-/// Who is on a level, and on the coarser ones.
-#[derive(Clone, Copy, Default)]
-struct Population {
-    still: bool,
-    moving: bool,
-    coarser_moving: bool,
+/// Finds the pairs of some bodies.
+#[derive(Default)]
+struct Finder {
+    found: Vec<[u32; 2]>,
+    runs: Vec<Range<usize>>,
 }
 
-/// Where a body looks for others.
-struct Looks {
-    /// On its own level.
-    own: bool,
-    /// There also in what comes before it in the grid's order.
-    back: bool,
-    /// On coarser levels.
-    coarser: bool,
-}
-
-impl Population {
-    /// Two static bodies never collide: only the moving one of two looks, if there is but one.
-    fn looks(self, kind: RigidBody) -> Looks {
-        if kind == RigidBody::Static {
-            Looks {
-                own: false,
-                back: false,
-                coarser: self.coarser_moving,
+impl Finder {
+    /// Finds all pairs of the bodies in `range`, in the grid's order, with bodies of coarser levels; with those of their own
+    /// level that come later; and, if they move, with static ones of their size. Two static bodies never collide.
+    fn run(&mut self, grid: &Grid, range: Range<usize>, bodies: &Bodies) {
+        self.found.clear();
+        for (number, own) in grid.levels.iter().enumerate() {
+            let some = range.start.max(own.first as usize)..range.end.min(own.end as usize);
+            if some.is_empty() {
+                continue;
             }
-        } else {
-            Looks {
-                own: true,
-                back: self.still,
-                coarser: true,
+            if !own.still {
+                self.own_level(grid, own, some.clone(), bodies);
             }
-        }
-    }
-}
-
-fn count(grid: &Grid, bodies: &Bodies, populations: &mut Vec<Population>) {
-    populations.clear();
-    let mut coarser_moving = false;
-    for level in grid.levels.iter().rev() {
-        let ids = &grid.ids[level.first as usize..level.end as usize];
-        let is_still = |id: &u32| bodies.kind[*id as usize] == RigidBody::Static;
-        let population = Population {
-            still: ids.iter().any(is_still),
-            moving: !ids.iter().all(is_still),
-            coarser_moving,
-        };
-        coarser_moving |= population.moving;
-        populations.push(population);
-    }
-    populations.reverse();
-}
-
-/// Finds the bodies of a level that overlap body `i`, in the grid's order. Of two that may find each other the first does;
-/// with `back` this one finds also those before it that cannot find it.
-#[inline(always)]
-fn find(grid: &Grid, level: &Level, i: usize, back: bool, bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
-    let sphere = grid.spheres[i];
-    let [x, y, z, radius] = sphere;
-    let same = (level.first as usize..level.end as usize).contains(&i);
-    grid.visit(level, level.reach(sphere), |mut run| {
-        if !back {
-            run.start = run.start.max(i + 1);
-        }
-        for j in run {
-            let [p, q, r, other] = grid.spheres[j];
-            let [dx, dy, dz] = [x - p, y - q, z - r];
-            let reach = radius + other;
-            if dx * dx + dy * dy + dz * dz <= reach * reach * (1.0 + 1.0e-6) {
-                let found_by_it = same && j <= i && bodies.kind[grid.ids[j] as usize] != RigidBody::Static;
-                let [a, b] = [grid.ids[i], grid.ids[j]];
-                let pair = [a.min(b), a.max(b)];
-                if !found_by_it && may_collide(bodies, pair) {
-                    found.push(pair);
+            // The static ones of the same size come next.
+            for level in &grid.levels[number + 1..] {
+                if !(own.still && level.still) {
+                    self.other_level(grid, level, some.clone(), bodies);
                 }
             }
         }
-    });
+    }
+
+    fn own_level(&mut self, grid: &Grid, level: &Level, range: Range<usize>, bodies: &Bodies) {
+        let (mut cell, mut end) = (None, 0);
+        for i in range {
+            let own = grid.cell(level, i);
+            if cell.replace(own) != Some(own) {
+                end = grid.later(level, own, &mut self.runs);
+            }
+            let sphere = grid.sphere(i);
+            let mut found = |j| add(grid, [i, j], bodies, &mut self.found);
+            grid.overlaps(sphere, i + 1..end, &mut found);
+            for run in &self.runs {
+                grid.overlaps(sphere, run.clone(), &mut found);
+            }
+        }
+    }
+
+    fn other_level(&mut self, grid: &Grid, level: &Level, range: Range<usize>, bodies: &Bodies) {
+        let mut reach = None;
+        for i in range {
+            let sphere = grid.sphere(i);
+            let now = level.reach(sphere);
+            if reach.replace(now) != Some(now) {
+                self.runs.clear();
+                grid.rows(level, now, &mut self.runs);
+            }
+            for run in &self.runs {
+                grid.overlaps(sphere, run.clone(), |j| add(grid, [i, j], bodies, &mut self.found));
+            }
+        }
+    }
+}
+
+fn add(grid: &Grid, pair: [usize; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
+    let [a, b] = pair.map(|i| grid.ids[i]);
+    let pair = [a.min(b), a.max(b)];
+    if may_collide(bodies, pair) {
+        found.push(pair);
+    }
 }
 
 fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {

@@ -1,19 +1,24 @@
-//! The grid: bodies by level, and on each by bucket.
+//! The grid: bodies by level, static ones apart, and on each level by bucket.
 //!
 //! Cells are grouped into blocks of 8 x 4 x 4. A block is hashed to a run of 128 buckets, one for each of its cells: cells
 //! near each other never share a bucket, so that nobody is seen twice, and neighbours along x are neighbours in memory.
 
 use super::counting_sort::CountingSort;
+use crate::components::RigidBody;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
+use wide::f32x8;
 
 /// Bodies that a thread takes at least.
 const FEW: usize = 2048;
 
 /// Size of a level's cells in radii of its largest body. Larger cells hold more bodies, smaller ones are more to look up.
-/// Measured: 4 is as fast as 3 for equal sizes and a tenth slower for sizes 1:100, 2 is slower for both.
-const CELL_IN_RADII: f64 = 3.0;
+/// Measured: 3 is as fast, 2 a tenth slower.
+const CELL_IN_RADII: f64 = 4.0;
+
+/// Spheres tested at once.
+const LANES: usize = 8;
 
 /// Bits of a cell's place in its block, along each axis.
 const BITS: [u32; 3] = [3, 2, 2];
@@ -23,17 +28,17 @@ const BLOCK: u32 = 1 << (BITS[0] + BITS[1] + BITS[2]);
 /// More than rounding can add to a distance that the sphere test accepts.
 const SLACK: f64 = 1.0 + 2.0e-6;
 
-/// Levels there can be, one for each two exponents of a number. With one for each, sizes 1:100 took a third longer: a body
-/// looks into every coarser level.
-const LEVELS: usize = 128;
+/// Levels there can be: two, for moving and for static bodies, for every two exponents of a number. With levels for each
+/// exponent, sizes 1:100 took a third longer: a body looks into every coarser level.
+const LEVELS: usize = 256;
 
 /// Bodies in the grid's order.
 #[derive(Default)]
 pub struct Grid {
     /// Those that hold bodies, the finest first.
     pub levels: Vec<Level>,
-    /// Centre and radius of each body.
-    pub spheres: Vec<[f32; 4]>,
+    /// Centre and radius of each body, and some more at the end.
+    spheres: [Vec<f32>; 4],
     /// Its number among all.
     pub ids: Vec<u32>,
     buckets: CountingSort,
@@ -41,9 +46,11 @@ pub struct Grid {
     keys: Vec<u32>,
 }
 
-/// Bodies whose radii differ by less than a factor of four.
+/// Bodies whose radii differ by less than a factor of four, and which all are static, or none.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
+    /// Whether they are static.
+    pub still: bool,
     /// The largest radius, metres.
     pub radius: f32,
     /// Where its bodies are.
@@ -56,25 +63,26 @@ pub struct Level {
     mask: u32,
 }
 
-/// The level of a radius: half its exponent.
-fn level_of(radius: f32) -> usize {
-    (radius.to_bits() >> 24) as usize & (LEVELS - 1)
+/// The number of a body's level: half the exponent of the radius, and whether it is static.
+fn level_of(radius: f32, kind: RigidBody) -> usize {
+    (radius.to_bits() >> 24) as usize * 2 % LEVELS + usize::from(kind == RigidBody::Static)
 }
 
 /// How many bodies each level holds, and the largest radius there.
 type Census = [(u32, f32); LEVELS];
 
-fn census(radii: &[f32]) -> Census {
-    let count = |radii: &[f32]| {
+fn census(radii: &[f32], kinds: &[RigidBody]) -> Census {
+    let count = |(radii, kinds): (&[f32], &[RigidBody])| {
         let mut census = [(0, 0.0f32); LEVELS];
-        for &radius in radii {
-            let (count, largest) = &mut census[level_of(radius)];
+        for (&radius, &kind) in radii.iter().zip(kinds) {
+            let (count, largest) = &mut census[level_of(radius, kind)];
             *count += 1;
             *largest = largest.max(radius);
         }
         census
     };
-    radii.par_chunks(1 << 14).map(count).reduce(
+    let chunks = (radii.par_chunks(1 << 14), kinds.par_chunks(1 << 14));
+    chunks.into_par_iter().map(count).reduce(
         || [(0, 0.0); LEVELS],
         |mut one, other| {
             for ((count, largest), (more, radius)) in one.iter_mut().zip(other) {
@@ -87,6 +95,7 @@ fn census(radii: &[f32]) -> Census {
 }
 
 impl Level {
+    /// The cell in which a point lies.
     fn cell(&self, at: DVec3) -> [i64; 3] {
         (at * self.cells_per_meter).to_array().map(floor)
     }
@@ -124,19 +133,20 @@ const ROW: u32 = (1 << BITS[0]) - 1;
 
 impl Grid {
     /// Fills it.
-    pub fn fill(&mut self, centers: &[Vec3], radii: &[f32]) {
+    pub fn fill(&mut self, centers: &[Vec3], radii: &[f32], kinds: &[RigidBody]) {
         self.levels.clear();
-        // The number of each level in `levels`.
-        let mut numbers = [0; LEVELS];
+        // Where each level is in `levels`.
+        let mut places = [0; LEVELS];
         let [mut buckets, mut bodies] = [0; 2];
-        for (exponent, &(count, radius)) in census(radii).iter().enumerate() {
+        for (number, &(count, radius)) in census(radii, kinds).iter().enumerate() {
             if count == 0 {
                 continue;
             }
             // Twice as many cells as bodies, or a few more.
             let blocks = (2 * count).div_ceil(BLOCK).next_power_of_two();
-            numbers[exponent] = self.levels.len();
+            places[number] = self.levels.len();
             self.levels.push(Level {
+                still: number % 2 == 1,
                 radius,
                 first: bodies,
                 end: bodies + count,
@@ -150,30 +160,53 @@ impl Grid {
         }
         let levels = &self.levels;
         self.keys.clear();
-        self.keys.par_extend(
-            (centers, radii)
-                .into_par_iter()
-                .with_min_len(FEW)
-                .map(|(center, &radius)| {
-                    let level = &levels[numbers[level_of(radius)]];
-                    let [x, y, z] = level.cell(center.as_dvec3());
-                    level.row([x >> BITS[0], y, z]) + (x as u32 & ROW)
-                }),
-        );
+        let all = (centers, radii, kinds).into_par_iter().with_min_len(FEW);
+        self.keys.par_extend(all.map(|(center, &radius, &kind)| {
+            let level = &levels[places[level_of(radius, kind)]];
+            let [x, y, z] = level.cell(center.as_dvec3());
+            level.row([x >> BITS[0], y, z]) + (x as u32 & ROW)
+        }));
         self.buckets.sort(buckets as usize, &self.keys);
         self.ids.clear();
         self.ids.par_extend(self.buckets.order().with_min_len(FEW));
-        self.spheres.clear();
-        self.spheres.par_extend(self.ids.par_iter().with_min_len(FEW).map(|&i| {
-            let [x, y, z] = centers[i as usize].to_array();
-            [x, y, z, radii[i as usize]]
-        }));
+        // Values of the last step are overwritten.
+        let n = self.ids.len();
+        let [x, y, z, r] = self.spheres.each_mut().map(|numbers| {
+            numbers.resize(n + LANES, 0.0);
+            &mut numbers[..n]
+        });
+        let all = (&self.ids, x, y, z, r).into_par_iter().with_min_len(FEW);
+        all.for_each(|(&i, x, y, z, r)| {
+            [*x, *y, *z] = centers[i as usize].to_array();
+            *r = radii[i as usize];
+        });
     }
 
-    /// Calls `run` with bodies of the level, numbered in the grid's order, until every one in these cells was among them; some
-    /// others are too.
-    #[inline(always)]
-    pub fn visit(&self, level: &Level, [low, high]: [[i64; 3]; 2], mut run: impl FnMut(Range<usize>)) {
+    /// Centre and radius of a body, numbered in the grid's order as everywhere below.
+    pub fn sphere(&self, i: usize) -> [f32; 4] {
+        self.spheres.each_ref().map(|numbers| numbers[i])
+    }
+
+    /// The cell of a body.
+    pub fn cell(&self, level: &Level, i: usize) -> [i64; 3] {
+        let [x, y, z, _] = self.sphere(i);
+        level.cell(Vec3::new(x, y, z).as_dvec3())
+    }
+
+    /// Where a cell's bodies end, and runs in which all bodies are of the neighbouring cells that come after it.
+    pub fn later(&self, level: &Level, [x, y, z]: [i64; 3], runs: &mut Vec<Range<usize>>) -> usize {
+        runs.clear();
+        self.rows(level, [[x + 1, y, z], [x + 1, y, z]], runs);
+        for (dy, dz) in [(1, 0), (-1, 1), (0, 1), (1, 1)] {
+            self.rows(level, [[x - 1, y + dy, z + dz], [x + 1, y + dy, z + dz]], runs);
+        }
+        let bucket = level.row([x >> BITS[0], y, z]) + (x as u32 & ROW);
+        self.buckets.range(bucket, bucket).end
+    }
+
+    /// Adds runs in which all bodies are of these cells, from the first to the last along each axis. Some others are among
+    /// them.
+    pub fn rows(&self, level: &Level, [low, high]: [[i64; 3]; 2], runs: &mut Vec<Range<usize>>) {
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for block in low[0] >> BITS[0]..=high[0] >> BITS[0] {
@@ -190,9 +223,33 @@ impl Grid {
                     };
                     let bodies = self.buckets.range(row + first, row + last);
                     if !bodies.is_empty() {
-                        run(bodies);
+                        runs.push(bodies);
                     }
                 }
+            }
+        }
+    }
+
+    /// Calls `found` with the bodies among `others` whose spheres overlap this one.
+    #[inline(always)]
+    pub fn overlaps(&self, sphere: [f32; 4], others: Range<usize>, mut found: impl FnMut(usize)) {
+        let [x, y, z, r] = sphere.map(f32x8::splat);
+        for first in others.clone().step_by(LANES) {
+            let some = |numbers: &Vec<f32>| {
+                let some: [f32; LANES] = numbers[first..first + LANES].try_into().expect("as many");
+                f32x8::new(some)
+            };
+            let [p, q, o, other] = self.spheres.each_ref().map(some);
+            let [dx, dy, dz] = [x - p, y - q, z - o];
+            let reach = r + other;
+            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * f32x8::splat(1.0 + 1.0e-6));
+            let mut hits = overlap.to_bitmask();
+            while hits != 0 {
+                let i = first + hits.trailing_zeros() as usize;
+                if i < others.end {
+                    found(i);
+                }
+                hits &= hits - 1;
             }
         }
     }
