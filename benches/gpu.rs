@@ -2,13 +2,16 @@
 //! with a driver.
 //!
 //! Scenes are the paper's at growing size, exact, with response. Per scene: device time of each stage (medians, from time
-//! stamps), wall time of a step with all results read back, and the same step on the CPU. `--quick` leaves out what takes
-//! minutes on a software driver.
+//! stamps), wall time of a step with all results read back at once, of one with the results two steps later, of one with only
+//! the counts two steps later, and the same step on the CPU. `--quick` leaves out what takes minutes on a software driver.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device;
+use bevy_faceoff::gpu::results::Detail;
 use bevy_faceoff::gpu::step::{GpuStep, StepError};
+use bevy_faceoff::gpu::upload::Carried;
+use bevy_faceoff::settings::LATENCY;
 use bevy_faceoff::stages::Stage;
 use bevy_faceoff::stages::state::{Body, StepState};
 use glam::{Quat, Vec3};
@@ -29,9 +32,9 @@ fn main() {
     );
     println!(
         "| scene | sphere pairs | touching | face pairs | BroadPhase | Angles | TriangleTest | ForceScan | Integrate | \
-         device, ms | step with read-back, ms | CPU step, ms | CPU / device | list bytes |"
+         device, ms | lockstep, ms | latent, ms | resident, ms | CPU step, ms | CPU / device | list bytes |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let (torus, knot) = (shapes::torus_240(), shapes::knot_1120());
     let scenes: &[(&str, &TriMesh, usize)] = if quick {
         &[("300 tori", &torus, 300), ("300 knots", &knot, 300)]
@@ -79,11 +82,13 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
         }
         cpu.push(start.elapsed());
     }
+    let latent = in_flight(step, &scene(&mesh, count), Detail::All, rounds)?;
+    let resident = in_flight(step, &scene(&mesh, count), Detail::Counts, rounds)?;
     let stages = stages.map(median);
     let (device, wall, cpu) = (stages.iter().sum::<f64>(), median(walls), median(cpu));
     let times: String = stages.iter().map(|time| format!("{time:.3} | ")).collect();
     println!(
-        "| {name} | {} | {} | {} | {times}{device:.3} | {wall:.3} | {cpu:.3} | {:.3} | {} |",
+        "| {name} | {} | {} | {} | {times}{device:.3} | {wall:.3} | {latent:.3} | {resident:.3} | {cpu:.3} | {:.3} | {} |",
         state.sphere_pairs.len(),
         state.contacts.pairs.len(),
         state.contacts.faces.len(),
@@ -91,6 +96,33 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
         step.bytes(),
     );
     Ok(())
+}
+
+/// Milliseconds a step if each goes on from the one before and results are taken some steps later.
+fn in_flight(step: &mut GpuStep, state: &StepState, detail: Detail, rounds: usize) -> Result<f64, StepError> {
+    let carried: Vec<_> = (0..state.bodies.len() as u32)
+        .map(|source| {
+            Some(Carried {
+                source,
+                pose: true,
+                push: Some([Vec3::ZERO; 2]),
+            })
+        })
+        .collect();
+    let start = Instant::now();
+    step.submit(state, &[], detail)?;
+    for _ in 1..rounds {
+        step.submit(state, &carried, detail)?;
+        if step.in_flight() > LATENCY
+            && let Some(output) = step.take()
+        {
+            output?;
+        }
+    }
+    while let Some(output) = step.take() {
+        output?;
+    }
+    Ok(start.elapsed().as_secs_f64() * 1.0e3 / rounds as f64)
 }
 
 /// Milliseconds.
