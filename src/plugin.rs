@@ -202,9 +202,9 @@ fn choose(world: &mut World) {
         return;
     };
     step.engine.choose();
-    let active = step.engine.active().clone();
-    if *world.resource::<ActiveBackend>() != active {
-        world.insert_resource(active);
+    let active = world.resource::<Step>().engine.active();
+    if world.resource::<ActiveBackend>() != active {
+        world.insert_resource(active.clone());
     }
 }
 

@@ -25,23 +25,11 @@ fn main() {
 }
 
 fn app(backend: Backend) -> Sim {
-    app_that_reads(backend, Reading::Lockstep)
-}
-
-fn app_that_reads(backend: Backend, reading: Reading) -> Sim {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        FaceoffHeadlessPlugins {
-            step: StepPlugin {
-                backend,
-                threads: 1,
-                reading,
-            },
-            ..default()
-        },
-    ));
-    Sim::of(app)
+    Sim::with_step(StepPlugin {
+        backend,
+        threads: 1,
+        reading: Reading::Lockstep,
+    })
 }
 
 fn active(sim: &Sim) -> ActiveBackend {

@@ -32,21 +32,18 @@ fn main() {
 
 /// An app whose clock stands still until the device is ready.
 fn app(backend: Backend, reading: Reading) -> Sim {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        FaceoffHeadlessPlugins {
-            step: StepPlugin {
-                backend,
-                threads: 1,
-                reading,
-            },
-            ..default()
-        },
-    ));
-    let mut sim = Sim::of(app);
+    let mut sim = opening(backend, reading);
     await_device(&mut sim);
     sim
+}
+
+/// The same before the device is ready.
+fn opening(backend: Backend, reading: Reading) -> Sim {
+    Sim::with_step(StepPlugin {
+        backend,
+        threads: 1,
+        reading,
+    })
 }
 
 fn await_device(sim: &mut Sim) {
@@ -314,19 +311,7 @@ fn lost(_: &Gpu) {
 }
 
 fn ready(_: &Gpu) {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        FaceoffHeadlessPlugins {
-            step: StepPlugin {
-                backend: Backend::Gpu,
-                threads: 1,
-                reading: Reading::Latent,
-            },
-            ..default()
-        },
-    ));
-    let mut sim = Sim::of(app);
+    let mut sim = opening(Backend::Gpu, Reading::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
     assert_eq!(active(&sim), "opening");

@@ -2,8 +2,8 @@
 
 use super::device::Gpu;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc;
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, BufferView, ErrorFilter, MapMode, PollType};
+use std::sync::mpsc::{Receiver, channel};
+use wgpu::{Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, BufferView, ErrorFilter, MapMode, PollType};
 
 /// Runs `work` and reports what the device says against it. An error out of any scope would make Bevy end the app.
 ///
@@ -46,16 +46,21 @@ pub fn poll(gpu: &Gpu, what: PollType) -> Result<(), String> {
 pub fn alive(gpu: &Gpu) -> Result<(), String> {
     scoped(gpu, || {
         // wgpu keeps errors of lost devices to itself, but refuses to map their buffers, at once.
-        let probe = staging(gpu, 4);
-        let (sender, receiver) = mpsc::channel();
-        probe.map_async(MapMode::Read, .., move |result| {
-            let _ = sender.send(result);
-        });
-        match receiver.try_recv() {
+        match request(&staging(gpu, 4), 4).try_recv() {
             Ok(Err(_)) => Err("it is lost".to_string()),
             _ => Ok(()),
         }
     })?
+}
+
+/// Asks for the first `bytes` of a staging buffer to be mapped, and is told when they are.
+pub fn request(staging: &Buffer, bytes: u64) -> Receiver<Result<(), BufferAsyncError>> {
+    let (sender, receiver) = channel();
+    staging.map_async(MapMode::Read, ..bytes, move |result| {
+        // Nobody waits any more: the step was given up, or waiting failed, which is reported there.
+        let _ = sender.send(result);
+    });
+    receiver
 }
 
 /// What was mapped.
@@ -91,13 +96,7 @@ pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
 /// # Errors
 /// If the device is lost.
 pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) -> T) -> Result<T, String> {
-    let (sender, receiver) = mpsc::channel();
-    scoped(gpu, || {
-        staging.map_async(MapMode::Read, ..bytes.max(4), move |result| {
-            // The receiver is gone only if waiting failed, which is reported there.
-            let _ = sender.send(result);
-        });
-    })?;
+    let receiver = scoped(gpu, || request(staging, bytes.max(4)))?;
     wait(gpu)?;
     let mapped = receiver.recv().map_err(|error| error.to_string())?;
     mapped.map_err(|error| error.to_string())?;

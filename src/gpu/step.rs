@@ -238,27 +238,24 @@ impl GpuStep {
         detail: Detail,
     ) -> Result<(), StepError> {
         let input = Input::new(state, carried);
+        let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {
             // Steps that must run again find their meshes where they were.
             self.settle()?;
-            let changes = self.arena.update(&state.meshes)?;
-            let needed = Sizes {
-                meshes: self.arena.slots(),
-                words: self.arena.words(),
-                ..Sizes::default()
-            };
-            if !self.make_room(needed)? {
-                self.write(changes)?;
-            }
+            changes = self.arena.update(&state.meshes)?;
         }
         let needed = Sizes {
             bodies: input.len(),
             planes: state.planes.len() as u32,
+            meshes: self.arena.slots(),
+            words: self.arena.words(),
             ..Sizes::default()
         };
         if self.buffers.sizes.grown(needed) != self.buffers.sizes {
             self.settle()?;
-            self.make_room(needed)?;
+        }
+        if !self.make_room(needed)? {
+            self.write(changes)?;
         }
         self.bodies = input.len();
         self.launch(input, detail)
@@ -277,19 +274,19 @@ impl GpuStep {
     fn land(&mut self) -> Result<Output, StepError> {
         for _ in 0..REPEATS {
             let Some(flight) = self.flights.front_mut() else { break };
-            let waited = scoped(&self.gpu, || flight.wait(&self.gpu)).map_err(StepError::Device)?;
-            self.waits += u64::from(waited.map_err(StepError::Device)?);
-            let counters = flight.raw().map(|raw| raw.counters.clone()).unwrap_or_default();
-            if counters[CUT_SHORT as usize] != 0 {
+            let results = scoped(&self.gpu, || flight.wait(&self.gpu));
+            let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
+            self.waits += u64::from(waited);
+            if raw.counters[CUT_SHORT as usize] != 0 {
                 return Err(StepError::CutShort);
             }
-            if counters[SKIPPED as usize] == 0
-                && let Some((output, staging)) = self.flights.pop_front().and_then(|f| f.land(self.timer.as_ref()))
+            if raw.counters[SKIPPED as usize] == 0
+                && let Some(flight) = self.flights.pop_front()
             {
-                self.spare.push(staging);
-                return Ok(output);
+                self.spare.push(flight.staging);
+                return Ok(raw.sort(&flight.input, self.timer.as_ref()));
             }
-            self.repeat(&counters)?;
+            self.repeat(&raw.counters)?;
         }
         Err(StepError::Device(
             "lists stay too short however long they are made".into(),

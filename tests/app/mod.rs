@@ -28,19 +28,18 @@ impl Sim {
     }
 
     pub fn with_threads(threads: usize) -> Self {
+        // What these tests expect to the last bit is the CPU's; a GPU has tests of its own.
+        Self::with_step(StepPlugin {
+            backend: Backend::Cpu,
+            threads,
+            ..default()
+        })
+    }
+
+    /// With steps that run like this.
+    pub fn with_step(step: StepPlugin) -> Self {
         let mut app = App::new();
-        app.add_plugins((
-            MinimalPlugins,
-            FaceoffHeadlessPlugins {
-                // What these tests expect to the last bit is the CPU's; a GPU has tests of its own.
-                step: StepPlugin {
-                    backend: Backend::Cpu,
-                    threads,
-                    ..default()
-                },
-                ..default()
-            },
-        ));
+        app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         Self::of(app)
     }
 
