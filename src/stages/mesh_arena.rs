@@ -1,5 +1,9 @@
 //! The meshes in use, laid out as the CPU's triangle test reads them: eight triangles, or eight boxes, at a time.
 
+mod slab;
+
+pub use slab::SlabGroup;
+
 use crate::asset::CollisionMesh;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
@@ -25,7 +29,8 @@ pub struct MeshSlot {
     pub lanes: MeshLanes,
 }
 
-/// A mesh cut into eights. Coordinates are relative to the centre of mass: close to zero `f32` keeps the most digits.
+/// A mesh cut into eights. Coordinates are relative to the centre of mass, but those of a cluster's corners relative to one of
+/// them: close to zero `f32` keeps the most digits.
 pub struct MeshLanes {
     /// Triangles in clusters of eight.
     pub clusters: Vec<Cluster>,
@@ -33,6 +38,10 @@ pub struct MeshLanes {
     pub vertices: Vec<(Points, u32)>,
     /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
+    /// Slabs around the same, in the same places.
+    pub slabs: Vec<Vec<SlabGroup>>,
+    /// For each level half the diagonal of its boxes, on average.
+    pub sizes: Vec<f32>,
     /// Box of the whole mesh.
     pub aabb: Aabb,
     /// The longest side of any triangle's box.
@@ -42,7 +51,9 @@ pub struct MeshLanes {
 /// Eight triangles.
 #[derive(Clone, Copy)]
 pub struct Cluster {
-    /// First, second and third corners.
+    /// One of the corners, in the mesh's own coordinates.
+    pub origin: Vec3,
+    /// First, second and third corners, relative to the origin.
     pub corners: [Points; 3],
     /// One bit for each lane that holds a triangle; the others repeat the last one.
     pub lanes: u32,
@@ -112,13 +123,18 @@ impl MeshLanes {
         let mesh = &baked.mesh;
         let center = baked.mass.center;
         let count = mesh.triangles().len();
-        let corner = |t: usize, k: usize| mesh.corners(t.min(count - 1))[k] - center;
-        let boxes: Vec<Aabb> = (0..count).map(|t| Aabb::around((0..3).map(|k| corner(t, k)))).collect();
+        let corners: Vec<[Vec3; 3]> = (0..count).map(|t| mesh.corners(t).map(|p| p - center)).collect();
+        let boxes: Vec<Aabb> = corners.iter().map(|&t| Aabb::around(t)).collect();
         let clusters = (0..count)
             .step_by(CLUSTER)
-            .map(|first| Cluster {
-                corners: [0, 1, 2].map(|k| points(|lane| corner(first + lane, k))),
-                lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
+            .map(|first| {
+                let origin = mesh.corners(first)[0];
+                let corner = |t: usize, k: usize| mesh.corners(t.min(count - 1))[k] - origin;
+                Cluster {
+                    origin,
+                    corners: [0, 1, 2].map(|k| points(|lane| corner(first + lane, k))),
+                    lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
+                }
             })
             .collect();
         let mut seen = HashSet::new();
@@ -137,10 +153,13 @@ impl MeshLanes {
             .collect();
 
         let mut levels = Vec::new();
+        let mut sizes = Vec::new();
         let mut nodes = merge(&boxes);
         let aabb = nodes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         loop {
             levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect::<Vec<_>>());
+            let sum: f32 = nodes.iter().map(|b| b.half_size().length()).sum();
+            sizes.push(sum / nodes.len() as f32);
             if nodes.len() <= CLUSTER {
                 break;
             }
@@ -150,6 +169,8 @@ impl MeshLanes {
             clusters,
             vertices,
             levels,
+            slabs: slab::levels(&corners),
+            sizes,
             aabb,
             longest_side: boxes.iter().map(|b| (b.max - b.min).max_element()).fold(0.0, f32::max),
         }

@@ -5,13 +5,18 @@ mod contact;
 mod containment;
 mod cull;
 mod decide;
+mod descent;
 mod lanes;
+mod placed;
 mod planes;
 mod product;
+mod setting;
+mod tree;
 
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};
 use rayon::prelude::*;
+use setting::Setting;
 
 /// Memory kept between steps: one set of lists per task.
 #[derive(Default)]
@@ -23,6 +28,7 @@ pub(crate) struct Scratch {
 struct Task {
     found: Contacts,
     product: product::Scratch,
+    masks: [Vec<u8>; 2],
 }
 
 /// Pairs per task: small enough to balance, large enough to keep the scratch warm.
@@ -67,16 +73,17 @@ pub fn run(state: &mut StepState) {
 }
 
 fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Task) {
-    let Task { found, product } = task;
-    found.triangle_tests += product::candidates(bodies, meshes, pair, product);
-
+    let Task { found, product, masks } = task;
     let [a, b] = pair.bodies.map(|i| i as usize);
+    let size = bodies.radius[a] + bodies.radius[b];
+    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
+    let setting = Setting::new(bodies, meshes, pair, &view, masks);
+    found.triangle_tests += product.find(&setting);
+
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
-    let size = bodies.radius[a] + bodies.radius[b];
-    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
-    product.decide(|decided| {
+    product.decide(&setting.placing, |decided| {
         let [ta, tb] = decided.triangles;
         let hit = match decided.segment {
             Some([start, end]) => Some(contact::Segment::across(start, end)),

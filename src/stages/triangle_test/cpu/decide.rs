@@ -14,6 +14,8 @@ pub struct Eight {
     pub normal: Points,
     /// How wrong a height over the plane, times the normal's length, can be.
     pub tolerance: f32x8,
+    /// How wrong a coordinate can be.
+    pub error: f32x8,
 }
 
 /// What can be said of eight pairs; one bit per lane.
@@ -33,8 +35,8 @@ impl Verdicts {
     }
 }
 
-/// `error` bounds the error of each coordinate.
-pub fn decide(a: &Eight, b: &Eight, error: f32) -> Verdicts {
+/// Both in the same coordinates.
+pub fn decide([a, b]: &[Eight; 2]) -> Verdicts {
     let heights = |plane: &Eight, corners: &[Points; 3]| each(|k| dot(sub(corners[k], plane.corners[0]), plane.normal));
     let heights_a = heights(b, &a.corners);
     let heights_b = heights(a, &b.corners);
@@ -50,7 +52,7 @@ pub fn decide(a: &Eight, b: &Eight, error: f32) -> Verdicts {
     let end_at = last.bitselect(chord_a.high_at, chord_b.high_at);
     let overlap = end_at - start_at;
     // Points are wrong by what the heights leave open, and by their own coordinates and the sums along the line.
-    let bound = norm1(line) * (chord_a.error + chord_b.error + f32x8::splat(4.0 * error));
+    let bound = norm1(line) * (chord_a.error + chord_b.error + f32x8::splat(4.0) * a.error);
 
     let apart = side_a.one | side_b.one;
     // Nearly parallel planes, or tiny faces, have next to no common line.
