@@ -36,6 +36,8 @@ pub struct MeshLanes {
     pub clusters: Vec<Cluster>,
     /// The corners of all triangles, each position once, and one bit for each lane that holds one.
     pub vertices: Vec<(Points, u32)>,
+    /// Boxes of the vertices' eights, in the same kind of groups as `levels`.
+    pub vertex_levels: Vec<Vec<BoxGroup>>,
     /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
     /// Slabs around the same, in the same places.
@@ -152,28 +154,38 @@ impl MeshLanes {
             })
             .collect();
 
-        let mut levels = Vec::new();
-        let mut sizes = Vec::new();
-        let mut nodes = merge(&boxes);
+        let boxes_of_vertices: Vec<Aabb> = positions
+            .chunks(CLUSTER)
+            .map(|run| Aabb::around(run.iter().copied()))
+            .collect();
+        let nodes = merge(&boxes);
         let aabb = nodes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
-        loop {
-            levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect::<Vec<_>>());
-            let sum: f32 = nodes.iter().map(|b| b.half_size().length()).sum();
-            sizes.push(sum / nodes.len() as f32);
-            if nodes.len() <= CLUSTER {
-                break;
-            }
-            nodes = merge(&nodes);
-        }
+        let (levels, sizes) = box_levels(nodes);
         Self {
             clusters,
             vertices,
+            vertex_levels: box_levels(boxes_of_vertices).0,
             levels,
             slabs: slab::levels(&corners),
             sizes,
             aabb,
             longest_side: boxes.iter().map(|b| (b.max - b.min).max_element()).fold(0.0, f32::max),
         }
+    }
+}
+
+/// The boxes in groups of eight, then those groups in groups of eight, up to one group; with half the diagonal of the boxes of
+/// each level, on average.
+fn box_levels(mut nodes: Vec<Aabb>) -> (Vec<Vec<BoxGroup>>, Vec<f32>) {
+    let (mut levels, mut sizes) = (Vec::new(), Vec::new());
+    loop {
+        levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect());
+        let sum: f32 = nodes.iter().map(|b| b.half_size().length()).sum();
+        sizes.push(sum / nodes.len() as f32);
+        if nodes.len() <= CLUSTER {
+            return (levels, sizes);
+        }
+        nodes = merge(&nodes);
     }
 }
 

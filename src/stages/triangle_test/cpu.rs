@@ -6,7 +6,9 @@ mod containment;
 mod cull;
 mod decide;
 mod descent;
+mod first;
 mod lanes;
+mod levels;
 mod placed;
 mod planes;
 mod product;
@@ -29,6 +31,8 @@ struct Task {
     found: Contacts,
     product: product::Scratch,
     masks: [Vec<u8>; 2],
+    search: first::Search,
+    touching: Vec<[u32; 2]>,
 }
 
 /// Pairs per task: small enough to balance, large enough to keep the scratch warm.
@@ -44,11 +48,7 @@ pub fn run(state: &mut StepState) {
         triangle_scratch: Scratch { tasks },
         ..
     } = state;
-    let wanted = near_pairs.len().div_ceil(TASK);
-    if tasks.len() < wanted {
-        tasks.resize_with(wanted, Task::default);
-    }
-    let tasks = &mut tasks[..wanted];
+    let tasks = enough(tasks, near_pairs.len());
     tasks
         .par_iter_mut()
         .zip(near_pairs.par_chunks(TASK))
@@ -72,8 +72,57 @@ pub fn run(state: &mut StepState) {
     planes::find(bodies, meshes, &state.planes, &mut contacts.planes);
 }
 
+/// Which of `state.near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at
+/// the first hit.
+pub fn touching(state: &mut StepState) -> Vec<[u32; 2]> {
+    let StepState {
+        bodies,
+        meshes,
+        near_pairs,
+        triangle_scratch: Scratch { tasks },
+        ..
+    } = state;
+    let tasks = enough(tasks, near_pairs.len());
+    tasks
+        .par_iter_mut()
+        .zip(near_pairs.par_chunks(TASK))
+        .for_each(|(task, pairs)| {
+            task.touching.clear();
+            for pair in pairs {
+                if touch(bodies, meshes, pair, task) {
+                    task.touching.push(pair.bodies);
+                }
+            }
+        });
+    tasks.iter().flat_map(|task| &task.touching).copied().collect()
+}
+
+/// A task for every few pairs.
+fn enough(tasks: &mut Vec<Task>, pairs: usize) -> &mut [Task] {
+    let wanted = pairs.div_ceil(TASK);
+    if tasks.len() < wanted {
+        tasks.resize_with(wanted, Task::default);
+    }
+    &mut tasks[..wanted]
+}
+
+fn touch(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Task) -> bool {
+    let [a, b] = pair.bodies.map(|i| i as usize);
+    let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh.mesh);
+    let size = bodies.radius[a] + bodies.radius[b];
+    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
+    let setting = Setting::new(bodies, meshes, pair, &view, &mut task.masks);
+    let intersect = |&[ta, tb]: &[u32; 2]| {
+        view.intersect(mesh_a.corners(ta as usize), mesh_b.corners(tb as usize))
+            .is_some()
+    };
+    task.search.any(&setting, intersect) || containment::either_inside(bodies, meshes, pair)
+}
+
 fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Task) {
-    let Task { found, product, masks } = task;
+    let Task {
+        found, product, masks, ..
+    } = task;
     let [a, b] = pair.bodies.map(|i| i as usize);
     let size = bodies.radius[a] + bodies.radius[b];
     let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);

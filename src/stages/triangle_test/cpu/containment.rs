@@ -3,10 +3,15 @@
 //! Without intersecting faces each connected component lies inside a closed mesh as a whole or not at all, so one
 //! vertex of each decides, by the winding number along a ray.
 
-use crate::geometry::{Orientation, TriMesh};
-use crate::stages::mesh_arena::{MeshArena, MeshSlot};
+use super::lanes::{each, splat, sub};
+use super::levels::visit;
+use crate::geometry::Orientation;
+use crate::geometry::cluster::CLUSTER;
+use crate::stages::angles::PAD;
+use crate::stages::mesh_arena::{BoxGroup, MeshArena, MeshSlot};
 use crate::stages::state::{Bodies, Frame, NearPair};
 use glam::DVec3;
+use wide::f32x8;
 
 /// Whether either body of the pair is closed and has some component of the other inside.
 pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
@@ -31,22 +36,38 @@ fn any_inside((inner, inner_frame): (&MeshSlot, &Frame), (outer, outer_frame): (
             + (inner_frame.position - outer_frame.position);
         let p = (outer_frame.rotation.transpose() * world) / outer_frame.scale;
         let boxed = (p - center).cmpge(low - pad).all() && (p - center).cmple(high + pad).all();
-        boxed && contains(&outer.mesh.mesh, p)
+        boxed && contains(outer, p)
     })
 }
 
 /// Whether a closed mesh has `p`, in its own space, inside: the signed crossings of the ray from `p` along +z do not
 /// cancel, or, if neighbouring faces disagree about the outside, their number is odd.
-fn contains(mesh: &TriMesh, p: DVec3) -> bool {
+///
+/// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
+fn contains(slot: &MeshSlot, p: DVec3) -> bool {
+    let (mesh, lanes) = (&slot.mesh.mesh, &slot.lanes);
+    let from = (p - slot.mesh.mass.center.as_dvec3()).as_vec3();
+    let start = splat(from);
+    // Boxes and start are rounded, by less than a millionth of the mesh, which is about as far as the start can be.
+    let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
+    let met = |group: &BoxGroup| {
+        let [x, y, z] = sub(group.center, start);
+        let half = each(|i| group.half[i] + pad);
+        (x.abs().simd_le(half[0]) & y.abs().simd_le(half[1]) & z.simd_ge(-half[2])).to_bitmask()
+    };
     let mut winding = 0i32;
     let mut crossings = 0u32;
-    for &t in mesh.triangles() {
-        let corners = t.map(|v| mesh.vertices()[v as usize].as_dvec3() - p);
-        if let Some(sign) = crossing(&corners) {
-            winding += sign;
-            crossings += 1;
+    visit(&lanes.levels, &met, &mut |cluster| {
+        let first = cluster as usize * CLUSTER;
+        for t in first..mesh.triangles().len().min(first + CLUSTER) {
+            let corners = mesh.corners(t).map(|v| v.as_dvec3() - p);
+            if let Some(sign) = crossing(&corners) {
+                winding += sign;
+                crossings += 1;
+            }
         }
-    }
+        true
+    });
     match mesh.orientation() {
         Orientation::Mixed => crossings % 2 == 1,
         _ => winding != 0,

@@ -36,6 +36,7 @@ impl Verdicts {
 }
 
 /// Both in the same coordinates.
+#[inline(always)]
 pub fn decide([a, b]: &[Eight; 2]) -> Verdicts {
     let heights = |plane: &Eight, corners: &[Points; 3]| each(|k| dot(sub(corners[k], plane.corners[0]), plane.normal));
     let heights_a = heights(b, &a.corners);

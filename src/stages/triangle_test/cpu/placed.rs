@@ -224,26 +224,32 @@ impl Placed {
     }
 }
 
-/// Eight pairs of triangles from anywhere among the placed ones: those of the first body, those of the second in the
-/// coordinates of the first, and how wrong a coordinate can be.
+/// Two triangles that may intersect.
+#[derive(Clone, Copy)]
+pub struct Candidate {
+    /// Lanes of placed clusters: eight times the place of the cluster, and the lane.
+    pub lanes: [u32; 2],
+    /// [`Placing::between`] their clusters.
+    pub way: Vec3,
+    pub error: f32,
+}
+
+/// Eight pairs of triangles from anywhere among the placed ones: those of the first body, and those of the second in the
+/// coordinates of the first.
 #[inline(always)]
-pub fn gather(a: &[Placed], b: &[Placed], pairs: &[[u32; 2]; CLUSTER], placing: &Placing) -> [Eight; 2] {
-    let (mut ways, mut errors) = ([Vec3::ZERO; CLUSTER], [0f32; CLUSTER]);
-    for (lane, &[at_a, at_b]) in pairs.iter().enumerate() {
-        (ways[lane], errors[lane]) = placing.between(&a[at_a as usize / CLUSTER], &b[at_b as usize / CLUSTER]);
-    }
-    let error = f32x8::new(errors);
+pub fn gather(a: &[Placed], b: &[Placed], pairs: &[Candidate; CLUSTER]) -> [Eight; 2] {
+    let error = f32x8::new(pairs.each_ref().map(|pair| pair.error));
+    let way = points(|lane| pairs[lane].way);
     let mut of_b = eight(b, pairs, 1, error);
-    let way = points(|lane| ways[lane]);
     of_b.corners = each(|k| each(|i| of_b.corners[k][i] + way[i]));
     [eight(a, pairs, 0, error), of_b]
 }
 
 #[inline(always)]
-fn eight(placed: &[Placed], pairs: &[[u32; 2]; CLUSTER], end: usize, error: f32x8) -> Eight {
+fn eight(placed: &[Placed], pairs: &[Candidate; CLUSTER], end: usize, error: f32x8) -> Eight {
     let mut rows = [[0f32; CLUSTER]; 13];
     for (lane, pair) in pairs.iter().enumerate() {
-        let at = pair[end] as usize;
+        let at = pair.lanes[end] as usize;
         let (from, i) = (&placed[at / CLUSTER], at % CLUSTER);
         for axis in 0..3 {
             for k in 0..3 {

@@ -1,10 +1,10 @@
 //! Pairs of triangles that single precision cannot tell apart.
 
 use super::cull;
-use super::decide::decide;
+use super::decide::{Eight, decide};
 use super::descent::Descent;
 use super::lanes::{bits, boxes_meet, dot, lane_of, splat, sub};
-use super::placed::{Placed, PlacedList, Placing, gather};
+use super::placed::{Candidate, Placed, PlacedList, Placing, gather};
 use super::setting::Setting;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
@@ -23,8 +23,8 @@ pub struct Scratch {
     descent: Descent,
     /// For each of the descent's second clusters its place in `b`.
     places: Vec<u32>,
-    /// The result: where the triangles of the first and second mesh stand among the placed ones.
-    candidates: Vec<[u32; 2]>,
+    /// The result: triangles of the first and second mesh.
+    candidates: Vec<Candidate>,
 }
 
 /// Pairs of clusters from which on going down the trees is faster than to cull each body's clusters on their own.
@@ -146,6 +146,36 @@ impl Scratch {
     }
 }
 
+/// Whether triangles of two clusters certainly intersect; if not, those that may are added to `unsure`.
+pub fn first_hit(a: &Placed, b: &Placed, placing: &Placing, unsure: &mut Vec<[u32; 2]>) -> bool {
+    let (way, error) = placing.between(a, b);
+    let error_lanes = f32x8::splat(error);
+    let mut hit = false;
+    for_each_triangle(a, b, way, error, |i, left| {
+        // Eight against eight at once, although few of them are wanted: collecting those costs more, and the first may be a hit.
+        let verdicts = decide(&[
+            Eight {
+                corners: a.corners.each_ref().map(|p| splat(lane_of(p, i) - way)),
+                normal: splat(lane_of(&a.normal, i)),
+                tolerance: f32x8::splat(error * a.slack.as_array()[i]),
+                error: error_lanes,
+            },
+            Eight {
+                corners: b.corners,
+                normal: b.normal,
+                tolerance: error_lanes * b.slack,
+                error: error_lanes,
+            },
+        ]);
+        hit = verdicts.hit & left != 0;
+        if !hit {
+            unsure.extend(bits(verdicts.unsure & left).map(|j| [a.first + i as u32, b.first + j as u32]));
+        }
+        !hit
+    });
+    hit
+}
+
 #[inline]
 fn cluster_pair(
     index_a: usize,
@@ -153,9 +183,25 @@ fn cluster_pair(
     index_b: usize,
     b: &Placed,
     placing: &Placing,
-    candidates: &mut Vec<[u32; 2]>,
+    candidates: &mut Vec<Candidate>,
 ) -> u64 {
     let (way, error) = placing.between(a, b);
+    for_each_triangle(a, b, way, error, |i, left| {
+        for j in bits(left) {
+            candidates.push(Candidate {
+                lanes: [index_a * CLUSTER + i, index_b * CLUSTER + j].map(|at| at as u32),
+                way,
+                error,
+            });
+        }
+        true
+    })
+}
+
+/// Calls `found` for each triangle of `a` that may intersect some of `b`, with the lanes of those, until it says no. Tells how
+/// many pairs of triangles had overlapping boxes. `way` and `error` are [`Placing::between`] the two.
+#[inline(always)]
+fn for_each_triangle(a: &Placed, b: &Placed, way: Vec3, error: f32, mut found: impl FnMut(usize, u32) -> bool) -> u64 {
     let meet = boxes_meet(a.min, a.max, splat(b.aabb.min + way), splat(b.aabb.max + way));
     let mut tests = 0;
     for i in bits(meet.to_bitmask() & a.lanes) {
@@ -170,8 +216,8 @@ fn cluster_pair(
         if left != 0 {
             left &= !planes_beside(a, i, b, way, error);
         }
-        for j in bits(left) {
-            candidates.push([index_a * CLUSTER + i, index_b * CLUSTER + j].map(|at| at as u32));
+        if left != 0 && !found(i, left) {
+            break;
         }
     }
     tests
@@ -215,11 +261,11 @@ impl Scratch {
         let metres = 1.0 / f64::from(placing.unit);
         for run in self.candidates.chunks(CLUSTER) {
             // Lanes without a candidate repeat the last.
-            let pairs: [[u32; 2]; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
-            let verdicts = decide(&gather(&self.a, &self.b, &pairs, placing));
+            let pairs: [Candidate; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
+            let verdicts = decide(&gather(&self.a, &self.b, &pairs));
             let wanted = (1u32 << run.len()) - 1;
             for lane in bits((verdicts.hit | verdicts.unsure) & wanted) {
-                let [a, b] = [0, 1].map(|end| pairs[lane][end] as usize);
+                let [a, b] = [0, 1].map(|end| pairs[lane].lanes[end] as usize);
                 let (in_a, in_b) = (&self.a[a / CLUSTER], &self.b[b / CLUSTER]);
                 let segment = (verdicts.hit >> lane & 1 == 1).then(|| verdicts.segment(lane));
                 report(Decided {

@@ -11,6 +11,9 @@ use crate::stages::mesh_arena::{MeshArena, MeshLanes};
 use crate::stages::state::{Bodies, NearPair};
 use glam::{DVec3, Mat3, Vec3};
 
+/// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
+const COARSE: usize = 300;
+
 /// A pair in its own unit of length.
 pub struct Setting<'a> {
     pub a: Side<'a>,
@@ -119,25 +122,15 @@ impl<'a> Setting<'a> {
 
     /// Both trees.
     pub fn trees(&self) -> [Tree<'a>; 2] {
-        let translation = self.placing.unit * self.near.translation;
-        let scale = |side: &Side| self.placing.unit * side.scale;
+        let Placing { unit, pad, .. } = self.placing;
+        let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > COARSE;
+        let tree = |side: &Side<'a>, second, rotation, translation| {
+            Tree::new(side.lanes, second, unit * side.scale, rotation, translation, pad, slabs)
+        };
+        let translation = unit * self.near.translation;
         [
-            Tree::new(
-                self.a.lanes,
-                false,
-                scale(&self.a),
-                self.back,
-                -(self.back * translation),
-                self.placing.pad,
-            ),
-            Tree::new(
-                self.b.lanes,
-                true,
-                scale(&self.b),
-                self.near.rotation,
-                translation,
-                self.placing.pad,
-            ),
+            tree(&self.a, false, self.back, -(self.back * translation)),
+            tree(&self.b, true, self.near.rotation, translation),
         ]
     }
 }

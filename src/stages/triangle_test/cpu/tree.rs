@@ -1,7 +1,7 @@
 //! Nodes of the trees of two meshes, and whether they may touch.
 
 use super::lanes::{Rows, dot, each, lane_of, mul, splat, sub};
-use crate::stages::mesh_arena::{MeshLanes, Points};
+use crate::stages::mesh_arena::{MeshLanes, Points, SlabGroup};
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 
@@ -11,15 +11,7 @@ use wide::f32x8;
 pub struct Group {
     center: [Points; 2],
     half: [Points; 2],
-    slab: Slabs,
-}
-
-/// See [`SlabGroup`](crate::stages::mesh_arena::SlabGroup).
-struct Slabs {
-    center: Points,
-    normal: Points,
-    thickness: f32x8,
-    radius: f32x8,
+    slabs: Option<SlabGroup>,
 }
 
 /// One node.
@@ -29,7 +21,14 @@ pub struct Node {
     pub number: u32,
     center: [Vec3; 2],
     half: [Vec3; 2],
-    slab_center: Vec3,
+    /// Only looked at if the other tree has slabs too.
+    slab: Slab,
+}
+
+/// See [`SlabGroup`].
+#[derive(Clone, Copy, Default)]
+struct Slab {
+    center: Vec3,
     normal: Vec3,
     thickness: f32,
     radius: f32,
@@ -50,12 +49,22 @@ pub struct Tree<'a> {
     rotation_abs: Rows,
     translation: Points,
     pad: f32,
+    /// Whether slabs are compared beside boxes.
+    slabs: bool,
 }
 
 impl<'a> Tree<'a> {
     /// `scale` and `translation` in the pair's unit, `rotation` and `translation` from this body's axes to the other's.
-    /// `pad` is the rounding allowance of a test of two nodes.
-    pub fn new(lanes: &'a MeshLanes, second: bool, scale: Vec3, rotation: Mat3, translation: Vec3, pad: f32) -> Self {
+    /// `pad` is the rounding allowance of a test of two nodes; `slabs` is whether slabs are compared, for both trees.
+    pub fn new(
+        lanes: &'a MeshLanes,
+        second: bool,
+        scale: Vec3,
+        rotation: Mat3,
+        translation: Vec3,
+        pad: f32,
+        slabs: bool,
+    ) -> Self {
         let smallest = scale.abs().min_element();
         Self {
             lanes,
@@ -68,6 +77,7 @@ impl<'a> Tree<'a> {
             rotation: Rows::new(rotation),
             rotation_abs: Rows::new(rotation.abs()),
             translation: splat(translation),
+            slabs,
             // Half for each node of a test.
             pad: 0.5 * pad,
         }
@@ -87,66 +97,77 @@ impl<'a> Tree<'a> {
             }
     }
 
+    /// How many groups a level has.
+    pub fn groups(&self, level: usize) -> usize {
+        self.lanes.levels[level].len()
+    }
+
     /// The node around everything.
     pub fn root(&self) -> Node {
-        let half = self.lanes.aabb.half_size();
-        let radius = f32x8::splat(half.length());
+        self.root_group().node(0, 0)
+    }
+
+    /// The node around everything, in all lanes.
+    pub fn root_group(&self) -> Group {
+        let (center, half) = (self.lanes.aabb.center(), self.lanes.aabb.half_size());
         // A normal of no length makes a slab that holds everything.
-        let everything = Slabs {
-            center: splat(self.lanes.aabb.center()),
+        let everything = || SlabGroup {
+            center: splat(center),
             normal: splat(Vec3::ZERO),
             thickness: f32x8::ZERO,
-            radius,
+            radius: f32x8::splat(half.length()),
         };
-        self.group(splat(self.lanes.aabb.center()), splat(half), everything)
-            .node(0, 0)
+        Group {
+            slabs: self.slabs.then(|| self.placed(&everything())),
+            ..self.boxes(splat(center), splat(half))
+        }
     }
 
     /// The children of node `number`, which are on `level`.
     #[inline]
     pub fn children(&self, level: usize, number: u32) -> Group {
         let boxes = &self.lanes.levels[level][number as usize];
-        let slabs = &self.lanes.slabs[level][number as usize];
-        self.group(
-            boxes.center,
-            boxes.half,
-            Slabs {
-                center: slabs.center,
-                normal: slabs.normal,
-                thickness: slabs.thickness,
-                radius: slabs.radius,
-            },
-        )
+        Group {
+            slabs: self
+                .slabs
+                .then(|| self.placed(&self.lanes.slabs[level][number as usize])),
+            ..self.boxes(boxes.center, boxes.half)
+        }
     }
 
     #[inline(always)]
-    fn group(&self, center: Points, half: Points, slab: Slabs) -> Group {
+    fn boxes(&self, center: Points, half: Points) -> Group {
         let pad = f32x8::splat(self.pad);
-        let own = (mul(center, self.scale), mul(half, self.scale_abs));
-        let around = self.rotation_abs.times(own.1);
-        let other = (self.turned(own.0), each(|i| around[i] + pad));
-        let own = (own.0, each(|i| own.1[i] + pad));
+        let (center, half) = (mul(center, self.scale), mul(half, self.scale_abs));
+        let around = self.rotation_abs.times(half);
+        let own = (center, each(|i| half[i] + pad));
+        let other = (self.turned(center), each(|i| around[i] + pad));
+        let (first, second) = if self.second { (other, own) } else { (own, other) };
+        Group {
+            center: [first.0, second.0],
+            half: [first.1, second.1],
+            slabs: None,
+        }
+    }
 
-        // What lies within a slab of a mesh lies, scaled, within one whose normal is scaled inversely.
+    /// What lies within a slab of a mesh lies, scaled, within one whose normal is scaled inversely.
+    #[inline(always)]
+    fn placed(&self, slab: &SlabGroup) -> SlabGroup {
         let normal = mul(slab.normal, self.inverse);
         let length = dot(normal, normal).sqrt().fast_max(f32x8::splat(1.0e-9));
         let shrink = f32x8::ONE / length;
         let normal = each(|i| normal[i] * shrink);
-        let slab_center = mul(slab.center, self.scale);
-        let (first, second, slab_center, normal) = if self.second {
-            (other, own, self.turned(slab_center), self.rotation.times(normal))
+        let center = mul(slab.center, self.scale);
+        let (center, normal) = if self.second {
+            (self.turned(center), self.rotation.times(normal))
         } else {
-            (own, other, slab_center, normal)
+            (center, normal)
         };
-        Group {
-            center: [first.0, second.0],
-            half: [first.1, second.1],
-            slab: Slabs {
-                center: slab_center,
-                normal,
-                thickness: slab.thickness * shrink * f32x8::splat(self.smallest) + pad,
-                radius: slab.radius * f32x8::splat(self.largest),
-            },
+        SlabGroup {
+            center,
+            normal,
+            thickness: slab.thickness * shrink * f32x8::splat(self.smallest) + f32x8::splat(self.pad),
+            radius: slab.radius * f32x8::splat(self.largest),
         }
     }
 
@@ -161,15 +182,17 @@ impl Group {
     /// The node in a lane; its parent's number is `parent`.
     #[inline]
     pub fn node(&self, parent: u32, lane: usize) -> Node {
-        let at = |x: &f32x8| x.as_array()[lane];
+        let slab = |slabs: &SlabGroup| Slab {
+            center: lane_of(&slabs.center, lane),
+            normal: lane_of(&slabs.normal, lane),
+            thickness: slabs.thickness.as_array()[lane],
+            radius: slabs.radius.as_array()[lane],
+        };
         Node {
             number: 8 * parent + lane as u32,
             center: [lane_of(&self.center[0], lane), lane_of(&self.center[1], lane)],
             half: [lane_of(&self.half[0], lane), lane_of(&self.half[1], lane)],
-            slab_center: lane_of(&self.slab.center, lane),
-            normal: lane_of(&self.slab.normal, lane),
-            thickness: at(&self.slab.thickness),
-            radius: at(&self.slab.radius),
+            slab: self.slabs.as_ref().map(slab).unwrap_or_default(),
         }
     }
 }
@@ -185,21 +208,30 @@ impl Node {
             ok(0) & ok(1) & ok(2)
         };
         let boxes = (meet(0) & meet(1)).to_bitmask();
-        if boxes == 0 {
-            return 0;
+        match &group.slabs {
+            Some(slabs) if boxes != 0 => boxes & self.slab.meets(slabs).to_bitmask(),
+            _ => boxes,
         }
-        boxes & self.slab_meets(&group.slab).to_bitmask()
     }
 
+    /// How far the boxes' centres are, squared.
+    #[inline]
+    pub fn distances(&self, group: &Group) -> [f32; 8] {
+        let apart = sub(splat(self.center[0]), group.center[0]);
+        dot(apart, apart).to_array()
+    }
+}
+
+impl Slab {
     /// Let `x` be a common point of slabs `s` and `t`, and `n` and `m` their normals: then `n . (x - s)` is at most `s`'s
     /// thickness, and `n . (x - t) = m . (x - t) + (n - m) . (x - t)` at most `t`'s and its radius times `|n - m|`; and the
     /// same with `-m`, as a slab has two sides.
     #[inline]
-    fn slab_meets(&self, other: &Slabs) -> f32x8 {
+    fn meets(&self, other: &SlabGroup) -> f32x8 {
         let normal = splat(self.normal);
         let (less, more) = (sub(normal, other.normal), each(|i| normal[i] + other.normal[i]));
         let turn = dot(less, less).fast_min(dot(more, more)).sqrt();
-        let way = sub(splat(self.slab_center), other.center);
+        let way = sub(splat(self.center), other.center);
         let thickness = f32x8::splat(self.thickness) + other.thickness;
         let along_own = dot(way, normal).abs().simd_le(thickness + turn * other.radius);
         let along_other = dot(way, other.normal)
