@@ -137,3 +137,57 @@ impl Descent {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::{TriMesh, shapes};
+    use crate::stages::mesh_arena::MeshLanes;
+    use glam::{Mat3, Quat, Vec3};
+
+    /// Tests of nodes, and pairs of clusters left, of two bodies `apart` from centre to centre, summed over some poses.
+    fn cost(mesh: &TriMesh, apart: f32, slabs: bool) -> [u64; 2] {
+        let baked = CollisionMesh::new(mesh);
+        let lanes = MeshLanes::new(&baked);
+        let mut descent = Descent::default();
+        let mut cost = [0; 2];
+        for pose in 0..20 {
+            let angle = pose as f32;
+            let rotation = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.8, 0.0), angle));
+            let way = Quat::from_axis_angle(Vec3::new(0.0, 0.6, 0.8), 2.0 * angle) * Vec3::X * apart;
+            let back = rotation.transpose();
+            let a = Tree::new(&lanes, false, Vec3::ONE, back, -(back * way), 4.0e-6, slabs);
+            let b = Tree::new(&lanes, true, Vec3::ONE, rotation, way, 4.0e-6, slabs);
+            cost[0] += descent.run(&a, &b);
+            cost[1] += descent.pairs().map(|(_, others)| others.len() as u64).sum::<u64>();
+        }
+        cost
+    }
+
+    /// Balls of radius 0.5 that overlap by a height at which the rim is as many triangles long, whatever their size.
+    fn cost_of_balls(subdivisions: u32, slabs: bool) -> [u64; 2] {
+        let overlap = 0.03 * 4f32.powi(4 - subdivisions as i32);
+        cost(&shapes::ball(0.5, subdivisions), 1.0 - overlap, slabs)
+    }
+
+    #[test]
+    fn sixteen_times_the_triangles_cost_less_than_twice_as_much() {
+        let [coarse, fine] = [4, 6].map(|subdivisions| cost_of_balls(subdivisions, true));
+        assert!(coarse[0] > 1000 && coarse[1] > 500, "{coarse:?}");
+        for (coarse, fine) in coarse.into_iter().zip(fine) {
+            assert!(fine < 2 * coarse, "{coarse} and {fine}");
+        }
+    }
+
+    #[test]
+    fn boxes_alone_would_cost_more_the_finer_the_meshes() {
+        let [with, without] = [true, false].map(|slabs| cost_of_balls(6, slabs)[1]);
+        assert!(without > 2 * with, "{with} {without}");
+    }
+
+    #[test]
+    fn bodies_far_apart_cost_one_test() {
+        assert_eq!(cost(&shapes::ball(0.5, 3), 5.0, true), [20, 0]);
+    }
+}
