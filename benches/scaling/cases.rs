@@ -1,22 +1,23 @@
 //! Meshes in several sizes, and pairs of them whose contacts do not grow with them.
 
-use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::asset::{CollisionMesh, import_file};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::stages::Stage;
 use bevy_faceoff::stages::state::{Body, StepState};
 use glam::{DQuat, Quat, Vec3};
 
-/// A mesh in several sizes, and how pairs of it are placed.
+/// Scenes of growing meshes.
 pub struct Case {
     pub name: &'static str,
-    pub sizes: Vec<fn() -> TriMesh>,
-    pub place: fn(&TriMesh, usize) -> Scene,
+    /// Each for a number of poses.
+    pub scenes: Vec<Box<dyn Fn(usize) -> Scene>>,
 }
 
 /// Pairs of bodies, ready for the narrow phase.
 pub struct Scene {
     pub state: StepState,
-    pub triangles: usize,
+    /// Of each body of a pair, as a table shows it.
+    pub triangles: String,
 }
 
 /// Intersecting pairs of faces that each touching pair of bodies gets, to a twentieth.
@@ -32,10 +33,12 @@ pub fn all() -> Vec<Case> {
         || shapes::torus_knot(2, 3, 448, 80, 0.42),
         || shapes::torus_knot(2, 3, 1792, 320, 0.42),
     ];
-    let case = |name, sizes: &Vec<fn() -> TriMesh>, place| Case {
+    let case = |name, sizes: &Vec<fn() -> TriMesh>, place: fn(&TriMesh, usize) -> Scene| Case {
         name,
-        sizes: sizes.clone(),
-        place,
+        scenes: sizes
+            .iter()
+            .map(|&mesh| Box::new(move |poses| place(&mesh(), poses)) as Box<dyn Fn(usize) -> Scene>)
+            .collect(),
     };
     vec![
         case("balls touch", &balls, touching),
@@ -44,6 +47,47 @@ pub fn all() -> Vec<Case> {
         case("knots a hair apart", &knots, apart),
         case("ball in ball", &balls, contained),
     ]
+}
+
+/// A nut on the thread of a bolt, meshes that others made, if they lie beside the checkout: surfaces that lie along each
+/// other all the way round. There is one size only.
+pub fn nut_on_bolt() -> Option<Case> {
+    let mesh = |name: &str| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/meshes/isaacgym_factory_");
+        let imported = import_file(format!("{folder}{name}.obj")).ok()?;
+        Some(CollisionMesh::new(imported.mesh()))
+    };
+    let meshes = [mesh("nut_m16_loose_subdiv_3x")?, mesh("bolt_m16_loose")?];
+    let scene = move |poses: usize| {
+        let mut state = StepState::default();
+        let [nut, bolt] = meshes.each_ref().map(|mesh| state.meshes.add(mesh.clone()));
+        for pose in 0..poses {
+            let height = 0.0007 + 0.0094 * pose as f32 / poses as f32;
+            let turn = Quat::from_rotation_z(0.4 * pose as f32);
+            for body in [
+                Body::at_rest(bolt, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE),
+                Body::at_rest(nut, Vec3::Z * height, turn, Vec3::ONE),
+            ] {
+                state.bodies.push(&body, &state.meshes).expect("a usable body");
+            }
+        }
+        state.sphere_pairs = pairs(poses);
+        Scene {
+            state,
+            triangles: meshes
+                .each_ref()
+                .map(|m| m.mesh.triangles().len().to_string())
+                .join(" and "),
+        }
+    };
+    Some(Case {
+        name: "nut on bolt",
+        scenes: vec![Box::new(scene)],
+    })
+}
+
+fn pairs(count: usize) -> Vec<[u32; 2]> {
+    (0..count as u32).map(|i| [2 * i, 2 * i + 1]).collect()
 }
 
 fn touching(mesh: &TriMesh, poses: usize) -> Scene {
@@ -162,10 +206,10 @@ fn placed(mesh: &TriMesh, poses: usize, find: impl Fn(&mut Pair) -> (f32, f32)) 
     for body in &bodies {
         state.bodies.push(body, &state.meshes).expect("a usable body");
     }
-    state.sphere_pairs = (0..poses as u32).map(|i| [2 * i, 2 * i + 1]).collect();
+    state.sphere_pairs = pairs(poses);
     Scene {
         state,
-        triangles: mesh.mesh.triangles().len(),
+        triangles: mesh.mesh.triangles().len().to_string(),
     }
 }
 

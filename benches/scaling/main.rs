@@ -6,9 +6,9 @@
 
 mod cases;
 
-use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::{Stage, triangle_test};
 use cases::{Case, Scene};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Rounds in which all scenes take turns.
 const ROUNDS: usize = 7;
@@ -27,11 +27,11 @@ fn main() {
         "{poses} poses, one thread, medians of {ROUNDS} interleaved rounds, microseconds per pair; growth is that against the row above, the median of the rounds' ratios\n"
     );
     println!(
-        "| case | triangles | Angles | TriangleTest | growth | touching | face pairs per pair | triangle tests per pair |"
+        "| case | triangles | Angles | TriangleTest | growth | first hit | growth | touching | face pairs per pair | triangle tests per pair |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     pool.install(|| {
-        for case in cases::all() {
+        for case in cases::all().into_iter().chain(cases::nut_on_bolt()) {
             if words.is_empty() || words.iter().any(|word| case.name.starts_with(word.as_str())) {
                 run(&case, poses);
             }
@@ -40,32 +40,43 @@ fn main() {
 }
 
 fn run(case: &Case, poses: usize) {
-    let mut scenes: Vec<Scene> = case.sizes.iter().map(|mesh| (case.place)(&mesh(), poses)).collect();
+    let mut scenes: Vec<Scene> = case.scenes.iter().map(|scene| scene(poses)).collect();
     let mut times = vec![Vec::new(); scenes.len()];
     for _ in 0..ROUNDS {
         for (scene, times) in scenes.iter_mut().zip(&mut times) {
             // Small scenes are over before a clock has ticked.
-            let mut least = [f64::INFINITY; 2];
+            let mut least = [f64::INFINITY; 3];
             for _ in 0..3 {
                 for (least, stage) in least.iter_mut().zip([Stage::Angles, Stage::TriangleTest]) {
                     stage.run_on_cpu(&mut scene.state);
                     *least = least.min(micros(scene.state.times[stage as usize], poses));
                 }
+                let start = Instant::now();
+                let touching = triangle_test::cpu::touching(&mut scene.state);
+                least[2] = least[2].min(micros(start.elapsed(), poses));
+                assert_eq!(touching.len(), scene.state.contacts.pairs.len(), "first hits are hits");
             }
             times.push(least);
         }
     }
     for (i, scene) in scenes.iter().enumerate() {
-        let whole = |times: &[f64; 2]| times[0] + times[1];
-        let growth = (i > 0).then(|| median(times[i].iter().zip(&times[i - 1]).map(|(t, s)| whole(t) / whole(s))));
+        let growth = |stage: usize| {
+            let whole = |times: &[f64; 3]| times[0] + times[stage];
+            let ratios = |i: usize| times[i].iter().zip(&times[i - 1]).map(|(t, s)| whole(t) / whole(s));
+            (i > 0)
+                .then(|| median(ratios(i)))
+                .map_or(String::new(), |g| format!("{g:.2}"))
+        };
         let contacts = &scene.state.contacts;
         println!(
-            "| {} | {} | {:.2} | {:.2} | {} | {} | {:.1} | {:.0} |",
+            "| {} | {} | {:.2} | {:.2} | {} | {:.2} | {} | {} | {:.1} | {:.0} |",
             case.name,
             scene.triangles,
             median(times[i].iter().map(|t| t[0])),
             median(times[i].iter().map(|t| t[1])),
-            growth.map_or(String::new(), |g| format!("{g:.2}")),
+            growth(1),
+            median(times[i].iter().map(|t| t[2])),
+            growth(2),
             contacts.pairs.len(),
             contacts.faces.len() as f64 / poses as f64,
             contacts.triangle_tests as f64 / poses as f64,

@@ -6,7 +6,7 @@ pub use slab::SlabGroup;
 
 use crate::asset::CollisionMesh;
 use crate::geometry::Aabb;
-use crate::geometry::cluster::CLUSTER;
+use crate::geometry::cluster::{CLUSTER, compact_order};
 use glam::Vec3;
 use std::collections::HashSet;
 use std::ops::Index;
@@ -38,6 +38,10 @@ pub struct MeshLanes {
     pub vertices: Vec<(Points, u32)>,
     /// Boxes of the vertices' eights, in the same kind of groups as `levels`.
     pub vertex_levels: Vec<Vec<BoxGroup>>,
+    /// A vertex of each connected component of the mesh, neighbours near each other.
+    pub components: Vec<u32>,
+    /// Boxes of the components' eights, in the same kind of groups as `levels`.
+    pub component_levels: Vec<Vec<BoxGroup>>,
     /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
     /// Slabs around the same, in the same places.
@@ -154,17 +158,26 @@ impl MeshLanes {
             })
             .collect();
 
-        let boxes_of_vertices: Vec<Aabb> = positions
-            .chunks(CLUSTER)
-            .map(|run| Aabb::around(run.iter().copied()))
+        let eights = |positions: &[Vec3]| {
+            let boxes = positions.chunks(CLUSTER).map(|run| Aabb::around(run.iter().copied()));
+            box_levels(boxes.collect()).0
+        };
+        let component = |v: u32| mesh.vertices()[v as usize] - center;
+        let some: Vec<Vec3> = mesh.component_vertices().iter().map(|&v| component(v)).collect();
+        let components: Vec<u32> = compact_order(&some)
+            .into_iter()
+            .map(|i| mesh.component_vertices()[i as usize])
             .collect();
+        let some: Vec<Vec3> = components.iter().map(|&v| component(v)).collect();
         let nodes = merge(&boxes);
         let aabb = nodes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         let (levels, sizes) = box_levels(nodes);
         Self {
             clusters,
             vertices,
-            vertex_levels: box_levels(boxes_of_vertices).0,
+            vertex_levels: eights(&positions),
+            component_levels: eights(&some),
+            components,
             levels,
             slabs: slab::levels(&corners),
             sizes,
