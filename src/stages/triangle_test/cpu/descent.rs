@@ -140,6 +140,7 @@ impl Descent {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tree::Way;
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
@@ -157,8 +158,16 @@ mod tests {
             let rotation = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.8, 0.0), angle));
             let way = Quat::from_axis_angle(Vec3::new(0.0, 0.6, 0.8), 2.0 * angle) * Vec3::X * apart;
             let back = rotation.transpose();
-            let a = Tree::new(&lanes, false, Vec3::ONE, back, -(back * way), 4.0e-6, slabs);
-            let b = Tree::new(&lanes, true, Vec3::ONE, rotation, way, 4.0e-6, slabs);
+            let [a, b] =
+                [(false, back, -(back * way)), (true, rotation, way)].map(|(second, rotation, translation)| {
+                    let way = Way {
+                        rotation,
+                        translation,
+                        axis: Vec3::ZERO,
+                        least: 0.0,
+                    };
+                    Tree::new(&lanes, second, Vec3::ONE, way, 4.0e-6, slabs)
+                });
             cost[0] += descent.run(&a, &b);
             cost[1] += descent.pairs().map(|(_, others)| others.len() as u64).sum::<u64>();
         }

@@ -20,7 +20,10 @@ pub struct Search {
     unsure: Vec<[u32; 2]>,
 }
 
-/// A node: a lane of an opened group.
+/// In place of a group: the root, which is in none.
+const ROOT: u32 = u32::MAX;
+
+/// A node: a lane of an opened group, or the root.
 #[derive(Clone, Copy)]
 struct At {
     group: u32,
@@ -34,7 +37,7 @@ struct At {
 struct End {
     groups: Vec<Opened>,
     placed: PlacedList,
-    /// Where each group lies in `groups`, if that one says so too; else anything. So nothing needs clearing.
+    /// Where each group lies in `groups`, if that one says so too; else anything, so that nothing needs clearing.
     group_at: Vec<u32>,
     /// The same for clusters and `placed`.
     cluster_at: Vec<u32>,
@@ -59,7 +62,7 @@ impl Search {
         self.stack.clear();
         self.unsure.clear();
         self.stack.push([0, 1].map(|end| At {
-            group: 0,
+            group: ROOT,
             lane: 0,
             level: trees[end].height() as u8,
         }));
@@ -78,8 +81,10 @@ impl Search {
     fn open(&mut self, trees: &[Tree; 2], at: [At; 2]) {
         let larger = trees[0].size(at[0].level.into()) >= trees[1].size(at[1].level.into());
         let end = usize::from(at[1].level > 0 && (at[0].level == 0 || !larger));
-        let Opened { parent, ref group, .. } = self.ends[1 - end].groups[at[1 - end].group as usize];
-        let other = group.node(parent, at[1 - end].lane.into());
+        let other = match self.ends[1 - end].groups.get(at[1 - end].group as usize) {
+            Some(Opened { parent, group, .. }) => group.node(*parent, at[1 - end].lane.into()),
+            None => trees[1 - end].root(),
+        };
         let group = self.ends[end].children(&trees[end], at[end]);
         let opened = &self.ends[end].groups[group as usize].group;
         let meet = other.meets(opened);
@@ -127,11 +132,6 @@ impl End {
     fn start(&mut self, tree: &Tree, clusters: usize) {
         self.groups.clear();
         self.placed.clear();
-        self.groups.push(Opened {
-            id: u32::MAX,
-            parent: 0,
-            group: tree.root_group(),
-        });
         self.below.clear();
         let mut groups = 0;
         for level in 0..tree.height() {
@@ -147,7 +147,8 @@ impl End {
     }
 
     fn number(&self, at: At) -> u32 {
-        self.groups[at.group as usize].parent * CLUSTER as u32 + u32::from(at.lane)
+        let group = self.groups.get(at.group as usize);
+        group.map_or(0, |group| group.parent * CLUSTER as u32) + u32::from(at.lane)
     }
 
     /// Where a node's children lie in `groups`.

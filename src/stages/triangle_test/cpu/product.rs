@@ -1,9 +1,9 @@
 //! Pairs of triangles that single precision cannot tell apart.
 
 use super::cull;
-use super::decide::{Eight, decide};
+use super::decide::{Eight, beside, decide, decide_by, heights};
 use super::descent::Descent;
-use super::lanes::{bits, boxes_meet, dot, lane_of, splat, sub};
+use super::lanes::{bits, boxes_meet, each, lane_of, splat};
 use super::placed::{Candidate, Placed, PlacedList, Placing, gather};
 use super::setting::Setting;
 use crate::geometry::Aabb;
@@ -149,24 +149,23 @@ impl Scratch {
 /// Whether triangles of two clusters certainly intersect; if not, those that may are added to `unsure`.
 pub fn first_hit(a: &Placed, b: &Placed, placing: &Placing, unsure: &mut Vec<[u32; 2]>) -> bool {
     let (way, error) = placing.between(a, b);
-    let error_lanes = f32x8::splat(error);
     let mut hit = false;
-    for_each_triangle(a, b, way, error, |i, left| {
-        // Eight against eight at once, although few of them are wanted: collecting those costs more, and the first may be a hit.
-        let verdicts = decide(&[
-            Eight {
-                corners: a.corners.each_ref().map(|p| splat(lane_of(p, i) - way)),
-                normal: splat(lane_of(&a.normal, i)),
-                tolerance: f32x8::splat(error * a.slack.as_array()[i]),
-                error: error_lanes,
-            },
-            Eight {
-                corners: b.corners,
-                normal: b.normal,
-                tolerance: error_lanes * b.slack,
-                error: error_lanes,
-            },
-        ]);
+    for_each_triangle(a, b, way, error, |i, left, [heights_a, heights_b]| {
+        // Eight at once, although few are wanted: to collect some first costs more, and these may be enough.
+        let error_lanes = f32x8::splat(error);
+        let one = Eight {
+            corners: each(|k| splat(lane_of(&a.corners[k], i) - way)),
+            normal: splat(lane_of(&a.normal, i)),
+            tolerance: f32x8::splat(error * a.slack.as_array()[i]),
+            error: error_lanes,
+        };
+        let all = Eight {
+            corners: b.corners,
+            normal: b.normal,
+            tolerance: error_lanes * b.slack,
+            error: error_lanes,
+        };
+        let verdicts = decide_by([&one, &all], heights_a, heights_b);
         hit = verdicts.hit & left != 0;
         if !hit {
             unsure.extend(bits(verdicts.unsure & left).map(|j| [a.first + i as u32, b.first + j as u32]));
@@ -186,7 +185,7 @@ fn cluster_pair(
     candidates: &mut Vec<Candidate>,
 ) -> u64 {
     let (way, error) = placing.between(a, b);
-    for_each_triangle(a, b, way, error, |i, left| {
+    for_each_triangle(a, b, way, error, |i, left, _| {
         for j in bits(left) {
             candidates.push(Candidate {
                 lanes: [index_a * CLUSTER + i, index_b * CLUSTER + j].map(|at| at as u32),
@@ -198,10 +197,17 @@ fn cluster_pair(
     })
 }
 
-/// Calls `found` for each triangle of `a` that may intersect some of `b`, with the lanes of those, until it says no. Tells how
-/// many pairs of triangles had overlapping boxes. `way` and `error` are [`Placing::between`] the two.
+/// Calls `found` for each triangle of `a` that may intersect some of `b`, with the lanes of those, and the heights of each
+/// triangle's corners over the other's plane, until it says no. Tells how many pairs of triangles had overlapping boxes.
+/// `way` and `error` are [`Placing::between`] the two.
 #[inline(always)]
-fn for_each_triangle(a: &Placed, b: &Placed, way: Vec3, error: f32, mut found: impl FnMut(usize, u32) -> bool) -> u64 {
+fn for_each_triangle(
+    a: &Placed,
+    b: &Placed,
+    way: Vec3,
+    error: f32,
+    mut found: impl FnMut(usize, u32, [&[f32x8; 3]; 2]) -> bool,
+) -> u64 {
     let meet = boxes_meet(a.min, a.max, splat(b.aabb.min + way), splat(b.aabb.max + way));
     let mut tests = 0;
     for i in bits(meet.to_bitmask() & a.lanes) {
@@ -212,39 +218,19 @@ fn for_each_triangle(a: &Placed, b: &Placed, way: Vec3, error: f32, mut found: i
             continue;
         }
         tests += overlapping.count_ones() as u64;
-        let mut left = overlapping & !beside_plane(a, i, b, way, error);
-        if left != 0 {
-            left &= !planes_beside(a, i, b, way, error);
+        let corners = each(|k| splat(lane_of(&a.corners[k], i) - way));
+        let heights_b = heights(&b.corners, corners[0], splat(lane_of(&a.normal, i)));
+        let left = overlapping & !beside(&heights_b, f32x8::splat(error * a.slack.as_array()[i]));
+        if left == 0 {
+            continue;
         }
-        if left != 0 && !found(i, left) {
+        let heights_a = heights(&corners, b.corners[0], b.normal);
+        let left = left & !beside(&heights_a, f32x8::splat(error) * b.slack);
+        if left != 0 && !found(i, left, [&heights_a, &heights_b]) {
             break;
         }
     }
     tests
-}
-
-/// Lanes of `b` that lie wholly on one side of the plane of `a`'s triangle `i`.
-#[inline]
-fn beside_plane(a: &Placed, i: usize, b: &Placed, way: Vec3, error: f32) -> u32 {
-    let origin = splat(lane_of(&a.corners[0], i) - way);
-    let normal = splat(lane_of(&a.normal, i));
-    let tolerance = f32x8::splat(error * a.slack.as_array()[i]);
-    let height = |k: usize| dot(sub(b.corners[k], origin), normal);
-    let heights = [height(0), height(1), height(2)];
-    let lowest = heights[0].fast_min(heights[1]).fast_min(heights[2]);
-    let highest = heights[0].fast_max(heights[1]).fast_max(heights[2]);
-    (lowest.simd_gt(tolerance) | highest.simd_lt(-tolerance)).to_bitmask()
-}
-
-/// Lanes of `b` on one side of whose planes `a`'s triangle `i` lies wholly.
-#[inline]
-fn planes_beside(a: &Placed, i: usize, b: &Placed, way: Vec3, error: f32) -> u32 {
-    let tolerance = f32x8::splat(error) * b.slack;
-    let height = |k: usize| dot(sub(splat(lane_of(&a.corners[k], i) - way), b.corners[0]), b.normal);
-    let heights = [height(0), height(1), height(2)];
-    let lowest = heights[0].fast_min(heights[1]).fast_min(heights[2]);
-    let highest = heights[0].fast_max(heights[1]).fast_max(heights[2]);
-    (lowest.simd_gt(tolerance) | highest.simd_lt(-tolerance)).to_bitmask()
 }
 
 /// One candidate, decided.

@@ -4,7 +4,7 @@ use super::choice::Choice;
 use super::contact::PairView;
 use super::cull::Other;
 use super::placed::{Place, Placed, Placing, unit_of};
-use super::tree::Tree;
+use super::tree::{Tree, Way};
 use crate::geometry::Aabb;
 use crate::stages::angles::PAD;
 use crate::stages::mesh_arena::{MeshArena, MeshLanes};
@@ -124,13 +124,18 @@ impl<'a> Setting<'a> {
     pub fn trees(&self) -> [Tree<'a>; 2] {
         let Placing { unit, pad, .. } = self.placing;
         let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > COARSE;
-        let tree = |side: &Side<'a>, second, rotation, translation| {
-            Tree::new(side.lanes, second, unit * side.scale, rotation, translation, pad, slabs)
+        let tree = |side: &Side<'a>, second, other: Other| {
+            let way = Way {
+                rotation: other.rotation,
+                translation: unit * other.translation,
+                axis: other.axis,
+                least: unit * other.least,
+            };
+            Tree::new(side.lanes, second, unit * side.scale, way, pad, slabs)
         };
-        let translation = unit * self.near.translation;
         [
-            tree(&self.a, false, self.back, -(self.back * translation)),
-            tree(&self.b, true, self.near.rotation, translation),
+            tree(&self.a, false, self.a_from_b()),
+            tree(&self.b, true, self.b_from_a()),
         ]
     }
 }

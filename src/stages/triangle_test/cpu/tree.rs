@@ -12,6 +12,8 @@ pub struct Group {
     center: [Points; 2],
     half: [Points; 2],
     slabs: Option<SlabGroup>,
+    /// Lanes that reach the other body's half of the support axis.
+    lanes: u32,
 }
 
 /// One node.
@@ -34,6 +36,18 @@ struct Slab {
     radius: f32,
 }
 
+/// How the other body lies, in the pair's unit.
+pub struct Way {
+    /// From this body's axes to the other's.
+    pub rotation: Mat3,
+    /// The same.
+    pub translation: Vec3,
+    /// The support axis in this body's axes, towards the other.
+    pub axis: Vec3,
+    /// What does not reach this far along it is out of the other's reach.
+    pub least: f32,
+}
+
 /// The tree of one body of a pair.
 pub struct Tree<'a> {
     lanes: &'a MeshLanes,
@@ -48,23 +62,19 @@ pub struct Tree<'a> {
     rotation: Rows,
     rotation_abs: Rows,
     translation: Points,
+    /// The support axis in the body's own axes, towards the other.
+    axis: Points,
+    axis_abs: Points,
+    least: f32x8,
     pad: f32,
     /// Whether slabs are compared beside boxes.
     slabs: bool,
 }
 
 impl<'a> Tree<'a> {
-    /// `scale` and `translation` in the pair's unit, `rotation` and `translation` from this body's axes to the other's.
-    /// `pad` is the rounding allowance of a test of two nodes; `slabs` is whether slabs are compared, for both trees.
-    pub fn new(
-        lanes: &'a MeshLanes,
-        second: bool,
-        scale: Vec3,
-        rotation: Mat3,
-        translation: Vec3,
-        pad: f32,
-        slabs: bool,
-    ) -> Self {
+    /// `scale` in the pair's unit; `second` is whether this is the second body's. `pad` is the rounding allowance of a test of two
+    /// nodes; `slabs` is whether slabs are compared, for both trees.
+    pub fn new(lanes: &'a MeshLanes, second: bool, scale: Vec3, way: Way, pad: f32, slabs: bool) -> Self {
         let smallest = scale.abs().min_element();
         Self {
             lanes,
@@ -74,9 +84,12 @@ impl<'a> Tree<'a> {
             largest: scale.abs().max_element(),
             inverse: splat(smallest / scale),
             smallest,
-            rotation: Rows::new(rotation),
-            rotation_abs: Rows::new(rotation.abs()),
-            translation: splat(translation),
+            rotation: Rows::new(way.rotation),
+            rotation_abs: Rows::new(way.rotation.abs()),
+            translation: splat(way.translation),
+            axis: splat(way.axis),
+            axis_abs: splat(way.axis.abs()),
+            least: f32x8::splat(way.least - pad),
             slabs,
             // Half for each node of a test.
             pad: 0.5 * pad,
@@ -104,11 +117,6 @@ impl<'a> Tree<'a> {
 
     /// The node around everything.
     pub fn root(&self) -> Node {
-        self.root_group().node(0, 0)
-    }
-
-    /// The node around everything, in all lanes.
-    pub fn root_group(&self) -> Group {
         let (center, half) = (self.lanes.aabb.center(), self.lanes.aabb.half_size());
         // A normal of no length makes a slab that holds everything.
         let everything = || SlabGroup {
@@ -117,10 +125,11 @@ impl<'a> Tree<'a> {
             thickness: f32x8::ZERO,
             radius: f32x8::splat(half.length()),
         };
-        Group {
+        let group = Group {
             slabs: self.slabs.then(|| self.placed(&everything())),
             ..self.boxes(splat(center), splat(half))
-        }
+        };
+        group.node(0, 0)
     }
 
     /// The children of node `number`, which are on `level`.
@@ -140,6 +149,7 @@ impl<'a> Tree<'a> {
         let pad = f32x8::splat(self.pad);
         let (center, half) = (mul(center, self.scale), mul(half, self.scale_abs));
         let around = self.rotation_abs.times(half);
+        let reach = dot(center, self.axis) + dot(half, self.axis_abs);
         let own = (center, each(|i| half[i] + pad));
         let other = (self.turned(center), each(|i| around[i] + pad));
         let (first, second) = if self.second { (other, own) } else { (own, other) };
@@ -147,6 +157,7 @@ impl<'a> Tree<'a> {
             center: [first.0, second.0],
             half: [first.1, second.1],
             slabs: None,
+            lanes: reach.simd_ge(self.least).to_bitmask(),
         }
     }
 
@@ -207,7 +218,7 @@ impl Node {
             let ok = |i: usize| apart[i].abs().simd_le(half[i] + group.half[axes][i]);
             ok(0) & ok(1) & ok(2)
         };
-        let boxes = (meet(0) & meet(1)).to_bitmask();
+        let boxes = (meet(0) & meet(1)).to_bitmask() & group.lanes;
         match &group.slabs {
             Some(slabs) if boxes != 0 => boxes & self.slab.meets(slabs).to_bitmask(),
             _ => boxes,
