@@ -7,6 +7,7 @@ use crate::settings::Culling;
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
 use crate::stages::state::{Body, StepState, TouchingPair as StagePair};
+use crate::stages::triangle_test;
 use glam::{Quat, Vec3};
 use std::collections::HashMap;
 use thiserror::Error;
@@ -75,7 +76,30 @@ pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Ve
     for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
         stage.run_on_cpu(&mut state);
     }
-    Ok(touching(&state))
+    Ok(touching_pairs(&state))
+}
+
+/// Which placements touch, `a < b`, ascending: the pairs of [`check`], but not with which faces. A pair's test ends at its
+/// first certain hit, which is several times as fast.
+///
+/// Runs on rayon's current thread pool, like [`check`].
+///
+/// # Errors
+/// If a placement cannot be used; nothing is checked then.
+pub fn touching(placements: &[Placement]) -> Result<Vec<[u32; 2]>, PlacementError> {
+    touching_with(placements, &CheckOptions::default())
+}
+
+/// [`touching`] with a choice of [`Culling`]: the pairs of [`check_with`].
+///
+/// # Errors
+/// If a placement cannot be used; nothing is checked then.
+pub fn touching_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<[u32; 2]>, PlacementError> {
+    let mut state = placed(placements, options)?;
+    for stage in [Stage::BroadPhase, Stage::Angles] {
+        stage.run_on_cpu(&mut state);
+    }
+    Ok(triangle_test::cpu::touching(&mut state))
 }
 
 /// Why a check on a GPU failed.
@@ -102,7 +126,7 @@ pub fn check_on_gpu(
 ) -> Result<Vec<TouchingPair>, CheckError> {
     let mut state = placed(placements, options)?;
     gpu.run(&mut state)?;
-    Ok(touching(&state))
+    Ok(touching_pairs(&state))
 }
 
 /// The stages' input for a scene.
@@ -126,7 +150,7 @@ fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState,
     Ok(state)
 }
 
-fn touching(state: &StepState) -> Vec<TouchingPair> {
+fn touching_pairs(state: &StepState) -> Vec<TouchingPair> {
     let contacts = &state.contacts;
     let touching = |pair: &StagePair| {
         let StagePair { bodies, contained, .. } = *pair;

@@ -7,8 +7,8 @@ mod plain;
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::Stage;
 use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::stages::{Stage, triangle_test};
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use std::time::{Duration, Instant};
 
@@ -20,9 +20,9 @@ fn main() {
         .expect("a thread");
     println!("{pairs} sphere pairs, one thread, medians of 5 interleaved rounds, microseconds per sphere pair\n");
     println!(
-        "| shape | plain all pairs | Angles | TriangleTest with contacts | ratio of TriangleTest | ratio of both | near pairs | touching | face pairs (plain) | triangle tests per pair |"
+        "| shape | plain all pairs | Angles | TriangleTest with contacts | first hit | ratio of TriangleTest | ratio of both | near pairs | touching | face pairs (plain) | triangle tests per pair |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, mesh) in [("torus 240", shapes::torus_240()), ("knot 1120", shapes::knot_1120())] {
         pool.install(|| run(name, &mesh, pairs));
     }
@@ -57,7 +57,7 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
     }
     let triangles: Vec<[Vec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
 
-    let [mut plain_times, mut angles, mut triangle_test] = [const { Vec::new() }; 3];
+    let [mut plain_times, mut angles, mut triangle_tests, mut first_hit] = [const { Vec::new() }; 4];
     let mut plain_hits = 0;
     let mut placed = Vec::new();
     for _ in 0..5 {
@@ -74,11 +74,16 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
         Stage::Angles.run_on_cpu(&mut state);
         Stage::TriangleTest.run_on_cpu(&mut state);
         angles.push(state.times[Stage::Angles as usize]);
-        triangle_test.push(state.times[Stage::TriangleTest as usize]);
+        triangle_tests.push(state.times[Stage::TriangleTest as usize]);
+        let start = Instant::now();
+        let touching = triangle_test::cpu::touching(&mut state);
+        first_hit.push(start.elapsed());
+        assert!(touching.iter().eq(state.contacts.pairs.iter().map(|pair| &pair.bodies)));
     }
-    let [plain, angles, triangle_test] = [plain_times, angles, triangle_test].map(|times| micros(times, count));
+    let [plain, angles, triangle_test, first_hit] =
+        [plain_times, angles, triangle_tests, first_hit].map(|times| micros(times, count));
     println!(
-        "| {name} | {plain:.1} | {angles:.2} | {triangle_test:.2} | {:.1} | {:.1} | {} | {} | {} ({plain_hits}) | {:.0} |",
+        "| {name} | {plain:.1} | {angles:.2} | {triangle_test:.2} | {first_hit:.2} | {:.1} | {:.1} | {} | {} | {} ({plain_hits}) | {:.0} |",
         plain / triangle_test,
         plain / (angles + triangle_test),
         state.near_pairs.len(),

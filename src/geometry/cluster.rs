@@ -15,8 +15,13 @@ pub fn cluster_order(mesh: &TriMesh) -> Vec<u32> {
     let centroids: Vec<Vec3> = (0..mesh.triangles().len())
         .map(|t| mesh.corners(t).map(|p| p / 3.0).iter().sum())
         .collect();
-    let mut order: Vec<u32> = (0..centroids.len() as u32).collect();
-    split(&mut order, &centroids);
+    compact_order(&centroids)
+}
+
+/// The same of points.
+pub fn compact_order(points: &[Vec3]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    split(&mut order, points);
     order
 }
 

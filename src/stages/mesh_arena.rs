@@ -1,8 +1,12 @@
 //! The meshes in use, laid out as the CPU's triangle test reads them: eight triangles, or eight boxes, at a time.
 
+mod slab;
+
+pub use slab::SlabGroup;
+
 use crate::asset::CollisionMesh;
 use crate::geometry::Aabb;
-use crate::geometry::cluster::CLUSTER;
+use crate::geometry::cluster::{CLUSTER, compact_order};
 use glam::Vec3;
 use std::collections::HashSet;
 use std::ops::Index;
@@ -25,14 +29,25 @@ pub struct MeshSlot {
     pub lanes: MeshLanes,
 }
 
-/// A mesh cut into eights. Coordinates are relative to the centre of mass: close to zero `f32` keeps the most digits.
+/// A mesh cut into eights. Coordinates are relative to the centre of mass, but those of a cluster's corners relative to one of
+/// them: close to zero `f32` keeps the most digits.
 pub struct MeshLanes {
     /// Triangles in clusters of eight.
     pub clusters: Vec<Cluster>,
     /// The corners of all triangles, each position once, and one bit for each lane that holds one.
     pub vertices: Vec<(Points, u32)>,
+    /// Boxes of the vertices' eights, in the same kind of groups as `levels`.
+    pub vertex_levels: Vec<Vec<BoxGroup>>,
+    /// A vertex of each connected component of the mesh, neighbours near each other.
+    pub components: Vec<u32>,
+    /// Boxes of the components' eights, in the same kind of groups as `levels`.
+    pub component_levels: Vec<Vec<BoxGroup>>,
     /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
+    /// Slabs around the same, in the same places.
+    pub slabs: Vec<Vec<SlabGroup>>,
+    /// For each level half the diagonal of its boxes, on average.
+    pub sizes: Vec<f32>,
     /// Box of the whole mesh.
     pub aabb: Aabb,
     /// The longest side of any triangle's box.
@@ -42,7 +57,9 @@ pub struct MeshLanes {
 /// Eight triangles.
 #[derive(Clone, Copy)]
 pub struct Cluster {
-    /// First, second and third corners.
+    /// One of the corners, in the mesh's own coordinates.
+    pub origin: Vec3,
+    /// First, second and third corners, relative to the origin.
     pub corners: [Points; 3],
     /// One bit for each lane that holds a triangle; the others repeat the last one.
     pub lanes: u32,
@@ -112,13 +129,18 @@ impl MeshLanes {
         let mesh = &baked.mesh;
         let center = baked.mass.center;
         let count = mesh.triangles().len();
-        let corner = |t: usize, k: usize| mesh.corners(t.min(count - 1))[k] - center;
-        let boxes: Vec<Aabb> = (0..count).map(|t| Aabb::around((0..3).map(|k| corner(t, k)))).collect();
+        let corners: Vec<[Vec3; 3]> = (0..count).map(|t| mesh.corners(t).map(|p| p - center)).collect();
+        let boxes: Vec<Aabb> = corners.iter().map(|&t| Aabb::around(t)).collect();
         let clusters = (0..count)
             .step_by(CLUSTER)
-            .map(|first| Cluster {
-                corners: [0, 1, 2].map(|k| points(|lane| corner(first + lane, k))),
-                lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
+            .map(|first| {
+                let origin = mesh.corners(first)[0];
+                let corner = |t: usize, k: usize| mesh.corners(t.min(count - 1))[k] - origin;
+                Cluster {
+                    origin,
+                    corners: [0, 1, 2].map(|k| points(|lane| corner(first + lane, k))),
+                    lanes: (1u32 << (count - first).min(CLUSTER)) - 1,
+                }
             })
             .collect();
         let mut seen = HashSet::new();
@@ -136,23 +158,47 @@ impl MeshLanes {
             })
             .collect();
 
-        let mut levels = Vec::new();
-        let mut nodes = merge(&boxes);
+        let eights = |positions: &[Vec3]| {
+            let boxes = positions.chunks(CLUSTER).map(|run| Aabb::around(run.iter().copied()));
+            box_levels(boxes.collect()).0
+        };
+        let component = |v: u32| mesh.vertices()[v as usize] - center;
+        let some: Vec<Vec3> = mesh.component_vertices().iter().map(|&v| component(v)).collect();
+        let components: Vec<u32> = compact_order(&some)
+            .into_iter()
+            .map(|i| mesh.component_vertices()[i as usize])
+            .collect();
+        let some: Vec<Vec3> = components.iter().map(|&v| component(v)).collect();
+        let nodes = merge(&boxes);
         let aabb = nodes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
-        loop {
-            levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect::<Vec<_>>());
-            if nodes.len() <= CLUSTER {
-                break;
-            }
-            nodes = merge(&nodes);
-        }
+        let (levels, sizes) = box_levels(nodes);
         Self {
             clusters,
             vertices,
+            vertex_levels: eights(&positions),
+            component_levels: eights(&some),
+            components,
             levels,
+            slabs: slab::levels(&corners),
+            sizes,
             aabb,
             longest_side: boxes.iter().map(|b| (b.max - b.min).max_element()).fold(0.0, f32::max),
         }
+    }
+}
+
+/// The boxes in groups of eight, then those groups in groups of eight, up to one group; with half the diagonal of the boxes of
+/// each level, on average.
+fn box_levels(mut nodes: Vec<Aabb>) -> (Vec<Vec<BoxGroup>>, Vec<f32>) {
+    let (mut levels, mut sizes) = (Vec::new(), Vec::new());
+    loop {
+        levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect());
+        let sum: f32 = nodes.iter().map(|b| b.half_size().length()).sum();
+        sizes.push(sum / nodes.len() as f32);
+        if nodes.len() <= CLUSTER {
+            return (levels, sizes);
+        }
+        nodes = merge(&nodes);
     }
 }
 

@@ -4,7 +4,7 @@ use super::body::{Body, Mesh};
 use super::brute::Touch;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::queries::{Placement, check};
+use bevy_faceoff::queries::{self, Placement, check};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
@@ -15,10 +15,13 @@ pub struct Product {
 }
 
 impl Product {
-    /// What `queries::check` says.
+    /// What `queries::check` says. `queries::touching` has to name the same pairs.
     pub fn check(&self, bodies: &[Body]) -> Vec<Touch> {
         let placements: Vec<Placement> = bodies.iter().map(|body| self.placement(body)).collect();
         let touching = check(&placements).unwrap_or_else(|error| panic!("{error}: {bodies:?}"));
+        let first_hits = queries::touching(&placements).unwrap_or_else(|error| panic!("{error}: {bodies:?}"));
+        let all: Vec<[u32; 2]> = touching.iter().map(|pair| [pair.a, pair.b]).collect();
+        assert_eq!(first_hits, all, "the first hits of {bodies:?}");
         touching
             .into_iter()
             .map(|pair| Touch {

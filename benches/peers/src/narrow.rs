@@ -25,7 +25,9 @@ pub struct Narrow {
     pub face_pairs: usize,
     /// Seconds of each round.
     pub ours: Vec<f64>,
-    /// The same on two threads.
+    /// The same of our first hits, which have to name the same pairs.
+    pub ours_first: Vec<f64>,
+    /// All hits on two threads.
     pub ours_two: Vec<f64>,
     /// The arithmetic loop on one thread and on two.
     pub control: [Vec<f64>; 2],
@@ -88,6 +90,12 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
     let pairs = stages.sphere_pairs().to_vec();
     stages.narrow_phase();
     let touching = stages.touching();
+    let all_touching = stages.all_touching();
+    assert_eq!(
+        stages.first_hits(),
+        all_touching,
+        "our first hits are those of all our hits"
+    );
     let parry = Parry::new(scene);
     let mut tree = BroadPhase::new(&parry);
     let larger_first = parry.larger_first(&pairs);
@@ -100,6 +108,7 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
         contained: stages.contained(),
         face_pairs: stages.face_pairs(),
         ours: Vec::new(),
+        ours_first: Vec::new(),
         ours_two: Vec::new(),
         control: [const { Vec::new() }; 2],
         ours_broad: Vec::new(),
@@ -116,6 +125,9 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
     let peer = &mut narrow.parry;
     for _ in 0..rounds {
         narrow.ours.push(one.install(|| time(|| stages.narrow_phase()).0));
+        narrow
+            .ours_first
+            .push(one.install(|| time(|| stages.first_hits()).0));
         peer.first_hits.seconds.push(time(|| parry.first_hits(&pairs)).0);
         peer.larger_first
             .seconds

@@ -6,7 +6,7 @@ use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::{Stage, triangle_test};
 use bevy_faceoff::stages::state::{Body, StepState};
 use std::collections::HashMap;
 
@@ -46,6 +46,17 @@ impl Stages {
     pub fn narrow_phase(&mut self) {
         Stage::Angles.run_on_cpu(&mut self.state);
         Stage::TriangleTest.run_on_cpu(&mut self.state);
+    }
+
+    /// Finds which of those pairs touch, whether or not their surfaces intersect.
+    pub fn first_hits(&mut self) -> Vec<[u32; 2]> {
+        Stage::Angles.run_on_cpu(&mut self.state);
+        triangle_test::cpu::touching(&mut self.state)
+    }
+
+    /// The pairs that [`Self::narrow_phase`] found.
+    pub fn all_touching(&self) -> Vec<[u32; 2]> {
+        self.state.contacts.pairs.iter().map(|p| p.bodies).collect()
     }
 
     /// Pairs whose surfaces intersect.

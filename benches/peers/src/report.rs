@@ -117,21 +117,28 @@ impl Report {
             self.bodies,
             self.narrow[0].ours.len()
         );
-        println!("| shape | what | us per sphere pair | times ours | touching pairs |");
-        println!("|---|---|---|---|---|");
+        println!("| shape | what | us per sphere pair | times ours | times our first hit | touching pairs |");
+        println!("|---|---|---|---|---|---|");
         for narrow in &self.narrow {
             let name = format!("{} {}", narrow.shape.name(), narrow.triangles);
             let pairs = narrow.sphere_pairs;
             let micros = |times: &[f64]| median(times.iter().copied()) * 1e6 / pairs as f64;
+            let first = |times: &[f64]| cut(ratio(times, &narrow.ours_first));
             println!(
-                "| {name}, {pairs} sphere pairs | ours, exact: all {} face pairs, with segments and contacts | {:.2} | 1 | {} and \
+                "| {name}, {pairs} sphere pairs | ours, exact: all {} face pairs, with segments and contacts | {:.2} | 1 | {} | {} and \
                  {} wholly inside another |",
                 narrow.face_pairs,
                 micros(&narrow.ours),
+                first(&narrow.ours),
                 narrow.touching,
                 narrow.contained
             );
-            println!("| {name} | ours, first hit | not in the library | | |");
+            println!(
+                "| {name} | ours, first hit, by `queries::touching` | {:.2} | {} | {} | the same |",
+                micros(&narrow.ours_first),
+                cut(ratio(&narrow.ours_first, &narrow.ours)),
+                first(&narrow.ours_first),
+            );
             let parry = &narrow.parry;
             for (order, hits) in [
                 ("as they come", &parry.first_hits),
@@ -141,14 +148,14 @@ impl Report {
                     0 => "the same".into(),
                     n => format!("and {n} in dispute, see below"),
                 };
-                let [time, times_ours] = if hits.disputes.iter().any(Dispute::is_our_fault) {
-                    ["ours is wrong".into(), String::new()]
+                let [time, times_ours, times_first] = if hits.disputes.iter().any(Dispute::is_our_fault) {
+                    ["ours is wrong".into(), String::new(), String::new()]
                 } else {
                     let times = &hits.seconds;
-                    [format!("{:.2}", micros(times)), cut(ratio(times, &narrow.ours))]
+                    [format!("{:.2}", micros(times)), cut(ratio(times, &narrow.ours)), first(times)]
                 };
                 println!(
-                    "| {name} | parry3d `intersection_test`: first hit, {order} | {time} | {times_ours} | {}, {same} |",
+                    "| {name} | parry3d `intersection_test`: first hit, {order} | {time} | {times_ours} | {times_first} | {}, {same} |",
                     hits.both
                 );
             }
@@ -158,9 +165,10 @@ impl Report {
                     n => format!(", and {n} that gape"),
                 };
                 println!(
-                    "| {name} | parry3d `contact_manifolds` within {prediction} m, from nothing | {:.2} | {} | {}{near} |",
+                    "| {name} | parry3d `contact_manifolds` within {prediction} m, from nothing | {:.2} | {} | {} | {}{near} |",
                     micros(times),
                     cut(ratio(times, &narrow.ours)),
+                    first(times),
                     found.touching,
                 );
             }

@@ -5,24 +5,64 @@ mod contact;
 mod containment;
 mod cull;
 mod decide;
+mod descent;
+mod first;
 mod lanes;
+mod levels;
+mod placed;
 mod planes;
 mod product;
+mod setting;
+mod tree;
 
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};
 use rayon::prelude::*;
+use setting::Setting;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Memory kept between steps: one set of lists per task.
+/// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
+    /// A set of lists per task.
     tasks: Vec<Task>,
+    /// What only one thread uses at a time: a set per task would be much larger than caches, and cold at every step.
+    workers: Vec<Mutex<Worker>>,
 }
 
 #[derive(Default)]
 struct Task {
     found: Contacts,
+    touching: Vec<[u32; 2]>,
+}
+
+#[derive(Default)]
+struct Worker {
     product: product::Scratch,
+    search: first::Search,
+    masks: [Vec<u8>; 2],
+}
+
+impl Scratch {
+    /// A task for every few of so many pairs, and a worker for every thread.
+    fn ready(&mut self, pairs: usize) -> (&mut [Task], &[Mutex<Worker>]) {
+        let wanted = pairs.div_ceil(TASK);
+        if self.tasks.len() < wanted {
+            self.tasks.resize_with(wanted, Task::default);
+        }
+        let threads = rayon::current_num_threads();
+        if self.workers.len() < threads {
+            self.workers.resize_with(threads, Mutex::default);
+        }
+        (&mut self.tasks[..wanted], &self.workers)
+    }
+}
+
+/// The current thread's own.
+fn worker(workers: &[Mutex<Worker>]) -> MutexGuard<'_, Worker> {
+    let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
+    // Whatever a panic has left there is overwritten before it is read.
+    worker.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Pairs per task: small enough to balance, large enough to keep the scratch warm.
@@ -35,21 +75,18 @@ pub fn run(state: &mut StepState) {
         meshes,
         near_pairs,
         contacts,
-        triangle_scratch: Scratch { tasks },
+        triangle_scratch,
         ..
     } = state;
-    let wanted = near_pairs.len().div_ceil(TASK);
-    if tasks.len() < wanted {
-        tasks.resize_with(wanted, Task::default);
-    }
-    let tasks = &mut tasks[..wanted];
+    let (tasks, workers) = triangle_scratch.ready(near_pairs.len());
     tasks
         .par_iter_mut()
         .zip(near_pairs.par_chunks(TASK))
         .for_each(|(task, pairs)| {
             task.found.clear();
+            let mut worker = worker(workers);
             for pair in pairs {
-                test_pair(bodies, meshes, pair, task);
+                test_pair(bodies, meshes, pair, &mut worker, &mut task.found);
             }
         });
 
@@ -66,17 +103,54 @@ pub fn run(state: &mut StepState) {
     planes::find(bodies, meshes, &state.planes, &mut contacts.planes);
 }
 
-fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, task: &mut Task) {
-    let Task { found, product } = task;
-    found.triangle_tests += product::candidates(bodies, meshes, pair, product);
+/// Which of `state.near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at
+/// the first hit.
+pub fn touching(state: &mut StepState) -> Vec<[u32; 2]> {
+    let StepState {
+        bodies,
+        meshes,
+        near_pairs,
+        triangle_scratch,
+        ..
+    } = state;
+    let (tasks, workers) = triangle_scratch.ready(near_pairs.len());
+    tasks
+        .par_iter_mut()
+        .zip(near_pairs.par_chunks(TASK))
+        .for_each(|(task, pairs)| {
+            task.touching.clear();
+            let mut worker = worker(workers);
+            let touching = pairs.iter().filter(|pair| touch(bodies, meshes, pair, &mut worker));
+            task.touching.extend(touching.map(|pair| pair.bodies));
+        });
+    tasks.iter().flat_map(|task| &task.touching).copied().collect()
+}
 
+fn touch(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker) -> bool {
     let [a, b] = pair.bodies.map(|i| i as usize);
+    let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh.mesh);
+    let size = bodies.radius[a] + bodies.radius[b];
+    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
+    let setting = Setting::new(bodies, meshes, pair, &view, &mut worker.masks);
+    let intersect = |&[ta, tb]: &[u32; 2]| {
+        view.intersect(mesh_a.corners(ta as usize), mesh_b.corners(tb as usize))
+            .is_some()
+    };
+    worker.search.any(&setting, intersect) || containment::either_inside(bodies, meshes, pair)
+}
+
+fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker, found: &mut Contacts) {
+    let Worker { product, masks, .. } = worker;
+    let [a, b] = pair.bodies.map(|i| i as usize);
+    let size = bodies.radius[a] + bodies.radius[b];
+    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
+    let setting = Setting::new(bodies, meshes, pair, &view, masks);
+    found.triangle_tests += product.find(&setting);
+
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
-    let size = bodies.radius[a] + bodies.radius[b];
-    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
-    product.decide(|decided| {
+    product.decide(&setting.placing, |decided| {
         let [ta, tb] = decided.triangles;
         let hit = match decided.segment {
             Some([start, end]) => Some(contact::Segment::across(start, end)),

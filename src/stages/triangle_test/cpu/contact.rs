@@ -17,7 +17,7 @@ pub struct PairView {
     a_origin: DVec3,
     b_origin: DVec3,
     /// How wrong a placed coordinate can be.
-    placing: f64,
+    pub placing: f64,
 }
 
 /// A segment in which two faces intersect, in the axes of [`PairView`].
@@ -30,10 +30,10 @@ pub struct Segment {
 
 impl Segment {
     /// Two faces in different planes; from `start` to `end` along the cross product of their normals.
-    pub fn across(start: Vec3, end: Vec3) -> Self {
+    pub fn across(start: DVec3, end: DVec3) -> Self {
         Self {
-            start: start.as_dvec3(),
-            end: end.as_dvec3(),
+            start,
+            end,
             directed: true,
         }
     }
@@ -54,10 +54,21 @@ impl PairView {
         }
     }
 
+    /// A point of the first mesh.
+    #[inline]
+    pub fn place_a(&self, p: Vec3) -> DVec3 {
+        self.a.scale * p.as_dvec3() + self.a_origin
+    }
+
+    /// A point of the second mesh.
+    #[inline]
+    pub fn place_b(&self, p: Vec3) -> DVec3 {
+        self.b_matrix * p.as_dvec3() + self.b_origin
+    }
+
     /// Decides a pair of faces, given by the corners in their meshes.
     pub fn intersect(&self, a: [Vec3; 3], b: [Vec3; 3]) -> Option<Segment> {
-        let a = a.map(|p| self.a.scale * p.as_dvec3() + self.a_origin);
-        let b = b.map(|p| self.b_matrix * p.as_dvec3() + self.b_origin);
+        let (a, b) = (a.map(|p| self.place_a(p)), b.map(|p| self.place_b(p)));
         let hit = intersect_placed(&a, &b, self.placing)?;
         let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
         let forward = (hit.end - hit.start).dot(normal(&a).cross(normal(&b))) >= 0.0;

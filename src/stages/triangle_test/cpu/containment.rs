@@ -3,50 +3,99 @@
 //! Without intersecting faces each connected component lies inside a closed mesh as a whole or not at all, so one
 //! vertex of each decides, by the winding number along a ray.
 
-use crate::geometry::{Orientation, TriMesh};
-use crate::stages::mesh_arena::{MeshArena, MeshSlot};
+use super::lanes::{Rows, each, splat, sub};
+use super::levels::visit;
+use crate::geometry::Orientation;
+use crate::geometry::cluster::CLUSTER;
+use crate::stages::angles::PAD;
+use crate::stages::mesh_arena::{BoxGroup, MeshArena, MeshSlot};
 use crate::stages::state::{Bodies, Frame, NearPair};
-use glam::DVec3;
+use glam::{DVec3, Mat3, Vec3};
+use wide::f32x8;
 
 /// Whether either body of the pair is closed and has some component of the other inside.
 pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
     let [a, b] = pair.bodies.map(|i| {
         let i = i as usize;
-        (&meshes[bodies.mesh[i]], &bodies.frame[i])
+        End {
+            slot: &meshes[bodies.mesh[i]],
+            frame: &bodies.frame[i],
+            scale: bodies.scale[i],
+        }
     });
-    any_inside(a, b) || any_inside(b, a)
+    let back = pair.rotation.transpose();
+    let pad = PAD * (bodies.radius[pair.bodies[0] as usize] + bodies.radius[pair.bodies[1] as usize]);
+    a.any_inside(&b, back, -(back * pair.translation), pad) || b.any_inside(&a, pair.rotation, pair.translation, pad)
 }
 
-fn any_inside((inner, inner_frame): (&MeshSlot, &Frame), (outer, outer_frame): (&MeshSlot, &Frame)) -> bool {
-    if !outer.mesh.mesh.is_closed() {
-        return false;
+struct End<'a> {
+    slot: &'a MeshSlot,
+    frame: &'a Frame,
+    scale: Vec3,
+}
+
+impl End<'_> {
+    /// Whether `outer` has a component of this body inside. `rotation` and `translation` lead from the axes of this body,
+    /// about its centre of mass, to those of `outer`.
+    fn any_inside(&self, outer: &End, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
+        if !outer.slot.mesh.mesh.is_closed() {
+            return false;
+        }
+        let matrix = rotation * Mat3::from_diagonal(self.scale);
+        let (turn, spread) = (Rows::new(matrix), Rows::new(matrix.abs()));
+        let aabb = outer.slot.lanes.aabb;
+        let middle = splat(translation - aabb.center() * outer.scale);
+        let outer_half = splat(aabb.half_size() * outer.scale.abs() + pad);
+        // Only saves work, so it may be a little large.
+        let boxed = |group: &BoxGroup| {
+            let (center, half) = (turn.times(group.center), spread.times(group.half));
+            let near = |i: usize| (center[i] + middle[i]).abs().simd_le(half[i] + outer_half[i]);
+            (near(0) & near(1) & near(2)).to_bitmask()
+        };
+        let (mesh, lanes) = (&self.slot.mesh.mesh, &self.slot.lanes);
+        let to_outer = outer.frame.rotation.transpose();
+        let none = visit(&lanes.component_levels, &boxed, &mut |run| {
+            let first = run as usize * CLUSTER;
+            !lanes.components[first..lanes.components.len().min(first + CLUSTER)]
+                .iter()
+                .any(|&v| {
+                    let world = self.frame.rotation * (self.frame.scale * mesh.vertices()[v as usize].as_dvec3())
+                        + (self.frame.position - outer.frame.position);
+                    contains(outer.slot, (to_outer * world) / outer.frame.scale)
+                })
+        });
+        !none
     }
-    // Lanes are about the centre of mass and rounded; the box only saves work, so it may be a little large.
-    let center = outer.mesh.mass.center.as_dvec3();
-    let (low, high) = (outer.lanes.aabb.min.as_dvec3(), outer.lanes.aabb.max.as_dvec3());
-    let pad = DVec3::splat(1.0e-6 * (high - low).length());
-    let mesh = &inner.mesh.mesh;
-    mesh.component_vertices().iter().any(|&v| {
-        let world = inner_frame.rotation * (inner_frame.scale * mesh.vertices()[v as usize].as_dvec3())
-            + (inner_frame.position - outer_frame.position);
-        let p = (outer_frame.rotation.transpose() * world) / outer_frame.scale;
-        let boxed = (p - center).cmpge(low - pad).all() && (p - center).cmple(high + pad).all();
-        boxed && contains(&outer.mesh.mesh, p)
-    })
 }
 
 /// Whether a closed mesh has `p`, in its own space, inside: the signed crossings of the ray from `p` along +z do not
 /// cancel, or, if neighbouring faces disagree about the outside, their number is odd.
-fn contains(mesh: &TriMesh, p: DVec3) -> bool {
+///
+/// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
+fn contains(slot: &MeshSlot, p: DVec3) -> bool {
+    let (mesh, lanes) = (&slot.mesh.mesh, &slot.lanes);
+    let from = (p - slot.mesh.mass.center.as_dvec3()).as_vec3();
+    let start = splat(from);
+    // Boxes and start are rounded, by less than a millionth of the mesh, which is about as far as the start can be.
+    let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
+    let met = |group: &BoxGroup| {
+        let [x, y, z] = sub(group.center, start);
+        let half = each(|i| group.half[i] + pad);
+        (x.abs().simd_le(half[0]) & y.abs().simd_le(half[1]) & z.simd_ge(-half[2])).to_bitmask()
+    };
     let mut winding = 0i32;
     let mut crossings = 0u32;
-    for &t in mesh.triangles() {
-        let corners = t.map(|v| mesh.vertices()[v as usize].as_dvec3() - p);
-        if let Some(sign) = crossing(&corners) {
-            winding += sign;
-            crossings += 1;
+    visit(&lanes.levels, &met, &mut |cluster| {
+        let first = cluster as usize * CLUSTER;
+        for t in first..mesh.triangles().len().min(first + CLUSTER) {
+            let corners = mesh.corners(t).map(|v| v.as_dvec3() - p);
+            if let Some(sign) = crossing(&corners) {
+                winding += sign;
+                crossings += 1;
+            }
         }
-    }
+        true
+    });
     match mesh.orientation() {
         Orientation::Mixed => crossings % 2 == 1,
         _ => winding != 0,

@@ -14,6 +14,8 @@ pub struct Eight {
     pub normal: Points,
     /// How wrong a height over the plane, times the normal's length, can be.
     pub tolerance: f32x8,
+    /// How wrong a coordinate can be.
+    pub error: f32x8,
 }
 
 /// What can be said of eight pairs; one bit per lane.
@@ -33,24 +35,44 @@ impl Verdicts {
     }
 }
 
-/// `error` bounds the error of each coordinate.
-pub fn decide(a: &Eight, b: &Eight, error: f32) -> Verdicts {
-    let heights = |plane: &Eight, corners: &[Points; 3]| each(|k| dot(sub(corners[k], plane.corners[0]), plane.normal));
-    let heights_a = heights(b, &a.corners);
-    let heights_b = heights(a, &b.corners);
-    let side_a = Side::of(&heights_a, b.tolerance);
-    let side_b = Side::of(&heights_b, a.tolerance);
+/// Both in the same coordinates.
+#[inline(always)]
+pub fn decide([a, b]: &[Eight; 2]) -> Verdicts {
+    let heights_a = heights(&a.corners, b.corners[0], b.normal);
+    let heights_b = heights(&b.corners, a.corners[0], a.normal);
+    decide_by([a, b], &heights_a, &heights_b)
+}
+
+/// Of corners over a plane through `origin`, times the length of its normal.
+#[inline(always)]
+pub fn heights(corners: &[Points; 3], origin: Points, normal: Points) -> [f32x8; 3] {
+    each(|k| dot(sub(corners[k], origin), normal))
+}
+
+/// Lanes in which all heights are beyond a tolerance, on one side.
+#[inline(always)]
+pub fn beside(heights: &[f32x8; 3], tolerance: f32x8) -> u32 {
+    let lowest = heights[0].fast_min(heights[1]).fast_min(heights[2]);
+    let highest = heights[0].fast_max(heights[1]).fast_max(heights[2]);
+    (lowest.simd_gt(tolerance) | highest.simd_lt(-tolerance)).to_bitmask()
+}
+
+/// [`decide`] with the heights of each triangle's corners over the other's plane.
+#[inline(always)]
+pub fn decide_by([a, b]: [&Eight; 2], heights_a: &[f32x8; 3], heights_b: &[f32x8; 3]) -> Verdicts {
+    let side_a = Side::of(heights_a, b.tolerance);
+    let side_b = Side::of(heights_b, a.tolerance);
 
     let line = cross(a.normal, b.normal);
-    let chord_a = Chord::new(&a.corners, &heights_a, &side_a, b.tolerance, line);
-    let chord_b = Chord::new(&b.corners, &heights_b, &side_b, a.tolerance, line);
+    let chord_a = Chord::new(&a.corners, heights_a, &side_a, b.tolerance, line);
+    let chord_b = Chord::new(&b.corners, heights_b, &side_b, a.tolerance, line);
     let first = chord_a.low_at.simd_ge(chord_b.low_at);
     let last = chord_a.high_at.simd_le(chord_b.high_at);
     let start_at = first.bitselect(chord_a.low_at, chord_b.low_at);
     let end_at = last.bitselect(chord_a.high_at, chord_b.high_at);
     let overlap = end_at - start_at;
     // Points are wrong by what the heights leave open, and by their own coordinates and the sums along the line.
-    let bound = norm1(line) * (chord_a.error + chord_b.error + f32x8::splat(4.0 * error));
+    let bound = norm1(line) * (chord_a.error + chord_b.error + f32x8::splat(4.0) * a.error);
 
     let apart = side_a.one | side_b.one;
     // Nearly parallel planes, or tiny faces, have next to no common line.

@@ -1,11 +1,14 @@
 //! Bodies that reach into half-spaces.
 
 use super::lanes::{bits, dot, splat};
+use super::levels::visit;
 use crate::components::RigidBody;
-use crate::stages::mesh_arena::MeshArena;
+use crate::stages::angles::PAD;
+use crate::stages::mesh_arena::{BoxGroup, MeshArena};
 use crate::stages::state::{Bodies, Plane, PlaneContact};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use wide::f32x8;
 
 /// Appends the contacts of all dynamic bodies with all planes, by body, then plane.
 pub fn find(bodies: &Bodies, meshes: &MeshArena, planes: &[Plane], contacts: &mut Vec<PlaneContact>) {
@@ -40,7 +43,16 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
     // Vertices inside, weighted by depth: a body lying flat is held over its whole face, one on its corner there. Each
     // counts once, however many triangles meet there: a cube that lands flat must not begin to turn.
     let (mut deepest, mut weight, mut sum) = (0f32, 0f32, Vec3::ZERO);
-    for (vertices, lanes) in &meshes[bodies.mesh[body]].lanes.vertices {
+    let lanes = &meshes[bodies.mesh[body]].lanes;
+    // Only vertices inside count, so leaving out others, in whatever order, changes no bit of the sums.
+    let size = splat(local.as_vec3().abs());
+    let limit = f32x8::splat(PAD * bodies.radius[body] - height);
+    let reaches = |group: &BoxGroup| {
+        let lowest = dot(group.center, direction) - dot(group.half, size);
+        lowest.simd_lt(limit).to_bitmask()
+    };
+    visit(&lanes.vertex_levels, &reaches, &mut |group| {
+        let (vertices, lanes) = &lanes.vertices[group as usize];
         let heights = dot(*vertices, direction);
         for lane in bits(*lanes) {
             let depth = -(heights.as_array()[lane] + height);
@@ -51,7 +63,8 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
                 sum += depth * p;
             }
         }
-    }
+        true
+    });
     let offset: DVec3 = frame.rotation * (frame.scale * (sum / weight).as_dvec3());
     (deepest > 0.0).then(|| PlaneContact {
         body: body as u32,

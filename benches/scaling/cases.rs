@@ -1,0 +1,221 @@
+//! Meshes in several sizes, and pairs of them whose contacts do not grow with them.
+
+use bevy_faceoff::asset::{CollisionMesh, import_file};
+use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::state::{Body, StepState};
+use glam::{DQuat, Quat, Vec3};
+
+/// Scenes of growing meshes.
+pub struct Case {
+    pub name: &'static str,
+    /// Each for a number of poses.
+    pub scenes: Vec<Box<dyn Fn(usize) -> Scene>>,
+}
+
+/// Pairs of bodies, ready for the narrow phase.
+pub struct Scene {
+    pub state: StepState,
+    /// Of each body of a pair, as a table shows it.
+    pub triangles: String,
+}
+
+/// Intersecting pairs of faces that each touching pair of bodies gets, to a twentieth.
+const FACE_PAIRS: usize = 100;
+
+/// All of them.
+pub fn all() -> Vec<Case> {
+    let balls: Vec<fn() -> TriMesh> = vec![|| shapes::ball(0.5, 4), || shapes::ball(0.5, 6), || {
+        shapes::ball(0.5, 8)
+    }];
+    let knots: Vec<fn() -> TriMesh> = vec![
+        || shapes::torus_knot(2, 3, 112, 20, 0.42),
+        || shapes::torus_knot(2, 3, 448, 80, 0.42),
+        || shapes::torus_knot(2, 3, 1792, 320, 0.42),
+    ];
+    let case = |name, sizes: &Vec<fn() -> TriMesh>, place: fn(&TriMesh, usize) -> Scene| Case {
+        name,
+        scenes: sizes
+            .iter()
+            .map(|&mesh| Box::new(move |poses| place(&mesh(), poses)) as Box<dyn Fn(usize) -> Scene>)
+            .collect(),
+    };
+    vec![
+        case("balls touch", &balls, touching),
+        case("knots touch", &knots, touching),
+        case("balls a hair apart", &balls, apart),
+        case("knots a hair apart", &knots, apart),
+        case("ball in ball", &balls, contained),
+    ]
+}
+
+/// A nut on the thread of a bolt, meshes that others made, if they lie beside the checkout: surfaces that lie along each
+/// other all the way round. There is one size only.
+pub fn nut_on_bolt() -> Option<Case> {
+    let mesh = |name: &str| {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/meshes/isaacgym_factory_");
+        let imported = import_file(format!("{folder}{name}.obj")).ok()?;
+        Some(CollisionMesh::new(imported.mesh()))
+    };
+    let meshes = [mesh("nut_m16_loose_subdiv_3x")?, mesh("bolt_m16_loose")?];
+    let scene = move |poses: usize| {
+        let mut state = StepState::default();
+        let [nut, bolt] = meshes.each_ref().map(|mesh| state.meshes.add(mesh.clone()));
+        for pose in 0..poses {
+            let height = 0.0007 + 0.0094 * pose as f32 / poses as f32;
+            let turn = Quat::from_rotation_z(0.4 * pose as f32);
+            for body in [
+                Body::at_rest(bolt, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE),
+                Body::at_rest(nut, Vec3::Z * height, turn, Vec3::ONE),
+            ] {
+                state.bodies.push(&body, &state.meshes).expect("a usable body");
+            }
+        }
+        state.sphere_pairs = pairs(poses);
+        Scene {
+            state,
+            triangles: meshes
+                .each_ref()
+                .map(|m| m.mesh.triangles().len().to_string())
+                .join(" and "),
+        }
+    };
+    Some(Case {
+        name: "nut on bolt",
+        scenes: vec![Box::new(scene)],
+    })
+}
+
+fn pairs(count: usize) -> Vec<[u32; 2]> {
+    (0..count as u32).map(|i| [2 * i, 2 * i + 1]).collect()
+}
+
+fn touching(mesh: &TriMesh, poses: usize) -> Scene {
+    placed(mesh, poses, |pair| {
+        // Bodies apart at one end and crossing too much at the other.
+        let (mut apart, mut crossing) = (pair.reach, 0.0);
+        let mut best = (usize::MAX, apart);
+        for _ in 0..60 {
+            let way = 0.5 * (apart + crossing);
+            let count = pair.face_pairs(way);
+            let off = count.abs_diff(FACE_PAIRS);
+            if off < best.0 {
+                best = (off, way);
+            }
+            if off * 20 <= FACE_PAIRS {
+                break;
+            }
+            if count < FACE_PAIRS {
+                apart = way;
+            } else {
+                crossing = way;
+            }
+        }
+        (best.1, 1.0)
+    })
+}
+
+/// Less than a thousandth of their size from touching.
+fn apart(mesh: &TriMesh, poses: usize) -> Scene {
+    placed(mesh, poses, |pair| {
+        let (mut apart, mut touching) = (pair.reach, 0.0);
+        while apart - touching > 5.0e-4 * pair.reach {
+            let way = 0.5 * (apart + touching);
+            if pair.touches(way) {
+                touching = way;
+            } else {
+                apart = way;
+            }
+        }
+        (apart, 1.0)
+    })
+}
+
+/// The second of half the size, in the first.
+fn contained(mesh: &TriMesh, poses: usize) -> Scene {
+    placed(mesh, poses, |pair| (0.1 * pair.reach, 0.5))
+}
+
+/// Two bodies of one mesh in given rotations, along a given way.
+struct Pair<'a> {
+    state: &'a mut StepState,
+    slot: u32,
+    center: Vec3,
+    rotations: [Quat; 2],
+    direction: Vec3,
+    /// From here on they are apart.
+    reach: f32,
+}
+
+impl Pair<'_> {
+    fn bodies(&self, way: f32, scale: f32) -> [Body; 2] {
+        let [a, b] = self.rotations;
+        let place = |rotation: Quat, at: Vec3, scale: f32| {
+            let position = at - rotation * (scale * self.center);
+            Body::at_rest(self.slot, position, rotation, Vec3::splat(scale))
+        };
+        [place(a, Vec3::ZERO, 1.0), place(b, way * self.direction, scale)]
+    }
+
+    fn run(&mut self, way: f32) {
+        let bodies = self.bodies(way, 1.0);
+        self.state.bodies.clear();
+        for body in bodies {
+            self.state
+                .bodies
+                .push(&body, &self.state.meshes)
+                .expect("a usable body");
+        }
+        self.state.sphere_pairs = vec![[0, 1]];
+        Stage::Angles.run_on_cpu(self.state);
+        Stage::TriangleTest.run_on_cpu(self.state);
+    }
+
+    fn face_pairs(&mut self, way: f32) -> usize {
+        self.run(way);
+        self.state.contacts.faces.len()
+    }
+
+    fn touches(&mut self, way: f32) -> bool {
+        self.run(way);
+        !self.state.contacts.pairs.is_empty()
+    }
+}
+
+/// A scene of pairs, each as far along its way, and its second body as large, as `find` tells.
+fn placed(mesh: &TriMesh, poses: usize, find: impl Fn(&mut Pair) -> (f32, f32)) -> Scene {
+    let mut random = fastrand::Rng::with_seed(77);
+    let mesh = CollisionMesh::new(mesh);
+    let mut state = StepState::default();
+    let slot = state.meshes.add(mesh.clone());
+    let mut bodies = Vec::new();
+    for _ in 0..poses {
+        let rotations = [0; 2].map(|_| rotation(&mut random));
+        let mut pair = Pair {
+            state: &mut state,
+            slot,
+            center: mesh.mass.center,
+            direction: rotation(&mut random) * Vec3::X,
+            rotations,
+            reach: 2.0 * mesh.radius,
+        };
+        let (way, scale) = find(&mut pair);
+        bodies.extend(pair.bodies(way, scale));
+    }
+    state.bodies.clear();
+    for body in &bodies {
+        state.bodies.push(body, &state.meshes).expect("a usable body");
+    }
+    state.sphere_pairs = pairs(poses);
+    Scene {
+        state,
+        triangles: mesh.mesh.triangles().len().to_string(),
+    }
+}
+
+fn rotation(random: &mut fastrand::Rng) -> Quat {
+    let [u, v, w] = [0; 3].map(|_| random.f64());
+    let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
+    let (v, w) = (v * std::f64::consts::TAU, w * std::f64::consts::TAU);
+    DQuat::from_xyzw(a * v.sin(), a * v.cos(), b * w.sin(), b * w.cos()).as_quat()
+}

@@ -1,0 +1,95 @@
+//! What a pair costs against the number of triangles, one thread, sizes taking turns in one run:
+//! `cargo bench --bench scaling [POSES] [CASES]`, of which only those that begin with the given words.
+//!
+//! Each mesh comes in three sizes, 16 times apart. Pairs of equal meshes in random rotations are moved together until
+//! about as many pairs of faces intersect in each size, so that only the meshes grow and not the contact.
+
+mod cases;
+
+use bevy_faceoff::stages::{Stage, triangle_test};
+use cases::{Case, Scene};
+use std::time::{Duration, Instant};
+
+/// Rounds in which all scenes take turns.
+const ROUNDS: usize = 7;
+
+fn main() {
+    let (numbers, words): (Vec<String>, Vec<String>) = std::env::args()
+        .skip(1)
+        .filter(|word| !word.starts_with('-'))
+        .partition(|word| word.parse::<usize>().is_ok());
+    let poses = numbers.first().map_or(16, |word| word.parse().expect("digits"));
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a thread");
+    println!(
+        "{poses} poses, one thread, medians of {ROUNDS} interleaved rounds, microseconds per pair; growth is that against the row above, the median of the rounds' ratios\n"
+    );
+    println!(
+        "| case | triangles | Angles | TriangleTest | growth | first hit | growth | touching | face pairs per pair | triangle tests per pair |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    pool.install(|| {
+        for case in cases::all().into_iter().chain(cases::nut_on_bolt()) {
+            if words.is_empty() || words.iter().any(|word| case.name.starts_with(word.as_str())) {
+                run(&case, poses);
+            }
+        }
+    });
+}
+
+fn run(case: &Case, poses: usize) {
+    let mut scenes: Vec<Scene> = case.scenes.iter().map(|scene| scene(poses)).collect();
+    let mut times = vec![Vec::new(); scenes.len()];
+    for _ in 0..ROUNDS {
+        for (scene, times) in scenes.iter_mut().zip(&mut times) {
+            // Small scenes are over before a clock has ticked.
+            let mut least = [f64::INFINITY; 3];
+            for _ in 0..3 {
+                for (least, stage) in least.iter_mut().zip([Stage::Angles, Stage::TriangleTest]) {
+                    stage.run_on_cpu(&mut scene.state);
+                    *least = least.min(micros(scene.state.times[stage as usize], poses));
+                }
+                let start = Instant::now();
+                let touching = triangle_test::cpu::touching(&mut scene.state);
+                least[2] = least[2].min(micros(start.elapsed(), poses));
+                assert_eq!(touching.len(), scene.state.contacts.pairs.len(), "first hits are hits");
+            }
+            times.push(least);
+        }
+    }
+    for (i, scene) in scenes.iter().enumerate() {
+        let growth = |stage: usize| {
+            let whole = |times: &[f64; 3]| times[0] + times[stage];
+            let ratios = |i: usize| times[i].iter().zip(&times[i - 1]).map(|(t, s)| whole(t) / whole(s));
+            (i > 0)
+                .then(|| median(ratios(i)))
+                .map_or(String::new(), |g| format!("{g:.2}"))
+        };
+        let contacts = &scene.state.contacts;
+        println!(
+            "| {} | {} | {:.2} | {:.2} | {} | {:.2} | {} | {} | {:.1} | {:.0} |",
+            case.name,
+            scene.triangles,
+            median(times[i].iter().map(|t| t[0])),
+            median(times[i].iter().map(|t| t[1])),
+            growth(1),
+            median(times[i].iter().map(|t| t[2])),
+            growth(2),
+            contacts.pairs.len(),
+            contacts.faces.len() as f64 / poses as f64,
+            contacts.triangle_tests as f64 / poses as f64,
+        );
+    }
+}
+
+fn micros(time: Duration, pairs: usize) -> f64 {
+    time.as_secs_f64() * 1e6 / pairs as f64
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values[values.len() / 2]
+}
