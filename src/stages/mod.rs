@@ -18,6 +18,7 @@ pub mod angles;
 pub mod bodies;
 pub mod broad_phase;
 pub mod force_scan;
+pub(crate) mod in_order;
 pub mod integrate;
 pub mod mesh_arena;
 pub mod state;

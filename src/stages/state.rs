@@ -28,6 +28,7 @@ pub struct StepState {
     /// ForceScan's result: one sum per body.
     pub impulses: Vec<Impulse>,
     /// Scratch that stages keep between steps.
+    pub(crate) angles_scratch: super::angles::cpu::Scratch,
     pub(crate) grid_scratch: super::broad_phase::cpu::Scratch,
     pub(crate) force_scratch: super::force_scan::cpu::Scratch,
     pub(crate) triangle_scratch: super::triangle_test::cpu::Scratch,

@@ -108,11 +108,14 @@ pub(crate) fn collect(
         }
     }
 
-    let mut sorted: Vec<_> = planes.iter().collect();
-    sorted.sort_unstable_by_key(|&(entity, ..)| entity);
+    step.planes.clear();
+    for (entity, plane, restitution, is_body) in &planes {
+        step.planes.push((entity, *plane, restitution.copied(), is_body));
+    }
+    step.planes.sort_unstable_by_key(|&(entity, ..)| entity);
     plane_entities.clear();
     step.state.planes.clear();
-    for (entity, plane, restitution, is_body) in sorted {
+    for &(entity, ref plane, restitution, is_body) in &step.planes {
         if is_body {
             faults.push((entity, BodyFault::PlaneOnBody));
             continue;
@@ -165,7 +168,7 @@ fn slot(
     Some(slot)
 }
 
-fn half_space(plane: &PlaneCollider, restitution: Option<&Restitution>) -> Result<Plane, BodyFault> {
+fn half_space(plane: &PlaneCollider, restitution: Option<Restitution>) -> Result<Plane, BodyFault> {
     let restitution = restitution.map_or(0.0, |r| r.coefficient);
     // In double precision no finite vector is too long or too short.
     let normal = plane

@@ -8,7 +8,7 @@ mod tables;
 
 use crate::asset::CollisionMesh;
 use crate::backend::Engine;
-use crate::components::RigidBody;
+use crate::components::{PlaneCollider, Restitution, RigidBody};
 #[cfg(feature = "gpu")]
 use crate::settings::LATENCY;
 use crate::stages::Stage;
@@ -36,6 +36,8 @@ pub(crate) struct Step {
     pub latent: latent::Latent,
     /// Scratch: bodies in the order of entities, usable or not.
     pub bodies: Vec<(Entity, Body)>,
+    /// Scratch: half-spaces in the order of entities, usable or not.
+    pub planes: Vec<(Entity, PlaneCollider, Option<Restitution>, bool)>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
     /// Face tables that bodies asked for and their meshes lack.
@@ -44,6 +46,10 @@ pub(crate) struct Step {
     pub faults: Vec<(Entity, BodyFault)>,
     /// Pairs that touched in the last step, `first < second`, ascending.
     pub touching: Vec<[Entity; 2]>,
+    /// Scratch: those of this step.
+    pub touching_now: Vec<[Entity; 2]>,
+    /// Scratch: the same, each pair in both orders.
+    pub touching_both_ways: Vec<[Entity; 2]>,
     /// When the step began.
     pub begun: Instant,
 }
@@ -70,10 +76,13 @@ impl Step {
             #[cfg(feature = "gpu")]
             latent: latent::Latent::default(),
             bodies: Vec::new(),
+            planes: Vec::new(),
             slots: HashMap::default(),
             tables: tables::Tables::default(),
             faults: Vec::new(),
             touching: Vec::new(),
+            touching_now: Vec::new(),
+            touching_both_ways: Vec::new(),
             begun: Instant::now(),
         }
     }
@@ -87,7 +96,8 @@ impl Step {
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
             self.counts = self.state.counts();
-            self.results = Some(std::mem::take(&mut self.collected));
+            // What was there is overwritten by the next step, in the same memory.
+            std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
     }
 

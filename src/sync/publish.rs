@@ -107,7 +107,9 @@ pub(crate) fn publish(
         let (body, plane) = (results.entities[c.body as usize], results.planes[c.plane as usize]);
         [body.min(plane), body.max(plane)]
     });
-    let mut touching: Vec<[Entity; 2]> = pairs.chain(planes).collect();
+    let touching = &mut step.touching_now;
+    touching.clear();
+    touching.extend(pairs.chain(planes));
     touching.sort_unstable();
 
     let mut tell = |pair: [Entity; 2], start: bool| {
@@ -127,18 +129,23 @@ pub(crate) fn publish(
             }
         }
     };
-    differences(&step.touching, &touching, &mut tell);
+    differences(&step.touching, touching, &mut tell);
 
     if !colliding.is_empty() {
-        let mut both: Vec<[Entity; 2]> = touching.iter().flat_map(|&[a, b]| [[a, b], [b, a]]).collect();
+        let both = &mut step.touching_both_ways;
+        both.clear();
+        both.extend(touching.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
         both.sort_unstable();
         for (entity, mut list) in &mut colliding {
             let first = both.partition_point(|&[a, _]| a < entity);
             let others = both[first..].iter().take_while(|&&[a, _]| a == entity).map(|&[_, b]| b);
-            list.set_if_neq(CollidingEntities(others.collect()));
+            if !list.iter().copied().eq(others.clone()) {
+                list.0.clear();
+                list.0.extend(others);
+            }
         }
     }
-    step.touching = touching;
+    std::mem::swap(&mut step.touching, &mut step.touching_now);
 
     report.total = step.begun.elapsed();
     std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);

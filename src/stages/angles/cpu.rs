@@ -3,10 +3,16 @@
 mod view;
 
 use super::{AXES, PAD};
+use crate::stages::in_order::InOrder;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, NearPair, StepState, View};
 use glam::{DMat3, Vec3};
-use rayon::prelude::*;
+
+/// Memory kept between steps.
+pub(crate) type Scratch = InOrder<NearPair>;
+
+/// Pairs per task.
+const TASK: usize = 64;
 
 /// Fills `state.near_pairs`.
 pub fn run(state: &mut StepState) {
@@ -16,15 +22,13 @@ pub fn run(state: &mut StepState) {
         sphere_pairs,
         near_pairs,
         approximate_pairs,
+        angles_scratch,
         ..
     } = state;
     near_pairs.clear();
-    near_pairs.par_extend(
-        sphere_pairs
-            .par_iter()
-            .with_min_len(16)
-            .filter_map(|&pair| near(bodies, meshes, pair)),
-    );
+    angles_scratch.extend(near_pairs, sphere_pairs, TASK, |_, &pair, near_pairs| {
+        near_pairs.extend(near(bodies, meshes, pair));
+    });
     *approximate_pairs = near_pairs.iter().filter(|pair| pair.is_approximate()).count();
 }
 

@@ -42,8 +42,10 @@ pub fn run(state: &mut StepState) {
 
     let grid = &*grid;
     let tasks = grid.ids.len().div_ceil(TASK);
-    found.truncate(tasks);
-    found.resize_with(tasks, Finder::default);
+    if found.len() < tasks {
+        found.resize_with(tasks, Finder::default);
+    }
+    let found = &mut found[..tasks];
     found.par_iter_mut().enumerate().for_each(|(task, finder)| {
         let first = task * TASK;
         finder.run(grid, first..(first + TASK).min(grid.ids.len()), bodies);
@@ -51,7 +53,7 @@ pub fn run(state: &mut StepState) {
 
     // The one order that depends on nothing but the bodies.
     unsorted.clear();
-    for finder in &*found {
+    for finder in found {
         unsorted.extend_from_slice(&finder.found);
     }
     firsts.clear();

@@ -28,6 +28,7 @@ pub(crate) struct Scratch {
     tasks: Vec<Task>,
     /// What only one thread uses at a time: a set per task would be much larger than caches, and cold at every step.
     workers: Vec<Mutex<Worker>>,
+    planes: planes::Scratch,
 }
 
 #[derive(Default)]
@@ -100,7 +101,8 @@ pub fn run(state: &mut StepState) {
         }));
         contacts.triangle_tests += found.triangle_tests;
     }
-    planes::find(bodies, meshes, &state.planes, &mut contacts.planes);
+    let scratch = &mut triangle_scratch.planes;
+    planes::find(bodies, meshes, &state.planes, scratch, &mut contacts.planes);
 }
 
 /// Which of `state.near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at

@@ -4,28 +4,33 @@ use super::lanes::{bits, dot, splat};
 use super::levels::visit;
 use crate::components::RigidBody;
 use crate::stages::angles::PAD;
+use crate::stages::in_order::InOrder;
 use crate::stages::mesh_arena::{BoxGroup, MeshArena};
 use crate::stages::state::{Bodies, Plane, PlaneContact};
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use wide::f32x8;
 
+/// Memory kept between steps.
+pub type Scratch = InOrder<PlaneContact>;
+
+/// Bodies per task.
+const TASK: usize = 64;
+
 /// Appends the contacts of all dynamic bodies with all planes, by body, then plane.
-pub fn find(bodies: &Bodies, meshes: &MeshArena, planes: &[Plane], contacts: &mut Vec<PlaneContact>) {
+pub fn find(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    planes: &[Plane],
+    scratch: &mut Scratch,
+    contacts: &mut Vec<PlaneContact>,
+) {
     if planes.is_empty() {
         return;
     }
-    contacts.par_extend(
-        (0..bodies.len())
-            .into_par_iter()
-            .with_min_len(64)
-            .flat_map_iter(|body| {
-                planes
-                    .iter()
-                    .enumerate()
-                    .filter_map(move |(i, plane)| contact(bodies, meshes, body, i as u32, plane))
-            }),
-    );
+    scratch.extend(contacts, &bodies.kind, TASK, |body, _, contacts| {
+        let planes = planes.iter().enumerate();
+        contacts.extend(planes.filter_map(|(i, plane)| contact(bodies, meshes, body, i as u32, plane)));
+    });
 }
 
 fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: &Plane) -> Option<PlaneContact> {

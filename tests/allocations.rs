@@ -1,0 +1,179 @@
+//! Warm steps allocate nothing: once every list has had its length, memory is kept.
+
+use bevy::prelude::*;
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::plugin::FaceoffStep;
+use bevy_faceoff::prelude::*;
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::state::{Body, Counts, Plane, StepState};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
+use std::alloc::System;
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+const STEPS: usize = 20;
+
+/// Tori, knots and balls in a box over a plane, some static, some culled by their front.
+fn scene(state: &mut StepState) -> Vec<Body> {
+    let meshes = [shapes::torus_240(), shapes::knot_1120(), shapes::ball(0.5, 5)];
+    let meshes = meshes.map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
+    state.config.gravity = Vec3::NEG_Y;
+    state.planes.push(Plane {
+        normal: Vec3::Y,
+        distance: -2.0,
+        restitution: 0.5,
+    });
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut vector = |reach: f32| Vec3::from_array([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * reach));
+    (0..300)
+        .map(|i| Body {
+            kind: if i % 10 == 0 {
+                RigidBody::Static
+            } else {
+                RigidBody::Dynamic
+            },
+            linear_velocity: vector(3.0),
+            angular_velocity: vector(3.0),
+            restitution: 0.5,
+            culling: if i % 7 == 0 {
+                Culling::FrontFacing
+            } else {
+                Culling::Exact
+            },
+            ..Body::at_rest(
+                meshes[i % 3],
+                vector(4.0),
+                Quat::from_scaled_axis(vector(3.0)),
+                Vec3::splat(0.4 + 0.1 * (i % 5) as f32),
+            )
+        })
+        .collect()
+}
+
+/// The same steps each time; `bodies` is overwritten.
+fn steps(state: &mut StepState, scene: &[Body], bodies: &mut Vec<Body>, counts: &mut Vec<Counts>) {
+    counts.clear();
+    bodies.clear();
+    bodies.extend_from_slice(scene);
+    for _ in 0..STEPS {
+        state.bodies.clear();
+        for body in bodies.iter() {
+            state.bodies.push(body, &state.meshes).expect("a usable body");
+        }
+        for stage in Stage::ALL {
+            stage.run_on_cpu(state);
+        }
+        counts.push(state.counts());
+        for (i, body) in bodies.iter_mut().enumerate() {
+            let motion = state.bodies.motion(i);
+            body.position = motion.position;
+            body.rotation = motion.rotation;
+            body.linear_velocity = motion.linear_velocity;
+            body.angular_velocity = motion.angular_velocity;
+        }
+    }
+}
+
+/// What `work` allocated.
+fn allocated(work: impl FnOnce()) -> Stats {
+    let region = Region::new(ALLOCATOR);
+    work();
+    region.change()
+}
+
+/// The allocator counts for all threads, so there is one test.
+#[test]
+fn warm_steps_allocate_nothing() {
+    for threads in [1, 2] {
+        stages(threads);
+        app(threads);
+    }
+}
+
+fn stages(threads: usize) {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("threads");
+    pool.install(|| {
+        let mut state = StepState::default();
+        let scene = scene(&mut state);
+        let (mut first, mut again, mut bodies) = (Vec::new(), Vec::with_capacity(STEPS), Vec::new());
+        let cold = allocated(|| steps(&mut state, &scene, &mut bodies, &mut first));
+        assert!(cold.allocations > 50, "the allocator does not count: {cold:?}");
+        // Each thread has memory of its own, and which one meets the largest pair is chance.
+        let mut warm = cold;
+        for _ in 0..100 {
+            warm = allocated(|| steps(&mut state, &scene, &mut bodies, &mut again));
+            if (warm.allocations, warm.reallocations) == (0, 0) {
+                break;
+            }
+        }
+        assert_eq!(first, again);
+        assert!(
+            first
+                .iter()
+                .all(|counts| counts.face_pairs > 100 && counts.approximate_pairs > 0)
+        );
+        assert_eq!(
+            (warm.allocations, warm.reallocations),
+            (0, 0),
+            "{threads} threads: {warm:?}"
+        );
+    });
+}
+
+/// Components in and results out included.
+fn app(threads: usize) {
+    let mut app = App::new();
+    let step = StepPlugin {
+        backend: Backend::Cpu,
+        threads,
+        ..default()
+    };
+    app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }))
+        .insert_resource(Gravity(Vec3::ZERO))
+        .insert_resource(Response::None);
+    app.finish();
+    app.cleanup();
+    let world = app.world_mut();
+    let torus = world
+        .resource_mut::<Assets<CollisionMesh>>()
+        .add(CollisionMesh::new(&shapes::torus_240()));
+    world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+    for i in 0..100 {
+        for height in [0.0, 0.2] {
+            world.spawn((
+                RigidBody::Dynamic,
+                MeshCollider(torus.clone()),
+                AngularVelocity(Vec3::Y),
+                Transform::from_xyz((i % 10) as f32, height, (i / 10) as f32),
+                CollidingEntities::default(),
+            ));
+        }
+    }
+    let mut steps = |count| {
+        allocated(|| {
+            for _ in 0..count {
+                world.run_schedule(FaceoffStep);
+            }
+        })
+    };
+    let cold = steps(1);
+    assert!(cold.allocations > 50, "the allocator does not count: {cold:?}");
+    let mut warm = cold;
+    for _ in 0..100 {
+        warm = steps(60);
+        // Five stages a step are handed to the pool, whose queue is allocated in blocks of 63 entries.
+        if warm.allocations <= 60 * 5 / 63 + 1 && warm.reallocations == 0 {
+            break;
+        }
+    }
+    assert!(app.world().resource::<Collisions>().len() >= 100);
+    assert!(
+        warm.allocations <= 60 * 5 / 63 + 1 && warm.reallocations == 0,
+        "{threads} threads: {warm:?}"
+    );
+}
