@@ -46,7 +46,52 @@ pub fn all() -> Vec<Case> {
         case("balls a hair apart", &balls, apart),
         case("knots a hair apart", &knots, apart),
         case("ball in ball", &balls, contained),
+        Case {
+            name: "small bodies on terrain",
+            scenes: [80u32, 320, 1280]
+                .map(|side| Box::new(move |poses: usize| on_terrain(side, 625 * poses)) as Box<dyn Fn(usize) -> Scene>)
+                .into(),
+        },
     ]
+}
+
+/// Bodies of 320 triangles strewn over the whole of a terrain, half of them in it. Its triangles are as large as the bodies,
+/// however many there are.
+fn on_terrain(side: u32, bodies: usize) -> Scene {
+    let height = |x: f32, y: f32| 2.0 * (0.13 * x).sin() * (0.09 * y).cos() + 0.4 * (0.7 * x + 0.5 * y).sin();
+    let point = |i: u32| {
+        let (x, y) = ((i % (side + 1)) as f32, (i / (side + 1)) as f32);
+        Vec3::new(x, y, height(x, y))
+    };
+    let square = |i: u32| {
+        let corner = i / side * (side + 1) + i % side;
+        let [a, b, c, d] = [corner, corner + 1, corner + side + 1, corner + side + 2];
+        [[a, b, d], [a, d, c]]
+    };
+    let terrain = TriMesh::new(
+        (0..(side + 1) * (side + 1)).map(point).collect(),
+        (0..side * side).flat_map(square).collect(),
+    );
+    let terrain = CollisionMesh::new(&terrain.expect("a mesh"));
+    let triangles = terrain.mesh.triangles().len();
+    let mut state = StepState::default();
+    let [ground, ball] = [terrain, CollisionMesh::new(&shapes::ball_320())].map(|mesh| state.meshes.add(mesh));
+    let mut random = fastrand::Rng::with_seed(78);
+    let mut all = vec![Body::at_rest(ground, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)];
+    for _ in 0..bodies {
+        let [x, y] = [0; 2].map(|_| 1.0 + random.f32() * (side as f32 - 2.0));
+        let at = Vec3::new(x, y, height(x, y) + 2.0 * random.f32());
+        let turn = rotation(&mut random);
+        all.push(Body::at_rest(ball, at, turn, Vec3::ONE));
+    }
+    for body in &all {
+        state.bodies.push(body, &state.meshes).expect("a usable body");
+    }
+    state.sphere_pairs = (1..all.len() as u32).map(|i| [0, i]).collect();
+    Scene {
+        state,
+        triangles: format!("{triangles} and 320"),
+    }
 }
 
 /// A nut on the thread of a bolt, meshes that others made, if they lie beside the checkout: surfaces that lie along each
