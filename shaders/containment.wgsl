@@ -3,33 +3,55 @@
 // Whether a closed mesh has a point inside, asked by all 64 threads of a workgroup together.
 
 #import faceoff::arena::vector
+#import faceoff::tree
 #import faceoff::types as t
 
 var<workgroup> inside: atomic<i32>;
 var<workgroup> crossings: atomic<u32>;
+// Nodes to look into. Of each level at most 64 wait, for only nodes of the lowest one that waits are opened.
+var<workgroup> waiting: array<u32, 512>;
+var<workgroup> depth: atomic<u32>;
 // Whether the device left a loop before its end.
 var<private> unfinished: bool = false;
 
 // By the winding number along the ray from p along +z; by its parity if neighbouring faces disagree about the outside.
-fn contains(mesh: t::Mesh, p: vec3<f32>, thread: u32) -> bool {
+// `end` is the mesh's place in the pair. Eight nodes are opened at a time, a thread each child.
+fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     if thread == 0u {
         atomicStore(&inside, 0);
         atomicStore(&crossings, 0u);
+        waiting[0] = tree::node(mesh.levels - 1u, 0u);
+        atomicStore(&depth, 1u);
     }
     workgroupBarrier();
-    var n = thread;
-    for (; n < mesh.triangle_count; n += 64u) {
-        let at = mesh.triangles + 9u * n;
-        // Divided by the mesh's size: products of five lengths occur.
-        let side = crossing(
-            (vector(at) - p) / mesh.radius, (vector(at + 3u) - p) / mesh.radius, (vector(at + 6u) - p) / mesh.radius
-        );
-        if side != 0 {
-            atomicAdd(&inside, side);
-            atomicAdd(&crossings, 1u);
+    loop {
+        let last = atomicLoad(&depth);
+        if last == 0u {
+            break;
         }
+        let level = tree::level_of(waiting[last - 1u]);
+        var taken = 1u;
+        while taken < min(last, 8u) && tree::level_of(waiting[last - 1u - taken]) == level {
+            taken += 1u;
+        }
+        let mine = thread / 8u;
+        let number = waiting[last - 1u - min(mine, taken - 1u)] & tree::NUMBER;
+        workgroupBarrier();
+        if thread == 0u {
+            atomicStore(&depth, last - taken);
+        }
+        workgroupBarrier();
+        if mine < taken {
+            let child = 8u * number + thread % 8u;
+            if level == 0u {
+                count_crossing(mesh, child, p);
+            } else if meets(mesh, end, tree::node(level - 1u, child), p) {
+                waiting[atomicAdd(&depth, 1u)] = tree::node(level - 1u, child);
+            }
+        }
+        workgroupBarrier();
     }
-    unfinished = unfinished || n < mesh.triangle_count;
+    unfinished = unfinished || atomicLoad(&depth) != 0u;
     workgroupBarrier();
     let winding = atomicLoad(&inside);
     let parity = atomicLoad(&crossings) % 2u;
@@ -39,6 +61,33 @@ fn contains(mesh: t::Mesh, p: vec3<f32>, thread: u32) -> bool {
         return parity == 1u;
     }
     return winding != 0;
+}
+
+// Whether there is such a node, and the ray meets its box.
+fn meets(mesh: t::Mesh, end: u32, node: u32, p: vec3<f32>) -> bool {
+    let at = tree::box_of(end, node);
+    if at == 0u {
+        return false;
+    }
+    let way = vector(at) - p;
+    // Rounding moves a box by less than a millionth of the mesh.
+    let half = vector(at + 3u) + 1.0e-5 * mesh.radius;
+    return abs(way.x) <= half.x && abs(way.y) <= half.y && way.z >= -half.z;
+}
+
+fn count_crossing(mesh: t::Mesh, number: u32, p: vec3<f32>) {
+    if number >= mesh.triangle_count {
+        return;
+    }
+    let at = mesh.triangles + 9u * number;
+    // Divided by the mesh's size: products of five lengths occur.
+    let side = crossing(
+        (vector(at) - p) / mesh.radius, (vector(at + 3u) - p) / mesh.radius, (vector(at + 6u) - p) / mesh.radius
+    );
+    if side != 0 {
+        atomicAdd(&inside, side);
+        atomicAdd(&crossings, 1u);
+    }
 }
 
 // Whether the ray from the origin along +z crosses the triangle, and from which side. A ray through an edge or corner

@@ -2,9 +2,10 @@
 // the other at a time, one thread each; then eight triangles against eight; what may intersect waits in a queue until
 // there is work for all threads. The order of everything is that of the trees, whatever runs first.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::dispatch::{divide_up, group_index}
+#import faceoff::dispatch::group_index
 #import faceoff::containment::{contains, unfinished}
 #import faceoff::math::{absolute, norm1, rotate}
+#import faceoff::tree
 #import faceoff::triangles as tri
 #import faceoff::types as t
 
@@ -16,8 +17,7 @@
 @group(0) @binding(7) var<storage, read_write> touching: array<t::Touching>;
 @group(0) @binding(8) var<storage, read_write> hits: array<t::Hit>;
 
-// A node of either tree: level in the upper four bits, number within the level below. Of each of at most 8 levels no
-// more than 63 pairs wait while the 64th is opened.
+// A node of either tree. Of each of at most 8 levels no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
 // Pairs of triangles: fewer than 64 wait when up to 64 come.
 var<workgroup> queue: array<vec2<u32>, 128>;
@@ -27,10 +27,6 @@ var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> tested: atomic<u32>;
 var<workgroup> hit_base: u32;
 var<workgroup> origin: vec3<f32>;
-
-// Where each level of each tree begins, and how many nodes it has.
-var<workgroup> first: array<u32, 16>;
-var<workgroup> count: array<u32, 16>;
 
 // Sums over the contour, per thread: middles by length, with the length; area; way from each start to its end.
 var<workgroup> sum_middle: array<vec4<f32>, 64>;
@@ -81,19 +77,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicStore(&found[thread], 0u);
     }
     if thread < 2u {
-        let mesh = select(a.mesh, b.mesh, thread == 1u);
-        var at = meshes[mesh].boxes;
-        var nodes = divide_up(meshes[mesh].triangle_count, 8u);
-        for (var level = 0u; level < 8u; level += 1u) {
-            first[8u * thread + level] = at;
-            count[8u * thread + level] = nodes;
-            at += 6u * nodes;
-            nodes = divide_up(nodes, 8u);
-        }
+        tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
     if thread == 0u {
         atomicStore(&tested, 0u);
-        stack[0] = vec2((pair.mesh_a.levels - 1u) << 28u, (pair.mesh_b.levels - 1u) << 28u);
+        stack[0] = vec2(tree::node(pair.mesh_a.levels - 1u, 0u), tree::node(pair.mesh_b.levels - 1u, 0u));
     }
     workgroupBarrier();
 
@@ -170,10 +158,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         } else {
             depth -= 1u;
             let nodes = stack[depth];
-            let level_a = nodes.x >> 28u;
-            let level_b = nodes.y >> 28u;
-            let number_a = nodes.x & 0x0fffffffu;
-            let number_b = nodes.y & 0x0fffffffu;
+            let level_a = tree::level_of(nodes.x);
+            let level_b = tree::level_of(nodes.y);
+            let number_a = nodes.x & tree::NUMBER;
+            let number_b = nodes.y & tree::NUMBER;
             let i = thread / 8u;
             let j = thread % 8u;
             if level_a == 0u && level_b == 0u {
@@ -193,8 +181,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 // The taller tree is opened, both if they are equally tall.
                 let open_a = level_a >= level_b;
                 let open_b = level_b >= level_a;
-                let child_a = select(nodes.x, ((level_a - 1u) << 28u) | (8u * number_a + i), open_a);
-                let child_b = select(nodes.y, ((level_b - 1u) << 28u) | (8u * number_b + j), open_b);
+                let child_a = select(nodes.x, tree::node(level_a - 1u, 8u * number_a + i), open_a);
+                let child_b = select(nodes.y, tree::node(level_b - 1u, 8u * number_b + j), open_b);
                 let wanted = (open_a || i == 0u) && (open_b || j == 0u);
                 let meets = wanted && boxes_meet(pair, child_a, child_b);
                 if meets {
@@ -345,15 +333,11 @@ fn in_view(pair: Pair, of_a: bool, view: u32, number: u32, normal: vec3<f32>) ->
 // Whether two nodes exist, reach into the other body's half of the support axis and sphere, and their boxes overlap along
 // the axes of both.
 fn boxes_meet(pair: Pair, node_a: u32, node_b: u32) -> bool {
-    let level_a = node_a >> 28u;
-    let level_b = 8u + (node_b >> 28u);
-    let number_a = node_a & 0x0fffffffu;
-    let number_b = node_b & 0x0fffffffu;
-    if number_a >= count[level_a] || number_b >= count[level_b] {
+    let at_a = tree::box_of(0u, node_a);
+    let at_b = tree::box_of(1u, node_b);
+    if at_a == 0u || at_b == 0u {
         return false;
     }
-    let at_a = first[level_a] + 6u * number_a;
-    let at_b = first[level_b] + 6u * number_b;
     let center_a = pair.scale_a * vector(at_a);
     let half_a = abs(pair.scale_a) * vector(at_a + 3u);
     let own_b = pair.scale_b * vector(at_b);
@@ -450,7 +434,7 @@ fn any_inside(pair: Pair, of_a: bool, thread: u32) -> bool {
         if any(abs(p - outer.box_center) > outer.box_half * 1.00001 + outer.radius * 1.0e-5) {
             continue;
         }
-        if contains(outer, p, thread) {
+        if contains(outer, select(0u, 1u, of_a), p, thread) {
             return true;
         }
     }

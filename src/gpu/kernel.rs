@@ -89,6 +89,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("scan.wgsl", include_str!("../../shaders/scan.wgsl")),
     ("grid.wgsl", include_str!("../../shaders/grid.wgsl")),
     ("arena.wgsl", include_str!("../../shaders/arena.wgsl")),
+    ("tree.wgsl", include_str!("../../shaders/tree.wgsl")),
     ("containment.wgsl", include_str!("../../shaders/containment.wgsl")),
     ("triangles.wgsl", include_str!("../../shaders/triangles.wgsl")),
     ("response.wgsl", include_str!("../../shaders/response.wgsl")),
