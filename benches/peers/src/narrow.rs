@@ -27,8 +27,8 @@ pub struct Narrow {
     pub ours: Vec<f64>,
     /// The same of our first hits, which have to name the same pairs.
     pub ours_first: Vec<f64>,
-    /// All hits on two threads.
-    pub ours_two: Vec<f64>,
+    /// All hits on one thread and on two.
+    pub ours_threads: [Vec<f64>; 2],
     /// The arithmetic loop on one thread and on two.
     pub control: [Vec<f64>; 2],
     /// Our broad phase.
@@ -109,7 +109,7 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
         face_pairs: stages.face_pairs(),
         ours: Vec::new(),
         ours_first: Vec::new(),
-        ours_two: Vec::new(),
+        ours_threads: [const { Vec::new() }; 2],
         control: [const { Vec::new() }; 2],
         ours_broad: Vec::new(),
         parry: ParryNarrow {
@@ -125,9 +125,7 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
     let peer = &mut narrow.parry;
     for _ in 0..rounds {
         narrow.ours.push(one.install(|| time(|| stages.narrow_phase()).0));
-        narrow
-            .ours_first
-            .push(one.install(|| time(|| stages.first_hits()).0));
+        narrow.ours_first.push(one.install(|| time(|| stages.first_hits()).0));
         peer.first_hits.seconds.push(time(|| parry.first_hits(&pairs)).0);
         peer.larger_first
             .seconds
@@ -139,9 +137,11 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
         peer.broad_rebuilt.push(time(|| tree.rebuilt()).0);
         tree.misfit();
         peer.broad_refitted.push(time(|| tree.refitted()).0);
-        narrow.ours_two.push(two.install(|| time(|| stages.narrow_phase()).0));
-        for (pool, times) in [&one, &two].into_iter().zip(&mut narrow.control) {
-            times.push(pool.install(|| time(control).0));
+        for (threads, pool) in [&one, &two].into_iter().enumerate() {
+            // The second of two, as in a game, where threads meet what they worked on a step before.
+            pool.install(|| stages.narrow_phase());
+            narrow.ours_threads[threads].push(pool.install(|| time(|| stages.narrow_phase()).0));
+            narrow.control[threads].push(pool.install(|| time(control).0));
         }
     }
     narrow

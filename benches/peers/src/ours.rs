@@ -6,8 +6,8 @@ use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::{Stage, triangle_test};
 use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::stages::{Stage, triangle_test};
 use std::collections::HashMap;
 
 /// The stages without an app.
