@@ -52,6 +52,38 @@ fn mix(state: &mut StepState, random: &mut Rng) {
     }
 }
 
+/// All that moves moves, and every time one thing about one static body changes, or nothing.
+fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&mut StepState) -> usize) {
+    let all = 0..state.bodies.center.len();
+    let (still, moving): (Vec<usize>, Vec<usize>) = all.partition(|&i| state.bodies.kind[i] == RigidBody::Static);
+    let (Some(&one), Some(&other)) = (still.last(), moving.first()) else {
+        return;
+    };
+    for change in 0..6 {
+        let bodies = &mut state.bodies;
+        for &i in &moving {
+            let step = 0.5 * bodies.radius[i];
+            bodies.center[i] += somewhere(random, step);
+        }
+        match change {
+            0 => {}
+            1 => bodies.radius[one] *= 1.5,
+            2 => bodies.center[one].z += bodies.radius[one],
+            // As many static bodies as before, but others.
+            3 => bodies.kind.swap(one, other),
+            4 => bodies.layers[one] = CollisionLayers::default(),
+            _ => {
+                bodies.center.swap_remove(one);
+                bodies.radius.swap_remove(one);
+                bodies.kind.swap_remove(one);
+                bodies.layers.swap_remove(one);
+                bodies.sensor.swap_remove(one);
+            }
+        }
+        compare(state);
+    }
+}
+
 /// Compares, as all dynamic and as a mixture, and again after some have moved; returns the pairs of the first.
 fn check(state: &mut StepState, random: &mut Rng, what: &str) -> usize {
     let compare = |state: &mut StepState| {
@@ -73,6 +105,7 @@ fn check(state: &mut StepState, random: &mut Rng, what: &str) -> usize {
     }
     compare(state);
     compare(state);
+    change_one_static(state, random, compare);
     pairs
 }
 

@@ -13,7 +13,11 @@ use std::ops::Range;
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    grid: Grid,
+    /// Bodies that are not static.
+    moving: Grid,
+    /// The others. It stays as it is while they do.
+    still: Grid,
+    members: Vec<u32>,
     found: Vec<Finder>,
     unsorted: Vec<[u32; 2]>,
     firsts: Vec<u32>,
@@ -32,23 +36,43 @@ pub fn run(state: &mut StepState) {
         ..
     } = state;
     let Scratch {
-        grid,
+        moving,
+        still,
+        members,
         found,
         unsorted,
         firsts,
         sort,
     } = grid_scratch;
-    grid.fill(&bodies.center, &bodies.radius, &bodies.kind);
-
-    let grid = &*grid;
-    let tasks = grid.ids.len().div_ceil(TASK);
-    if found.len() < tasks {
-        found.resize_with(tasks, Finder::default);
+    let Bodies {
+        center, radius, kind, ..
+    } = &*bodies;
+    let is_still = |i: usize| kind[i] == RigidBody::Static;
+    let all = 0..kind.len() as u32;
+    members.clear();
+    members.extend(all.clone().filter(|&i| !is_still(i as usize)));
+    moving.fill(members, center, radius);
+    if !still.holds(kind.len() - members.len(), is_still, center, radius) {
+        members.clear();
+        members.extend(all.filter(|&i| is_still(i as usize)));
+        still.fill(members, center, radius);
     }
-    let found = &mut found[..tasks];
+
+    let (moving, still) = (&*moving, &*still);
+    let tasks = moving.ids.len().div_ceil(TASK);
+    let still_tasks = still.ids.len().div_ceil(TASK);
+    if found.len() < tasks + still_tasks {
+        found.resize_with(tasks + still_tasks, Finder::default);
+    }
+    let found = &mut found[..tasks + still_tasks];
     found.par_iter_mut().enumerate().for_each(|(task, finder)| {
-        let first = task * TASK;
-        finder.run(grid, first..(first + TASK).min(grid.ids.len()), bodies);
+        let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
+        finder.found.clear();
+        if task < tasks {
+            finder.of_moving(moving, still, range(task, moving), bodies);
+        } else {
+            finder.of_still(still, moving, range(task - tasks, still), bodies);
+        }
     });
 
     // The one order that depends on nothing but the bodies.
@@ -73,23 +97,33 @@ struct Finder {
 }
 
 impl Finder {
-    /// Finds all pairs of the bodies in `range`, in the grid's order, with bodies of coarser levels; with those of their own
-    /// level that come later; and, if they move, with static ones of their size. Two static bodies never collide.
-    fn run(&mut self, grid: &Grid, range: Range<usize>, bodies: &Bodies) {
-        self.found.clear();
-        for (number, own) in grid.levels.iter().enumerate() {
-            let some = range.start.max(own.first as usize)..range.end.min(own.end as usize);
+    /// Finds all pairs of the moving bodies in `range`, in the grid's order, with moving bodies of coarser levels; with those
+    /// of their own level that come later; and with static ones that are no finer.
+    fn of_moving(&mut self, moving: &Grid, still: &Grid, range: Range<usize>, bodies: &Bodies) {
+        for (at, own) in moving.levels.iter().enumerate() {
+            let some = own.part_of(&range);
             if some.is_empty() {
                 continue;
             }
-            if !own.still {
-                self.own_level(grid, own, some.clone(), bodies);
+            self.own_level(moving, own, some.clone(), bodies);
+            for level in &moving.levels[at + 1..] {
+                self.other_level([moving, moving], level, some.clone(), bodies);
             }
-            // The static ones of the same size come next.
-            for level in &grid.levels[number + 1..] {
-                if !(own.still && level.still) {
-                    self.other_level(grid, level, some.clone(), bodies);
-                }
+            for level in still.levels.iter().filter(|level| level.number >= own.number) {
+                self.other_level([moving, still], level, some.clone(), bodies);
+            }
+        }
+    }
+
+    /// Finds all pairs of the static bodies in `range` with moving ones of coarser levels. Two static bodies never collide.
+    fn of_still(&mut self, still: &Grid, moving: &Grid, range: Range<usize>, bodies: &Bodies) {
+        for own in &still.levels {
+            let some = own.part_of(&range);
+            if some.is_empty() {
+                continue;
+            }
+            for level in moving.levels.iter().filter(|level| level.number > own.number) {
+                self.other_level([still, moving], level, some.clone(), bodies);
             }
         }
     }
@@ -102,7 +136,7 @@ impl Finder {
                 end = grid.later(level, own, &mut self.runs);
             }
             let sphere = grid.sphere(i);
-            let mut found = |j| add(grid, [i, j], bodies, &mut self.found);
+            let mut found = |j: usize| add([grid.ids[i], grid.ids[j]], bodies, &mut self.found);
             grid.overlaps(sphere, i + 1..end, &mut found);
             for run in &self.runs {
                 grid.overlaps(sphere, run.clone(), &mut found);
@@ -110,24 +144,26 @@ impl Finder {
         }
     }
 
-    fn other_level(&mut self, grid: &Grid, level: &Level, range: Range<usize>, bodies: &Bodies) {
+    /// `level` is one of the second grid, and the bodies are of the first.
+    fn other_level(&mut self, [own, other]: [&Grid; 2], level: &Level, range: Range<usize>, bodies: &Bodies) {
         let mut reach = None;
         for i in range {
-            let sphere = grid.sphere(i);
+            let sphere = own.sphere(i);
             let now = level.reach(sphere);
             if reach.replace(now) != Some(now) {
                 self.runs.clear();
-                grid.rows(level, now, &mut self.runs);
+                other.rows(level, now, &mut self.runs);
             }
             for run in &self.runs {
-                grid.overlaps(sphere, run.clone(), |j| add(grid, [i, j], bodies, &mut self.found));
+                other.overlaps(sphere, run.clone(), |j| {
+                    add([own.ids[i], other.ids[j]], bodies, &mut self.found);
+                });
             }
         }
     }
 }
 
-fn add(grid: &Grid, pair: [usize; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
-    let [a, b] = pair.map(|i| grid.ids[i]);
+fn add([a, b]: [u32; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
     let pair = [a.min(b), a.max(b)];
     if may_collide(bodies, pair) {
         found.push(pair);

@@ -1,10 +1,9 @@
-//! The grid: bodies by level, static ones apart, and on each level by bucket.
+//! A grid: some of the bodies by level, and on each level by bucket.
 //!
 //! Cells are grouped into blocks of 8 x 4 x 4. A block is hashed to a run of 128 buckets, one for each of its cells: cells
 //! near each other never share a bucket, so that nobody is seen twice, and neighbours along x are neighbours in memory.
 
 use super::counting_sort::CountingSort;
-use crate::components::RigidBody;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -28,9 +27,9 @@ const BLOCK: u32 = 1 << (BITS[0] + BITS[1] + BITS[2]);
 /// More than rounding can add to a distance that the sphere test accepts.
 const SLACK: f64 = 1.0 + 2.0e-6;
 
-/// Levels there can be: two, for moving and for static bodies, for every two exponents of a number. With levels for each
-/// exponent, sizes 1:100 took a third longer: a body looks into every coarser level.
-const LEVELS: usize = 256;
+/// Levels there can be: one for every two exponents of a number. With levels for each exponent, sizes 1:100 took a third
+/// longer: a body looks into every coarser level.
+const LEVELS: usize = 128;
 
 /// Bodies in the grid's order.
 #[derive(Default)]
@@ -42,15 +41,15 @@ pub struct Grid {
     /// Its number among all.
     pub ids: Vec<u32>,
     buckets: CountingSort,
-    /// Bucket of each body, by number.
+    /// Bucket of each body, in the order in which they came.
     keys: Vec<u32>,
 }
 
-/// Bodies whose radii differ by less than a factor of four, and which all are static, or none.
+/// Bodies whose radii differ by less than a factor of four.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
-    /// Whether they are static.
-    pub still: bool,
+    /// Ascends with the radii.
+    pub number: usize,
     /// The largest radius, metres.
     pub radius: f32,
     /// Where its bodies are.
@@ -63,26 +62,26 @@ pub struct Level {
     mask: u32,
 }
 
-/// The number of a body's level: half the exponent of the radius, and whether it is static.
-fn level_of(radius: f32, kind: RigidBody) -> usize {
-    (radius.to_bits() >> 24) as usize * 2 % LEVELS + usize::from(kind == RigidBody::Static)
+/// The number of a body's level: half the exponent of the radius.
+fn level_of(radius: f32) -> usize {
+    (radius.to_bits() >> 24) as usize % LEVELS
 }
 
 /// How many bodies each level holds, and the largest radius there.
 type Census = [(u32, f32); LEVELS];
 
-fn census(radii: &[f32], kinds: &[RigidBody]) -> Census {
-    let count = |(radii, kinds): (&[f32], &[RigidBody])| {
+fn census(radii: &[f32], members: &[u32]) -> Census {
+    let count = |members: &[u32]| {
         let mut census = [(0, 0.0f32); LEVELS];
-        for (&radius, &kind) in radii.iter().zip(kinds) {
-            let (count, largest) = &mut census[level_of(radius, kind)];
+        for &i in members {
+            let radius = radii[i as usize];
+            let (count, largest) = &mut census[level_of(radius)];
             *count += 1;
             *largest = largest.max(radius);
         }
         census
     };
-    let chunks = (radii.par_chunks(1 << 14), kinds.par_chunks(1 << 14));
-    chunks.into_par_iter().map(count).reduce(
+    members.par_chunks(1 << 14).map(count).reduce(
         || [(0, 0.0); LEVELS],
         |mut one, other| {
             for ((count, largest), (more, radius)) in one.iter_mut().zip(other) {
@@ -95,6 +94,11 @@ fn census(radii: &[f32], kinds: &[RigidBody]) -> Census {
 }
 
 impl Level {
+    /// Those of its bodies that are in `range`.
+    pub fn part_of(&self, range: &Range<usize>) -> Range<usize> {
+        range.start.max(self.first as usize)..range.end.min(self.end as usize)
+    }
+
     /// The cell in which a point lies.
     fn cell(&self, at: DVec3) -> [i64; 3] {
         (at * self.cells_per_meter).to_array().map(floor)
@@ -132,13 +136,32 @@ fn floor(x: f64) -> i64 {
 const ROW: u32 = (1 << BITS[0]) - 1;
 
 impl Grid {
-    /// Fills it.
-    pub fn fill(&mut self, centers: &[Vec3], radii: &[f32], kinds: &[RigidBody]) {
+    /// Whether it holds all of so many members, where they are now and as large.
+    pub fn holds(
+        &self,
+        count: usize,
+        is_member: impl Fn(usize) -> bool + Sync,
+        centers: &[Vec3],
+        radii: &[f32],
+    ) -> bool {
+        let [x, y, z, r] = &self.spheres;
+        self.ids.len() == count
+            && (&self.ids, x, y, z, r)
+                .into_par_iter()
+                .with_min_len(FEW)
+                .all(|(&i, &x, &y, &z, &r)| {
+                    let i = i as usize;
+                    i < centers.len() && is_member(i) && centers[i].to_array() == [x, y, z] && radii[i] == r
+                })
+    }
+
+    /// Fills it with those bodies that are `members`.
+    pub fn fill(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
         self.levels.clear();
         // Where each level is in `levels`.
         let mut places = [0; LEVELS];
         let [mut buckets, mut bodies] = [0; 2];
-        for (number, &(count, radius)) in census(radii, kinds).iter().enumerate() {
+        for (number, &(count, radius)) in census(radii, members).iter().enumerate() {
             if count == 0 {
                 continue;
             }
@@ -146,7 +169,7 @@ impl Grid {
             let blocks = (2 * count).div_ceil(BLOCK).next_power_of_two();
             places[number] = self.levels.len();
             self.levels.push(Level {
-                still: number % 2 == 1,
+                number,
                 radius,
                 first: bodies,
                 end: bodies + count,
@@ -160,15 +183,15 @@ impl Grid {
         }
         let levels = &self.levels;
         self.keys.clear();
-        let all = (centers, radii, kinds).into_par_iter().with_min_len(FEW);
-        self.keys.par_extend(all.map(|(center, &radius, &kind)| {
-            let level = &levels[places[level_of(radius, kind)]];
-            let [x, y, z] = level.cell(center.as_dvec3());
+        self.keys.par_extend(members.par_iter().with_min_len(FEW).map(|&i| {
+            let level = &levels[places[level_of(radii[i as usize])]];
+            let [x, y, z] = level.cell(centers[i as usize].as_dvec3());
             level.row([x >> BITS[0], y, z]) + (x as u32 & ROW)
         }));
         self.buckets.sort(buckets as usize, &self.keys);
         self.ids.clear();
-        self.ids.par_extend(self.buckets.order().with_min_len(FEW));
+        let order = self.buckets.order().with_min_len(FEW);
+        self.ids.par_extend(order.map(|at| members[at as usize]));
         // Values of the last step are overwritten.
         let n = self.ids.len();
         let [x, y, z, r] = self.spheres.each_mut().map(|numbers| {
