@@ -19,6 +19,7 @@ pub mod bodies;
 pub mod broad_phase;
 pub mod force_scan;
 pub mod integrate;
+pub mod manifold;
 pub mod mesh_arena;
 pub mod state;
 pub mod triangle_test;
