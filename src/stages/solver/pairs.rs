@@ -1,0 +1,266 @@
+//! What a pair does in a pass: from the velocities of its bodies, an impulse for each.
+
+use super::constraints::{Impulse, Pair, Point};
+use super::motion::{Mass, Movers, Velocity};
+use super::settings::{Softness, SolverSettings};
+use glam::{Quat, Vec3};
+
+/// Gauss-Seidel sweeps over the points of a pair that bounces: it happens once per interval, and has to be right.
+const BOUNCE_SWEEPS: u32 = 6;
+
+/// What holds for all pairs in a pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pass {
+    /// Length of the substep.
+    h: f32,
+    softness: Softness,
+    /// Part of a correction applied at once.
+    relaxation: f32,
+    sweeps: u32,
+    push_speed: f32,
+    untangle_speed: f32,
+    /// Pushes overlapping bodies apart.
+    biased: bool,
+}
+
+impl Pass {
+    pub fn new(settings: &SolverSettings, h: f32) -> Self {
+        Self {
+            h,
+            softness: settings.softness(h),
+            relaxation: settings.relaxation,
+            sweeps: settings.sweeps,
+            push_speed: settings.push_speed,
+            untangle_speed: settings.untangle_speed,
+            biased: true,
+        }
+    }
+
+    pub fn relaxing(self) -> Self {
+        Self { biased: false, ..self }
+    }
+
+    /// The speed that a point asks for beyond none at all, and its softness.
+    fn bias(&self, pair: &Pair, separation: f32) -> (f32, f32, f32) {
+        if separation > 0.0 {
+            // They may meet by the end of the substep, and no sooner.
+            (separation / self.h, 1.0, 0.0)
+        } else if !self.biased {
+            (0.0, 1.0, 0.0)
+        } else if pair.untangling {
+            (-self.untangle_speed, 1.0, 0.0)
+        } else {
+            let speed = (self.softness.bias_rate * separation).max(-self.push_speed);
+            (speed, self.softness.mass_scale, self.softness.impulse_scale)
+        }
+    }
+}
+
+/// Where a pair's points are now, and how their bodies give way there.
+pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
+    if pair.frozen {
+        return;
+    }
+    let [a, b] = pair.bodies.map(|i| movers.shifts[i as usize]);
+    let masses = pair.bodies.map(|i| movers.masses[i as usize]);
+    let moved = b.moved - a.moved;
+    // Impulses act at the lighter body's point: that of a ball that rolls goes along with the ball.
+    let [ma, mb] = masses.map(|m| m.inverse_mass.max_element());
+    let along = if ma + mb > 0.0 { mb / (ma + mb) } else { 0.0 };
+    for point in points.iter_mut().filter(|p| p.usable) {
+        if pair.untangling {
+            point.separation = point.first_separation;
+        } else {
+            let turned = change(b.turned, point.arms[1]) - change(a.turned, point.arms[0]);
+            point.separation = point.first_separation + point.normal.dot(moved + turned);
+            // One place for both, or the two impulses would turn the pair. Arms do not turn with their bodies here: the
+            // point of a ball that rolls stays below its centre, whatever becomes of the spot that touched first.
+            let offset = point.offset + moved;
+            point.levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
+        }
+        let directions = [point.normal, point.tangents[0], point.tangents[1]];
+        for end in 0..2 {
+            point.give[end] = directions.map(|d| give(&masses[end], point.levers[end], d));
+        }
+    }
+}
+
+/// `turn * v - v`, without the rounding of either.
+fn change(turn: Quat, v: Vec3) -> Vec3 {
+    let (u, w) = (turn.xyz(), turn.w);
+    let t = 2.0 * u.cross(v);
+    w * t + u.cross(t)
+}
+
+/// How fast a body's point goes along `d` after a unit impulse along `d`.
+fn give(mass: &Mass, lever: Vec3, d: Vec3) -> f32 {
+    let turn = lever.cross(d);
+    (mass.inverse_mass * d).dot(d) + turn.dot(mass.inverse_inertia * turn)
+}
+
+/// Measures the points, finds out which of them push, and gives the impulses of the last substep again.
+pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], movers: &Movers, pass: &Pass) -> [Impulse; 2] {
+    pair.active = false;
+    if pair.frozen {
+        return [Impulse::default(); 2];
+    }
+    measure(pair, points, movers);
+    let velocities = pair.bodies.map(|i| movers.velocities[i as usize]);
+    let mut out = [Impulse::default(); 2];
+    for point in points.iter_mut().filter(|p| p.usable) {
+        let parting = parting(&velocities, &point.levers).dot(point.normal);
+        point.total += point.impulse;
+        if point.largest == 0.0 {
+            point.impact = parting;
+        }
+        point.active = point.impulse > 0.0 || point.separation + parting * pass.h < 0.5 * pair.rest_offset;
+        if !point.active {
+            point.impulse = 0.0;
+            point.friction = [0.0; 2];
+            continue;
+        }
+        pair.active = true;
+        push(&mut out, &point.levers, point.normal * point.impulse + point.friction_vector());
+    }
+    out
+}
+
+/// Velocity of the second body's point as seen from the first's.
+fn parting([a, b]: &[Velocity; 2], levers: &[Vec3; 2]) -> Vec3 {
+    b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0])
+}
+
+/// Adds an impulse on the second body, and its opposite on the first.
+fn push(out: &mut [Impulse; 2], levers: &[Vec3; 2], impulse: Vec3) {
+    out[0].linear -= impulse;
+    out[0].angular -= levers[0].cross(impulse);
+    out[1].linear += impulse;
+    out[1].angular += levers[1].cross(impulse);
+}
+
+/// A pair by itself: its bodies, each with this pair's share of its mass.
+struct Local<'a> {
+    velocities: [Velocity; 2],
+    masses: [&'a Mass; 2],
+    out: [Impulse; 2],
+}
+
+impl<'a> Local<'a> {
+    fn new(pair: &Pair, movers: &'a Movers) -> Self {
+        Self {
+            velocities: pair.bodies.map(|i| movers.velocities[i as usize]),
+            masses: pair.bodies.map(|i| &movers.masses[i as usize]),
+            out: [Impulse::default(); 2],
+        }
+    }
+
+    /// Change of speed per impulse along the normal and both tangents; `None` if nothing gives way along the normal.
+    fn give(&self, point: &Point) -> Option<[f32; 3]> {
+        let [a, b] = self.masses;
+        let give = [0, 1, 2].map(|d| a.share * point.give[0][d] + b.share * point.give[1][d]);
+        (give[0] > 0.0).then_some(give)
+    }
+
+    fn parting(&self, point: &Point) -> Vec3 {
+        parting(&self.velocities, &point.levers)
+    }
+
+    fn push(&mut self, point: &Point, impulse: Vec3) {
+        let mut ends = [Impulse::default(); 2];
+        push(&mut ends, &point.levers, impulse);
+        for end in 0..2 {
+            let (mass, velocity) = (self.masses[end], &mut self.velocities[end]);
+            velocity.linear += mass.share * (mass.inverse_mass * ends[end].linear);
+            velocity.angular += mass.share * (mass.inverse_inertia * ends[end].angular);
+            self.out[end].linear += ends[end].linear;
+            self.out[end].angular += ends[end].angular;
+        }
+    }
+}
+
+/// One pass over a pair's points.
+pub(super) fn solve(pair: &Pair, points: &mut [Point], movers: &Movers, pass: &Pass) -> [Impulse; 2] {
+    if !pair.active {
+        return [Impulse::default(); 2];
+    }
+    let mut local = Local::new(pair, movers);
+    for _ in 0..pass.sweeps {
+        for point in points.iter_mut().filter(|p| p.active) {
+            let Some(give) = local.give(point) else {
+                continue;
+            };
+            let (bias, mass_scale, impulse_scale) = pass.bias(pair, point.separation);
+            let wanted = local.parting(point).dot(point.normal) + bias;
+            let change = -pass.relaxation * mass_scale * wanted / give[0] - impulse_scale * point.impulse;
+            let impulse = (point.impulse + change).max(0.0);
+            local.push(point, point.normal * (impulse - point.impulse));
+            point.impulse = impulse;
+            point.largest = point.largest.max(impulse);
+
+            let limit = if pair.untangling { 0.0 } else { pair.friction * impulse };
+            let friction = slide(&local, point, give, point.friction, pass.relaxation, limit);
+            let change = [friction[0] - point.friction[0], friction[1] - point.friction[1]];
+            local.push(point, point.tangents[0] * change[0] + point.tangents[1] * change[1]);
+            point.friction = friction;
+        }
+    }
+    local.out
+}
+
+/// The friction impulse that stops the points from sliding, shortened to `limit`.
+fn slide(local: &Local, point: &Point, give: [f32; 3], so_far: [f32; 2], part: f32, limit: f32) -> [f32; 2] {
+    let sliding = local.parting(point);
+    let mut wanted = so_far;
+    for (d, wanted) in wanted.iter_mut().enumerate() {
+        if give[d + 1] > 0.0 {
+            *wanted -= part * sliding.dot(point.tangents[d]) / give[d + 1];
+        }
+    }
+    let length = wanted[0].hypot(wanted[1]);
+    if length > limit {
+        wanted.map(|w| w * (limit / length))
+    } else {
+        wanted
+    }
+}
+
+/// Makes a pair active if some of its points met fast enough to bounce.
+pub(super) fn begin_bounce(pair: &mut Pair, points: &mut [Point], threshold: f32) {
+    pair.active = false;
+    if pair.frozen || pair.untangling || pair.restitution <= 0.0 {
+        return;
+    }
+    for point in points {
+        point.active = point.usable && point.impact < -threshold && point.largest > 0.0;
+        pair.active |= point.active;
+    }
+}
+
+/// One pass that turns round the speed at which a pair's points met (Newton's law of impact), with the friction that goes
+/// with it.
+pub(super) fn bounce(pair: &Pair, points: &mut [Point], movers: &Movers) -> [Impulse; 2] {
+    if !pair.active {
+        return [Impulse::default(); 2];
+    }
+    let mut local = Local::new(pair, movers);
+    for _ in 0..BOUNCE_SWEEPS {
+        for point in points.iter_mut().filter(|p| p.active) {
+            let Some(give) = local.give(point) else {
+                continue;
+            };
+            let wanted = local.parting(point).dot(point.normal) + pair.restitution * point.impact;
+            let impulse = (point.bounce - wanted / give[0]).max(0.0);
+            local.push(point, point.normal * (impulse - point.bounce));
+            point.bounce = impulse;
+
+            let friction = slide(&local, point, give, point.bounce_friction, 1.0, pair.friction * impulse);
+            let change = [
+                friction[0] - point.bounce_friction[0],
+                friction[1] - point.bounce_friction[1],
+            ];
+            local.push(point, point.tangents[0] * change[0] + point.tangents[1] * change[1]);
+            point.bounce_friction = friction;
+        }
+    }
+    local.out
+}
