@@ -53,8 +53,8 @@ pub(super) struct Point {
     pub tangents: [Vec3; 2],
     /// From the centres to the place where impulses act, one place for both.
     pub levers: [Vec3; 2],
-    /// Change of velocity that a unit impulse causes at each end, along the normal and both tangents.
-    pub give: [[f32; 3]; 2],
+    /// Change of velocity that a unit impulse causes at each end, along the normal and across it.
+    pub give: [[f32; 2]; 2],
     /// Beyond the rest offset, at the start of the interval and now.
     pub first_separation: f32,
     pub separation: f32,
@@ -202,7 +202,7 @@ impl Point {
         normal: Vec3::X,
         tangents: [Vec3::Y, Vec3::Z],
         levers: [Vec3::ZERO; 2],
-        give: [[0.0; 3]; 2],
+        give: [[0.0; 2]; 2],
         first_separation: 0.0,
         separation: 0.0,
         impulse: 0.0,

@@ -9,6 +9,11 @@ use rayon::prelude::*;
 /// Bodies per task: fewer cost more to hand out than to do.
 const GRAIN: usize = 256;
 
+/// Free rotation is followed in angles of at most this many radians...
+const FREE_ANGLE: f32 = 0.25;
+/// ...of which there are at most this many in a substep.
+const MAX_ROUNDS: f32 = 32.0;
+
 /// How a body moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Velocity {
@@ -339,27 +344,47 @@ impl Spin {
 
     /// Turns a body on which nothing acts and returns its angular velocity afterwards.
     ///
-    /// Angular momentum stays what it was, to rounding: the velocity is read back from it in the new pose. The implicit midpoint rule,
-    /// symmetric in time, keeps the energy in bounds too; two rounds get near enough to its solution. However fast and
-    /// however slender the body, angular velocity cannot exceed momentum over the smallest moment of inertia.
+    /// Seen from the body, its angular momentum turns backward, and angular velocity follows from it: momentum stays what it was.
+    /// The angle is that of the implicit midpoint rule, which is symmetric in time and so keeps the energy in bounds too.
+    /// Everything is summed as changes: what rounding makes of unit quaternions, and of inertia times its inverse, would add
+    /// up otherwise, to 0.3 % in a minute.
     fn turn_freely(&self, angular: Vec3, turned: &mut Quat, h: f32) -> Vec3 {
-        let at = |turned: Quat, tensor: &Mat3, v: Vec3| {
-            let rotation = turned * self.rotation;
-            rotation * (*tensor * (rotation.conjugate() * v))
-        };
-        let momentum = at(*turned, &self.own_inertia, angular);
-        let mut middle = angular;
-        for _ in 0..2 {
-            middle = at(turn(middle * (0.5 * h), *turned), &self.own_inverse_inertia, momentum);
-        }
-        let next = turn(middle * h, *turned);
-        let after = at(next, &self.own_inverse_inertia, momentum);
-        if !(after.is_finite() && next.is_finite()) {
+        let rounds = (angular.length() * h / FREE_ANGLE).ceil().max(1.0);
+        if rounds > MAX_ROUNDS {
+            // Nobody sees where a body points that turns more than a radian in a millisecond.
+            *turned = turn(angular * h, *turned);
             return angular;
         }
-        *turned = next;
-        after
+        let h = h / rounds;
+        let (mut next, mut pose) = (angular, *turned);
+        for _ in 0..rounds as u32 {
+            let axes = Mat3::from_quat((pose * self.rotation).normalize());
+            let inertia = axes * self.own_inertia * axes.transpose();
+            let inverse = axes * self.own_inverse_inertia * axes.transpose();
+            let momentum = inertia * next;
+            // In axes that turn with the body and start as the world's.
+            let after = |angle: Vec3| next + inverse * change(Quat::from_scaled_axis(-angle), momentum);
+            let mut middle = next;
+            for _ in 0..3 {
+                middle = after(middle * (0.5 * h));
+            }
+            let own = after(middle * h);
+            next = own + change(Quat::from_scaled_axis(middle * h), own);
+            pose = turn(middle * h, pose);
+        }
+        if !(next.is_finite() && pose.is_finite()) {
+            return angular;
+        }
+        *turned = pose;
+        next
     }
+}
+
+/// `turn * v - v`, without the rounding of either.
+pub(super) fn change(turn: Quat, v: Vec3) -> Vec3 {
+    let (u, w) = (turn.xyz(), turn.w);
+    let t = 2.0 * u.cross(v);
+    w * t + u.cross(t)
 }
 
 /// `rotation`, turned on by an angle vector in world axes.

@@ -1,9 +1,9 @@
 //! What a pair does in a pass: from the velocities of its bodies, an impulse for each.
 
 use super::constraints::{Impulse, Pair, Point};
-use super::motion::{Mass, Movers, Velocity};
+use super::motion::{Mass, Movers, Velocity, change};
 use super::settings::{Softness, SolverSettings};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// Gauss-Seidel sweeps over the points of a pair that bounces: it happens once per interval, and has to be right.
 const BOUNCE_SWEEPS: u32 = 6;
@@ -78,18 +78,15 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
             let offset = point.offset + moved;
             point.levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
         }
-        let directions = [point.normal, point.tangents[0], point.tangents[1]];
         for end in 0..2 {
-            point.give[end] = directions.map(|d| give(&masses[end], point.levers[end], d));
+            let along = |d| give(&masses[end], point.levers[end], d);
+            // One number for both tangents: with two, friction would not point against the sliding.
+            point.give[end] = [
+                along(point.normal),
+                along(point.tangents[0]).max(along(point.tangents[1])),
+            ];
         }
     }
-}
-
-/// `turn * v - v`, without the rounding of either.
-fn change(turn: Quat, v: Vec3) -> Vec3 {
-    let (u, w) = (turn.xyz(), turn.w);
-    let t = 2.0 * u.cross(v);
-    w * t + u.cross(t)
 }
 
 /// How fast a body's point goes along `d` after a unit impulse along `d`.
@@ -154,10 +151,10 @@ impl<'a> Local<'a> {
         }
     }
 
-    /// Change of speed per impulse along the normal and both tangents; `None` if nothing gives way along the normal.
-    fn give(&self, point: &Point) -> Option<[f32; 3]> {
+    /// Change of speed per impulse along the normal and across; `None` if nothing gives way along the normal.
+    fn give(&self, point: &Point) -> Option<[f32; 2]> {
         let [a, b] = self.masses;
-        let give = [0, 1, 2].map(|d| a.share * point.give[0][d] + b.share * point.give[1][d]);
+        let give = [0, 1].map(|d| a.share * point.give[0][d] + b.share * point.give[1][d]);
         (give[0] > 0.0).then_some(give)
     }
 
@@ -198,7 +195,7 @@ pub(super) fn solve(pair: &Pair, points: &mut [Point], movers: &Movers, pass: &P
             point.largest = point.largest.max(impulse);
 
             let limit = if pair.untangling { 0.0 } else { pair.friction * impulse };
-            let friction = slide(&local, point, give, point.friction, pass.relaxation, limit);
+            let friction = slide(&local, point, give[1], point.friction, pass.relaxation, limit);
             let change = [friction[0] - point.friction[0], friction[1] - point.friction[1]];
             local.push(point, point.tangents[0] * change[0] + point.tangents[1] * change[1]);
             point.friction = friction;
@@ -208,14 +205,12 @@ pub(super) fn solve(pair: &Pair, points: &mut [Point], movers: &Movers, pass: &P
 }
 
 /// The friction impulse that stops the points from sliding, shortened to `limit`.
-fn slide(local: &Local, point: &Point, give: [f32; 3], so_far: [f32; 2], part: f32, limit: f32) -> [f32; 2] {
-    let sliding = local.parting(point);
-    let mut wanted = so_far;
-    for (d, wanted) in wanted.iter_mut().enumerate() {
-        if give[d + 1] > 0.0 {
-            *wanted -= part * sliding.dot(point.tangents[d]) / give[d + 1];
-        }
+fn slide(local: &Local, point: &Point, give: f32, so_far: [f32; 2], part: f32, limit: f32) -> [f32; 2] {
+    if give <= 0.0 {
+        return so_far;
     }
+    let sliding = local.parting(point);
+    let wanted = [0, 1].map(|d| so_far[d] - part * sliding.dot(point.tangents[d]) / give);
     let length = wanted[0].hypot(wanted[1]);
     if length > limit {
         wanted.map(|w| w * (limit / length))
@@ -253,7 +248,7 @@ pub(super) fn bounce(pair: &Pair, points: &mut [Point], movers: &Movers) -> [Imp
             local.push(point, point.normal * (impulse - point.bounce));
             point.bounce = impulse;
 
-            let friction = slide(&local, point, give, point.bounce_friction, 1.0, pair.friction * impulse);
+            let friction = slide(&local, point, give[1], point.bounce_friction, 1.0, pair.friction * impulse);
             let change = [
                 friction[0] - point.bounce_friction[0],
                 friction[1] - point.bounce_friction[1],
