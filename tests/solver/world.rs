@@ -104,7 +104,7 @@ impl World {
             };
             for _ in 0..detections {
                 self.detect(interval.dt);
-                self.sleeper.wake(&mut self.bodies, &self.manifolds, &self.settings);
+                self.sleeper.wake(&mut self.bodies, &self.manifolds, &self.settings, &interval);
                 let start = std::time::Instant::now();
                 self.solver.solve(
                     &mut self.bodies,

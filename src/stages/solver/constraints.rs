@@ -9,8 +9,8 @@ use super::warm_start::{Match, WarmStart};
 use crate::stages::manifold::{ManifoldPoint, Manifolds};
 use glam::{DVec3, Vec3};
 
-/// Pairs per task.
-const GRAIN: usize = 32;
+/// Pairs per task, at most.
+const GRAIN: usize = 128;
 
 /// What a pair does to one of its bodies.
 #[derive(Clone, Copy, Debug, Default)]

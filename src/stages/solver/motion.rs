@@ -7,7 +7,7 @@ use glam::{DQuat, Mat3, Quat, Vec3};
 use rayon::prelude::*;
 
 /// Bodies per task: fewer cost more to hand out than to do.
-const GRAIN: usize = 256;
+const GRAIN: usize = 1024;
 
 /// Free rotation is followed in angles of at most this many radians...
 const FREE_ANGLE: f32 = 0.25;

@@ -1,9 +1,10 @@
 //! Which bodies are frozen: islands of bodies at rest.
 
+use super::Interval;
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use super::settings::SolverSettings;
 use crate::components::RigidBody;
-use crate::stages::manifold::{Manifold, Manifolds};
+use crate::stages::manifold::{Manifold, ManifoldPoint, Manifolds};
 use glam::Vec3;
 
 /// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
@@ -37,8 +38,14 @@ impl Sleeper {
     }
 
     /// Wakes whole islands in which a sleeping body was given a velocity, force or impulse, is touched by a body that is
-    /// awake or by a kinematic one that moves, or touches others than when it fell asleep.
-    pub fn wake(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
+    /// awake or by a kinematic one that moves, or will be within the interval, or touches others than when it fell asleep.
+    pub fn wake(
+        &mut self,
+        bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        interval: &Interval,
+    ) {
         if !bodies.sleep.iter().any(|s| s.asleep) {
             return;
         }
@@ -64,7 +71,7 @@ impl Sleeper {
                 self.restless[root as usize] = true;
             }
         }
-        self.note_drivers(bodies, manifolds, settings);
+        self.note_visitors(bodies, manifolds, settings, interval);
         for i in 0..bodies.len() {
             let root = self.root(i as u32);
             if bodies.sleep[i].asleep && self.restless[root as usize] {
@@ -139,17 +146,50 @@ impl Sleeper {
     /// Kinematic bodies that move keep those awake that touch them.
     fn note_drivers(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
         for pair in &manifolds.pairs {
-            if !touches(bodies, manifolds, pair, settings) {
-                continue;
+            if touches(bodies, manifolds, pair, settings) {
+                self.note_visitor(bodies, pair, |bodies, i| {
+                    bodies.bodies[i].kind == RigidBody::Kinematic && is_moving(bodies, i)
+                });
             }
-            let [a, b] = pair.bodies.map(|i| i as usize);
-            for (driver, driven) in [(a, b), (b, a)] {
-                let drives = bodies.bodies[driver].kind == RigidBody::Kinematic
-                    && speed(&bodies.bodies[driver], &bodies.motions[driver]) != 0.0;
-                if drives {
-                    let root = self.root(driven as u32);
-                    self.restless[root as usize] = true;
-                }
+        }
+    }
+
+    /// Bodies that move wake those that they will have reached at the end of the interval: in their sleep these would not
+    /// give way.
+    fn note_visitors(
+        &mut self,
+        bodies: &SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        interval: &Interval,
+    ) {
+        let fall = interval.gravity.length() * interval.dt;
+        for pair in &manifolds.pairs {
+            let Some(near) = nearness(bodies, pair, settings) else {
+                continue;
+            };
+            let meets = |p: &ManifoldPoint| {
+                let [a, b] = [0, 1].map(|end| {
+                    let motion = &bodies.motions[pair.bodies[end] as usize];
+                    motion.linear_velocity + motion.angular_velocity.cross(p.arms[end])
+                });
+                p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * interval.dt <= near
+            };
+            if points_of(manifolds, pair).iter().any(meets) {
+                self.note_visitor(bodies, pair, |bodies, i| {
+                    bodies.bodies[i].moves() && !bodies.sleep[i].asleep && is_moving(bodies, i)
+                });
+            }
+        }
+    }
+
+    /// Makes the island restless of an end of `pair` whose other end is as asked.
+    fn note_visitor(&mut self, bodies: &SolverBodies, pair: &Manifold, visits: impl Fn(&SolverBodies, usize) -> bool) {
+        let [a, b] = pair.bodies;
+        for (visitor, visited) in [(a, b), (b, a)] {
+            if visits(bodies, visitor as usize) {
+                let root = self.root(visited);
+                self.restless[root as usize] = true;
             }
         }
     }
@@ -167,15 +207,27 @@ impl Sleeper {
 
 /// Whether both bodies are there and solid, and some point of theirs is as near as at rest.
 fn touches(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
-    let [a, b] = pair.bodies.map(|i| i as usize);
-    let range = pair.first_point as usize..pair.first_point as usize + pair.point_count as usize;
-    let (Some(one), Some(other), Some(points)) =
-        (bodies.bodies.get(a), bodies.bodies.get(b), manifolds.points.get(range))
-    else {
-        return false;
-    };
-    let near = TOUCH * settings.rest_offset * 2.0 * one.radius.min(other.radius);
-    a != b && one.solid && other.solid && points.iter().any(|p| p.separation <= near)
+    nearness(bodies, pair, settings)
+        .is_some_and(|near| points_of(manifolds, pair).iter().any(|p| p.separation <= near))
+}
+
+/// Up to which separation a pair touches; `None` if a body is not there or not solid.
+fn nearness(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
+    let [a, b] = pair.bodies.map(|i| bodies.bodies.get(i as usize));
+    let (a, b) = (a?, b?);
+    let solid = pair.bodies[0] != pair.bodies[1] && a.solid && b.solid;
+    solid.then(|| TOUCH * settings.rest_offset * 2.0 * a.radius.min(b.radius))
+}
+
+/// The points of a pair; none if they are not there.
+fn points_of<'a>(manifolds: &'a Manifolds, pair: &Manifold) -> &'a [ManifoldPoint] {
+    let first = pair.first_point as usize;
+    let range = first..first.saturating_add(pair.point_count as usize);
+    manifolds.points.get(range).unwrap_or_default()
+}
+
+fn is_moving(bodies: &SolverBodies, i: usize) -> bool {
+    speed(&bodies.bodies[i], &bodies.motions[i]) != 0.0
 }
 
 /// How fast the fastest point of the body's bounding sphere moves.
