@@ -21,6 +21,7 @@ pub mod force_scan;
 pub mod integrate;
 pub mod manifold;
 pub mod mesh_arena;
+pub mod solver;
 pub mod state;
 pub mod triangle_test;
 

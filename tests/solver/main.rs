@@ -4,6 +4,7 @@ mod bodies;
 mod bounce;
 mod cloud;
 mod friction;
+mod meshes;
 mod overlap;
 mod rest;
 mod same_bits;

@@ -113,7 +113,7 @@ fn a_kinematic_body_that_starts_to_move_wakes_what_lies_on_it() {
     assert_eq!(asleep(&world), [cube]);
     world.motion(platform).linear_velocity = Vec3::X * 0.02;
     world.seconds(2.0);
-    assert_eq!(asleep(&world), [], "slow as it is, what it carries moves");
+    assert_eq!(asleep(&world), [0; 0], "slow as it is, what it carries moves");
     assert!((world.velocity(cube).x - 0.02).abs() < 1.0e-3);
 }
 
@@ -138,7 +138,7 @@ fn sleep_can_be_switched_off() {
     let mut world = sleeping_stack();
     world.settings.sleeping = false;
     world.step(1);
-    assert_eq!(asleep(&world), []);
+    assert_eq!(asleep(&world), [0; 0]);
     world.seconds(3.0);
-    assert_eq!(asleep(&world), []);
+    assert_eq!(asleep(&world), [0; 0]);
 }

@@ -12,6 +12,7 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | `adapter` | the way from a step's bodies to these and back |
 //! | [`bodies`] | what bodies are, how they move, what acts on them |
 //! | [`settings`] | what can be set |
 //! | `constraints` | a pair's points as the solver works on them, and how they are made |
@@ -24,6 +25,7 @@
 //!
 //! Nothing here knows of the ECS. Half-spaces take part as static bodies.
 
+mod adapter;
 pub mod bodies;
 mod constraints;
 mod ends;
