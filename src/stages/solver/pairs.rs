@@ -78,14 +78,14 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
             let offset = point.offset + moved;
             point.levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
         }
-        for end in 0..2 {
+        point.give = [0, 1].map(|end| {
             let along = |d| give(&masses[end], point.levers[end], d);
             // One number for both tangents: with two, friction would not point against the sliding.
-            point.give[end] = [
+            [
                 along(point.normal),
                 along(point.tangents[0]).max(along(point.tangents[1])),
-            ];
-        }
+            ]
+        });
     }
 }
 
@@ -165,12 +165,12 @@ impl<'a> Local<'a> {
     fn push(&mut self, point: &Point, impulse: Vec3) {
         let mut ends = [Impulse::default(); 2];
         push(&mut ends, &point.levers, impulse);
-        for end in 0..2 {
+        for (end, impulse) in ends.iter().enumerate() {
             let (mass, velocity) = (self.masses[end], &mut self.velocities[end]);
-            velocity.linear += mass.share * (mass.inverse_mass * ends[end].linear);
-            velocity.angular += mass.share * (mass.inverse_inertia * ends[end].angular);
-            self.out[end].linear += ends[end].linear;
-            self.out[end].angular += ends[end].angular;
+            velocity.linear += mass.share * (mass.inverse_mass * impulse.linear);
+            velocity.angular += mass.share * (mass.inverse_inertia * impulse.angular);
+            self.out[end].linear += impulse.linear;
+            self.out[end].angular += impulse.angular;
         }
     }
 }
