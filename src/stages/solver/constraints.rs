@@ -7,7 +7,7 @@ use super::pairs::{self, Pass};
 use super::settings::SolverSettings;
 use super::warm_start::{Match, WarmStart};
 use crate::stages::manifold::{ManifoldPoint, Manifolds};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 /// Pairs per task, at most.
 const GRAIN: usize = 128;
@@ -15,9 +15,9 @@ const GRAIN: usize = 128;
 /// What a pair does to one of its bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Impulse {
-    pub linear: Vec3,
+    pub linear: Vec3A,
     /// About the centre of mass.
-    pub angular: Vec3,
+    pub angular: Vec3A,
 }
 
 /// Two bodies and what holds for all their points.
@@ -45,14 +45,14 @@ pub(super) struct Pair {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     /// From the centres of mass to the points on the surfaces, at the start of the interval.
-    pub arms: [Vec3; 2],
+    pub arms: [Vec3A; 2],
     /// From the first body's point to the second's, at the start of the interval.
-    pub offset: Vec3,
+    pub offset: Vec3A,
     /// From the first body to the second; stays as it is for the interval, as do the tangents.
-    pub normal: Vec3,
-    pub tangents: [Vec3; 2],
+    pub normal: Vec3A,
+    pub tangents: [Vec3A; 2],
     /// From the centres to the place where impulses act, one place for both.
-    pub levers: [Vec3; 2],
+    pub levers: [Vec3A; 2],
     /// Change of velocity that a unit impulse causes at each end, along the normal and across it.
     pub give: [[f32; 2]; 2],
     /// Beyond the rest offset, at the start of the interval and now.
@@ -197,11 +197,11 @@ fn halve<F: Fn(&mut Pair, &mut [Point], &mut [Impulse; 2]) + Sync>(
 impl Point {
     /// One that does nothing.
     const NONE: Self = Self {
-        arms: [Vec3::ZERO; 2],
-        offset: Vec3::ZERO,
-        normal: Vec3::X,
-        tangents: [Vec3::Y, Vec3::Z],
-        levers: [Vec3::ZERO; 2],
+        arms: [Vec3A::ZERO; 2],
+        offset: Vec3A::ZERO,
+        normal: Vec3A::X,
+        tangents: [Vec3A::Y, Vec3A::Z],
+        levers: [Vec3A::ZERO; 2],
         give: [[0.0; 2]; 2],
         first_separation: 0.0,
         separation: 0.0,
@@ -226,10 +226,10 @@ impl Point {
         let (t, u) = manifold.normal.any_orthonormal_pair();
         let [a, b] = manifold.arms;
         Self {
-            arms: manifold.arms,
-            offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3(),
-            normal: manifold.normal,
-            tangents: [t, u],
+            arms: manifold.arms.map(Vec3A::from),
+            offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
+            normal: manifold.normal.into(),
+            tangents: [t.into(), u.into()],
             first_separation: manifold.separation - rest_offset,
             usable: true,
             ..Self::NONE
@@ -240,8 +240,8 @@ impl Point {
     fn untangling(normal: Vec3, depth: f32) -> Self {
         let (t, u) = normal.any_orthonormal_pair();
         Self {
-            normal,
-            tangents: [t, u],
+            normal: normal.into(),
+            tangents: [t.into(), u.into()],
             first_separation: -depth,
             usable: true,
             ..Self::NONE
@@ -249,7 +249,7 @@ impl Point {
     }
 
     /// The friction impulse in the world.
-    pub fn friction_vector(&self) -> Vec3 {
+    pub fn friction_vector(&self) -> Vec3A {
         self.tangents[0] * self.friction[0] + self.tangents[1] * self.friction[1]
     }
 }
@@ -322,7 +322,7 @@ impl Source<'_> {
                 point.impulse = impulse;
                 // Belongs to the last interval.
                 point.total = -impulse;
-                point.friction = point.tangents.map(|t| t.dot(friction));
+                point.friction = point.tangents.map(|t| t.dot(friction.into()));
             }
         }
     }

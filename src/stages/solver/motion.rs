@@ -3,7 +3,7 @@
 use super::bodies::{LockedAxes, SolverBodies, SolverBody};
 use super::constraints::{Impulse, Pair};
 use super::ends::Ends;
-use glam::{DQuat, Mat3, Quat, Vec3};
+use glam::{DQuat, Mat3, Mat3A, Quat, Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// Bodies per task: fewer cost more to hand out than to do.
@@ -17,17 +17,17 @@ const MAX_ROUNDS: f32 = 32.0;
 /// How a body moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Velocity {
-    pub linear: Vec3,
-    pub angular: Vec3,
+    pub linear: Vec3A,
+    pub angular: Vec3A,
 }
 
 /// How a body gives way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mass {
     /// Along each world axis; zero for what is not pushed and along locked axes.
-    pub inverse_mass: Vec3,
+    pub inverse_mass: Vec3A,
     /// In world axes.
-    pub inverse_inertia: Mat3,
+    pub inverse_inertia: Mat3A,
     /// Into how many bodies it is split in this substep: the pairs that push it, at least 1.
     pub share: f32,
 }
@@ -35,7 +35,7 @@ pub(super) struct Mass {
 /// How far a body has come since the start of the interval. Kept apart from its pose because small numbers are finer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shift {
-    pub moved: Vec3,
+    pub moved: Vec3A,
     pub turned: Quat,
 }
 
@@ -73,7 +73,7 @@ impl Movers {
     /// Whether contacts push the body.
     pub fn has_mass(&self, body: usize) -> bool {
         let mass = &self.masses[body];
-        mass.inverse_mass != Vec3::ZERO || mass.inverse_inertia != Mat3::ZERO
+        mass.inverse_mass != Vec3A::ZERO || mass.inverse_inertia != Mat3A::ZERO
     }
 
     /// From a body's axes to the world's at the start of the interval.
@@ -103,31 +103,31 @@ impl Movers {
             let spin = Spin::new(body, rotation, moves, pushed, h);
             let mass = if pushed {
                 Mass {
-                    inverse_mass: body.inverse_mass * body.locked_axes.free_translation(),
-                    inverse_inertia: spin.inverse_inertia(rotation),
+                    inverse_mass: (body.inverse_mass * body.locked_axes.free_translation()).into(),
+                    inverse_inertia: spin.inverse_inertia(rotation).into(),
                     share: 1.0,
                 }
             } else {
                 Mass {
-                    inverse_mass: Vec3::ZERO,
-                    inverse_inertia: Mat3::ZERO,
+                    inverse_mass: Vec3A::ZERO,
+                    inverse_inertia: Mat3A::ZERO,
                     share: 1.0,
                 }
             };
             let mut velocity = Velocity::default();
             if moves {
-                velocity.linear = motion.linear_velocity;
-                velocity.angular = motion.angular_velocity;
+                velocity.linear = motion.linear_velocity.into();
+                velocity.angular = motion.angular_velocity.into();
             }
             let forces = &mut bodies.forces[i];
             if pushed {
                 let impulse = Impulse {
-                    linear: forces.impulse,
-                    angular: forces.angular_impulse,
+                    linear: forces.impulse.into(),
+                    angular: forces.angular_impulse.into(),
                 };
                 velocity.take(&mass, impulse);
-                velocity.linear *= body.locked_axes.free_translation();
-                velocity.angular *= body.locked_axes.free_rotation();
+                velocity.linear *= Vec3A::from(body.locked_axes.free_translation());
+                velocity.angular *= Vec3A::from(body.locked_axes.free_rotation());
             }
             if !asleep {
                 forces.impulse = Vec3::ZERO;
@@ -136,7 +136,7 @@ impl Movers {
             velocities.push(velocity);
             masses.push(mass);
             shifts.push(Shift {
-                moved: Vec3::ZERO,
+                moved: Vec3A::ZERO,
                 turned: Quat::IDENTITY,
             });
             spins.push(spin);
@@ -155,17 +155,17 @@ impl Movers {
             .into_par_iter()
             .with_min_len(GRAIN)
             .for_each(|(velocity, mass, spin, body, forces)| {
-                if mass.inverse_mass == Vec3::ZERO && mass.inverse_inertia == Mat3::ZERO {
+                if mass.inverse_mass == Vec3A::ZERO && mass.inverse_inertia == Mat3A::ZERO {
                     return;
                 }
                 let fall = gravity * (body.gravity_scale * h) * body.locked_axes.free_translation();
                 let push = Impulse {
-                    linear: forces.force * h,
-                    angular: forces.torque * h,
+                    linear: (forces.force * h).into(),
+                    angular: (forces.torque * h).into(),
                 };
                 let mut next = *velocity;
                 next.take(mass, push);
-                next.linear = (next.linear + fall) * spin.linear_decay;
+                next.linear = (next.linear + Vec3A::from(fall)) * spin.linear_decay;
                 next.angular *= spin.angular_decay;
                 if next.is_finite() {
                     *velocity = next;
@@ -229,16 +229,16 @@ impl Movers {
                 }
                 velocity.limit(body);
                 shift.moved += velocity.linear * h;
-                if velocity.angular == Vec3::ZERO {
+                if velocity.angular == Vec3A::ZERO {
                     return;
                 }
-                if mass.inverse_inertia == Mat3::ZERO || spin.isotropic || spin.locked.free_rotation() != Vec3::ONE {
-                    shift.turned = turn(velocity.angular * h, shift.turned);
+                if mass.inverse_inertia == Mat3A::ZERO || spin.isotropic || spin.locked.free_rotation() != Vec3::ONE {
+                    shift.turned = turn((velocity.angular * h).into(), shift.turned);
                 } else {
-                    velocity.angular = spin.turn_freely(velocity.angular, &mut shift.turned, h);
+                    velocity.angular = spin.turn_freely(velocity.angular.into(), &mut shift.turned, h).into();
                 }
-                if mass.inverse_inertia != Mat3::ZERO {
-                    mass.inverse_inertia = spin.inverse_inertia(shift.turned * spin.rotation);
+                if mass.inverse_inertia != Mat3A::ZERO {
+                    mass.inverse_inertia = spin.inverse_inertia(shift.turned * spin.rotation).into();
                 }
             });
     }
@@ -259,13 +259,13 @@ impl Movers {
                     return;
                 }
                 velocity.limit(body);
-                motion.center += shift.moved.as_dvec3();
+                motion.center += Vec3::from(shift.moved).as_dvec3();
                 motion.rotation = (shift.turned.as_dquat() * motion.rotation).normalize();
                 if !motion.rotation.is_finite() {
                     motion.rotation = DQuat::IDENTITY;
                 }
-                motion.linear_velocity = velocity.linear;
-                motion.angular_velocity = velocity.angular;
+                motion.linear_velocity = velocity.linear.into();
+                motion.angular_velocity = velocity.angular.into();
             });
     }
 }
@@ -287,7 +287,7 @@ impl Velocity {
 }
 
 /// `v`, or a vector along it of length `limit` if it is longer. Negative and NaN limits limit nothing.
-fn limited(v: Vec3, limit: f32) -> Vec3 {
+fn limited(v: Vec3A, limit: f32) -> Vec3A {
     let square = v.length_squared();
     if limit >= 0.0 && square > limit * limit {
         v * (limit / square.sqrt())
@@ -363,13 +363,13 @@ impl Spin {
             let inverse = axes * self.own_inverse_inertia * axes.transpose();
             let momentum = inertia * next;
             // In axes that turn with the body and start as the world's.
-            let after = |angle: Vec3| next + inverse * change(Quat::from_scaled_axis(-angle), momentum);
+            let after = |angle: Vec3| next + inverse * Vec3::from(change(Quat::from_scaled_axis(-angle), momentum.into()));
             let mut middle = next;
             for _ in 0..3 {
                 middle = after(middle * (0.5 * h));
             }
             let own = after(middle * h);
-            next = own + change(Quat::from_scaled_axis(middle * h), own);
+            next = own + Vec3::from(change(Quat::from_scaled_axis(middle * h), own.into()));
             pose = turn(middle * h, pose);
         }
         if !(next.is_finite() && pose.is_finite()) {
@@ -381,8 +381,8 @@ impl Spin {
 }
 
 /// `turn * v - v`, without the rounding of either.
-pub(super) fn change(turn: Quat, v: Vec3) -> Vec3 {
-    let (u, w) = (turn.xyz(), turn.w);
+pub(super) fn change(turn: Quat, v: Vec3A) -> Vec3A {
+    let (u, w) = (Vec3A::from(turn.xyz()), turn.w);
     let t = 2.0 * u.cross(v);
     w * t + u.cross(t)
 }

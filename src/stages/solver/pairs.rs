@@ -3,7 +3,7 @@
 use super::constraints::{Impulse, Pair, Point};
 use super::motion::{Mass, Movers, Velocity, change};
 use super::settings::{Softness, SolverSettings};
-use glam::Vec3;
+use glam::Vec3A;
 
 /// Gauss-Seidel sweeps over the points of a pair that bounces: it happens once per interval, and has to be right.
 const BOUNCE_SWEEPS: u32 = 6;
@@ -90,7 +90,7 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
 }
 
 /// How fast a body's point goes along `d` after a unit impulse along `d`.
-fn give(mass: &Mass, lever: Vec3, d: Vec3) -> f32 {
+fn give(mass: &Mass, lever: Vec3A, d: Vec3A) -> f32 {
     let turn = lever.cross(d);
     (mass.inverse_mass * d).dot(d) + turn.dot(mass.inverse_inertia * turn)
 }
@@ -123,12 +123,12 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], movers: &Move
 }
 
 /// Velocity of the second body's point as seen from the first's.
-fn parting([a, b]: &[Velocity; 2], levers: &[Vec3; 2]) -> Vec3 {
+fn parting([a, b]: &[Velocity; 2], levers: &[Vec3A; 2]) -> Vec3A {
     b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0])
 }
 
 /// Adds an impulse on the second body, and its opposite on the first.
-fn push(out: &mut [Impulse; 2], levers: &[Vec3; 2], impulse: Vec3) {
+fn push(out: &mut [Impulse; 2], levers: &[Vec3A; 2], impulse: Vec3A) {
     out[0].linear -= impulse;
     out[0].angular -= levers[0].cross(impulse);
     out[1].linear += impulse;
@@ -158,11 +158,11 @@ impl<'a> Local<'a> {
         (give[0] > 0.0).then_some(give)
     }
 
-    fn parting(&self, point: &Point) -> Vec3 {
+    fn parting(&self, point: &Point) -> Vec3A {
         parting(&self.velocities, &point.levers)
     }
 
-    fn push(&mut self, point: &Point, impulse: Vec3) {
+    fn push(&mut self, point: &Point, impulse: Vec3A) {
         let mut ends = [Impulse::default(); 2];
         push(&mut ends, &point.levers, impulse);
         for (end, impulse) in ends.iter().enumerate() {
@@ -211,9 +211,9 @@ fn slide(local: &Local, point: &Point, give: f32, so_far: [f32; 2], part: f32, l
     }
     let sliding = local.parting(point);
     let wanted = [0, 1].map(|d| so_far[d] - part * sliding.dot(point.tangents[d]) / give);
-    let length = wanted[0].hypot(wanted[1]);
-    if length > limit {
-        wanted.map(|w| w * (limit / length))
+    let square = wanted[0] * wanted[0] + wanted[1] * wanted[1];
+    if square > limit * limit {
+        wanted.map(|w| w * (limit / square.sqrt()))
     } else {
         wanted
     }

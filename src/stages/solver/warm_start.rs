@@ -89,10 +89,10 @@ impl WarmStart {
                 // What bounces has left, or is about to: the impulse that stopped it must not be given again.
                 let stays = point.usable && !pair.untangling && point.bounce == 0.0;
                 *kept = KeptPoint {
-                    arms: [inverse[0] * point.arms[0], inverse[1] * point.arms[1]],
-                    normal: point.normal,
+                    arms: [0, 1].map(|end| inverse[end] * Vec3::from(point.arms[end])),
+                    normal: point.normal.into(),
                     impulse: if stays { point.impulse } else { 0.0 },
-                    friction: if stays { point.friction_vector() } else { Vec3::ZERO },
+                    friction: if stays { point.friction_vector().into() } else { Vec3::ZERO },
                 };
             }
             let sorted = sorted(keys);
