@@ -20,6 +20,15 @@ pub(super) struct Impulse {
     pub angular: Vec3A,
 }
 
+impl Impulse {
+    pub fn new(linear: Vec3, angular: Vec3) -> Self {
+        Self {
+            linear: linear.into(),
+            angular: angular.into(),
+        }
+    }
+}
+
 /// Two bodies and what holds for all their points.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pair {

@@ -83,64 +83,48 @@ impl Movers {
 
     /// Takes over poses and velocities, and applies impulses from outside.
     pub fn begin(&mut self, bodies: &mut SolverBodies, h: f32) {
-        let (velocities, masses) = (&mut self.velocities, &mut self.masses);
-        let (shifts, spins) = (&mut self.shifts, &mut self.spins);
-        velocities.clear();
-        masses.clear();
-        shifts.clear();
-        spins.clear();
-        for i in 0..bodies.len() {
-            let (body, motion) = (&bodies.bodies[i], &bodies.motions[i]);
-            let asleep = bodies.sleep[i].asleep;
-            let moves = body.moves() && motion.is_finite() && !asleep;
-            let pushed = moves && body.has_mass();
-            let rotation = motion.rotation.as_quat();
-            let rotation = if rotation.is_finite() {
-                rotation.normalize()
-            } else {
-                Quat::IDENTITY
-            };
-            let spin = Spin::new(body, rotation, moves, pushed, h);
-            let mass = if pushed {
-                Mass {
-                    inverse_mass: (body.inverse_mass * body.locked_axes.free_translation()).into(),
-                    inverse_inertia: spin.inverse_inertia(rotation).into(),
-                    share: 1.0,
+        let count = bodies.len();
+        self.velocities.resize(count, Velocity::default());
+        self.masses.resize(count, Mass::NONE);
+        self.shifts.resize(count, Shift::NONE);
+        self.spins.resize(count, Spin::NONE);
+        let own = (
+            &mut self.velocities,
+            &mut self.masses,
+            &mut self.shifts,
+            &mut self.spins,
+        );
+        let given = (&bodies.bodies, &bodies.motions, &bodies.sleep, &mut bodies.forces);
+        (own.into_par_iter(), given.into_par_iter())
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .for_each(|((velocity, mass, shift, spin), (body, motion, sleep, forces))| {
+                let moves = body.moves() && motion.is_finite() && !sleep.asleep;
+                let pushed = moves && body.has_mass();
+                *spin = Spin::new(body, unit(motion.rotation), moves, pushed, h);
+                *shift = Shift::NONE;
+                *mass = Mass::NONE;
+                *velocity = Velocity::default();
+                if moves {
+                    velocity.linear = motion.linear_velocity.into();
+                    velocity.angular = motion.angular_velocity.into();
                 }
-            } else {
-                Mass {
-                    inverse_mass: Vec3A::ZERO,
-                    inverse_inertia: Mat3A::ZERO,
-                    share: 1.0,
+                if pushed {
+                    mass.inverse_mass = (body.inverse_mass * body.locked_axes.free_translation()).into();
+                    mass.inverse_inertia = spin.inverse_inertia(spin.rotation).into();
+                    let mut next = *velocity;
+                    next.take(mass, Impulse::new(forces.impulse, forces.angular_impulse));
+                    next.linear *= Vec3A::from(body.locked_axes.free_translation());
+                    next.angular *= Vec3A::from(body.locked_axes.free_rotation());
+                    if next.is_finite() {
+                        *velocity = next;
+                    }
                 }
-            };
-            let mut velocity = Velocity::default();
-            if moves {
-                velocity.linear = motion.linear_velocity.into();
-                velocity.angular = motion.angular_velocity.into();
-            }
-            let forces = &mut bodies.forces[i];
-            if pushed {
-                let impulse = Impulse {
-                    linear: forces.impulse.into(),
-                    angular: forces.angular_impulse.into(),
-                };
-                velocity.take(&mass, impulse);
-                velocity.linear *= Vec3A::from(body.locked_axes.free_translation());
-                velocity.angular *= Vec3A::from(body.locked_axes.free_rotation());
-            }
-            if !asleep {
-                forces.impulse = Vec3::ZERO;
-                forces.angular_impulse = Vec3::ZERO;
-            }
-            velocities.push(velocity);
-            masses.push(mass);
-            shifts.push(Shift {
-                moved: Vec3A::ZERO,
-                turned: Quat::IDENTITY,
+                if !sleep.asleep {
+                    forces.impulse = Vec3::ZERO;
+                    forces.angular_impulse = Vec3::ZERO;
+                }
             });
-            spins.push(spin);
-        }
     }
 
     /// Gravity, outer forces, damping and speed limits over one substep.
@@ -159,12 +143,8 @@ impl Movers {
                     return;
                 }
                 let fall = gravity * (body.gravity_scale * h) * body.locked_axes.free_translation();
-                let push = Impulse {
-                    linear: (forces.force * h).into(),
-                    angular: (forces.torque * h).into(),
-                };
                 let mut next = *velocity;
-                next.take(mass, push);
+                next.take(mass, Impulse::new(forces.force * h, forces.torque * h));
                 next.linear = (next.linear + Vec3A::from(fall)) * spin.linear_decay;
                 next.angular *= spin.angular_decay;
                 if next.is_finite() {
@@ -270,6 +250,22 @@ impl Movers {
     }
 }
 
+impl Mass {
+    /// That of what nothing moves.
+    const NONE: Self = Self {
+        inverse_mass: Vec3A::ZERO,
+        inverse_inertia: Mat3A::ZERO,
+        share: 1.0,
+    };
+}
+
+impl Shift {
+    const NONE: Self = Self {
+        moved: Vec3A::ZERO,
+        turned: Quat::IDENTITY,
+    };
+}
+
 impl Velocity {
     fn take(&mut self, mass: &Mass, impulse: Impulse) {
         self.linear += mass.inverse_mass * impulse.linear;
@@ -297,6 +293,17 @@ fn limited(v: Vec3A, limit: f32) -> Vec3A {
 }
 
 impl Spin {
+    const NONE: Self = Self {
+        rotation: Quat::IDENTITY,
+        own_inertia: Mat3::ZERO,
+        own_inverse_inertia: Mat3::ZERO,
+        isotropic: true,
+        moves: false,
+        locked: LockedAxes::NONE,
+        linear_decay: 1.0,
+        angular_decay: 1.0,
+    };
+
     fn new(body: &SolverBody, rotation: Quat, moves: bool, pushed: bool, h: f32) -> Self {
         let inverse = if pushed { body.inverse_inertia } else { Mat3::ZERO };
         let inertia = inverse.inverse();
@@ -385,6 +392,16 @@ pub(super) fn change(turn: Quat, v: Vec3A) -> Vec3A {
     let (u, w) = (Vec3A::from(turn.xyz()), turn.w);
     let t = 2.0 * u.cross(v);
     w * t + u.cross(t)
+}
+
+/// `rotation` in single precision and of unit length; the identity for what is no rotation.
+fn unit(rotation: DQuat) -> Quat {
+    let length = rotation.length();
+    if length > 1.0e-6 && length.is_finite() {
+        (rotation / length).as_quat().normalize()
+    } else {
+        Quat::IDENTITY
+    }
 }
 
 /// `rotation`, turned on by an angle vector in world axes.

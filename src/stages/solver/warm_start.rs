@@ -1,7 +1,7 @@
 //! What is kept from one interval to the next: impulses, so that a pile need not find out anew what holds it up.
 
 use super::bodies::SolverBodies;
-use super::constraints::Constraints;
+use super::constraints::{Constraints, Point};
 use super::motion::Movers;
 use super::settings::SolverSettings;
 use crate::stages::manifold::ManifoldPoint;
@@ -16,21 +16,25 @@ pub struct WarmStart {
     points: Vec<KeptPoint>,
 }
 
-/// What is kept of a pair. The body of the smaller key is its first one, whatever the numbers were.
+/// What is kept of a pair, whose first body is that of the smaller number then.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KeptPair {
-    pub keys: [u64; 2],
+    /// The smaller key first.
+    keys: [u64; 2],
     first: u32,
     count: u32,
     /// The order of numbers was not that of keys.
     flipped: bool,
     pub untangling: bool,
     direction: Vec3,
+    /// From each body's axes to the world's.
+    rotations: [Quat; 2],
 }
 
+/// What is kept of a point, as the world was then.
 #[derive(Clone, Copy, Debug, Default)]
 struct KeptPoint {
-    /// From the centres of mass, in the axes of each body.
+    /// From the centres of mass.
     arms: [Vec3; 2],
     normal: Vec3,
     impulse: f32,
@@ -73,36 +77,26 @@ impl WarmStart {
 
     /// Keeps what an interval ended with.
     pub(super) fn keep(&mut self, constraints: &Constraints, movers: &Movers, bodies: &SolverBodies) {
-        self.pairs.clear();
-        self.points.clear();
         self.points.resize(constraints.points().len(), KeptPoint::default());
-        let count = bodies.len();
+        (&mut self.points, constraints.points())
+            .into_par_iter()
+            .with_min_len(1024)
+            .for_each(|(kept, point)| *kept = KeptPoint::new(point));
+        self.pairs.clear();
         for pair in constraints.pairs() {
             let [a, b] = pair.bodies.map(|i| i as usize);
-            if a >= count || b >= count || pair.count == 0 {
+            if a >= bodies.len() || b >= bodies.len() || pair.count == 0 {
                 continue;
             }
             let keys = [bodies.keys[a], bodies.keys[b]];
-            let inverse = [a, b].map(|i| movers.rotation(i).conjugate());
-            let range = pair.first as usize..(pair.first + pair.count) as usize;
-            for (kept, point) in self.points[range.clone()].iter_mut().zip(&constraints.points()[range]) {
-                // What bounces has left, or is about to: the impulse that stopped it must not be given again.
-                let stays = point.usable && !pair.untangling && point.bounce == 0.0;
-                *kept = KeptPoint {
-                    arms: [0, 1].map(|end| inverse[end] * Vec3::from(point.arms[end])),
-                    normal: point.normal.into(),
-                    impulse: if stays { point.impulse } else { 0.0 },
-                    friction: if stays { point.friction_vector().into() } else { Vec3::ZERO },
-                };
-            }
-            let sorted = sorted(keys);
             self.pairs.push(KeptPair {
-                keys: sorted,
+                keys: sorted(keys),
                 first: pair.first,
                 count: pair.count,
-                flipped: sorted != keys,
+                flipped: sorted(keys) != keys,
                 untangling: pair.untangling,
                 direction: pair.direction,
+                rotations: [a, b].map(|i| movers.rotation(i)),
             });
         }
         self.pairs.par_sort_unstable_by_key(|pair| (pair.keys, pair.first));
@@ -113,15 +107,33 @@ fn sorted([a, b]: [u64; 2]) -> [u64; 2] {
     [a.min(b), a.max(b)]
 }
 
+impl KeptPoint {
+    fn new(point: &Point) -> Self {
+        // What bounces has left, or is about to: the impulse that stopped it must not be given again.
+        let stays = point.usable && point.bounce == 0.0;
+        Self {
+            arms: point.arms.map(Vec3::from),
+            normal: point.normal.into(),
+            impulse: if stays { point.impulse } else { 0.0 },
+            friction: point.friction_vector().into(),
+        }
+    }
+}
+
 impl Kept<'_> {
     /// The way out of a dispute, or zero.
     pub fn direction(&self) -> Vec3 {
         if self.swapped { -self.pair.direction } else { self.pair.direction }
     }
 
-    /// The sum of normal impulses.
+    /// The sum of normal impulses, or of normals where none pushed.
     pub fn push(&self) -> Vec3 {
         let sum: Vec3 = self.points.iter().map(|p| p.normal * p.impulse).sum();
+        let sum = if sum == Vec3::ZERO {
+            self.points.iter().map(|p| p.normal).sum()
+        } else {
+            sum
+        };
         if self.swapped { -sum } else { sum }
     }
 }
@@ -129,7 +141,8 @@ impl Kept<'_> {
 /// Hands out the impulses of a pair's old points, each to one new point.
 pub(super) struct Match<'a> {
     kept: Option<&'a Kept<'a>>,
-    inverse: [Quat; 2],
+    /// How to turn the bodies back to where they were.
+    back: [Quat; 2],
     /// The square of the distance.
     distance: f32,
     normal: f32,
@@ -139,9 +152,15 @@ pub(super) struct Match<'a> {
 
 impl<'a> Match<'a> {
     pub fn new(kept: Option<&'a Kept<'a>>, rotations: [Quat; 2], settings: &SolverSettings, diameter: f32) -> Self {
+        let kept = kept.filter(|kept| !kept.pair.untangling);
+        let back = kept.map_or([Quat::IDENTITY; 2], |kept| {
+            let [one, other] = kept.pair.rotations;
+            let before = if kept.swapped { [other, one] } else { [one, other] };
+            [0, 1].map(|end| before[end] * rotations[end].conjugate())
+        });
         Self {
-            kept: kept.filter(|kept| !kept.pair.untangling),
-            inverse: rotations.map(Quat::conjugate),
+            kept,
+            back,
             distance: (settings.match_distance * diameter).powi(2),
             normal: settings.match_normal,
             taken: 0,
@@ -153,7 +172,7 @@ impl<'a> Match<'a> {
     pub fn take(&mut self, point: &ManifoldPoint) -> Option<(f32, Vec3)> {
         let kept = self.kept?;
         let sign = if kept.swapped { -1.0 } else { 1.0 };
-        let arms = [self.inverse[0] * point.arms[0], self.inverse[1] * point.arms[1]];
+        let arms = [self.back[0] * point.arms[0], self.back[1] * point.arms[1]];
         let (mut nearest, mut found) = (self.distance, None);
         for (i, old) in kept.points.iter().enumerate().take(64) {
             if self.taken >> i & 1 == 1 || old.impulse <= 0.0 || sign * old.normal.dot(point.normal) < self.normal {
