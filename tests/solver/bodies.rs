@@ -49,7 +49,12 @@ fn speed_limits_hold() {
     world.motion(0).angular_velocity = Vec3::new(3.0, 4.0, 0.0);
     world.seconds(2.0);
     check("linear", world.velocity(0).length() as f64, 3.0, 1.0e-5);
-    check("angular", (world.spin(0) - Vec3::new(1.2, 1.6, 0.0)).length() as f64, 0.0, 1.0e-5);
+    check(
+        "angular",
+        (world.spin(0) - Vec3::new(1.2, 1.6, 0.0)).length() as f64,
+        0.0,
+        1.0e-5,
+    );
     check("way", world.center(0).y, -3.0 * 2.0 + 9.0 / (2.0 * 9.81), 0.02);
 }
 
@@ -93,7 +98,11 @@ fn locked_translation_takes_no_push() {
     world.seconds(0.5);
     assert_eq!(world.center(cube).x, 0.0);
     assert_eq!(world.motion(cube).rotation, DQuat::IDENTITY);
-    assert!(world.velocity(ball).x < -4.0, "it came back from what does not give way: {}", world.velocity(ball));
+    assert!(
+        world.velocity(ball).x < -4.0,
+        "it came back from what does not give way: {}",
+        world.velocity(ball)
+    );
 }
 
 #[test]
@@ -107,7 +116,12 @@ fn a_locked_axis_of_rotation_takes_the_moment_of_its_bearing() {
     let axis = turn.conjugate() * Vec3::Z;
     let moment = axis.dot(BRICK.inertia(1.0) * axis);
     world.step(1);
-    check("spin", world.spin(0).z as f64, (3.0 / moment) as f64, 1.0e-4 * (3.0 / moment) as f64);
+    check(
+        "spin",
+        world.spin(0).z as f64,
+        (3.0 / moment) as f64,
+        1.0e-4 * (3.0 / moment) as f64,
+    );
     let spin = world.spin(0).z;
     world.seconds(5.0);
     assert_eq!(world.spin(0), Vec3::Z * spin);
@@ -198,17 +212,27 @@ fn input_that_makes_no_sense_is_left_out() {
             substeps: 8,
             gravity: world.gravity,
         };
-        world.sleeper.wake(&mut world.bodies, &world.manifolds, &world.settings, &interval);
         world
-            .solver
-            .solve(&mut world.bodies, &world.manifolds, &mut world.warm, &world.settings, &interval);
+            .sleeper
+            .wake(&mut world.bodies, &world.manifolds, &world.settings, &interval);
+        world.solver.solve(
+            &mut world.bodies,
+            &world.manifolds,
+            &mut world.warm,
+            &world.settings,
+            &interval,
+        );
         world
             .sleeper
             .settle(&mut world.bodies, &world.manifolds, &world.settings, world.dt);
     }
     check("the cube rests", world.center(cube).y, 0.5 + 0.00866, 0.005);
     assert_eq!(world.center(lost), DVec3::Y * 3.0);
-    assert_eq!(world.center(weightless), DVec3::new(5.0, 1.0, 0.0), "moves as a kinematic one at rest");
+    assert_eq!(
+        world.center(weightless),
+        DVec3::new(5.0, 1.0, 0.0),
+        "moves as a kinematic one at rest"
+    );
     assert!(world.center(odd).is_finite(), "{:?}", world.bodies.motions[odd]);
 
     let before = world.bodies.motions.clone();
@@ -218,9 +242,13 @@ fn input_that_makes_no_sense_is_left_out() {
             substeps: 0,
             gravity: world.gravity,
         };
-        world
-            .solver
-            .solve(&mut world.bodies, &world.manifolds, &mut world.warm, &world.settings, &interval);
+        world.solver.solve(
+            &mut world.bodies,
+            &world.manifolds,
+            &mut world.warm,
+            &world.settings,
+            &interval,
+        );
     }
     assert_eq!(format!("{before:?}"), format!("{:?}", world.bodies.motions));
 }

@@ -46,7 +46,11 @@ fn a_cloud_of_balls_keeps_momentum_and_gains_no_energy() {
         );
         assert!(touching > 1000, "{touching}");
         check_below("linear momentum, drift over the sum of sizes", linear, 1.0e-4);
-        check_below("angular momentum, drift over the sum of sizes times 1 m", angular, 1.0e-4);
+        check_below(
+            "angular momentum, drift over the sum of sizes times 1 m",
+            angular,
+            1.0e-4,
+        );
         check_below("kinetic energy at most, of the first", kinetic, 1.01);
     }
 }
@@ -73,6 +77,10 @@ fn boxes_that_tumble_into_each_other_keep_momentum() {
         kinetic = kinetic.max(now.kinetic / before.kinetic);
     }
     check_below("linear momentum, drift over the sum of sizes", linear, 1.0e-4);
-    check_below("angular momentum, drift over the sum of sizes times 1 m", angular, 1.0e-4);
+    check_below(
+        "angular momentum, drift over the sum of sizes times 1 m",
+        angular,
+        1.0e-4,
+    );
     check_below("kinetic energy at most, of the first", kinetic, 1.01);
 }

@@ -41,8 +41,20 @@ fn a_box_slides_down_a_slope_above_the_friction_angle() {
         world.seconds(1.0);
         let found = world.velocity(cube).as_dvec3().dot(down) - before;
         let wanted = 9.81 * (degrees.to_radians().sin() - 0.5 * degrees.to_radians().cos());
-        check(&format!("{degrees} degrees: acceleration"), found, wanted, 0.03 * wanted);
-        check_below("turned, radians", world.motion(cube).rotation.angle_between(DQuat::from_rotation_z(degrees.to_radians())), 0.01);
+        check(
+            &format!("{degrees} degrees: acceleration"),
+            found,
+            wanted,
+            0.03 * wanted,
+        );
+        check_below(
+            "turned, radians",
+            world
+                .motion(cube)
+                .rotation
+                .angle_between(DQuat::from_rotation_z(degrees.to_radians())),
+            0.01,
+        );
     }
 }
 
@@ -55,7 +67,12 @@ fn a_ball_rolls_down_a_slope_without_sliding() {
         world.seconds(1.0);
         let after = world.velocity(ball).as_dvec3().dot(down);
         let wanted = 5.0 / 7.0 * 9.81 * degrees.to_radians().sin();
-        check(&format!("{degrees} degrees: acceleration"), after - before, wanted, 0.03 * wanted);
+        check(
+            &format!("{degrees} degrees: acceleration"),
+            after - before,
+            wanted,
+            0.03 * wanted,
+        );
         let slip = after - 0.505 * world.spin(ball).length() as f64;
         check_below("slips, m/s", slip.abs(), 0.02 * after);
     }
@@ -97,12 +114,22 @@ fn a_platform_carries_a_box() {
     world.motion(platform).linear_velocity = Vec3::new(1.0, 0.0, 0.5);
     world.seconds(2.0);
     let wanted = Vec3::new(1.0, 0.0, 0.5);
-    check("carried, m/s", (world.velocity(cube) - wanted).length() as f64, 0.0, 1.0e-3);
+    check(
+        "carried, m/s",
+        (world.velocity(cube) - wanted).length() as f64,
+        0.0,
+        1.0e-3,
+    );
     // It slips until friction has given it the platform's speed.
     let v = wanted.length() as f64;
     let slip = (world.center(cube) - world.center(platform)) * DVec3::new(1.0, 0.0, 1.0);
     check("slip", slip.length(), v * v / (2.0 * 0.5 * 9.81), 0.02);
-    check("the platform keeps its speed", (world.velocity(platform) - wanted).length() as f64, 0.0, 0.0);
+    check(
+        "the platform keeps its speed",
+        (world.velocity(platform) - wanted).length() as f64,
+        0.0,
+        0.0,
+    );
 }
 
 #[test]

@@ -78,7 +78,12 @@ impl Scene {
 #[test]
 fn a_cube_lies_on_four_corners() {
     let mut scene = Scene::new();
-    let cube = scene.add(&shapes::cube(1.0), Vec3::ONE, Vec3::new(3.0, 0.51, 1.0), Quat::from_rotation_y(0.3));
+    let cube = scene.add(
+        &shapes::cube(1.0),
+        Vec3::ONE,
+        Vec3::new(3.0, 0.51, 1.0),
+        Quat::from_rotation_y(0.3),
+    );
     scene.step(1);
     assert_eq!(scene.manifolds.pairs[0].bodies, [0, 1]);
     assert_eq!(scene.manifolds.points.len(), 4);
@@ -103,11 +108,25 @@ fn meshes_dropped_on_a_plane_come_to_rest() {
     ];
     for (k, (mesh, scale)) in bodies.iter().enumerate() {
         let mut scene = Scene::new();
-        let body = scene.add(mesh, *scale, Vec3::Y * 1.5, Quat::from_scaled_axis(Vec3::new(0.5, 0.2, 0.9)));
+        let body = scene.add(
+            mesh,
+            *scale,
+            Vec3::Y * 1.5,
+            Quat::from_scaled_axis(Vec3::new(0.5, 0.2, 0.9)),
+        );
         scene.step(64 * 8);
         let speed = scene.state.bodies.linear_velocity[body].length();
-        let deepest = scene.manifolds.points.iter().map(|p| -p.separation).fold(f32::MIN, f32::max);
-        check_below(&format!("mesh {k}: speed, m/s"), speed as f64, if k == 0 { 0.2 } else { 0.02 });
+        let deepest = scene
+            .manifolds
+            .points
+            .iter()
+            .map(|p| -p.separation)
+            .fold(f32::MIN, f32::max);
+        check_below(
+            &format!("mesh {k}: speed, m/s"),
+            speed as f64,
+            if k == 0 { 0.2 } else { 0.02 },
+        );
         check_below("deepest, metres", deepest as f64, 0.001);
         assert!(scene.manifolds.points.len() <= plane_manifolds::MAX_POINTS);
     }

@@ -110,9 +110,13 @@ fn disputed(approach: bool) -> (World, f64) {
             world.manifolds.points.push(wrong);
             world.manifolds.pairs[0].point_count += 1;
         }
-        world
-            .solver
-            .solve(&mut world.bodies, &world.manifolds, &mut world.warm, &world.settings, &interval);
+        world.solver.solve(
+            &mut world.bodies,
+            &world.manifolds,
+            &mut world.warm,
+            &world.settings,
+            &interval,
+        );
     }
     let apart = world.center(1).x - world.center(0).x;
     (world, apart)

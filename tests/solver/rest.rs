@@ -35,7 +35,11 @@ fn a_box_far_from_the_origin_stays_too() {
     world.motion(0).center = at;
     let body = world.dynamic(cube(), 1.0, at + DVec3::Y * (0.5 + GAP));
     world.seconds(5.0);
-    check_below("moved, metres", world.center(body).distance(at + DVec3::Y * (0.5 + GAP)), 2.0e-3);
+    check_below(
+        "moved, metres",
+        world.center(body).distance(at + DVec3::Y * (0.5 + GAP)),
+        2.0e-3,
+    );
 }
 
 #[test]
@@ -58,7 +62,10 @@ fn a_stack_of_ten_boxes_stands_for_half_a_minute() {
     check_below("speed, m/s", world.velocity(boxes[9]).length() as f64, 5.0e-3);
     let tilt = world.motion(boxes[9]).rotation * DVec3::Y;
     check_below("tilt, radians", tilt.angle_between(DVec3::Y), 0.005);
-    println!("stack of 10: {:.1} us per step", world.time_solving.as_secs_f64() * 1.0e6 / 1920.0);
+    println!(
+        "stack of 10: {:.1} us per step",
+        world.time_solving.as_secs_f64() * 1.0e6 / 1920.0
+    );
 }
 
 #[test]
@@ -87,7 +94,11 @@ fn a_heavy_box_rests_on_a_light_one() {
         let heavy = world.dynamic(cube(), ratio, DVec3::Y * (1.5 + 2.0 * GAP));
         world.seconds(10.0);
         let start = DVec3::Y * (1.5 + 2.0 * GAP);
-        check_below(&format!("1:{ratio}: the heavy one moved, metres"), world.center(heavy).distance(start), 0.05);
+        check_below(
+            &format!("1:{ratio}: the heavy one moved, metres"),
+            world.center(heavy).distance(start),
+            0.05,
+        );
         check_below("speed, m/s", world.velocity(light).length() as f64, 0.01);
         // Upside down it must be easy.
         let mut world = World::heavy();
@@ -95,7 +106,11 @@ fn a_heavy_box_rests_on_a_light_one() {
         world.dynamic(cube(), ratio, DVec3::Y * (0.5 + GAP));
         let light = world.dynamic(cube(), 1.0, DVec3::Y * (1.5 + 2.0 * GAP));
         world.seconds(10.0);
-        check_below("the light one moved, metres", world.center(light).distance(start), 0.005);
+        check_below(
+            "the light one moved, metres",
+            world.center(light).distance(start),
+            0.005,
+        );
     }
 }
 
@@ -104,7 +119,13 @@ fn a_dropped_stack_comes_to_rest() {
     let mut world = World::heavy();
     world.floor(0.0);
     let boxes: Vec<usize> = (0..5)
-        .map(|i| world.dynamic(cube(), 1.0, DVec3::new(0.05 * (i % 2) as f64, 1.0 + 1.3 * i as f64, 0.0)))
+        .map(|i| {
+            world.dynamic(
+                cube(),
+                1.0,
+                DVec3::new(0.05 * (i % 2) as f64, 1.0 + 1.3 * i as f64, 0.0),
+            )
+        })
         .collect();
     world.seconds(10.0);
     for &i in &boxes {
@@ -121,7 +142,9 @@ fn the_impulse_that_holds_a_box_is_its_weight() {
     world.floor(0.0);
     world.dynamic(cube(), 3.0, DVec3::Y * (0.5 + GAP));
     world.seconds(2.0);
-    let sum: f32 = (0..world.manifolds.points.len()).map(|i| world.solver.impulse_of(i)).sum();
+    let sum: f32 = (0..world.manifolds.points.len())
+        .map(|i| world.solver.impulse_of(i))
+        .sum();
     check("newton seconds per step", sum as f64, 3.0 * 9.81 / 64.0, 0.005);
     assert_eq!(world.solver.impulse_of(usize::MAX), 0.0);
     assert_eq!(world.velocity(0), Vec3::ZERO);

@@ -14,7 +14,11 @@ fn heap() -> World {
     for i in 0..300 {
         let at = DVec3::new((i % 6) as f64, 1.0 + (i / 36) as f64, (i / 6 % 6) as f64) * 1.05;
         let at = at + DVec3::new(random.f64(), random.f64(), random.f64()) * 0.1;
-        let shape = if i % 3 == 0 { Shape::Box(DVec3::splat(0.4)) } else { Shape::Sphere(0.5) };
+        let shape = if i % 3 == 0 {
+            Shape::Box(DVec3::splat(0.4))
+        } else {
+            Shape::Sphere(0.5)
+        };
         let body = world.dynamic(shape, 1.0, at);
         world.bodies.bodies[body].restitution = 0.3;
     }
@@ -66,7 +70,11 @@ fn impulses_outlive_a_renumbering() {
         let mut world = World::heavy();
         world.floor(0.0);
         for i in 0..10 {
-            world.dynamic(Shape::Box(DVec3::splat(0.5)), 1.0, DVec3::Y * (0.5087 + 1.0087 * i as f64));
+            world.dynamic(
+                Shape::Box(DVec3::splat(0.5)),
+                1.0,
+                DVec3::Y * (0.5087 + 1.0087 * i as f64),
+            );
         }
         world.seconds(5.0);
         world

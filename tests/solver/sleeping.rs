@@ -22,7 +22,9 @@ fn stack() -> World {
 }
 
 fn asleep(world: &World) -> Vec<usize> {
-    (0..world.shapes.len()).filter(|&i| world.bodies.sleep[i].asleep).collect()
+    (0..world.shapes.len())
+        .filter(|&i| world.bodies.sleep[i].asleep)
+        .collect()
 }
 
 const STACK: [usize; 5] = [1, 2, 3, 4, 5];

@@ -8,7 +8,11 @@ const BRICK: Shape = Shape::Box(DVec3::new(1.0, 0.5, 0.2));
 
 #[test]
 fn free_rotation_keeps_angular_momentum_and_energy_for_a_minute() {
-    for spin in [Vec3::new(1.0, 2.0, 3.0), Vec3::new(8.0, 0.1, 8.0), Vec3::new(0.0, 20.0, 0.3)] {
+    for spin in [
+        Vec3::new(1.0, 2.0, 3.0),
+        Vec3::new(8.0, 0.1, 8.0),
+        Vec3::new(0.0, 20.0, 0.3),
+    ] {
         let mut world = World::new();
         world.detections = Some(1);
         let body = world.dynamic(BRICK, 3.0, DVec3::new(1.0, 2.0, 3.0));
@@ -94,7 +98,12 @@ fn a_slender_body_that_spins_madly_stays_bounded() {
     for _ in 0..640 {
         world.step(1);
         let now = world.measure();
-        assert!(now.kinetic < 1.05 * before.kinetic, "{} {}", now.kinetic, before.kinetic);
+        assert!(
+            now.kinetic < 1.05 * before.kinetic,
+            "{} {}",
+            now.kinetic,
+            before.kinetic
+        );
     }
     check("energy, relative", world.measure().kinetic / before.kinetic, 1.0, 0.05);
     let drift = (world.measure().angular - before.angular).length() / before.angular.length();
@@ -110,7 +119,11 @@ fn a_ball_keeps_its_spin_to_the_bit() {
     world.seconds(10.0);
     assert_eq!(world.spin(ball), spin);
     let wanted = DQuat::from_scaled_axis(spin.as_dvec3() * 10.0);
-    check_below("turned too far, radians", world.motion(ball).rotation.angle_between(wanted), 1.0e-4);
+    check_below(
+        "turned too far, radians",
+        world.motion(ball).rotation.angle_between(wanted),
+        1.0e-4,
+    );
 }
 
 #[test]

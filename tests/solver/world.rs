@@ -104,7 +104,8 @@ impl World {
             };
             for _ in 0..detections {
                 self.detect(interval.dt);
-                self.sleeper.wake(&mut self.bodies, &self.manifolds, &self.settings, &interval);
+                self.sleeper
+                    .wake(&mut self.bodies, &self.manifolds, &self.settings, &interval);
                 let start = std::time::Instant::now();
                 self.solver.solve(
                     &mut self.bodies,
@@ -138,7 +139,9 @@ impl World {
                 let motions = ends.map(|i| &self.bodies.motions[i]);
                 let speed = (motions[1].linear_velocity - motions[0].linear_velocity).length()
                     + ends
-                        .map(|i| self.bodies.motions[i].angular_velocity.length() * self.bodies.bodies[i].radius.min(9.0))
+                        .map(|i| {
+                            self.bodies.motions[i].angular_velocity.length() * self.bodies.bodies[i].radius.min(9.0)
+                        })
                         .iter()
                         .sum::<f32>();
                 let diameter = 2.0 * one.radius.min(other.radius);
@@ -204,7 +207,10 @@ pub struct Momenta {
 pub fn check(what: &str, found: f64, wanted: f64, tolerance: f64) {
     let error = found - wanted;
     println!("{what}: {found:.6}, wanted {wanted:.6}, off by {error:.2e} (allowed {tolerance:.1e})");
-    assert!(error.abs() <= tolerance, "{what}: {found} instead of {wanted} +- {tolerance}");
+    assert!(
+        error.abs() <= tolerance,
+        "{what}: {found} instead of {wanted} +- {tolerance}"
+    );
 }
 
 #[track_caller]

@@ -132,7 +132,11 @@ impl Constraints {
             }
             self.pairs.push(Pair {
                 bodies: manifold.bodies,
-                first: if fits { manifold.first_point } else { self.points.len() as u32 },
+                first: if fits {
+                    manifold.first_point
+                } else {
+                    self.points.len() as u32
+                },
                 count: if fits { manifold.point_count } else { 0 },
                 ..Pair::default()
             });
@@ -317,7 +321,12 @@ impl Source<'_> {
             Overlap::Disputed(direction) => pair.direction = direction,
             _ => {}
         }
-        let mut matcher = Match::new(kept.as_ref(), [a, b].map(|i| self.movers.rotation(i)), settings, diameter);
+        let mut matcher = Match::new(
+            kept.as_ref(),
+            [a, b].map(|i| self.movers.rotation(i)),
+            settings,
+            diameter,
+        );
         for (point, manifold) in points.iter_mut().zip(manifold) {
             let left_out = manifold.separation < 0.0 && manifold.normal.dot(pair.direction) < 0.0;
             *point = if left_out {
@@ -340,5 +349,9 @@ impl Source<'_> {
 /// The smaller bounding diameter; 0 if neither is a positive, finite number.
 fn diameter(a: f32, b: f32) -> f32 {
     let smaller = 2.0 * a.min(b);
-    if smaller > 0.0 && smaller.is_finite() { smaller } else { 0.0 }
+    if smaller > 0.0 && smaller.is_finite() {
+        smaller
+    } else {
+        0.0
+    }
 }

@@ -310,7 +310,8 @@ impl Spin {
         // A body that cannot be turned about some axis has no inertia to speak of: it turns as if it were a ball.
         let regular = inertia.is_finite();
         let size = inverse.x_axis.x;
-        let isotropic = !regular || (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);
+        let isotropic =
+            !regular || (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);
         let decay = |rate: f32| if rate > 0.0 { (-rate * h).exp() } else { 1.0 };
         Self {
             rotation,
@@ -370,7 +371,8 @@ impl Spin {
             let inverse = axes * self.own_inverse_inertia * axes.transpose();
             let momentum = inertia * next;
             // In axes that turn with the body and start as the world's.
-            let after = |angle: Vec3| next + inverse * Vec3::from(change(Quat::from_scaled_axis(-angle), momentum.into()));
+            let after =
+                |angle: Vec3| next + inverse * Vec3::from(change(Quat::from_scaled_axis(-angle), momentum.into()));
             let mut middle = next;
             for _ in 0..3 {
                 middle = after(middle * (0.5 * h));

@@ -72,5 +72,7 @@ fn way_out(points: &[ManifoldPoint], diameter: f32, between: Vec3, has_mass: [bo
     let unit = |v: Vec3| (v.length() > 1.0e-4 * diameter).then(|| v.normalize_or_zero());
     let normals = || points.iter().map(|p| p.normal * (-p.separation).max(0.0)).sum();
     let mean = if has_mass == [true; 2] { None } else { unit(normals()) };
-    mean.or_else(|| unit(between)).filter(|v| v.is_normalized()).unwrap_or(ANY_WAY)
+    mean.or_else(|| unit(between))
+        .filter(|v| v.is_normalized())
+        .unwrap_or(ANY_WAY)
 }

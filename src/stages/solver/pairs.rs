@@ -117,7 +117,11 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], movers: &Move
             continue;
         }
         pair.active = true;
-        push(&mut out, &point.levers, point.normal * point.impulse + point.friction_vector());
+        push(
+            &mut out,
+            &point.levers,
+            point.normal * point.impulse + point.friction_vector(),
+        );
     }
     out
 }
@@ -248,7 +252,14 @@ pub(super) fn bounce(pair: &Pair, points: &mut [Point], movers: &Movers) -> [Imp
             local.push(point, point.normal * (impulse - point.bounce));
             point.bounce = impulse;
 
-            let friction = slide(&local, point, give[1], point.bounce_friction, 1.0, pair.friction * impulse);
+            let friction = slide(
+                &local,
+                point,
+                give[1],
+                point.bounce_friction,
+                1.0,
+                pair.friction * impulse,
+            );
             let change = [
                 friction[0] - point.bounce_friction[0],
                 friction[1] - point.bounce_friction[1],

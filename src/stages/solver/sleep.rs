@@ -207,8 +207,7 @@ impl Sleeper {
 
 /// Whether both bodies are there and solid, and some point of theirs is as near as at rest.
 fn touches(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
-    nearness(bodies, pair, settings)
-        .is_some_and(|near| points_of(manifolds, pair).iter().any(|p| p.separation <= near))
+    nearness(bodies, pair, settings).is_some_and(|near| points_of(manifolds, pair).iter().any(|p| p.separation <= near))
 }
 
 /// Up to which separation a pair touches; `None` if a body is not there or not solid.

@@ -123,7 +123,11 @@ impl KeptPoint {
 impl Kept<'_> {
     /// The way out of a dispute, or zero.
     pub fn direction(&self) -> Vec3 {
-        if self.swapped { -self.pair.direction } else { self.pair.direction }
+        if self.swapped {
+            -self.pair.direction
+        } else {
+            self.pair.direction
+        }
     }
 
     /// The sum of normal impulses, or of normals where none pushed.
@@ -178,7 +182,11 @@ impl<'a> Match<'a> {
             if self.taken >> i & 1 == 1 || old.impulse <= 0.0 || sign * old.normal.dot(point.normal) < self.normal {
                 continue;
             }
-            let at = if kept.swapped { [old.arms[1], old.arms[0]] } else { old.arms };
+            let at = if kept.swapped {
+                [old.arms[1], old.arms[0]]
+            } else {
+                old.arms
+            };
             let distance = at[0].distance_squared(arms[0]).min(at[1].distance_squared(arms[1]));
             if distance < nearest {
                 (nearest, found) = (distance, Some((i, old)));

@@ -51,12 +51,12 @@ pub fn find(
         return;
     }
     found.par_extend(
-        (0..bodies.len())
+        (0..bodies.len() * planes.len())
             .into_par_iter()
             .with_min_len(64)
-            .map_init(Vec::new, |vertices, body| {
-                let one = |(i, plane)| manifold(bodies, meshes, body, i, plane, config, vertices);
-                planes.iter().enumerate().filter_map(one).collect::<Vec<_>>()
+            .map_init(Vec::new, |vertices, k| {
+                let (body, plane) = (k / planes.len(), k % planes.len());
+                manifold(bodies, meshes, body, plane, &planes[plane], config, vertices)
             })
             .flatten_iter(),
     );
@@ -89,8 +89,7 @@ fn manifold(
     let speed = bodies.linear_velocity[body].length() + bodies.angular_velocity[body].length() * radius + fall;
     let margin = 2.0 * MARGIN * radius + 1.5 * speed * config.dt;
     let height = above as f32;
-    // Also false for NaN.
-    if !(height < radius + margin) {
+    if height >= radius + margin {
         return None;
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
@@ -109,7 +108,10 @@ fn manifold(
         for lane in bits(*held) {
             let separation = heights.as_array()[lane] + height;
             if separation < margin {
-                vertices.push((separation, Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane]))));
+                vertices.push((
+                    separation,
+                    Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
+                ));
             }
         }
         true
