@@ -50,6 +50,17 @@ pub(super) struct Pair {
     pub direction: Vec3,
 }
 
+/// A direction in which a point pushes, and what a unit impulse along it does to the two bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// From the first body to the second; stays as it is for the interval.
+    pub direction: Vec3A,
+    /// Its moment about each centre of mass.
+    pub moments: [Vec3A; 2],
+    /// The angular velocity that the moment causes.
+    pub turns: [Vec3A; 2],
+}
+
 /// A point of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
@@ -57,11 +68,8 @@ pub(super) struct Point {
     pub arms: [Vec3A; 2],
     /// From the first body's point to the second's, at the start of the interval.
     pub offset: Vec3A,
-    /// From the first body to the second; stays as it is for the interval, as do the tangents.
-    pub normal: Vec3A,
-    pub tangents: [Vec3A; 2],
-    /// From the centres to the place where impulses act, one place for both.
-    pub levers: [Vec3A; 2],
+    /// What impulses do along the normal and the tangents.
+    pub rows: [Row; 3],
     /// Change of velocity that a unit impulse causes at each end, along the normal and across it.
     pub give: [[f32; 2]; 2],
     /// Beyond the rest offset, at the start of the interval and now.
@@ -207,14 +215,22 @@ fn halve<F: Fn(&mut Pair, &mut [Point], &mut [Impulse; 2]) + Sync>(
     );
 }
 
+impl Row {
+    const fn along(direction: Vec3A) -> Self {
+        Self {
+            direction,
+            moments: [Vec3A::ZERO; 2],
+            turns: [Vec3A::ZERO; 2],
+        }
+    }
+}
+
 impl Point {
     /// One that does nothing.
     const NONE: Self = Self {
         arms: [Vec3A::ZERO; 2],
         offset: Vec3A::ZERO,
-        normal: Vec3A::X,
-        tangents: [Vec3A::Y, Vec3A::Z],
-        levers: [Vec3A::ZERO; 2],
+        rows: [Row::along(Vec3A::X), Row::along(Vec3A::Y), Row::along(Vec3A::Z)],
         give: [[0.0; 2]; 2],
         first_separation: 0.0,
         separation: 0.0,
@@ -241,8 +257,7 @@ impl Point {
         Self {
             arms: manifold.arms.map(Vec3A::from),
             offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
-            normal: manifold.normal.into(),
-            tangents: [t.into(), u.into()],
+            rows: [manifold.normal, t, u].map(|d| Row::along(d.into())),
             first_separation: manifold.separation - rest_offset,
             usable: true,
             ..Self::NONE
@@ -253,17 +268,21 @@ impl Point {
     fn untangling(normal: Vec3, depth: f32) -> Self {
         let (t, u) = normal.any_orthonormal_pair();
         Self {
-            normal: normal.into(),
-            tangents: [t.into(), u.into()],
+            rows: [normal, t, u].map(|d| Row::along(d.into())),
             first_separation: -depth,
             usable: true,
             ..Self::NONE
         }
     }
 
+    /// From the first body to the second.
+    pub fn normal(&self) -> Vec3A {
+        self.rows[0].direction
+    }
+
     /// The friction impulse in the world.
     pub fn friction_vector(&self) -> Vec3A {
-        self.tangents[0] * self.friction[0] + self.tangents[1] * self.friction[1]
+        self.rows[1].direction * self.friction[0] + self.rows[2].direction * self.friction[1]
     }
 }
 
@@ -340,7 +359,7 @@ impl Source<'_> {
                 point.impulse = impulse;
                 // Belongs to the last interval.
                 point.total = -impulse;
-                point.friction = point.tangents.map(|t| t.dot(friction.into()));
+                point.friction = [1, 2].map(|i| point.rows[i].direction.dot(friction.into()));
             }
         }
     }

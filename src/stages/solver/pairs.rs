@@ -1,6 +1,6 @@
 //! What a pair does in a pass: from the velocities of its bodies, an impulse for each.
 
-use super::constraints::{Impulse, Pair, Point};
+use super::constraints::{Impulse, Pair, Point, Row};
 use super::motion::{Mass, Movers, Velocity, change};
 use super::settings::{Softness, SolverSettings};
 use glam::Vec3A;
@@ -68,31 +68,29 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
     let [ma, mb] = masses.map(|m| m.inverse_mass.max_element());
     let along = if ma + mb > 0.0 { mb / (ma + mb) } else { 0.0 };
     for point in points.iter_mut().filter(|p| p.usable) {
+        let mut levers = [Vec3A::ZERO; 2];
         if pair.untangling {
             point.separation = point.first_separation;
         } else {
             let turned = change(b.turned, point.arms[1]) - change(a.turned, point.arms[0]);
-            point.separation = point.first_separation + point.normal.dot(moved + turned);
+            point.separation = point.first_separation + point.normal().dot(moved + turned);
             // One place for both, or the two impulses would turn the pair. Arms do not turn with their bodies here: the
             // point of a ball that rolls stays below its centre, whatever becomes of the spot that touched first.
             let offset = point.offset + moved;
-            point.levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
+            levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
         }
-        point.give = [0, 1].map(|end| {
-            let along = |d| give(&masses[end], point.levers[end], d);
-            // One number for both tangents: with two, friction would not point against the sliding.
-            [
-                along(point.normal),
-                along(point.tangents[0]).max(along(point.tangents[1])),
-            ]
-        });
+        let mut gives = [[0.0; 3]; 2];
+        for (i, row) in point.rows.iter_mut().enumerate() {
+            let d = row.direction;
+            row.moments = levers.map(|lever| lever.cross(d));
+            row.turns = [0, 1].map(|end| masses[end].inverse_inertia * row.moments[end]);
+            for (end, give) in gives.iter_mut().enumerate() {
+                give[i] = (masses[end].inverse_mass * d).dot(d) + row.moments[end].dot(row.turns[end]);
+            }
+        }
+        // One number for both tangents: with two, friction would not point against the sliding.
+        point.give = gives.map(|[normal, one, other]| [normal, one.max(other)]);
     }
-}
-
-/// How fast a body's point goes along `d` after a unit impulse along `d`.
-fn give(mass: &Mass, lever: Vec3A, d: Vec3A) -> f32 {
-    let turn = lever.cross(d);
-    (mass.inverse_mass * d).dot(d) + turn.dot(mass.inverse_inertia * turn)
 }
 
 /// Measures the points, finds out which of them push, and gives the impulses of the last substep again.
@@ -102,10 +100,10 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], movers: &Move
         return [Impulse::default(); 2];
     }
     measure(pair, points, movers);
-    let velocities = pair.bodies.map(|i| movers.velocities[i as usize]);
-    let mut out = [Impulse::default(); 2];
+    let mut local = Local::new(pair, movers);
     for point in points.iter_mut().filter(|p| p.usable) {
-        let parting = parting(&velocities, &point.levers).dot(point.normal);
+        // As fast as before anything was pushed: what is pushed here shows in the next pass.
+        let parting = local.parting(&point.rows[0]);
         point.total += point.impulse;
         if point.largest == 0.0 {
             point.impact = parting;
@@ -117,65 +115,80 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], movers: &Move
             continue;
         }
         pair.active = true;
-        push(
-            &mut out,
-            &point.levers,
-            point.normal * point.impulse + point.friction_vector(),
-        );
+        local.note(&point.rows[0], point.impulse);
+        local.note(&point.rows[1], point.friction[0]);
+        local.note(&point.rows[2], point.friction[1]);
     }
-    out
-}
-
-/// Velocity of the second body's point as seen from the first's.
-fn parting([a, b]: &[Velocity; 2], levers: &[Vec3A; 2]) -> Vec3A {
-    b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0])
-}
-
-/// Adds an impulse on the second body, and its opposite on the first.
-fn push(out: &mut [Impulse; 2], levers: &[Vec3A; 2], impulse: Vec3A) {
-    out[0].linear -= impulse;
-    out[0].angular -= levers[0].cross(impulse);
-    out[1].linear += impulse;
-    out[1].angular += levers[1].cross(impulse);
+    local.out()
 }
 
 /// A pair by itself: its bodies, each with this pair's share of its mass.
-struct Local<'a> {
+struct Local {
     velocities: [Velocity; 2],
-    masses: [&'a Mass; 2],
-    out: [Impulse; 2],
+    /// With the share.
+    inverse_masses: [Vec3A; 2],
+    shares: [f32; 2],
+    /// The impulse on the second body; the first has its opposite.
+    linear: Vec3A,
+    angular: [Vec3A; 2],
 }
 
-impl<'a> Local<'a> {
-    fn new(pair: &Pair, movers: &'a Movers) -> Self {
+impl Local {
+    fn new(pair: &Pair, movers: &Movers) -> Self {
+        let masses: [&Mass; 2] = pair.bodies.map(|i| &movers.masses[i as usize]);
         Self {
             velocities: pair.bodies.map(|i| movers.velocities[i as usize]),
-            masses: pair.bodies.map(|i| &movers.masses[i as usize]),
-            out: [Impulse::default(); 2],
+            inverse_masses: masses.map(|m| m.share * m.inverse_mass),
+            shares: masses.map(|m| m.share),
+            linear: Vec3A::ZERO,
+            angular: [Vec3A::ZERO; 2],
         }
     }
 
     /// Change of speed per impulse along the normal and across; `None` if nothing gives way along the normal.
     fn give(&self, point: &Point) -> Option<[f32; 2]> {
-        let [a, b] = self.masses;
-        let give = [0, 1].map(|d| a.share * point.give[0][d] + b.share * point.give[1][d]);
+        let [a, b] = self.shares;
+        let give = [0, 1].map(|d| a * point.give[0][d] + b * point.give[1][d]);
         (give[0] > 0.0).then_some(give)
     }
 
-    fn parting(&self, point: &Point) -> Vec3A {
-        parting(&self.velocities, &point.levers)
+    /// How fast the bodies part along a row.
+    fn parting(&self, row: &Row) -> f32 {
+        let [a, b] = &self.velocities;
+        let sum = row.direction * (b.linear - a.linear) + row.moments[1] * b.angular - row.moments[0] * a.angular;
+        sum.element_sum()
     }
 
-    fn push(&mut self, point: &Point, impulse: Vec3A) {
-        let mut ends = [Impulse::default(); 2];
-        push(&mut ends, &point.levers, impulse);
-        for (end, impulse) in ends.iter().enumerate() {
-            let (mass, velocity) = (self.masses[end], &mut self.velocities[end]);
-            velocity.linear += mass.share * (mass.inverse_mass * impulse.linear);
-            velocity.angular += mass.share * (mass.inverse_inertia * impulse.angular);
-            self.out[end].linear += impulse.linear;
-            self.out[end].angular += impulse.angular;
-        }
+    /// Adds an impulse on the second body, and its opposite on the first, to what the pair hands out.
+    fn note(&mut self, row: &Row, impulse: f32) {
+        self.linear += row.direction * impulse;
+        self.angular[0] -= row.moments[0] * impulse;
+        self.angular[1] += row.moments[1] * impulse;
+    }
+
+    /// The same, and changes the velocities.
+    fn push(&mut self, row: &Row, impulse: f32) {
+        self.note(row, impulse);
+        let linear = row.direction * impulse;
+        let [a, b] = &mut self.velocities;
+        a.linear -= self.inverse_masses[0] * linear;
+        a.angular -= row.turns[0] * (self.shares[0] * impulse);
+        b.linear += self.inverse_masses[1] * linear;
+        b.angular += row.turns[1] * (self.shares[1] * impulse);
+    }
+
+    fn out(&self) -> [Impulse; 2] {
+        let [first, second] = self.angular;
+        [
+            Impulse {
+                linear: -self.linear,
+                angular: first,
+            },
+            Impulse {
+                linear: self.linear,
+                angular: second,
+            },
+        ]
     }
 }
 
@@ -191,21 +204,21 @@ pub(super) fn solve(pair: &Pair, points: &mut [Point], movers: &Movers, pass: &P
                 continue;
             };
             let (bias, mass_scale, impulse_scale) = pass.bias(pair, point.separation);
-            let wanted = local.parting(point).dot(point.normal) + bias;
+            let wanted = local.parting(&point.rows[0]) + bias;
             let change = -pass.relaxation * mass_scale * wanted / give[0] - impulse_scale * point.impulse;
             let impulse = (point.impulse + change).max(0.0);
-            local.push(point, point.normal * (impulse - point.impulse));
+            local.push(&point.rows[0], impulse - point.impulse);
             point.impulse = impulse;
             point.largest = point.largest.max(impulse);
 
             let limit = if pair.untangling { 0.0 } else { pair.friction * impulse };
             let friction = slide(&local, point, give[1], point.friction, pass.relaxation, limit);
-            let change = [friction[0] - point.friction[0], friction[1] - point.friction[1]];
-            local.push(point, point.tangents[0] * change[0] + point.tangents[1] * change[1]);
+            local.push(&point.rows[1], friction[0] - point.friction[0]);
+            local.push(&point.rows[2], friction[1] - point.friction[1]);
             point.friction = friction;
         }
     }
-    local.out
+    local.out()
 }
 
 /// The friction impulse that stops the points from sliding, shortened to `limit`.
@@ -213,8 +226,7 @@ fn slide(local: &Local, point: &Point, give: f32, so_far: [f32; 2], part: f32, l
     if give <= 0.0 {
         return so_far;
     }
-    let sliding = local.parting(point);
-    let wanted = [0, 1].map(|d| so_far[d] - part * sliding.dot(point.tangents[d]) / give);
+    let wanted = [0, 1].map(|d| so_far[d] - part * local.parting(&point.rows[d + 1]) / give);
     let square = wanted[0] * wanted[0] + wanted[1] * wanted[1];
     if square > limit * limit {
         wanted.map(|w| w * (limit / square.sqrt()))
@@ -247,9 +259,9 @@ pub(super) fn bounce(pair: &Pair, points: &mut [Point], movers: &Movers) -> [Imp
             let Some(give) = local.give(point) else {
                 continue;
             };
-            let wanted = local.parting(point).dot(point.normal) + pair.restitution * point.impact;
+            let wanted = local.parting(&point.rows[0]) + pair.restitution * point.impact;
             let impulse = (point.bounce - wanted / give[0]).max(0.0);
-            local.push(point, point.normal * (impulse - point.bounce));
+            local.push(&point.rows[0], impulse - point.bounce);
             point.bounce = impulse;
 
             let friction = slide(
@@ -260,13 +272,10 @@ pub(super) fn bounce(pair: &Pair, points: &mut [Point], movers: &Movers) -> [Imp
                 1.0,
                 pair.friction * impulse,
             );
-            let change = [
-                friction[0] - point.bounce_friction[0],
-                friction[1] - point.bounce_friction[1],
-            ];
-            local.push(point, point.tangents[0] * change[0] + point.tangents[1] * change[1]);
+            local.push(&point.rows[1], friction[0] - point.bounce_friction[0]);
+            local.push(&point.rows[2], friction[1] - point.bounce_friction[1]);
             point.bounce_friction = friction;
         }
     }
-    local.out
+    local.out()
 }

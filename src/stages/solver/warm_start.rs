@@ -113,7 +113,7 @@ impl KeptPoint {
         let stays = point.usable && point.bounce == 0.0;
         Self {
             arms: point.arms.map(Vec3::from),
-            normal: point.normal.into(),
+            normal: point.normal().into(),
             impulse: if stays { point.impulse } else { 0.0 },
             friction: point.friction_vector().into(),
         }
