@@ -127,6 +127,7 @@ impl Constraints {
         manifolds: &Manifolds,
         warm: &WarmStart,
         settings: &SolverSettings,
+        h: f32,
     ) {
         self.pairs.clear();
         self.points.clear();
@@ -156,6 +157,7 @@ impl Constraints {
             manifolds,
             warm,
             settings,
+            growth: warm.growth(h),
         };
         self.for_each(|pair, points, _| source.fill(pair, points));
     }
@@ -293,6 +295,8 @@ struct Source<'a> {
     manifolds: &'a Manifolds,
     warm: &'a WarmStart,
     settings: &'a SolverSettings,
+    /// Of impulses since the last interval.
+    growth: f32,
 }
 
 impl Source<'_> {
@@ -345,6 +349,7 @@ impl Source<'_> {
             [a, b].map(|i| self.movers.rotation(i)),
             settings,
             diameter,
+            self.growth,
         );
         for (point, manifold) in points.iter_mut().zip(manifold) {
             let left_out = manifold.separation < 0.0 && manifold.normal.dot(pair.direction) < 0.0;

@@ -95,7 +95,7 @@ impl Solver {
             ends,
         } = self;
         movers.begin(bodies, h);
-        constraints.prepare(bodies, movers, manifolds, warm, settings);
+        constraints.prepare(bodies, movers, manifolds, warm, settings, h);
         ends.build(constraints.pairs(), movers);
 
         let pass = Pass::new(settings, h);
@@ -124,7 +124,7 @@ impl Solver {
             }
         }
         movers.finish(bodies);
-        warm.keep(constraints, movers, bodies);
+        warm.keep(constraints, movers, bodies, h);
     }
 
     /// The normal impulse that point `index` of the last call's [`Manifolds::points`] gave over the whole interval, newton

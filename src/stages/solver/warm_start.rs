@@ -14,6 +14,8 @@ pub struct WarmStart {
     /// Ascending by keys.
     pairs: Vec<KeptPair>,
     points: Vec<KeptPoint>,
+    /// Length of the substeps that the impulses belong to, seconds.
+    substep: f32,
 }
 
 /// What is kept of a pair, whose first body is that of the smaller number then.
@@ -75,8 +77,18 @@ impl WarmStart {
         })
     }
 
-    /// Keeps what an interval ended with.
-    pub(super) fn keep(&mut self, constraints: &Constraints, movers: &Movers, bodies: &SolverBodies) {
+    /// By how much impulses grow for substeps of `h` seconds: what holds up a weight is proportional to time.
+    pub(super) fn growth(&self, h: f32) -> f32 {
+        if self.substep > 0.0 {
+            (h / self.substep).min(2.0)
+        } else {
+            1.0
+        }
+    }
+
+    /// Keeps what an interval with substeps of `h` seconds ended with.
+    pub(super) fn keep(&mut self, constraints: &Constraints, movers: &Movers, bodies: &SolverBodies, h: f32) {
+        self.substep = h;
         self.points.resize(constraints.points().len(), KeptPoint::default());
         (&mut self.points, constraints.points())
             .into_par_iter()
@@ -150,12 +162,19 @@ pub(super) struct Match<'a> {
     /// The square of the distance.
     distance: f32,
     normal: f32,
+    growth: f32,
     /// One bit for each old point that is given away. More than 64 are not matched.
     taken: u64,
 }
 
 impl<'a> Match<'a> {
-    pub fn new(kept: Option<&'a Kept<'a>>, rotations: [Quat; 2], settings: &SolverSettings, diameter: f32) -> Self {
+    pub fn new(
+        kept: Option<&'a Kept<'a>>,
+        rotations: [Quat; 2],
+        settings: &SolverSettings,
+        diameter: f32,
+        growth: f32,
+    ) -> Self {
         let kept = kept.filter(|kept| !kept.pair.untangling);
         let back = kept.map_or([Quat::IDENTITY; 2], |kept| {
             let [one, other] = kept.pair.rotations;
@@ -167,6 +186,7 @@ impl<'a> Match<'a> {
             back,
             distance: (settings.match_distance * diameter).powi(2),
             normal: settings.match_normal,
+            growth,
             taken: 0,
         }
     }
@@ -194,6 +214,6 @@ impl<'a> Match<'a> {
         }
         let (i, old) = found?;
         self.taken |= 1 << i;
-        Some((old.impulse, sign * old.friction))
+        Some((self.growth * old.impulse, self.growth * sign * old.friction))
     }
 }
