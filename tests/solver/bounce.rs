@@ -76,8 +76,8 @@ fn a_ball_that_bounces_on_a_floor_keeps_its_height() {
     assert!(tops.len() >= 4, "{tops:?}");
     println!("tops {tops:?}");
     for (i, top) in tops.iter().enumerate() {
-        // One bounce may come up to a step early or late.
-        check("height of the top", *top, 1.5, 0.02 * (i + 1) as f64);
+        // Gravity's share of the interval in which it bounces is lost: half a percent of the speed.
+        check("height of the top", *top, 1.5, 0.012 * (i + 1) as f64);
     }
 }
 

@@ -215,6 +215,6 @@ pub fn check(what: &str, found: f64, wanted: f64, tolerance: f64) {
 
 #[track_caller]
 pub fn check_below(what: &str, found: f64, limit: f64) {
-    println!("{what}: {found:.6} (limit {limit})");
+    println!("{what}: {found:.3e} (limit {limit:.1e})");
     assert!(found <= limit, "{what}: {found} is over {limit}");
 }
