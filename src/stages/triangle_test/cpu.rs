@@ -10,6 +10,7 @@ mod first;
 mod lanes;
 mod levels;
 mod placed;
+pub mod plane_manifolds;
 mod planes;
 mod product;
 mod setting;

@@ -1,0 +1,44 @@
+//! Where two bodies push each other: the points that a solver works on.
+
+use glam::Vec3;
+
+/// All contact points of a pair of bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Manifold {
+    /// The two bodies, `a < b`.
+    pub bodies: [u32; 2],
+    /// Where its points start in [`Manifolds::points`].
+    pub first_point: u32,
+    /// How many there are.
+    pub point_count: u32,
+}
+
+/// A point at which two bodies push each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManifoldPoint {
+    /// The point on each body's surface, from its centre of mass, turned with the world, metres.
+    pub arms: [Vec3; 2],
+    /// Unit vector from the first body to the second.
+    pub normal: Vec3,
+    /// How far the second body's point lies from the first's along the normal, metres; negative where they overlap.
+    pub separation: f32,
+    /// The faces the points lie on, by the numbers of the input meshes.
+    pub faces: [u32; 2],
+}
+
+/// The contact points of all pairs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Manifolds {
+    /// Ascending by bodies.
+    pub pairs: Vec<Manifold>,
+    /// One pair's after the other's.
+    pub points: Vec<ManifoldPoint>,
+}
+
+impl Manifolds {
+    /// The points of one of [`Manifolds::pairs`].
+    pub fn points_of(&self, pair: &Manifold) -> &[ManifoldPoint] {
+        let first = pair.first_point as usize;
+        &self.points[first..first + pair.point_count as usize]
+    }
+}

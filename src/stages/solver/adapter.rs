@@ -1,0 +1,77 @@
+//! From the bodies of a step to those of the solver, and back.
+
+use super::bodies::{SolverBodies, SolverBody, SolverMotion};
+use crate::components::RigidBody;
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Bodies, Plane};
+use glam::DMat3;
+
+/// Planes have the keys from here downward.
+const PLANE_KEY: u64 = u64::MAX;
+
+impl SolverBodies {
+    /// Makes these the bodies of a step, followed by its planes as static bodies: plane `i` has the number
+    /// `bodies.len() + i` and the key `u64::MAX - i`.
+    ///
+    /// Nothing acts on them and none is asleep; what a step's bodies do not know (friction, damping, limits, locks) is as
+    /// in [`SolverBody::immovable`]. A caller sets all that afterwards.
+    ///
+    /// # Panics
+    /// If there are fewer `keys` than bodies.
+    pub fn read(&mut self, bodies: &Bodies, meshes: &MeshArena, planes: &[Plane], keys: &[u64]) {
+        self.clear();
+        for (i, &key) in keys[..bodies.len()].iter().enumerate() {
+            let frame = &bodies.frame[i];
+            let thickness = meshes[bodies.mesh[i]].mesh.mass.thickness * bodies.scale[i].abs().min_element();
+            let body = SolverBody {
+                inverse_mass: bodies.inverse_mass[i],
+                inverse_inertia: bodies.own_inverse_inertia[i],
+                thickness,
+                restitution: bodies.restitution[i],
+                gravity_scale: bodies.gravity_scale[i],
+                solid: !bodies.sensor[i],
+                ..SolverBody::immovable(bodies.kind[i], bodies.radius[i])
+            };
+            let motion = SolverMotion {
+                center: frame.center,
+                rotation: bodies.rotation[i].as_dquat().normalize(),
+                linear_velocity: bodies.linear_velocity[i],
+                angular_velocity: bodies.angular_velocity[i],
+            };
+            self.push(key, body, motion);
+        }
+        for (i, plane) in planes.iter().enumerate() {
+            let body = SolverBody {
+                restitution: plane.restitution,
+                ..SolverBody::immovable(RigidBody::Static, f32::INFINITY)
+            };
+            let center = plane.normal.as_dvec3() * plane.distance as f64;
+            self.push(PLANE_KEY - i as u64, body, SolverMotion::at(center));
+        }
+    }
+
+    /// Writes poses and velocities to the bodies these were read from, pose and frame alike. What else is derived from
+    /// poses (world inertia) is stale afterwards.
+    pub fn write(&self, bodies: &mut Bodies, meshes: &MeshArena) {
+        for i in 0..bodies.len() {
+            let motion = &self.motions[i];
+            bodies.linear_velocity[i] = motion.linear_velocity;
+            bodies.angular_velocity[i] = motion.angular_velocity;
+            let before = &bodies.frame[i];
+            let turned = motion.rotation != bodies.rotation[i].as_dquat().normalize();
+            if bodies.kind[i] == RigidBody::Static || (motion.center == before.center && !turned) {
+                continue;
+            }
+            let frame = &mut bodies.frame[i];
+            let arm = frame.scale * meshes[bodies.mesh[i]].mesh.mass.center.as_dvec3();
+            frame.center = motion.center;
+            frame.rotation = DMat3::from_quat(motion.rotation);
+            frame.position = motion.center - frame.rotation * arm;
+            bodies.center[i] = motion.center.as_vec3();
+            bodies.position[i] = frame.position.as_vec3();
+            if turned {
+                bodies.rotation[i] = motion.rotation.as_quat();
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! What is made of overlaps whose contact points may disagree about the way out.
+
+use super::settings::SolverSettings;
+use super::warm_start::Kept;
+use crate::stages::manifold::ManifoldPoint;
+use glam::Vec3;
+
+/// Points are opposed if the cosine between their normals is below this.
+const OPPOSED: f32 = -0.5;
+/// Points less deep than this part of D do not start a dispute.
+const DISPUTED_DEPTH: f32 = 0.01;
+/// A dispute lasts until no point is deeper than this part of D.
+const SETTLED_DEPTH: f32 = 0.005;
+/// The way out of a pair of bodies with a common centre: any, but always the same.
+const ANY_WAY: Vec3 = Vec3::new(0.36, 0.48, 0.8);
+
+/// How a pair overlaps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Overlap {
+    /// Its points can be trusted.
+    Usual,
+    /// It overlapped deeply when it was first seen, and still overlaps: to be pushed apart along this unit vector.
+    Tangled(Vec3),
+    /// It came from outside and its points push both ways: only those count that agree with this vector.
+    Disputed(Vec3),
+}
+
+/// Judges a pair with bodies of the bounding diameter `diameter`, the second's centre at `between` from the first's.
+pub(super) fn judge(
+    points: &[ManifoldPoint],
+    kept: Option<&Kept>,
+    diameter: f32,
+    between: Vec3,
+    has_mass: [bool; 2],
+    settings: &SolverSettings,
+) -> Overlap {
+    let deeper_than = |depth: f32| points.iter().any(|p| p.separation < -depth * diameter);
+    if !deeper_than(0.0) {
+        return Overlap::Usual;
+    }
+    let tangled = match kept {
+        Some(kept) => kept.pair.untangling,
+        None => deeper_than(settings.untangle_depth) || opposed(points, 0.0),
+    };
+    if tangled {
+        return Overlap::Tangled(way_out(points, diameter, between, has_mass));
+    }
+    let Some(kept) = kept else {
+        return Overlap::Usual;
+    };
+    let disputed = if kept.direction() == Vec3::ZERO {
+        opposed(points, DISPUTED_DEPTH * diameter)
+    } else {
+        deeper_than(SETTLED_DEPTH)
+    };
+    if !disputed {
+        return Overlap::Usual;
+    }
+    let sources = [kept.direction(), kept.push(), between];
+    let direction = sources.into_iter().find_map(Vec3::try_normalize);
+    Overlap::Disputed(direction.unwrap_or(ANY_WAY))
+}
+
+/// Whether two points, both deeper than `depth`, push against each other.
+fn opposed(points: &[ManifoldPoint], depth: f32) -> bool {
+    let deep = || points.iter().filter(move |p| p.separation < -depth);
+    deep().any(|p| deep().any(|q| p.normal.dot(q.normal) < OPPOSED))
+}
+
+/// The line of centres; away from a body without mass the mean of normals, as its centre says little about its surface.
+fn way_out(points: &[ManifoldPoint], diameter: f32, between: Vec3, has_mass: [bool; 2]) -> Vec3 {
+    let unit = |v: Vec3| (v.length() > 1.0e-4 * diameter).then(|| v.normalize_or_zero());
+    let normals = || points.iter().map(|p| p.normal * (-p.separation).max(0.0)).sum();
+    let mean = if has_mass == [true; 2] { None } else { unit(normals()) };
+    mean.or_else(|| unit(between))
+        .filter(|v| v.is_normalized())
+        .unwrap_or(ANY_WAY)
+}

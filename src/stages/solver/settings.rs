@@ -1,0 +1,141 @@
+//! What a user can set about the solver, and what follows from it.
+
+use super::bodies::SolverBodies;
+use std::f32::consts::TAU;
+
+/// How contacts are solved.
+///
+/// A step of the world is cut into *detection intervals*, each with contact points of its own (see
+/// [`SolverSettings::detections`]), and an interval into *substeps*. Lengths marked with D are parts of the bounding
+/// diameter of the smaller of two bodies, so that small and large bodies behave alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverSettings {
+    /// Substeps per step of the world, shared out among its detection intervals. Default 8: halving the substep helps
+    /// stiff stacks and mass ratios more than doubling the iterations, at the same cost (Macklin et al., "Small Steps in
+    /// Physics Simulation", 2019).
+    pub substeps: u32,
+    /// Passes over all pairs per substep that also push overlapping bodies apart. Default 2: a body in several pairs gets
+    /// the mean of their answers in one pass, and it takes a second for them to agree.
+    pub bias_iterations: u32,
+    /// Passes per substep, after the bodies have moved, that take out again the velocity that the push gave. Default 2;
+    /// without them chains break.
+    pub relax_iterations: u32,
+    /// Gauss-Seidel sweeps over the points of one pair within a pass. Default 2.
+    pub sweeps: u32,
+    /// Part of a point's correction that is applied at once, 0 to 1. Default 0.5: with 1, points of the same pair
+    /// overshoot and a stack creeps.
+    pub relaxation: f32,
+    /// Frequency of the contact spring as a part of the rate of substeps. Default 0.25, the stiffest that a time step can
+    /// carry with a margin (Catto, "Solver2D", 2024).
+    pub frequency: f32,
+    /// Damping ratio of the contact spring. Default 10: far overdamped, so that a push out of an overlap never throws.
+    pub damping_ratio: f32,
+    /// How fast overlapping bodies are pushed apart at most, m/s. Default 3.
+    pub push_speed: f32,
+    /// How fast pairs are pushed apart that overlapped deeply when they met, m/s. Default 1.
+    pub untangle_speed: f32,
+    /// Pairs that overlap deeper than this when they meet are untangled: pushed along their line of centres, without
+    /// friction, until they part. In D, default 0.04: beyond, the contact points of meshes may disagree about the way out.
+    pub untangle_depth: f32,
+    /// The gap that bodies at rest keep. In D, default 0.005: surfaces that do not cross have contact points that say more.
+    pub rest_offset: f32,
+    /// Bodies that meet slower than this do not bounce, m/s. Default 0.5: what gravity gives within a few steps must not
+    /// keep a pile awake.
+    pub restitution_threshold: f32,
+    /// Passes over all pairs that bounce, once per detection interval. Default 4: of a cloud of 500 elastic balls that all
+    /// meet at once 94 % of the energy was left; with 2 passes 75 %, and with 8 it had grown to 102 % (Newton's law of impact
+    /// may gain energy where many bodies meet at once). A pair by itself is exact after one.
+    pub restitution_iterations: u32,
+    /// How far a point may have moved from where it was in the last interval to go on with the impulse it had. In D,
+    /// default 0.05.
+    pub match_distance: f32,
+    /// Cosine of how far its normal may have turned meanwhile. Default 0.7.
+    pub match_normal: f32,
+    /// How far anything may move between two detections, in the thickness of the thinnest body. Default 0.5: a body never
+    /// gets through more than half of another unseen. Faster ones make the step be cut up.
+    pub detection_travel: f32,
+    /// At most this many detection intervals per step. Default 8.
+    pub max_detections: u32,
+    /// Whether islands of bodies at rest are frozen. Default true.
+    pub sleeping: bool,
+    /// A body is at rest if no point of it moves faster than this, m/s. Default 0.05; piles settle to 0.0001 to 0.001.
+    pub sleep_speed: f32,
+    /// How long all bodies of an island must have been at rest, seconds. Default 0.5: at the top of its path a thrown body
+    /// is slow for a shorter time.
+    pub sleep_time: f32,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self {
+            substeps: 8,
+            bias_iterations: 2,
+            relax_iterations: 2,
+            sweeps: 2,
+            relaxation: 0.5,
+            frequency: 0.25,
+            damping_ratio: 10.0,
+            push_speed: 3.0,
+            untangle_speed: 1.0,
+            untangle_depth: 0.04,
+            rest_offset: 0.005,
+            restitution_threshold: 0.5,
+            restitution_iterations: 4,
+            match_distance: 0.05,
+            match_normal: 0.7,
+            detection_travel: 0.5,
+            max_detections: 8,
+            sleeping: true,
+            sleep_speed: 0.05,
+            sleep_time: 0.5,
+        }
+    }
+}
+
+impl SolverSettings {
+    /// Into how many detection intervals a step of `dt` seconds must be cut so that nothing moves further in one than
+    /// [`SolverSettings::detection_travel`] of the thinnest body; 1 to [`SolverSettings::max_detections`].
+    pub fn detections(&self, bodies: &SolverBodies, dt: f32) -> u32 {
+        let mut fastest = 0.0f32;
+        let mut thinnest = f32::INFINITY;
+        for ((body, motion), sleep) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep) {
+            thinnest = thinnest.min(body.thickness);
+            if !sleep.asleep && body.moves() {
+                let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * body.radius;
+                fastest = fastest.max(speed);
+            }
+        }
+        let wanted = (fastest * dt / (self.detection_travel * thinnest)).ceil();
+        // A float becomes the nearest integer, and NaN zero.
+        (wanted as u32).clamp(1, self.max_detections.max(1))
+    }
+
+    /// How many substeps each of `detections` intervals has.
+    pub fn substeps_per_detection(&self, detections: u32) -> u32 {
+        self.substeps.div_ceil(detections.max(1)).max(1)
+    }
+
+    /// The contact spring of a substep of `h` seconds.
+    pub(super) fn softness(&self, h: f32) -> Softness {
+        let angular_frequency = TAU * self.frequency / h;
+        let a1 = 2.0 * self.damping_ratio + h * angular_frequency;
+        let a2 = h * angular_frequency * a1;
+        let a3 = 1.0 / (1.0 + a2);
+        Softness {
+            bias_rate: angular_frequency / a1,
+            mass_scale: a2 * a3,
+            impulse_scale: a3,
+        }
+    }
+}
+
+/// A damped spring as an implicit Euler step sees it (Catto, "Soft Constraints", GDC 2011).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Softness {
+    /// Speed per metre of overlap, 1/s.
+    pub bias_rate: f32,
+    /// Part of the rigid answer that is given.
+    pub mass_scale: f32,
+    /// Part of the impulse so far that is taken back.
+    pub impulse_scale: f32,
+}
