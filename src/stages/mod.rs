@@ -12,7 +12,7 @@
 //! on a device (see `crate::gpu`).
 //!
 //! [`solver`] moves bodies that touch at [`manifold`]s of points: it does what [`force_scan`] and [`integrate`] do, with
-//! friction, over several substeps.
+//! friction, over several substeps. The step does not run it yet.
 //!
 //! [`state`] holds every array that passes between them. Stages know nothing of the ECS: the plugin copies components
 //! in and results out.
