@@ -20,6 +20,7 @@ pub mod broad_phase;
 pub mod force_scan;
 pub mod integrate;
 pub mod manifold;
+pub mod manifolds;
 pub mod mesh_arena;
 pub mod state;
 pub mod triangle_test;

@@ -1,0 +1,170 @@
+//! The points of one pair.
+
+use super::contour::{Contours, Patch};
+use super::feature::{Feature, TrianglePair};
+use super::inside;
+use super::near::{Near, Setting};
+use super::ray::exit;
+use super::reduce::Reduction;
+use super::side::{Side, sides};
+use crate::stages::manifold::ManifoldPoint;
+use crate::stages::manifolds::MarginPair;
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::Bodies;
+use glam::{DMat3, DVec3};
+
+/// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
+const DEEP: f64 = 0.04;
+/// What overlaps by less, in the same unit, touches: rounding must not part bodies that rest on each other.
+const TOUCH: f64 = 1.0e-6;
+/// How far rays run, in the same unit.
+const RAY: f64 = 0.3;
+/// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
+const LEAST_AREA: f64 = 1.0e-6;
+/// and is taken for this deep at most.
+const SHALLOW: f64 = 0.002;
+
+/// Memory kept between pairs.
+#[derive(Default)]
+pub struct Worker {
+    near: Near,
+    contours: Contours,
+    features: Vec<Feature>,
+    deep: Vec<Feature>,
+    reduction: Reduction,
+}
+
+impl Worker {
+    /// Appends the points of a pair.
+    pub fn run(&mut self, bodies: &Bodies, meshes: &MeshArena, pair: &MarginPair, points: &mut Vec<ManifoldPoint>) {
+        let Some(sides) = sides(bodies, meshes, pair.bodies) else {
+            return;
+        };
+        let [a, b] = pair.bodies.map(|i| i as usize);
+        let frame = &bodies.frame[a];
+        let setting = Setting {
+            rotation: (frame.rotation.transpose() * bodies.frame[b].rotation).as_mat3(),
+            translation: sides[1].center.as_vec3(),
+            size: bodies.radius[a] + bodies.radius[b],
+        };
+        let size = sides[0].diameter().min(sides[1].diameter());
+        // Not a number is no margin.
+        let margin = pair.margin.max(0.0).min(f32::MAX);
+        self.find(&sides, &setting, margin, size);
+        let faces = |t: [u32; 2]| [sides[0].face(t[0]), sides[1].face(t[1])];
+        let to_world = World {
+            rotation: frame.rotation,
+            center_b: sides[1].center,
+        };
+        let chosen = self.reduction.run(&mut self.features, size);
+        points.extend(chosen.iter().map(|f| to_world.point(f, faces(f.triangles))));
+    }
+
+    /// Fills `features`.
+    fn find(&mut self, sides: &[Side; 2], setting: &Setting, margin: f32, size: f64) {
+        let Self {
+            near,
+            contours,
+            features,
+            deep,
+            ..
+        } = self;
+        features.clear();
+        contours.clear();
+        let reach = f64::from(margin);
+        let touch = TOUCH * size;
+        let range = -touch..=reach;
+        near.run(sides, setting, margin + touch as f32, None, |a, b| {
+            if let Some(pair) = TrianglePair::new(sides, a, b, reach + touch) {
+                pair.features(&range, |feature| features.push(feature));
+                contours.segments.extend(pair.segment());
+            }
+        });
+        if contours.segments.is_empty() {
+            if let Some(contact) = inside::contact(sides) {
+                features.clear();
+                features.push(contact);
+            }
+            return;
+        }
+
+        contours.join(reach, size);
+        features.retain(|feature| contours.admit(feature, false));
+        if contours.patches.is_empty() {
+            return;
+        }
+        deep.clear();
+        let (most, range) = (DEEP * size, -DEEP * size..=-touch);
+        near.run(sides, setting, most as f32, Some(contours.region()), |a, b| {
+            if let Some(pair) = TrianglePair::new(sides, a, b, most) {
+                pair.features(&range, |feature| {
+                    if contours.admit(&feature, true) {
+                        deep.push(feature);
+                    }
+                });
+            }
+        });
+        keep_shallowest(deep);
+        deep.iter().for_each(|feature| contours.keep(feature));
+        features.append(deep);
+        for patch in contours.patches.iter().filter(|patch| !patch.kept) {
+            probe(sides, contours, patch, size, features);
+        }
+    }
+}
+
+/// Of the faces under which a vertex is, the one through which it came.
+fn keep_shallowest(deep: &mut Vec<Feature>) {
+    // Vertices first, each from its shallowest face on.
+    let key = |f: &Feature| f.vertex.map_or((u8::MAX, 0), |v| v);
+    deep.sort_by(|p, q| key(p).cmp(&key(q)).then(q.separation.total_cmp(&p.separation)));
+    deep.dedup_by(|later, first| later.vertex.is_some() && later.vertex == first.vertex);
+}
+
+/// Points of a patch by rays.
+fn probe(sides: &[Side; 2], contours: &Contours, patch: &Patch, size: f64, features: &mut Vec<Feature>) {
+    let before = features.len();
+    let (n, most) = (patch.normal, RAY * size);
+    for p in patch.probes(&contours.segments) {
+        let (Some((up, a)), Some((down, b))) = (exit(&sides[0], p, n, most), exit(&sides[1], p, -n, most)) else {
+            continue;
+        };
+        features.push(Feature {
+            points: [p + n * up, p - n * down],
+            normal: n,
+            separation: -(up + down),
+            triangles: [a, b],
+            vertex: None,
+        });
+    }
+    if features.len() == before && patch.area > LEAST_AREA * size * size {
+        // Twice the area over the length is the radius of a circle.
+        let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
+        let half = n * (0.5 * depth);
+        features.push(Feature {
+            points: [patch.center + half, patch.center - half],
+            normal: n,
+            separation: -depth,
+            triangles: contours.segments[patch.first].triangles,
+            vertex: None,
+        });
+    }
+}
+
+/// Out of the first body's axes.
+struct World {
+    rotation: DMat3,
+    center_b: DVec3,
+}
+
+impl World {
+    fn point(&self, feature: &Feature, faces: [u32; 2]) -> ManifoldPoint {
+        let [a, b] = feature.points;
+        ManifoldPoint {
+            arms: [a, b - self.center_b].map(|arm| (self.rotation * arm).as_vec3()),
+            normal: (self.rotation * feature.normal).normalize().as_vec3(),
+            separation: feature.separation as f32,
+            faces,
+        }
+    }
+}
