@@ -54,11 +54,15 @@ pub struct Contours {
 }
 
 impl TrianglePair<'_> {
-    /// Where the triangles cross, if they do and are not in one plane. A corner in the other's plane counts as below it, for
-    /// all its triangles alike, so contours stay closed.
+    /// Where the triangles cross, if they do and are not in one plane. Heights up to `rounding` are none, and then the first
+    /// body counts as a little smaller than it is: its corners are below the second's planes, and the second's above its
+    /// own. So contours are closed even if faces of both lie in one plane.
     #[inline]
-    pub fn segment(&self) -> Option<Segment> {
-        let above = self.heights.map(|h| h.map(|h| h > 0.0));
+    pub fn segment(&self, rounding: f64) -> Option<Segment> {
+        let above = [
+            self.heights[0].map(|h| h > rounding),
+            self.heights[1].map(|h| h >= -rounding),
+        ];
         if above.contains(&[true; 3]) || above.contains(&[false; 3]) {
             return None;
         }
@@ -67,7 +71,7 @@ impl TrianglePair<'_> {
         if line.length_squared() < 1.0e-24 {
             return None;
         }
-        let [chord_a, chord_b] = [self.chord(0, line), self.chord(1, line)];
+        let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
         let start = if chord_a[0].at > chord_b[0].at {
             chord_a[0]
         } else {
@@ -86,7 +90,7 @@ impl TrianglePair<'_> {
     }
 
     /// Where the edges of one triangle pierce the other's plane, in order along the common line.
-    fn chord(&self, side: usize, line: DVec3) -> [Crossing; 2] {
+    fn chord(&self, side: usize, line: DVec3, above: [bool; 3]) -> [Crossing; 2] {
         let own = self.triangles[side];
         let features = &self.sides[side].features;
         let heights = self.heights[side];
@@ -95,14 +99,16 @@ impl TrianglePair<'_> {
         let mut count = 0;
         for k in 0..3 {
             let (mut i, mut j) = (k, (k + 1) % 3);
-            if (heights[i] > 0.0) == (heights[j] > 0.0) || count == 2 {
+            if above[i] == above[j] || count == 2 {
                 continue;
             }
             // From the same end for both triangles at the edge, so that both get the same point.
             if vertices[i] > vertices[j] {
                 (i, j) = (j, i);
             }
-            let at = heights[i] / (heights[i] - heights[j]);
+            // Both may be zero, and then any point of the edge is as good as any other.
+            let at = (heights[i] / (heights[i] - heights[j])).clamp(0.0, 1.0);
+            let at = if at.is_nan() { 0.5 } else { at };
             let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
             crossings[count] = Crossing {
                 point,

@@ -17,6 +17,8 @@ use glam::{DMat3, DVec3};
 const DEEP: f64 = 0.04;
 /// What overlaps by less, in the same unit, touches: rounding must not part bodies that rest on each other.
 const TOUCH: f64 = 1.0e-6;
+/// Heights over planes are wrong by less, in units of the bounding radii together.
+const ROUNDING: f64 = 1.0e-14;
 /// How far rays run, in the same unit.
 const RAY: f64 = 0.3;
 /// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
@@ -73,11 +75,12 @@ impl Worker {
         contours.clear();
         let reach = f64::from(margin);
         let touch = TOUCH * size;
+        let rounding = ROUNDING * f64::from(setting.size);
         let range = -touch..=reach;
         near.run(sides, setting, margin + touch as f32, None, |a, b| {
             if let Some(pair) = TrianglePair::new(sides, a, b, reach + touch) {
                 pair.features(&range, |feature| features.push(feature));
-                contours.segments.extend(pair.segment());
+                contours.segments.extend(pair.segment(rounding));
             }
         });
         if contours.segments.is_empty() {

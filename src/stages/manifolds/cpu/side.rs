@@ -93,11 +93,20 @@ impl Side<'_> {
         self.inverse * d
     }
 
-    /// A triangle.
+    /// A triangle. Its normal is that of the placed corners, so that corners in its plane have a height of nearly zero.
     #[inline]
     pub fn triangle(&self, number: u32) -> Triangle {
         let corners = self.features.triangles[number as usize].map(|v| self.vertex(v));
-        let (normal, handed) = self.normal_at(number, corners[0]);
+        let [p, q, r] = corners;
+        let cross = (q - p).cross(r - p) * self.mirror;
+        let length = cross.length();
+        // A scale that flattens the triangle leaves it the normal of its mesh.
+        let normal = if length > f64::MIN_POSITIVE {
+            cross / length
+        } else {
+            self.baked_normal(number)
+        };
+        let (normal, handed) = self.towards_other(normal, p);
         Triangle {
             number,
             corners,
@@ -106,7 +115,7 @@ impl Side<'_> {
         }
     }
 
-    /// Its normal alone.
+    /// Its normal alone, as exact as single precision keeps it.
     #[inline]
     pub fn normal(&self, number: u32) -> DVec3 {
         // Only two-sided triangles need to know where they are.
@@ -115,17 +124,21 @@ impl Side<'_> {
         } else {
             self.vertex(self.features.triangles[number as usize][0])
         };
-        self.normal_at(number, corner).0
+        self.towards_other(self.baked_normal(number), corner).0
     }
 
     #[inline]
-    fn normal_at(&self, number: u32, corner: DVec3) -> (DVec3, f64) {
+    fn baked_normal(&self, number: u32) -> DVec3 {
         let n = self.normal_matrix * self.features.normals[number as usize].as_dvec3();
-        let n = n * n.length_recip();
-        if !self.features.sided && n.dot(self.other_center - corner) < 0.0 {
-            (-n, -self.mirror)
+        n * n.length_recip()
+    }
+
+    #[inline]
+    fn towards_other(&self, normal: DVec3, corner: DVec3) -> (DVec3, f64) {
+        if !self.features.sided && normal.dot(self.other_center - corner) < 0.0 {
+            (-normal, -self.mirror)
         } else {
-            (n, self.mirror)
+            (normal, self.mirror)
         }
     }
 
