@@ -11,6 +11,9 @@ const SPREAD: f64 = 1.3;
 /// Contours that enclose less than this part of the square of the bodies' size have no direction.
 const LEAST_AREA: f64 = 1.0e-12;
 
+/// Ends of contours that should go on count as the same point if they are this near, in units of the bodies' size.
+const TIE: f64 = 1.0e-6;
+
 /// The segment in which two triangles cross, along the cross product of their normals.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
@@ -47,7 +50,10 @@ pub struct Contours {
     /// As they are found; then one patch's after the other's.
     pub segments: Vec<Segment>,
     pub patches: Vec<Patch>,
-    keys: Vec<(Key, u32)>,
+    /// Of both ends of all segments, with the segment and the end.
+    keys: Vec<(Key, u32, usize)>,
+    /// Ends that no other shares, with their segments.
+    loose: Vec<(DVec3, u32)>,
     parents: Vec<u32>,
     order: Vec<(u32, u32)>,
     sorted: Vec<Segment>,
@@ -72,12 +78,14 @@ impl TrianglePair<'_> {
             return None;
         }
         let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
-        let start = if chord_a[0].at > chord_b[0].at {
+        // Where both end at once, the first body, which counts as smaller, ends first.
+        let slack = rounding * line.length();
+        let start = if chord_a[0].at >= chord_b[0].at - slack {
             chord_a[0]
         } else {
             chord_b[0]
         };
-        let end = if chord_a[1].at < chord_b[1].at {
+        let end = if chord_a[1].at <= chord_b[1].at + slack {
             chord_a[1]
         } else {
             chord_b[1]
@@ -147,15 +155,19 @@ impl Contours {
         self.parents.clear();
         for (i, segment) in (0..).zip(&self.segments) {
             self.parents.push(i);
-            self.keys.extend(segment.keys.map(|key| (key, i)));
+            self.keys.extend([(segment.keys[0], i, 0), (segment.keys[1], i, 1)]);
         }
         self.keys.sort_unstable();
-        for pair in self.keys.windows(2) {
-            if pair[0].0 == pair[1].0 {
-                let [p, q] = [pair[0].1, pair[1].1].map(|i| root(&mut self.parents, i));
-                self.parents[p.max(q) as usize] = p.min(q);
+        self.loose.clear();
+        for run in self.keys.chunk_by(|x, y| x.0 == y.0) {
+            for other in &run[1..] {
+                unite(&mut self.parents, run[0].1, other.1);
+            }
+            if let [(_, i, end)] = run {
+                self.loose.push((self.segments[*i as usize].ends[*end], *i));
             }
         }
+        self.tie_loose_ends(TIE * size);
         self.order.clear();
         for i in 0..self.segments.len() as u32 {
             self.order.push((root(&mut self.parents, i), i));
@@ -173,6 +185,19 @@ impl Contours {
                 self.patches.push(patch);
             }
             first = end;
+        }
+    }
+
+    /// Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they
+    /// are.
+    fn tie_loose_ends(&mut self, reach: f64) {
+        self.loose.sort_unstable_by(|p, q| p.0.x.total_cmp(&q.0.x).then(p.1.cmp(&q.1)));
+        for (n, &(p, i)) in self.loose.iter().enumerate() {
+            for &(q, j) in self.loose[n + 1..].iter().take_while(|(q, _)| q.x - p.x <= reach) {
+                if p.distance_squared(q) <= reach * reach {
+                    unite(&mut self.parents, i, j);
+                }
+            }
         }
     }
 
@@ -202,6 +227,11 @@ impl Contours {
             all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
         })
     }
+}
+
+fn unite(parents: &mut [u32], i: u32, j: u32) {
+    let [p, q] = [i, j].map(|i| root(parents, i));
+    parents[p.max(q) as usize] = p.min(q);
 }
 
 fn root(parents: &mut [u32], mut i: u32) -> u32 {
