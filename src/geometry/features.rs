@@ -7,6 +7,9 @@ use std::collections::HashMap;
 /// No triangle.
 pub const NONE: u32 = u32::MAX;
 
+/// A neighbour that leads below a triangle's plane by less than this part of the triangle's size lies in it.
+const LEAST_FOLD: f64 = 1.0e-9;
+
 /// Vertices and edges of a mesh, each once, in flat arrays.
 ///
 /// Connectivity is found on positions, as for all of [`TriMesh`]. Every vertex and every edge is owned by one triangle, the
@@ -22,8 +25,8 @@ pub struct MeshFeatures {
     pub normals: Vec<Vec3>,
     /// Edges of each triangle: the first from its first corner to its second, and so on.
     pub triangle_edges: Vec<[u32; 3]>,
-    /// What each triangle owns: bits 0 to 2 its corners, bits 3 to 5 its edges. An edge of more than two triangles has no
-    /// owner.
+    /// What each triangle owns: bits 0 to 2 its corners, bits 3 to 5 its edges. Edges that can touch no other edge have no
+    /// owner: those of more than two triangles, and if [`MeshFeatures::sided`] those that are flat or concave, at any scale.
     pub owned: Vec<u32>,
     /// For each edge the other triangle than its owner; [`NONE`] at a rim.
     pub across: Vec<u32>,
@@ -106,12 +109,22 @@ impl MeshFeatures {
             });
             self.triangle_edges.push(edges);
         }
-        for (owner, k, count) in owners {
-            if count <= 2 {
+        for (edge, (owner, k, count)) in owners.into_iter().enumerate() {
+            if count <= 2 && !(self.sided && self.is_concave(owner, self.across[edge])) {
                 self.owned[owner] |= 8 << k;
             }
         }
         ends
+    }
+
+    /// Whether triangle `other` does not lead below the plane of triangle `own`. No scale changes that.
+    fn is_concave(&self, own: usize, other: u32) -> bool {
+        let at = |v: u32| self.vertices[v as usize].as_dvec3();
+        let [p, q, r] = self.triangles[own].map(at);
+        let normal = (q - p).cross(r - p);
+        let heights = self.triangles[other as usize].map(|v| normal.dot(at(v) - p) / normal.length());
+        let size = p.distance(q).max(p.distance(r));
+        heights.iter().all(|h| *h >= -LEAST_FOLD * size)
     }
 
     fn add_neighbors(&mut self, ends: &[[u32; 2]]) {
@@ -144,12 +157,16 @@ mod tests {
     }
 
     #[test]
-    fn every_vertex_and_edge_of_a_closed_mesh_has_one_owner() {
-        for mesh in [shapes::cube(1.0), shapes::torus_240(), shapes::ball(1.0, 2)] {
+    fn every_vertex_and_convex_edge_of_a_closed_mesh_has_one_owner() {
+        for (mesh, convex) in [
+            (shapes::cube(1.0), 12),
+            (shapes::ball(1.0, 2), 480),
+            (shapes::torus(12, 10, 0.7, 0.3), 240),
+        ] {
             let features = MeshFeatures::of(&mesh);
             let (vertices, edges) = (features.vertices.len() as u32, features.across.len() as u32);
             assert_eq!(owned(&features, 7), vertices);
-            assert_eq!(owned(&features, 56), edges);
+            assert_eq!(owned(&features, 56), convex);
             assert_eq!(2 * edges, 3 * mesh.triangles().len() as u32);
             assert!(!features.across.contains(&NONE));
             assert_eq!(features.neighbors.len() as u32, 2 * edges);

@@ -40,6 +40,8 @@ pub struct Patch {
     /// Its segments in [`Contours::segments`].
     pub first: usize,
     pub end: usize,
+    /// Its points by rays, from the first to the one before the second.
+    pub probes: [usize; 2],
     /// Whether it keeps an overlapping feature.
     pub kept: bool,
 }
@@ -269,6 +271,7 @@ impl Patch {
             reach: SPREAD * radius.sqrt() + margin,
             first,
             end,
+            probes: [0; 2],
             kept: false,
         })
     }
@@ -279,7 +282,7 @@ impl Patch {
 
     /// Five points in the patch: its centre, and the contour's extremes in four directions across the normal, drawn in by a
     /// quarter. The first is the farthest from the centre, so both bodies choose the same.
-    pub fn probes(&self, segments: &[Segment]) -> [DVec3; 5] {
+    pub fn places(&self, segments: &[Segment]) -> [DVec3; 5] {
         let own = &segments[self.first..self.end];
         let farthest = |along: &dyn Fn(DVec3) -> f64| {
             let mut best = (f64::NEG_INFINITY, DVec3::ZERO);

@@ -124,17 +124,18 @@ impl<'a> TrianglePair<'a> {
 
     /// Edge `k` of the first triangle over edge `l` of the second.
     fn edges(&self, [k, l]: [usize; 2], range: &RangeInclusive<f64>) -> Option<Feature> {
-        let [a, b] = [(0, k), (1, l)].map(|(i, k)| Edge::new(&self.sides[i], self.triangles[i], k));
+        let a = Edge::new(&self.sides[0], self.triangles[0], k);
+        let b = Edge::new(&self.sides[1], self.triangles[1], l);
         let cross = a.along.cross(b.along);
-        let (square, squares) = (cross.length_squared(), [a, b].map(|e| e.along.length_squared()));
-        if square <= PARALLEL * PARALLEL * squares[0] * squares[1] {
-            return None;
-        }
+        let square = cross.length_squared();
         // The lines' distance comes first, as it rejects most.
         let way = b.start - a.start;
         let product = way.dot(cross);
         let most = range.start().abs().max(range.end().abs());
         if product * product > most * most * square {
+            return None;
+        }
+        if square <= PARALLEL * PARALLEL * a.along.length_squared() * b.along.length_squared() {
             return None;
         }
         let at_a = way.cross(b.along).dot(cross) / square;

@@ -4,12 +4,15 @@ use super::side::{Side, Triangle};
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::stages::angles::PAD;
-use crate::stages::mesh_arena::{Points, points};
+use crate::stages::mesh_arena::Points;
 use crate::stages::triangle_test::cpu::descent::Descent;
-use crate::stages::triangle_test::cpu::lanes::{bits, boxes_meet, lane_of, splat};
+use crate::stages::triangle_test::cpu::lanes::{
+    Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub,
+};
 use crate::stages::triangle_test::cpu::placed::unit_of;
 use crate::stages::triangle_test::cpu::tree::{Tree, Way};
 use glam::{Mat3, Vec3};
+use wide::f32x8;
 
 /// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
 const COARSE: usize = 300;
@@ -32,18 +35,9 @@ pub struct Near {
     seconds: Vec<Placed>,
 }
 
-/// Eight triangles.
-struct Placed {
-    triangles: [Triangle; CLUSTER],
-    min: Points,
-    max: Points,
-    /// Lanes that count.
-    lanes: u32,
-}
-
 impl Near {
-    /// Calls `found` for every pair of triangles whose boxes, of which some are a little large, are no farther apart than
-    /// `reach` and both meet `region`.
+    /// Calls `found` for every pair of triangles that may be no farther apart than `reach` and whose boxes meet `region`;
+    /// some are a little farther.
     pub fn run(
         &mut self,
         sides: &[Side; 2],
@@ -55,25 +49,23 @@ impl Near {
         let reach = reach + PAD * setting.size;
         let [tree_a, tree_b] = trees(sides, setting, reach);
         self.descent.run(&tree_a, &tree_b);
-        let place = |side: &Side, cluster: u32| {
-            let mut placed = Placed::new(side, cluster);
-            if let Some(region) = region {
-                let meet = boxes_meet(placed.min, placed.max, splat(region.min), splat(region.max));
-                placed.lanes &= meet.to_bitmask();
-            }
-            placed
-        };
+        let places = sides.each_ref().map(|side| Rows::new(side.matrix().as_mat3()));
+        let place = |i: usize, cluster: u32| Placed::new(&sides[i], &places[i], cluster, region);
         self.seconds.clear();
         self.seconds
-            .extend(self.descent.second().map(|cluster| place(&sides[1], cluster)));
+            .extend(self.descent.second().map(|cluster| place(1, cluster)));
         for (cluster, others) in self.descent.pairs() {
-            let a = place(&sides[0], cluster);
+            let mut a = place(0, cluster);
             for &other in others {
-                let b = &self.seconds[other as usize];
+                let b = &mut self.seconds[other as usize];
                 for i in bits(a.lanes) {
-                    let (low, high) = (lane_of(&a.min, i) - reach, lane_of(&a.max, i) + reach);
-                    let meet = boxes_meet(splat(low), splat(high), b.min, b.max).to_bitmask();
-                    for j in bits(meet & b.lanes) {
+                    let near = a.near(i, b, reach);
+                    if near == 0 {
+                        continue;
+                    }
+                    a.complete(&sides[0], i);
+                    for j in bits(near) {
+                        b.complete(&sides[1], j);
                         found(&a.triangles[i], &b.triangles[j]);
                     }
                 }
@@ -82,21 +74,94 @@ impl Near {
     }
 }
 
+/// Eight triangles in single precision, about the first body's centre of mass, to find out which matter; those get double
+/// precision.
+struct Placed {
+    corners: [Points; 3],
+    /// Cross products of two sides, and their lengths.
+    normal: Points,
+    length: f32x8,
+    /// How wrong a height over the plane can be beside the way to the corner, both times the normal's length.
+    slack: f32x8,
+    min: Points,
+    max: Points,
+    /// Lanes that count.
+    lanes: u32,
+    /// Triangle in lane 0.
+    first: u32,
+    /// Lanes of `triangles` that are filled in.
+    complete: u32,
+    triangles: [Triangle; CLUSTER],
+}
+
+/// What single precision costs a product of two vectors, relative to their lengths.
+const ERROR: f32 = 2.0e-6;
+
 impl Placed {
-    fn new(side: &Side, cluster: u32) -> Self {
-        let first = cluster as usize * CLUSTER;
-        let count = side.features.triangles.len().min(first + CLUSTER) - first;
-        let mut triangles = [Triangle::default(); CLUSTER];
-        let mut boxes = [Aabb::EMPTY; CLUSTER];
-        for (lane, (triangle, aabb)) in triangles.iter_mut().zip(&mut boxes).enumerate().take(count) {
-            *triangle = side.triangle((first + lane) as u32);
-            *aabb = Aabb::around(triangle.corners.map(|p| p.as_vec3()));
+    fn new(side: &Side, place: &Rows, cluster: u32, region: Option<Aabb>) -> Self {
+        let own = &side.slot.lanes.clusters[cluster as usize];
+        let at = splat(side.place(own.origin).as_vec3());
+        let [p, q, r] = each(|k| place.times(own.corners[k]));
+        let (u, v) = (sub(q, p), sub(r, p));
+        let normal = cross(u, v);
+        let corners = [p, q, r].map(|p| each(|i| p[i] + at[i]));
+        let [p, q, r] = corners;
+        let mut placed = Self {
+            corners,
+            normal,
+            length: dot(normal, normal).sqrt(),
+            slack: f32x8::splat(ERROR) * norm1(u) * norm1(v),
+            min: min(p, min(q, r)),
+            max: max(p, max(q, r)),
+            lanes: own.lanes,
+            first: cluster * CLUSTER as u32,
+            complete: 0,
+            triangles: [Triangle::default(); CLUSTER],
+        };
+        if let Some(region) = region {
+            let meet = boxes_meet(placed.min, placed.max, splat(region.min), splat(region.max));
+            placed.lanes &= meet.to_bitmask();
         }
-        Self {
-            triangles,
-            min: points(|lane| boxes[lane].min),
-            max: points(|lane| boxes[lane].max),
-            lanes: (1u32 << count) - 1,
+        placed
+    }
+
+    /// Lanes of `other` that are near the triangle in lane `i`: neither their boxes nor a plane of one of the two part them by
+    /// more than `reach`.
+    #[inline]
+    fn near(&self, i: usize, other: &Self, reach: f32) -> u32 {
+        let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
+        let boxes = boxes_meet(splat(low - reach), splat(high + reach), other.min, other.max).to_bitmask();
+        if boxes & other.lanes == 0 {
+            return 0;
+        }
+        // No two points of triangles whose boxes are near are farther apart.
+        let spread = f32x8::splat((high - low).element_sum() + reach)
+            + (other.max[0] - other.min[0])
+            + (other.max[1] - other.min[1])
+            + (other.max[2] - other.min[2]);
+        let reaches = f32x8::splat(reach);
+        let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
+        let (normal, corner) = (
+            splat(lane_of(&self.normal, i)),
+            self.corners.map(|p| splat(lane_of(&p, i))),
+        );
+        let beyond = |heights: [f32x8; 3], most: f32x8| {
+            let low = heights[0].fast_min(heights[1]).fast_min(heights[2]);
+            let high = heights[0].fast_max(heights[1]).fast_max(heights[2]);
+            low.simd_gt(most) | high.simd_lt(-most)
+        };
+        let over_own = each(|k| dot(normal, sub(other.corners[k], corner[0])));
+        let over_other = each(|k| dot(other.normal, sub(corner[k], other.corners[0])));
+        let apart = beyond(over_own, reaches * at(self.length) + spread * at(self.slack))
+            | beyond(over_other, reaches * other.length + spread * other.slack);
+        boxes & other.lanes & !apart.to_bitmask()
+    }
+
+    #[inline]
+    fn complete(&mut self, side: &Side, i: usize) {
+        if self.complete >> i & 1 == 0 {
+            self.complete |= 1 << i;
+            self.triangles[i] = side.triangle(self.first + i as u32);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The points of one pair.
 
-use super::contour::{Contours, Patch};
+use super::contour::{Contours, Patch, Segment};
 use super::feature::{Feature, TrianglePair};
 use super::inside;
 use super::near::{Near, Setting};
@@ -21,6 +21,9 @@ const TOUCH: f64 = 1.0e-6;
 const ROUNDING: f64 = 1.0e-14;
 /// How far rays run, in the same unit.
 const RAY: f64 = 0.3;
+/// A convex overlap is at most three times as deep as it is under the middle of its patch, and mostly hardly deeper than
+/// under any of five points; what is deeper than this many times as much is not looked for.
+const BEYOND_PROBES: f64 = 1.5;
 /// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
 const LEAST_AREA: f64 = 1.0e-6;
 /// and is taken for this deep at most.
@@ -33,6 +36,7 @@ pub struct Worker {
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
+    probes: Vec<Feature>,
     reduction: Reduction,
 }
 
@@ -68,7 +72,6 @@ impl Worker {
             near,
             contours,
             features,
-            deep,
             ..
         } = self;
         features.clear();
@@ -96,8 +99,17 @@ impl Worker {
         if contours.patches.is_empty() {
             return;
         }
+        let most = self.probe(sides, size).min(DEEP * size);
+        let Self {
+            near,
+            contours,
+            features,
+            deep,
+            probes,
+            ..
+        } = self;
         deep.clear();
-        let (most, range) = (DEEP * size, -DEEP * size..=-touch);
+        let range = -DEEP * size..=-touch;
         near.run(sides, setting, most as f32, Some(contours.region()), |a, b| {
             if let Some(pair) = TrianglePair::new(sides, a, b, most) {
                 pair.features(&range, |feature| {
@@ -111,8 +123,27 @@ impl Worker {
         deep.iter().for_each(|feature| contours.keep(feature));
         features.append(deep);
         for patch in contours.patches.iter().filter(|patch| !patch.kept) {
-            probe(sides, contours, patch, size, features);
+            features.extend_from_slice(&probes[patch.probes[0]..patch.probes[1]]);
         }
+    }
+
+    /// Sends rays through all patches, and tells how deep features can be.
+    fn probe(&mut self, sides: &[Side; 2], size: f64) -> f64 {
+        let Contours { segments, patches, .. } = &mut self.contours;
+        self.probes.clear();
+        let mut most = 0.0f64;
+        for patch in patches {
+            let first = self.probes.len();
+            probe(sides, segments, patch, size, &mut self.probes);
+            let own = self.probes[first..].iter().map(|f| -f.separation);
+            most = most.max(BEYOND_PROBES * own.fold(0.0, f64::max));
+            if self.probes.len() == first {
+                most = f64::INFINITY;
+                self.probes.extend(shallow(segments, patch, size));
+            }
+            patch.probes = [first, self.probes.len()];
+        }
+        most
     }
 }
 
@@ -120,38 +151,38 @@ impl Worker {
 fn keep_shallowest(deep: &mut Vec<Feature>) {
     // Vertices first, each from its shallowest face on.
     let key = |f: &Feature| f.vertex.map_or((u8::MAX, 0), |v| v);
-    deep.sort_by(|p, q| key(p).cmp(&key(q)).then(q.separation.total_cmp(&p.separation)));
+    deep.sort_unstable_by(|p, q| key(p).cmp(&key(q)).then(q.separation.total_cmp(&p.separation)));
     deep.dedup_by(|later, first| later.vertex.is_some() && later.vertex == first.vertex);
 }
 
 /// Points of a patch by rays.
-fn probe(sides: &[Side; 2], contours: &Contours, patch: &Patch, size: f64, features: &mut Vec<Feature>) {
-    let before = features.len();
+fn probe(sides: &[Side; 2], segments: &[Segment], patch: &Patch, size: f64, found: &mut Vec<Feature>) {
     let (n, most) = (patch.normal, RAY * size);
-    for p in patch.probes(&contours.segments) {
-        let (Some((up, a)), Some((down, b))) = (exit(&sides[0], p, n, most), exit(&sides[1], p, -n, most)) else {
-            continue;
-        };
-        features.push(Feature {
-            points: [p + n * up, p - n * down],
-            normal: n,
-            separation: -(up + down),
-            triangles: [a, b],
-            vertex: None,
-        });
+    for p in patch.places(segments) {
+        if let (Some((up, a)), Some((down, b))) = (exit(&sides[0], p, n, most), exit(&sides[1], p, -n, most)) {
+            found.push(Feature {
+                points: [p + n * up, p - n * down],
+                normal: n,
+                separation: -(up + down),
+                triangles: [a, b],
+                vertex: None,
+            });
+        }
     }
-    if features.len() == before && patch.area > LEAST_AREA * size * size {
-        // Twice the area over the length is the radius of a circle.
-        let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
-        let half = n * (0.5 * depth);
-        features.push(Feature {
-            points: [patch.center + half, patch.center - half],
-            normal: n,
-            separation: -depth,
-            triangles: contours.segments[patch.first].triangles,
-            vertex: None,
-        });
-    }
+}
+
+/// What stands for a patch that no ray leaves, if it is not tiny.
+fn shallow(segments: &[Segment], patch: &Patch, size: f64) -> Option<Feature> {
+    // Twice the area over the length is the radius of a circle.
+    let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
+    let half = patch.normal * (0.5 * depth);
+    (patch.area > LEAST_AREA * size * size).then(|| Feature {
+        points: [patch.center + half, patch.center - half],
+        normal: patch.normal,
+        separation: -depth,
+        triangles: segments[patch.first].triangles,
+        vertex: None,
+    })
 }
 
 /// Out of the first body's axes.

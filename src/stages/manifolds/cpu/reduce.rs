@@ -23,8 +23,7 @@ impl Reduction {
     /// The deepest point, then always the one that is farthest from those chosen before. Points that are the same come once.
     pub fn run(&mut self, features: &mut [Feature], size: f64) -> &[Feature] {
         self.chosen.clear();
-        // A stable sort: among equals the order in which they were found decides.
-        features.sort_by(|p, q| p.separation.total_cmp(&q.separation));
+        features.sort_unstable_by(|p, q| p.separation.total_cmp(&q.separation));
         let Some(deepest) = features.first() else {
             return &self.chosen;
         };

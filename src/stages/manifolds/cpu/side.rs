@@ -83,6 +83,11 @@ impl Side<'_> {
         self.matrix * p.as_dvec3() + self.origin
     }
 
+    /// What turns and scales the mesh.
+    pub fn matrix(&self) -> DMat3 {
+        self.matrix
+    }
+
     /// Back to a point of the mesh.
     pub fn to_mesh(&self, p: DVec3) -> DVec3 {
         self.inverse * (p - self.origin)
