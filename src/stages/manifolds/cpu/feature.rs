@@ -1,6 +1,7 @@
 //! Vertices over faces and edges over edges.
 
 use super::side::{Side, Triangle};
+use crate::stages::triangle_test::cpu::lanes::each;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -49,8 +50,9 @@ pub struct TrianglePair<'a> {
 impl<'a> TrianglePair<'a> {
     /// Nothing if the two are clearly farther apart than `reach`.
     #[inline]
-    pub fn new(sides: &'a [Side<'a>; 2], a: &'a Triangle, b: &'a Triangle, reach: f64) -> Option<Self> {
-        let heights = |of: &Triangle, over: &Triangle| of.corners.map(|p| over.normal.dot(p - over.corners[0]));
+    pub fn new(sides: &'a [Side<'a>; 2], triangles: [&'a Triangle; 2], reach: f64) -> Option<Self> {
+        let [a, b] = triangles;
+        let heights = |of: &Triangle, over: &Triangle| each(|k| over.normal.dot(of.corners[k] - over.corners[0]));
         let beyond = |[x, y, z]: [f64; 3]| x.min(y).min(z) > reach || x.max(y).max(z) < -reach;
         let of_b = heights(b, a);
         if beyond(of_b) {
@@ -59,7 +61,7 @@ impl<'a> TrianglePair<'a> {
         let of_a = heights(a, b);
         (!beyond(of_a)).then_some(Self {
             sides,
-            triangles: [a, b],
+            triangles,
             heights: [of_a, of_b],
         })
     }

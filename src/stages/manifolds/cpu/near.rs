@@ -27,50 +27,63 @@ pub struct Setting {
     pub size: f32,
 }
 
-/// Memory kept between pairs.
+/// Memory kept between pairs, and the result.
 #[derive(Default)]
 pub struct Near {
     descent: Descent,
     /// Clusters of the second body, as the descent lists them.
     seconds: Vec<Placed>,
+    /// Triangles of the first and of the second body that are near any of the other.
+    triangles: [Vec<Triangle>; 2],
+    /// Places in `triangles`.
+    pairs: Vec<[u32; 2]>,
 }
 
 impl Near {
-    /// Calls `found` for every pair of triangles that may be no farther apart than `reach` and whose boxes meet `region`;
-    /// some are a little farther.
-    pub fn run(
-        &mut self,
-        sides: &[Side; 2],
-        setting: &Setting,
-        reach: f32,
-        region: Option<Aabb>,
-        mut found: impl FnMut(&Triangle, &Triangle),
-    ) {
+    /// Finds all pairs of triangles that may be no farther apart than `reach` and whose boxes meet `region`; some are a little
+    /// farther.
+    pub fn run(&mut self, sides: &[Side; 2], setting: &Setting, reach: f32, region: Option<Aabb>) {
+        let Self {
+            descent,
+            seconds,
+            triangles: [firsts_near, seconds_near],
+            pairs,
+        } = self;
+        firsts_near.clear();
+        seconds_near.clear();
+        pairs.clear();
+        seconds.clear();
         let reach = reach + PAD * setting.size;
         let [tree_a, tree_b] = trees(sides, setting, reach);
-        self.descent.run(&tree_a, &tree_b);
-        let places = sides.each_ref().map(|side| Rows::new(side.matrix().as_mat3()));
-        let place = |i: usize, cluster: u32| Placed::new(&sides[i], &places[i], cluster, region);
-        self.seconds.clear();
-        self.seconds
-            .extend(self.descent.second().map(|cluster| place(1, cluster)));
-        for (cluster, others) in self.descent.pairs() {
-            let mut a = place(0, cluster);
+        descent.run(&tree_a, &tree_b);
+        let places = [0, 1].map(|i| Rows::new(sides[i].matrix().as_mat3()));
+        seconds.extend(
+            descent
+                .second()
+                .map(|cluster| Placed::new(&sides[1], &places[1], cluster, region)),
+        );
+        for (cluster, others) in descent.pairs() {
+            let mut a = Placed::new(&sides[0], &places[0], cluster, region);
+            if a.lanes == 0 {
+                continue;
+            }
             for &other in others {
-                let b = &mut self.seconds[other as usize];
+                let b = &mut seconds[other as usize];
                 for i in bits(a.lanes) {
                     let near = a.near(i, b, reach);
-                    if near == 0 {
-                        continue;
-                    }
-                    a.complete(&sides[0], i);
-                    for j in bits(near) {
-                        b.complete(&sides[1], j);
-                        found(&a.triangles[i], &b.triangles[j]);
+                    if near != 0 {
+                        let first = a.complete(&sides[0], i, firsts_near);
+                        pairs.extend(bits(near).map(|j| [first, b.complete(&sides[1], j, seconds_near)]));
                     }
                 }
             }
         }
+    }
+
+    /// What [`Near::run`] has found.
+    pub fn pairs(&self) -> impl Iterator<Item = [&Triangle; 2]> {
+        let [a, b] = &self.triangles;
+        self.pairs.iter().map(|&[i, j]| [&a[i as usize], &b[j as usize]])
     }
 }
 
@@ -89,10 +102,11 @@ struct Placed {
     lanes: u32,
     /// Triangle in lane 0.
     first: u32,
-    /// Lanes of `triangles` that are filled in.
-    complete: u32,
-    triangles: [Triangle; CLUSTER],
+    /// Where the lanes are in double precision, or [`NOWHERE`].
+    complete: [u32; CLUSTER],
 }
+
+const NOWHERE: u32 = u32::MAX;
 
 /// What single precision costs a product of two vectors, relative to their lengths.
 const ERROR: f32 = 2.0e-6;
@@ -104,10 +118,9 @@ impl Placed {
         let [p, q, r] = each(|k| place.times(own.corners[k]));
         let (u, v) = (sub(q, p), sub(r, p));
         let normal = cross(u, v);
-        let corners = [p, q, r].map(|p| each(|i| p[i] + at[i]));
-        let [p, q, r] = corners;
+        let [p, q, r] = each(|k| each(|i| [p, q, r][k][i] + at[i]));
         let mut placed = Self {
-            corners,
+            corners: [p, q, r],
             normal,
             length: dot(normal, normal).sqrt(),
             slack: f32x8::splat(ERROR) * norm1(u) * norm1(v),
@@ -115,8 +128,7 @@ impl Placed {
             max: max(p, max(q, r)),
             lanes: own.lanes,
             first: cluster * CLUSTER as u32,
-            complete: 0,
-            triangles: [Triangle::default(); CLUSTER],
+            complete: [NOWHERE; CLUSTER],
         };
         if let Some(region) = region {
             let meet = boxes_meet(placed.min, placed.max, splat(region.min), splat(region.max));
@@ -141,10 +153,8 @@ impl Placed {
             + (other.max[2] - other.min[2]);
         let reaches = f32x8::splat(reach);
         let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
-        let (normal, corner) = (
-            splat(lane_of(&self.normal, i)),
-            self.corners.map(|p| splat(lane_of(&p, i))),
-        );
+        let normal = splat(lane_of(&self.normal, i));
+        let corner = each(|k| splat(lane_of(&self.corners[k], i)));
         let beyond = |heights: [f32x8; 3], most: f32x8| {
             let low = heights[0].fast_min(heights[1]).fast_min(heights[2]);
             let high = heights[0].fast_max(heights[1]).fast_max(heights[2]);
@@ -157,12 +167,14 @@ impl Placed {
         boxes & other.lanes & !apart.to_bitmask()
     }
 
+    /// The place of lane `i` in the list of triangles.
     #[inline]
-    fn complete(&mut self, side: &Side, i: usize) {
-        if self.complete >> i & 1 == 0 {
-            self.complete |= 1 << i;
-            self.triangles[i] = side.triangle(self.first + i as u32);
+    fn complete(&mut self, side: &Side, i: usize, triangles: &mut Vec<Triangle>) -> u32 {
+        if self.complete[i] == NOWHERE {
+            self.complete[i] = triangles.len() as u32;
+            triangles.push(side.triangle(self.first + i as u32));
         }
+        self.complete[i]
     }
 }
 

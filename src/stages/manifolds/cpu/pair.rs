@@ -80,12 +80,13 @@ impl Worker {
         let touch = TOUCH * size;
         let rounding = ROUNDING * f64::from(setting.size);
         let range = -touch..=reach;
-        near.run(sides, setting, margin + touch as f32, None, |a, b| {
-            if let Some(pair) = TrianglePair::new(sides, a, b, reach + touch) {
+        near.run(sides, setting, margin + touch as f32, None);
+        for triangles in near.pairs() {
+            if let Some(pair) = TrianglePair::new(sides, triangles, reach + touch) {
                 pair.features(&range, |feature| features.push(feature));
                 contours.segments.extend(pair.segment(rounding));
             }
-        });
+        }
         if contours.segments.is_empty() {
             if let Some(contact) = inside::contact(sides) {
                 features.clear();
@@ -99,7 +100,7 @@ impl Worker {
         if contours.patches.is_empty() {
             return;
         }
-        let most = self.probe(sides, size).min(DEEP * size);
+        let most = self.probe(sides, size).max(reach).min(DEEP * size);
         let Self {
             near,
             contours,
@@ -109,16 +110,20 @@ impl Worker {
             ..
         } = self;
         deep.clear();
-        let range = -DEEP * size..=-touch;
-        near.run(sides, setting, most as f32, Some(contours.region()), |a, b| {
-            if let Some(pair) = TrianglePair::new(sides, a, b, most) {
+        let range = -most..=-touch;
+        // Mostly an overlap is shallower than the margin, and then the pairs that are near are known.
+        if most > reach {
+            near.run(sides, setting, most as f32, Some(contours.region()));
+        }
+        for triangles in near.pairs() {
+            if let Some(pair) = TrianglePair::new(sides, triangles, most) {
                 pair.features(&range, |feature| {
                     if contours.admit(&feature, true) {
                         deep.push(feature);
                     }
                 });
             }
-        });
+        }
         keep_shallowest(deep);
         deep.iter().for_each(|feature| contours.keep(feature));
         features.append(deep);

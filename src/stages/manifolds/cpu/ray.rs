@@ -3,8 +3,8 @@
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
 use crate::stages::angles::PAD;
-use crate::stages::mesh_arena::BoxGroup;
-use crate::stages::triangle_test::cpu::lanes::{splat, sub};
+use crate::stages::mesh_arena::{BoxGroup, Cluster};
+use crate::stages::triangle_test::cpu::lanes::{bits, cross, dot, each, norm1, splat, sub};
 use crate::stages::triangle_test::cpu::levels::visit;
 use glam::DVec3;
 use std::cell::Cell;
@@ -47,7 +47,7 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     };
     visit(&lanes.levels, &met, &mut |cluster| {
         let first = cluster as usize * CLUSTER;
-        for t in first..mesh.triangles().len().min(first + CLUSTER) {
+        for t in bits(may_meet(&lanes.clusters[cluster as usize], from, way / length)).map(|lane| first + lane) {
             if let Some(distance) = meets(mesh.corners(t).map(|p| p.as_dvec3() - from), way)
                 && distance < nearest.get().0
             {
@@ -59,6 +59,23 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     let (distance, triangle) = nearest.get();
     let leaves = |t: &u32| way.dot(side.features.normals[*t as usize].as_dvec3()) > 0.0;
     Some((distance, triangle.filter(leaves)?))
+}
+
+/// What single precision costs a product of three vectors, relative to their lengths.
+const ERROR: f32 = 4.0e-6;
+
+/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: it turns the same way about all
+/// three edges.
+fn may_meet(cluster: &Cluster, from: DVec3, way: DVec3) -> u32 {
+    let from = splat((from - cluster.origin.as_dvec3()).as_vec3());
+    let way = splat(way.as_vec3());
+    let arms = each(|k| sub(cluster.corners[k], from));
+    let turns = each(|k| dot(way, cross(arms[k], arms[(k + 1) % 3])));
+    let errors = each(|k| norm1(arms[k]) * norm1(arms[(k + 1) % 3]) * f32x8::splat(ERROR));
+    let left = |k: usize| turns[k].simd_ge(-errors[k]);
+    let right = |k: usize| turns[k].simd_le(errors[k]);
+    let same = (left(0) & left(1) & left(2)) | (right(0) & right(1) & right(2));
+    same.to_bitmask() & cluster.lanes
 }
 
 /// How far along `way` the ray from the origin meets the triangle.

@@ -3,6 +3,7 @@
 use crate::geometry::features::{MeshFeatures, NONE};
 use crate::stages::mesh_arena::{MeshArena, MeshSlot};
 use crate::stages::state::Bodies;
+use crate::stages::triangle_test::cpu::lanes::each;
 use glam::{DMat3, DVec3, Vec3};
 
 /// A body, placed in the axes of the pair's first body about that body's centre of mass, in metres. Double precision: digits
@@ -101,7 +102,8 @@ impl Side<'_> {
     /// A triangle. Its normal is that of the placed corners, so that corners in its plane have a height of nearly zero.
     #[inline]
     pub fn triangle(&self, number: u32) -> Triangle {
-        let corners = self.features.triangles[number as usize].map(|v| self.vertex(v));
+        let vertices = self.features.triangles[number as usize];
+        let corners = each(|k| self.vertex(vertices[k]));
         let [p, q, r] = corners;
         let cross = (q - p).cross(r - p) * self.mirror;
         let length = cross.length();
