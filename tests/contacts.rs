@@ -53,7 +53,10 @@ fn balls_push_along_the_line_of_centres_as_deep_as_they_are() {
         (0.05, [1.0, 3.0, 0.05]),
     ] {
         let errors = balls(overlap, 0.01, 30);
-        println!("overlap {overlap}: mean {:.2} and worst {:.2} degrees, depth {:.3}", errors[0], errors[1], errors[2]);
+        println!(
+            "overlap {overlap}: mean {:.2} and worst {:.2} degrees, depth {:.3}",
+            errors[0], errors[1], errors[2]
+        );
         assert!((0..3).all(|i| errors[i] <= most[i]), "{overlap}: {errors:?}");
     }
 }
@@ -61,7 +64,10 @@ fn balls_push_along_the_line_of_centres_as_deep_as_they_are() {
 #[test]
 fn balls_across_a_gap_know_how_far_they_are() {
     let errors = balls(-0.003, 0.01, 30);
-    println!("gap: mean {:.2} and worst {:.2} degrees, distance {:.3}", errors[0], errors[1], errors[2]);
+    println!(
+        "gap: mean {:.2} and worst {:.2} degrees, distance {:.3}",
+        errors[0], errors[1], errors[2]
+    );
     assert!(errors[0] < 1.5 && errors[1] < 4.0 && errors[2] < 0.03, "{errors:?}");
     let product = Product::default();
     let ball = oracle_mesh("ball", &shapes::ball(0.5, 4));
@@ -96,7 +102,10 @@ fn cubes_face_to_face() {
         assert!(found.len() >= 4, "case {case}: {found:?}");
         for point in &found {
             assert!(point.normal.as_dvec3().distance(axis) < 1e-4, "case {case}: {point:?}");
-            assert!((f64::from(point.separation) + depth).abs() < 1e-4, "case {case}: {point:?}");
+            assert!(
+                (f64::from(point.separation) + depth).abs() < 1e-4,
+                "case {case}: {point:?}"
+            );
         }
         // They hold the faces' common middle.
         let middle: Vec3 = found.iter().map(|p| p.arms[0]).sum::<Vec3>() / found.len() as f32;
@@ -121,7 +130,10 @@ fn aligned_cubes_rest_on_each_other_at_their_corners() {
         }
         for point in &found {
             assert!(point.normal.distance(up) < 1e-5, "{case}, {gap}: {point:?}");
-            assert!((f64::from(point.separation) - gap).abs() < 1e-5, "{case}, {gap}: {point:?}");
+            assert!(
+                (f64::from(point.separation) - gap).abs() < 1e-5,
+                "{case}, {gap}: {point:?}"
+            );
         }
     }
 }
@@ -143,7 +155,10 @@ fn cubes_edge_to_edge() {
             assert!(found[0].normal.distance(Vec3::Z) < 1e-4, "{found:?}");
             assert!((f64::from(found[0].separation) + depth).abs() < 1e-4, "{found:?}");
             let aside = aside.as_vec3();
-            assert!((found[0].arms[0] - (aside + Vec3::Z * 0.5 * SQRT_2 as f32)).length() < 1e-3, "{found:?}");
+            assert!(
+                (found[0].arms[0] - (aside + Vec3::Z * 0.5 * SQRT_2 as f32)).length() < 1e-3,
+                "{found:?}"
+            );
         }
     }
 }
@@ -177,7 +192,10 @@ fn a_gap_counts_up_to_the_margin() {
     for (margin, any) in [(0.0, false), (0.0029, false), (0.0031, true), (0.05, true)] {
         let found = points(&product, &a, &b, margin);
         assert_eq!(!found.is_empty(), any, "{margin}: {found:?}");
-        assert!(found.iter().all(|p| (p.separation - 0.003).abs() < 1e-6), "{margin}: {found:?}");
+        assert!(
+            found.iter().all(|p| (p.separation - 0.003).abs() < 1e-6),
+            "{margin}: {found:?}"
+        );
     }
 }
 
@@ -194,9 +212,11 @@ fn a_ring_through_a_ring_touches_on_two_sides() {
     assert!(surfaces_meet(&a, &b));
     let found = points(&product, &a, &b, 0.005);
     let sum: Vec3 = found.iter().map(|p| p.normal).sum();
-    let opposite = found
-        .iter()
-        .any(|p| found.iter().any(|q| p.normal.dot(q.normal) < -0.8 && p.arms[0].distance(q.arms[0]) > 0.5));
+    let opposite = found.iter().any(|p| {
+        found
+            .iter()
+            .any(|q| p.normal.dot(q.normal) < -0.8 && p.arms[0].distance(q.arms[0]) > 0.5)
+    });
     assert!(opposite, "{found:?}");
     assert!(sum.length() < 0.5 * found.len() as f32, "{sum} {found:?}");
     for point in &found {
@@ -282,7 +302,11 @@ fn require_quality(name: &str, mesh: &Arc<Mesh>, rows: &[(f64, f64, f64)]) {
 #[test]
 fn tori_are_pushed_the_shortest_way() {
     let torus = oracle_mesh("torus", &shapes::torus_240());
-    require_quality("torus", &torus, &[(0.001, 4.0, 0.1), (0.01, 3.0, 0.1), (0.03, 6.0, 0.2)]);
+    require_quality(
+        "torus",
+        &torus,
+        &[(0.001, 4.0, 0.1), (0.01, 3.0, 0.1), (0.03, 6.0, 0.2)],
+    );
 }
 
 #[test]
@@ -304,14 +328,20 @@ fn moving_by_the_depth_parts_convex_bodies() {
             let touch = first_touch(&a, &b, -way, -1.1, 0.0, 0.01).expect("they meet");
             let b = b.moved(way * (-touch - 0.01));
             let found = points(&product, &a, &b, 0.005);
-            let deepest = found.iter().min_by(|p, q| p.separation.total_cmp(&q.separation)).unwrap();
+            let deepest = found
+                .iter()
+                .min_by(|p, q| p.separation.total_cmp(&q.separation))
+                .unwrap();
             let out = deepest.normal.as_dvec3();
             let depth = -f64::from(deepest.separation);
             let b = b.moved(out * (depth * 1.001));
             apart += usize::from(!surfaces_meet(&a, &b));
             left = left.max(way_out(&a, &b, out, 0.01).1 / depth);
         }
-        println!("{}: {apart} of 40 apart, at most {:.2} of the depth left", mesh.name, left);
+        println!(
+            "{}: {apart} of 40 apart, at most {:.2} of the depth left",
+            mesh.name, left
+        );
         assert!(apart >= 32, "{}: {apart} of 40", mesh.name);
         assert!(left < 0.2, "{}: {left}", mesh.name);
     }
@@ -336,12 +366,23 @@ fn require_same(name: &str, found: &[ManifoldPoint], wanted: &[ManifoldPoint], t
 
 fn scaled_mesh(mesh: &Mesh, scale: Vec3) -> Arc<Mesh> {
     let mirrors = scale.x * scale.y * scale.z < 0.0;
-    let faces = mesh.faces.iter().map(|&[a, b, c]| if mirrors { [a, c, b] } else { [a, b, c] });
-    Mesh::new("scaled", mesh.vertices.iter().map(|v| *v * scale).collect(), faces.collect())
+    let faces = mesh
+        .faces
+        .iter()
+        .map(|&[a, b, c]| if mirrors { [a, c, b] } else { [a, b, c] });
+    Mesh::new(
+        "scaled",
+        mesh.vertices.iter().map(|v| *v * scale).collect(),
+        faces.collect(),
+    )
 }
 
 fn turned_inward(mesh: &Mesh) -> Arc<Mesh> {
-    Mesh::new("inward", mesh.vertices.clone(), mesh.faces.iter().map(|&[a, b, c]| [a, c, b]).collect())
+    Mesh::new(
+        "inward",
+        mesh.vertices.clone(),
+        mesh.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+    )
 }
 
 /// Pairs of tori and of cubes that overlap by about a hundredth.
@@ -506,7 +547,12 @@ fn a_ball_in_the_middle_or_in_a_hollow() {
 fn coincident_meshes_have_finite_points() {
     let (product, shapes) = (Product::default(), Shapes::new());
     let mut meshes: Vec<&Arc<Mesh>> = shapes.solids().to_vec();
-    meshes.extend([&shapes.triangle, &shapes.hollow_ball, &shapes.unwelded_torus, &shapes.soups[0]]);
+    meshes.extend([
+        &shapes.triangle,
+        &shapes.hollow_ball,
+        &shapes.unwelded_torus,
+        &shapes.soups[0],
+    ]);
     for mesh in meshes {
         for rotation in [Quat::IDENTITY, Quat::from_rotation_y(0.7)] {
             let body = body(mesh, DVec3::new(1.0, 2.0, 3.0), rotation);
@@ -580,12 +626,22 @@ fn an_open_sheet_pushes_to_the_side_on_which_the_other_is() {
     let ball = oracle_mesh("ball", &shapes::ball(0.5, 3));
     for side in [1.0, -1.0] {
         for depth_wanted in [0.02, 0.002, -0.003] {
-            let b = body(&ball, DVec3::new(0.1, 0.2, side * (0.5 - depth_wanted)), Quat::from_rotation_x(0.3));
+            let b = body(
+                &ball,
+                DVec3::new(0.1, 0.2, side * (0.5 - depth_wanted)),
+                Quat::from_rotation_x(0.3),
+            );
             for (a, b, out) in [(&sheet, &b, side), (&b, &sheet, -side)] {
                 let found = points(&product, a, b, 0.01);
                 assert!(!found.is_empty(), "{side} {depth_wanted}");
-                assert!(degrees(push(&found), DVec3::Z * out) < 3.0, "{side} {depth_wanted}: {found:?}");
-                assert!((depth(&found) - depth_wanted).abs() < 2e-3, "{side} {depth_wanted}: {found:?}");
+                assert!(
+                    degrees(push(&found), DVec3::Z * out) < 3.0,
+                    "{side} {depth_wanted}: {found:?}"
+                );
+                assert!(
+                    (depth(&found) - depth_wanted).abs() < 2e-3,
+                    "{side} {depth_wanted}: {found:?}"
+                );
             }
         }
     }

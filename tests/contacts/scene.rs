@@ -67,7 +67,10 @@ pub fn require_sane(manifolds: &Manifolds) {
 
 /// How deep the deepest point is; negative for a gap.
 pub fn depth(points: &[ManifoldPoint]) -> f64 {
-    -points.iter().map(|p| f64::from(p.separation)).fold(f64::INFINITY, f64::min)
+    -points
+        .iter()
+        .map(|p| f64::from(p.separation))
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// The mean normal, weighted by depth; across a gap that of the nearest point.

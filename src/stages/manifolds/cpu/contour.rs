@@ -1,8 +1,9 @@
 //! Where surfaces cross: segments, and the patches that they enclose.
 
 use super::feature::{Feature, TrianglePair};
+use super::near::Window;
 use crate::geometry::Aabb;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Cosine between the normals of a patch and of a feature that agrees with it.
 const AGREES: f64 = 0.7;
@@ -40,8 +41,6 @@ pub struct Patch {
     /// Its segments in [`Contours::segments`].
     pub first: usize,
     pub end: usize,
-    /// Its points by rays, from the first to the one before the second.
-    pub probes: [usize; 2],
     /// Whether it keeps an overlapping feature.
     pub kept: bool,
 }
@@ -193,7 +192,8 @@ impl Contours {
     /// Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they
     /// are.
     fn tie_loose_ends(&mut self, reach: f64) {
-        self.loose.sort_unstable_by(|p, q| p.0.x.total_cmp(&q.0.x).then(p.1.cmp(&q.1)));
+        self.loose
+            .sort_unstable_by(|p, q| p.0.x.total_cmp(&q.0.x).then(p.1.cmp(&q.1)));
         for (n, &(p, i)) in self.loose.iter().enumerate() {
             for &(q, j) in self.loose[n + 1..].iter().take_while(|(q, _)| q.x - p.x <= reach) {
                 if p.distance_squared(q) <= reach * reach {
@@ -222,12 +222,18 @@ impl Contours {
         }
     }
 
-    /// The box in which patches have a say.
-    pub fn region(&self) -> Aabb {
-        self.patches.iter().fold(Aabb::EMPTY, |all, patch| {
+    /// Where overlapping features can be.
+    pub fn window(&self) -> Window {
+        let around = self.patches.iter().fold(Aabb::EMPTY, |all, patch| {
             let (low, high) = (patch.center - patch.reach, patch.center + patch.reach);
             all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
-        })
+        });
+        // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
+        let way = match &self.patches[..] {
+            [patch] => patch.normal.as_vec3(),
+            _ => Vec3::ZERO,
+        };
+        Window { around, way }
     }
 }
 
@@ -271,7 +277,6 @@ impl Patch {
             reach: SPREAD * radius.sqrt() + margin,
             first,
             end,
-            probes: [0; 2],
             kept: false,
         })
     }
@@ -306,4 +311,3 @@ impl Patch {
         [self.center, p, q, r, s]
     }
 }
-

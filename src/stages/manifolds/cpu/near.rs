@@ -27,6 +27,14 @@ pub struct Setting {
     pub size: f32,
 }
 
+/// Which pairs of triangles matter.
+pub struct Window {
+    /// Both meet this box.
+    pub around: Aabb,
+    /// The first reaches farther this way than the second does the other way. Zero for any pair.
+    pub way: Vec3,
+}
+
 /// Memory kept between pairs, and the result.
 #[derive(Default)]
 pub struct Near {
@@ -40,9 +48,9 @@ pub struct Near {
 }
 
 impl Near {
-    /// Finds all pairs of triangles that may be no farther apart than `reach` and whose boxes meet `region`; some are a little
-    /// farther.
-    pub fn run(&mut self, sides: &[Side; 2], setting: &Setting, reach: f32, region: Option<Aabb>) {
+    /// Finds all pairs of triangles that may be no farther apart than `reach` and are in the window; some are a
+    /// little farther.
+    pub fn run(&mut self, sides: &[Side; 2], setting: &Setting, reach: f32, window: Option<&Window>) {
         let Self {
             descent,
             seconds,
@@ -53,24 +61,25 @@ impl Near {
         seconds_near.clear();
         pairs.clear();
         seconds.clear();
-        let reach = reach + PAD * setting.size;
+        let pad = PAD * setting.size;
+        let reach = reach + pad;
         let [tree_a, tree_b] = trees(sides, setting, reach);
         descent.run(&tree_a, &tree_b);
         let places = [0, 1].map(|i| Rows::new(sides[i].matrix().as_mat3()));
         seconds.extend(
             descent
                 .second()
-                .map(|cluster| Placed::new(&sides[1], &places[1], cluster, region)),
+                .map(|cluster| Placed::new(&sides[1], &places[1], cluster, window)),
         );
         for (cluster, others) in descent.pairs() {
-            let mut a = Placed::new(&sides[0], &places[0], cluster, region);
+            let mut a = Placed::new(&sides[0], &places[0], cluster, window);
             if a.lanes == 0 {
                 continue;
             }
             for &other in others {
                 let b = &mut seconds[other as usize];
                 for i in bits(a.lanes) {
-                    let near = a.near(i, b, reach);
+                    let near = a.near(i, b, reach, pad);
                     if near != 0 {
                         let first = a.complete(&sides[0], i, firsts_near);
                         pairs.extend(bits(near).map(|j| [first, b.complete(&sides[1], j, seconds_near)]));
@@ -98,6 +107,9 @@ struct Placed {
     slack: f32x8,
     min: Points,
     max: Points,
+    /// From where to where they reach along [`Window::way`].
+    first_along: f32x8,
+    last_along: f32x8,
     /// Lanes that count.
     lanes: u32,
     /// Triangle in lane 0.
@@ -112,7 +124,7 @@ const NOWHERE: u32 = u32::MAX;
 const ERROR: f32 = 2.0e-6;
 
 impl Placed {
-    fn new(side: &Side, place: &Rows, cluster: u32, region: Option<Aabb>) -> Self {
+    fn new(side: &Side, place: &Rows, cluster: u32, window: Option<&Window>) -> Self {
         let own = &side.slot.lanes.clusters[cluster as usize];
         let at = splat(side.place(own.origin).as_vec3());
         let [p, q, r] = each(|k| place.times(own.corners[k]));
@@ -126,23 +138,30 @@ impl Placed {
             slack: f32x8::splat(ERROR) * norm1(u) * norm1(v),
             min: min(p, min(q, r)),
             max: max(p, max(q, r)),
+            first_along: f32x8::ZERO,
+            last_along: f32x8::ZERO,
             lanes: own.lanes,
             first: cluster * CLUSTER as u32,
             complete: [NOWHERE; CLUSTER],
         };
-        if let Some(region) = region {
-            let meet = boxes_meet(placed.min, placed.max, splat(region.min), splat(region.max));
+        if let Some(Window { around, way }) = window {
+            let meet = boxes_meet(placed.min, placed.max, splat(around.min), splat(around.max));
             placed.lanes &= meet.to_bitmask();
+            let along = each(|k| dot(splat(*way), placed.corners[k]));
+            placed.first_along = along[0].fast_min(along[1]).fast_min(along[2]);
+            placed.last_along = along[0].fast_max(along[1]).fast_max(along[2]);
         }
         placed
     }
 
     /// Lanes of `other` that are near the triangle in lane `i`: neither their boxes nor a plane of one of the two part them by
-    /// more than `reach`.
+    /// more than `reach`, and they are in the window, whose `pad` is for rounding.
     #[inline]
-    fn near(&self, i: usize, other: &Self, reach: f32) -> u32 {
+    fn near(&self, i: usize, other: &Self, reach: f32, pad: f32) -> u32 {
         let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
-        let boxes = boxes_meet(splat(low - reach), splat(high + reach), other.min, other.max).to_bitmask();
+        let last = f32x8::splat(self.last_along.as_array()[i] + pad);
+        let boxes = boxes_meet(splat(low - reach), splat(high + reach), other.min, other.max);
+        let boxes = (boxes & other.first_along.simd_le(last)).to_bitmask();
         if boxes & other.lanes == 0 {
             return 0;
         }

@@ -21,9 +21,6 @@ const TOUCH: f64 = 1.0e-6;
 const ROUNDING: f64 = 1.0e-14;
 /// How far rays run, in the same unit.
 const RAY: f64 = 0.3;
-/// A convex overlap is at most three times as deep as it is under the middle of its patch, and mostly hardly deeper than
-/// under any of five points; what is deeper than this many times as much is not looked for.
-const BEYOND_PROBES: f64 = 1.5;
 /// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
 const LEAST_AREA: f64 = 1.0e-6;
 /// and is taken for this deep at most.
@@ -36,7 +33,6 @@ pub struct Worker {
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
-    probes: Vec<Feature>,
     reduction: Reduction,
 }
 
@@ -72,6 +68,7 @@ impl Worker {
             near,
             contours,
             features,
+            deep,
             ..
         } = self;
         features.clear();
@@ -100,21 +97,10 @@ impl Worker {
         if contours.patches.is_empty() {
             return;
         }
-        let most = self.probe(sides, size).max(reach).min(DEEP * size);
-        let Self {
-            near,
-            contours,
-            features,
-            deep,
-            probes,
-            ..
-        } = self;
         deep.clear();
+        let most = DEEP * size;
         let range = -most..=-touch;
-        // Mostly an overlap is shallower than the margin, and then the pairs that are near are known.
-        if most > reach {
-            near.run(sides, setting, most as f32, Some(contours.region()));
-        }
+        near.run(sides, setting, most as f32, Some(&contours.window()));
         for triangles in near.pairs() {
             if let Some(pair) = TrianglePair::new(sides, triangles, most) {
                 pair.features(&range, |feature| {
@@ -128,27 +114,13 @@ impl Worker {
         deep.iter().for_each(|feature| contours.keep(feature));
         features.append(deep);
         for patch in contours.patches.iter().filter(|patch| !patch.kept) {
-            features.extend_from_slice(&probes[patch.probes[0]..patch.probes[1]]);
-        }
-    }
-
-    /// Sends rays through all patches, and tells how deep features can be.
-    fn probe(&mut self, sides: &[Side; 2], size: f64) -> f64 {
-        let Contours { segments, patches, .. } = &mut self.contours;
-        self.probes.clear();
-        let mut most = 0.0f64;
-        for patch in patches {
-            let first = self.probes.len();
-            probe(sides, segments, patch, size, &mut self.probes);
-            let own = self.probes[first..].iter().map(|f| -f.separation);
-            most = most.max(BEYOND_PROBES * own.fold(0.0, f64::max));
-            if self.probes.len() == first {
-                most = f64::INFINITY;
-                self.probes.extend(shallow(segments, patch, size));
+            let before = features.len();
+            let places = patch.places(&contours.segments);
+            features.extend(places.into_iter().filter_map(|p| probe(sides, patch, p, size)));
+            if features.len() == before {
+                features.extend(shallow(&contours.segments, patch, size));
             }
-            patch.probes = [first, self.probes.len()];
         }
-        most
     }
 }
 
@@ -160,20 +132,18 @@ fn keep_shallowest(deep: &mut Vec<Feature>) {
     deep.dedup_by(|later, first| later.vertex.is_some() && later.vertex == first.vertex);
 }
 
-/// Points of a patch by rays.
-fn probe(sides: &[Side; 2], segments: &[Segment], patch: &Patch, size: f64, found: &mut Vec<Feature>) {
+/// The point of a patch by rays from `p`, if both leave a body.
+fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64) -> Option<Feature> {
     let (n, most) = (patch.normal, RAY * size);
-    for p in patch.places(segments) {
-        if let (Some((up, a)), Some((down, b))) = (exit(&sides[0], p, n, most), exit(&sides[1], p, -n, most)) {
-            found.push(Feature {
-                points: [p + n * up, p - n * down],
-                normal: n,
-                separation: -(up + down),
-                triangles: [a, b],
-                vertex: None,
-            });
-        }
-    }
+    let (up, a) = exit(&sides[0], p, n, most)?;
+    let (down, b) = exit(&sides[1], p, -n, most)?;
+    Some(Feature {
+        points: [p + n * up, p - n * down],
+        normal: n,
+        separation: -(up + down),
+        triangles: [a, b],
+        vertex: None,
+    })
 }
 
 /// What stands for a patch that no ray leaves, if it is not tiny.

@@ -49,11 +49,7 @@ pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Opti
     let side = |i: usize, center: DVec3, other_center: DVec3| {
         let slot = meshes.get(bodies.mesh[i])?;
         let frame = &bodies.frame[i];
-        let rotation = if i == a {
-            DMat3::IDENTITY
-        } else {
-            to_a * frame.rotation
-        };
+        let rotation = if i == a { DMat3::IDENTITY } else { to_a * frame.rotation };
         let inverse = DMat3::from_diagonal(frame.scale.recip()) * rotation.transpose();
         Some(Side {
             slot,
