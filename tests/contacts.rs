@@ -239,17 +239,58 @@ struct Quality {
     cases: usize,
 }
 
-/// `b` comes towards `a` from anywhere until it overlaps by `overlap` of its diameter.
-fn quality(mesh: &Arc<Mesh>, overlap: f64, cases: usize, seed: u64) -> Quality {
+/// Two bodies, and a range of ways that the second goes until it meets the first.
+struct Approach {
+    bodies: [Body; 2],
+    way: DVec3,
+    from: f64,
+    to: f64,
+}
+
+/// From anywhere outside.
+fn from_outside(mesh: &Arc<Mesh>, rng: &mut Rng) -> Approach {
+    let a = body(mesh, DVec3::ZERO, rng.rotation());
+    let b = body(mesh, rng.in_ball(0.1), rng.rotation());
+    Approach {
+        bodies: [a, b],
+        way: -rng.direction(),
+        from: -1.1,
+        to: 0.0,
+    }
+}
+
+/// Like two links of a chain that is pulled.
+fn in_a_chain(mesh: &Arc<Mesh>, rng: &mut Rng) -> Approach {
+    let mut spin = |range: f64| rng.range(-range, range) as f32;
+    let across = Quat::from_rotation_x(TAU / 4.0 + spin(0.4)) * Quat::from_rotation_z(spin(0.5));
+    let a = body(mesh, DVec3::ZERO, Quat::from_rotation_z(spin(3.0)));
+    Approach {
+        bodies: [a, body(mesh, DVec3::X * 0.44, across)],
+        way: (DVec3::X + rng.direction() * 0.3).normalize(),
+        from: 0.0,
+        to: 0.6,
+    }
+}
+
+/// The second goes until it overlaps by `overlap` of its diameter.
+fn quality(
+    mesh: &Arc<Mesh>,
+    approach: fn(&Arc<Mesh>, &mut Rng) -> Approach,
+    overlap: f64,
+    cases: usize,
+    seed: u64,
+) -> Quality {
     let product = Product::default();
     let results = oracle::parallel::map(cases, |case| {
-        let mut rng = Rng::new(seed, case as u64);
-        let a = body(mesh, DVec3::ZERO, rng.rotation());
-        let b = body(mesh, rng.in_ball(0.1), rng.rotation());
-        let way = rng.direction();
-        let touch = first_touch(&a, &b, -way, -1.1, 0.0, 0.004)?;
-        let b = b.moved(way * (-touch - overlap));
-        let truth = way_out(&a, &b, way, 1.5 * overlap);
+        let Approach {
+            bodies: [a, b],
+            way,
+            from,
+            to,
+        } = approach(mesh, &mut Rng::new(seed, case as u64));
+        let touch = first_touch(&a, &b, way, from, to, 0.004)?;
+        let b = b.moved(way * (touch + overlap));
+        let truth = way_out(&a, &b, -way, 1.5 * overlap);
         let found = points(&product, &a, &b, 0.005);
         Some((truth, found))
     });
@@ -280,9 +321,14 @@ fn quality(mesh: &Arc<Mesh>, overlap: f64, cases: usize, seed: u64) -> Quality {
     quality
 }
 
-fn require_quality(name: &str, mesh: &Arc<Mesh>, rows: &[(f64, f64, f64)]) {
+fn require_quality(
+    name: &str,
+    mesh: &Arc<Mesh>,
+    approach: fn(&Arc<Mesh>, &mut Rng) -> Approach,
+    rows: &[(f64, f64, f64)],
+) {
     for &(overlap, most_degrees, most_depth) in rows {
-        let q = quality(mesh, overlap, 30, 11);
+        let q = quality(mesh, approach, overlap, 30, 11);
         println!(
             "{name} {:.1} %: mean {:.2} and worst {:.1} degrees, depth off by {:.1} %, {:.1} points, {} of {} missed",
             overlap * 100.0,
@@ -305,6 +351,7 @@ fn tori_are_pushed_the_shortest_way() {
     require_quality(
         "torus",
         &torus,
+        from_outside,
         &[(0.001, 4.0, 0.1), (0.01, 3.0, 0.1), (0.03, 6.0, 0.2)],
     );
 }
@@ -312,7 +359,18 @@ fn tori_are_pushed_the_shortest_way() {
 #[test]
 fn knots_are_pushed_the_shortest_way() {
     let knot = oracle_mesh("knot", &shapes::knot_1120());
-    require_quality("knot", &knot, &[(0.01, 6.0, 0.15), (0.03, 10.0, 0.3)]);
+    require_quality("knot", &knot, from_outside, &[(0.01, 6.0, 0.15), (0.03, 10.0, 0.3)]);
+}
+
+#[test]
+fn links_of_a_chain_are_pushed_the_shortest_way() {
+    let ring = oracle_mesh("ring", &shapes::ring());
+    require_quality(
+        "rings",
+        &ring,
+        in_a_chain,
+        &[(0.001, 5.0, 0.1), (0.01, 5.0, 0.1), (0.1, 10.0, 0.2)],
+    );
 }
 
 #[test]

@@ -222,10 +222,11 @@ impl Contours {
         }
     }
 
-    /// Where overlapping features can be.
-    pub fn window(&self) -> Window {
+    /// Where triangles of overlapping features can be that are up to `half` from the feature's middle.
+    pub fn window(&self, half: f64) -> Window {
         let around = self.patches.iter().fold(Aabb::EMPTY, |all, patch| {
-            let (low, high) = (patch.center - patch.reach, patch.center + patch.reach);
+            let reach = patch.reach + half;
+            let (low, high) = (patch.center - reach, patch.center + reach);
             all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
         });
         // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.

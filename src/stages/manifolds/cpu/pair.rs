@@ -100,7 +100,11 @@ impl Worker {
         deep.clear();
         let most = DEEP * size;
         let range = -most..=-touch;
-        near.run(sides, setting, most as f32, Some(&contours.window()));
+        // With a wide margin all pairs are known.
+        if most > reach {
+            let window = contours.window(0.5 * most);
+            near.run(sides, setting, most as f32, Some(&window));
+        }
         for triangles in near.pairs() {
             if let Some(pair) = TrianglePair::new(sides, triangles, most) {
                 pair.features(&range, |feature| {
