@@ -11,6 +11,8 @@
 //! Each stage has a file per backend: `cpu.rs` runs on rayon, `gpu.rs` declares the kernels in `shaders/` that do the same
 //! on a device (see `crate::gpu`).
 //!
+//! Beside them [`manifolds`] finds the points at which bodies push each other, for a solver; no stage runs it yet.
+//!
 //! [`state`] holds every array that passes between them. Stages know nothing of the ECS: the plugin copies components
 //! in and results out.
 

@@ -1,8 +1,9 @@
 //! Two bodies, what the product says about their contact, and how deep they really are.
 
-use super::oracle::body::{Body, Mesh};
-use super::oracle::brute::surfaces_meet;
-use super::oracle::product::Product;
+use crate::oracle::body::{Body, Mesh};
+use crate::oracle::brute::surfaces_meet;
+use crate::oracle::product::Product;
+use crate::oracle::shapes::Shapes;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::queries::Placement;
 use bevy_faceoff::stages::manifold::{ManifoldPoint, Manifolds};
@@ -146,4 +147,9 @@ pub fn way_out(a: &Body, b: &Body, guess: DVec3, most: f64) -> (DVec3, f64) {
 /// Turns `from` to `to`.
 pub fn turn(from: Vec3, to: Vec3) -> Quat {
     Quat::from_rotation_arc(from.normalize(), to.normalize())
+}
+
+/// With corners at -0.5 and 0.5.
+pub fn cube() -> Arc<Mesh> {
+    Shapes::new().unit_cube
 }

@@ -70,9 +70,9 @@ impl<'a> TrianglePair<'a> {
     #[inline]
     pub fn features(&self, range: &RangeInclusive<f64>, mut found: impl FnMut(Feature)) {
         let owned = [0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]);
-        for side in 0..2 {
+        for (side, owned) in owned.into_iter().enumerate() {
             for k in 0..3 {
-                if owned[side] >> k & 1 == 1 && range.contains(&self.heights[side][k]) {
+                if owned >> k & 1 == 1 && range.contains(&self.heights[side][k]) {
                     self.vertex(side, k).map(&mut found);
                 }
             }

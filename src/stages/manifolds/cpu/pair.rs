@@ -51,7 +51,11 @@ impl Worker {
         };
         let size = sides[0].diameter().min(sides[1].diameter());
         // Not a number is no margin.
-        let margin = pair.margin.max(0.0).min(f32::MAX);
+        let margin = if pair.margin > 0.0 {
+            pair.margin.min(f32::MAX)
+        } else {
+            0.0
+        };
         self.find(&sides, &setting, margin, size);
         let faces = |t: [u32; 2]| [sides[0].face(t[0]), sides[1].face(t[1])];
         let to_world = World {
