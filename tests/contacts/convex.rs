@@ -176,3 +176,27 @@ fn a_gap_counts_up_to_the_margin() {
         );
     }
 }
+
+#[test]
+fn edges_of_cubes_that_nearly_lie_flat_push_along_a_face() {
+    let (product, cube) = (Product::default(), cube());
+    let mut rng = Rng::new(18, 0);
+    let mut crossing_edges = 0;
+    for case in 0..40 {
+        let tilt = Quat::from_axis_angle(rng.in_ball(1.0).with_z(0.0).normalize().as_vec3(), 0.01);
+        let rotation = tilt * Quat::from_rotation_z(rng.range(0.3, 1.2) as f32);
+        let a = body(&cube, DVec3::ZERO, Quat::IDENTITY);
+        let b = body(&cube, DVec3::new(0.2, 0.1, 1.0), rotation);
+        let found = points(&product, &a, &b, 0.01);
+        assert!(!found.is_empty());
+        for point in &found {
+            // Straight edges of both cross at angles at which their common normal is neither face's.
+            let faces = [Vec3::Z, rotation * Vec3::Z].map(|n| point.normal.distance(n));
+            assert!(faces[0].min(faces[1]) < 1e-5, "case {case}: {point:?}");
+            let rims = [point.arms[0], rotation.inverse() * point.arms[1]];
+            let on_edge = |p: &Vec3| p.x.abs().max(p.y.abs()) > 0.499;
+            crossing_edges += usize::from(rims.iter().all(on_edge));
+        }
+    }
+    assert!(crossing_edges > 20, "{crossing_edges}");
+}
