@@ -233,3 +233,32 @@ fn bodies_come_and_go() {
         check(&mut state, &mut random, &format!("{n} bodies"));
     }
 }
+
+#[test]
+fn bodies_spread_out_and_come_together() {
+    let mut random = Rng::with_seed(9);
+    let mut state = StepState::default();
+    for i in 0..2000 {
+        let radius = if i % 10 == 0 { 3.0 } else { 0.5 };
+        push(&mut state, Vec3::ZERO, radius);
+        state.bodies.kind[i] = if i % 3 == 0 {
+            RigidBody::Static
+        } else {
+            RigidBody::Dynamic
+        };
+    }
+    let mut pairs = Vec::new();
+    for side in [4000.0, 20.0, 4000.0, 200.0, 60.0] {
+        // Cells grow or shrink step by step.
+        for _ in 0..12 {
+            for center in &mut state.bodies.center {
+                *center = somewhere(&mut random, side);
+            }
+            Stage::BroadPhase.run_on_cpu(&mut state);
+            assert!(state.sphere_pairs == all_pairs(&state.bodies), "{side} m");
+            pairs.push(state.sphere_pairs.len());
+        }
+    }
+    let (fewest, most) = (pairs.iter().min(), pairs.iter().max());
+    assert!(fewest < Some(&5) && most > Some(&5_000), "{fewest:?} to {most:?}");
+}

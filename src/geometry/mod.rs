@@ -5,6 +5,7 @@
 mod aabb;
 pub mod cluster;
 pub mod direction;
+pub mod features;
 pub mod mass;
 pub mod mesh;
 pub mod shapes;

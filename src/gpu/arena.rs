@@ -4,7 +4,7 @@ use super::buffers::TooLarge;
 use super::layout::{self, CLOSED, INWARD, MIXED, OPEN, OUTWARD};
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
-use crate::stages::mesh_arena::{MeshArena, MeshLanes, MeshSlot, Points};
+use crate::stages::mesh_arena::{MeshArena, MeshSlot, Points};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -99,10 +99,7 @@ impl Arena {
         let mut changes = Vec::new();
         for (number, held) in (0..).zip(&self.slots) {
             if let Some(held) = held {
-                let slot = MeshSlot {
-                    mesh: held.mesh.clone(),
-                    lanes: MeshLanes::new(&held.mesh),
-                };
+                let slot = MeshSlot::new(held.mesh.clone());
                 let mut packed = Packed::default();
                 packed.mesh(&slot);
                 changes.push(Change::Words(held.words.start, packed.0));

@@ -7,9 +7,11 @@ pub use slab::SlabGroup;
 use crate::asset::CollisionMesh;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::{CLUSTER, compact_order};
+use crate::geometry::features::MeshFeatures;
 use glam::Vec3;
 use std::collections::HashSet;
 use std::ops::Index;
+use std::sync::OnceLock;
 use wide::f32x8;
 
 /// Three coordinates of eight points.
@@ -27,6 +29,23 @@ pub struct MeshSlot {
     pub mesh: CollisionMesh,
     /// Derived from it.
     pub lanes: MeshLanes,
+    features: OnceLock<MeshFeatures>,
+}
+
+impl MeshSlot {
+    /// Derives what the stages need from a mesh.
+    pub fn new(mesh: CollisionMesh) -> Self {
+        Self {
+            lanes: MeshLanes::new(&mesh),
+            mesh,
+            features: OnceLock::new(),
+        }
+    }
+
+    /// Its vertices and edges; found at the first call, as only contact points need them.
+    pub fn features(&self) -> &MeshFeatures {
+        self.features.get_or_init(|| MeshFeatures::of(&self.mesh.mesh))
+    }
 }
 
 /// A mesh cut into eights. Coordinates are relative to the centre of mass, but those of a cluster's corners relative to one of
@@ -89,8 +108,7 @@ impl MeshArena {
 
     /// Puts another mesh into a slot.
     pub fn replace(&mut self, slot: u32, mesh: CollisionMesh) {
-        let lanes = MeshLanes::new(&mesh);
-        self.slots[slot as usize] = Some(MeshSlot { mesh, lanes });
+        self.slots[slot as usize] = Some(MeshSlot::new(mesh));
     }
 
     /// What is in a slot.

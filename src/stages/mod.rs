@@ -11,8 +11,8 @@
 //! Each stage has a file per backend: `cpu.rs` runs on rayon, `gpu.rs` declares the kernels in `shaders/` that do the same
 //! on a device (see `crate::gpu`).
 //!
-//! [`solver`] moves bodies that touch at [`manifold`]s of points: it does what [`force_scan`] and [`integrate`] do, with
-//! friction, over several substeps. The step does not run it yet.
+//! Two more lie ready that the step does not run yet: [`manifolds`] finds the points at which bodies push each other, and
+//! [`solver`] moves the bodies by them. It does what [`force_scan`] and [`integrate`] do, with friction, over several substeps.
 //!
 //! [`state`] holds every array that passes between them. Stages know nothing of the ECS: the plugin copies components
 //! in and results out.
@@ -23,7 +23,7 @@ pub mod broad_phase;
 pub mod force_scan;
 pub(crate) mod in_order;
 pub mod integrate;
-pub mod manifold;
+pub mod manifolds;
 pub mod mesh_arena;
 pub mod solver;
 pub mod state;

@@ -3,7 +3,7 @@
 use crate::shapes::Shape;
 use crate::world::{World, check};
 use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::manifold::{Manifold, ManifoldPoint};
+use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint};
 use bevy_faceoff::stages::solver::{LockedAxes, SolverBody};
 use glam::{DQuat, DVec3, Vec3};
 

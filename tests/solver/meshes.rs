@@ -3,10 +3,10 @@
 use crate::world::{check, check_below};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::manifold::Manifolds;
+use bevy_faceoff::stages::manifolds::Manifolds;
+use bevy_faceoff::stages::manifolds::cpu::planes;
 use bevy_faceoff::stages::solver::*;
 use bevy_faceoff::stages::state::{Body, Plane, StepConfig, StepState};
-use bevy_faceoff::stages::triangle_test::cpu::plane_manifolds;
 use glam::{Quat, Vec3};
 
 struct Scene {
@@ -15,7 +15,7 @@ struct Scene {
     warm: WarmStart,
     bodies: SolverBodies,
     manifolds: Manifolds,
-    scratch: plane_manifolds::Scratch,
+    scratch: planes::Scratch,
 }
 
 impl Scene {
@@ -36,7 +36,7 @@ impl Scene {
             warm: WarmStart::default(),
             bodies: SolverBodies::default(),
             manifolds: Manifolds::default(),
-            scratch: plane_manifolds::Scratch::default(),
+            scratch: planes::Scratch::default(),
         }
     }
 
@@ -53,7 +53,7 @@ impl Scene {
             let state = &mut self.state;
             self.manifolds.pairs.clear();
             self.manifolds.points.clear();
-            plane_manifolds::find(
+            planes::find(
                 &state.bodies,
                 &state.meshes,
                 &state.planes,
@@ -128,6 +128,6 @@ fn meshes_dropped_on_a_plane_come_to_rest() {
             if k == 0 { 0.2 } else { 0.02 },
         );
         check_below("deepest, metres", deepest as f64, 0.001);
-        assert!(scene.manifolds.points.len() <= plane_manifolds::MAX_POINTS);
+        assert!(scene.manifolds.points.len() <= planes::MAX_POINTS);
     }
 }

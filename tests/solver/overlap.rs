@@ -2,7 +2,7 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check_below};
-use bevy_faceoff::stages::manifold::ManifoldPoint;
+use bevy_faceoff::stages::manifolds::ManifoldPoint;
 use bevy_faceoff::stages::solver::Interval;
 use glam::{DQuat, DVec3, Vec3};
 

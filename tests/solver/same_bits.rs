@@ -2,7 +2,7 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check_below};
-use bevy_faceoff::stages::manifold::Manifolds;
+use bevy_faceoff::stages::manifolds::Manifolds;
 use bevy_faceoff::stages::solver::SolverBodies;
 use glam::DVec3;
 

@@ -1,6 +1,6 @@
 //! Contact points of spheres, boxes and half-spaces.
 
-use bevy_faceoff::stages::manifold::ManifoldPoint;
+use bevy_faceoff::stages::manifolds::ManifoldPoint;
 use bevy_faceoff::stages::solver::SolverMotion;
 use glam::{DQuat, DVec3, Mat3, Vec3};
 

@@ -2,7 +2,7 @@
 
 use crate::shapes::{self, Shape};
 use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::manifold::{Manifold, Manifolds};
+use bevy_faceoff::stages::manifolds::{Manifold, Manifolds};
 use bevy_faceoff::stages::solver::*;
 use glam::{DQuat, DVec3, Vec3};
 

@@ -24,6 +24,9 @@ pub(crate) struct Scratch {
     sort: CountingSort,
 }
 
+/// How often static bodies are sorted at most until the size of their cells suits them: it is done once.
+const SETTLE: usize = 12;
+
 /// Bodies per task.
 const TASK: usize = 512;
 
@@ -52,10 +55,17 @@ pub fn run(state: &mut StepState) {
     members.clear();
     members.extend(all.clone().filter(|&i| !is_still(i as usize)));
     moving.fill(members, center, radius);
+    if moving.is_overfull() {
+        moving.fill(members, center, radius);
+    }
     if !still.holds(kind.len() - members.len(), is_still, center, radius) {
         members.clear();
         members.extend(all.filter(|&i| is_still(i as usize)));
-        still.fill(members, center, radius);
+        for _ in 0..SETTLE {
+            if !still.fill(members, center, radius) {
+                break;
+            }
+        }
     }
 
     let (moving, still) = (&*moving, &*still);
@@ -105,7 +115,11 @@ impl Finder {
             if some.is_empty() {
                 continue;
             }
-            self.own_level(moving, own, some.clone(), bodies);
+            if own.is_sparse {
+                self.sparse_level(moving, own, some.clone(), bodies);
+            } else {
+                self.own_level(moving, own, some.clone(), bodies);
+            }
             for level in &moving.levels[at + 1..] {
                 self.other_level([moving, moving], level, some.clone(), bodies);
             }
@@ -140,6 +154,21 @@ impl Finder {
             grid.overlaps(sphere, i + 1..end, &mut found);
             for run in &self.runs {
                 grid.overlaps(sphere, run.clone(), &mut found);
+            }
+        }
+    }
+
+    /// Bodies by themselves: each looks into the few cells that it reaches, and takes those that come later.
+    fn sparse_level(&mut self, grid: &Grid, level: &Level, range: Range<usize>, bodies: &Bodies) {
+        for i in range {
+            let sphere = grid.sphere(i);
+            self.runs.clear();
+            grid.rows(level, level.reach(sphere), &mut self.runs);
+            for run in &self.runs {
+                let later = run.start.max(i + 1)..run.end;
+                grid.overlaps(sphere, later, |j| {
+                    add([grid.ids[i], grid.ids[j]], bodies, &mut self.found);
+                });
             }
         }
     }

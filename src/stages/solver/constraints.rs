@@ -6,7 +6,7 @@ use super::overlap::{self, Overlap};
 use super::pairs::{self, Pass};
 use super::settings::SolverSettings;
 use super::warm_start::{Match, WarmStart};
-use crate::stages::manifold::{ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{ManifoldPoint, Manifolds};
 use glam::{DVec3, Vec3, Vec3A};
 
 /// Pairs per task, at most.

@@ -41,7 +41,7 @@ pub use settings::SolverSettings;
 pub use sleep::Sleeper;
 pub use warm_start::WarmStart;
 
-use super::manifold::Manifolds;
+use super::manifolds::Manifolds;
 use constraints::Constraints;
 use ends::Ends;
 use glam::Vec3;

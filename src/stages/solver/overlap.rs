@@ -2,7 +2,7 @@
 
 use super::settings::SolverSettings;
 use super::warm_start::Kept;
-use crate::stages::manifold::ManifoldPoint;
+use crate::stages::manifolds::ManifoldPoint;
 use glam::Vec3;
 
 /// Points are opposed if the cosine between their normals is below this.

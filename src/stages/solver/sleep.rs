@@ -4,7 +4,7 @@ use super::Interval;
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use super::settings::SolverSettings;
 use crate::components::RigidBody;
-use crate::stages::manifold::{Manifold, ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use glam::Vec3;
 
 /// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.

@@ -4,7 +4,7 @@ use super::bodies::SolverBodies;
 use super::constraints::{Constraints, Point};
 use super::motion::Movers;
 use super::settings::SolverSettings;
-use crate::stages::manifold::ManifoldPoint;
+use crate::stages::manifolds::ManifoldPoint;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 

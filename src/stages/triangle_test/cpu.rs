@@ -2,19 +2,18 @@
 
 mod choice;
 mod contact;
-mod containment;
+pub(in crate::stages) mod containment;
 mod cull;
 mod decide;
-mod descent;
+pub(in crate::stages) mod descent;
 mod first;
-mod lanes;
-mod levels;
-mod placed;
-pub mod plane_manifolds;
+pub(in crate::stages) mod lanes;
+pub(in crate::stages) mod levels;
+pub(in crate::stages) mod placed;
 mod planes;
 mod product;
 mod setting;
-mod tree;
+pub(in crate::stages) mod tree;
 
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};

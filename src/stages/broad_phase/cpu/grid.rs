@@ -12,9 +12,20 @@ use wide::f32x8;
 /// Bodies that a thread takes at least.
 const FEW: usize = 2048;
 
-/// Size of a level's cells in radii of its largest body. Larger cells hold more bodies, smaller ones are more to look up.
-/// Measured: 3 is as fast, 2 a tenth slower.
+/// Least size of a level's cells in radii of its largest body. Larger cells hold more bodies, smaller ones are more to look
+/// up. Measured: 3 is as fast, 2 a tenth slower.
 const CELL_IN_RADII: f64 = 4.0;
+
+/// A level's cells become twice as large, or half as large again, if bodies have fewer or more in their cell than this, on
+/// average, themselves among them: where bodies are few and far between, one looks into fewer cells. Twice the size makes
+/// up to eight times the others, and by chance alone half a body shares the bucket.
+const OCCUPANCY: [f32; 2] = [1.75, 10.0];
+/// With more than this, they start anew with the least size.
+const OVERFULL: f32 = 64.0;
+/// Cells become at most `2^MOST_GROWN` times as large as the least.
+const MOST_GROWN: u8 = 20;
+/// How many blocks of cells of a level are looked into to learn how full they are.
+const SAMPLES: u32 = 64;
 
 /// Spheres tested at once.
 const LANES: usize = 8;
@@ -43,6 +54,10 @@ pub struct Grid {
     buckets: CountingSort,
     /// Bucket of each body, in the order in which they came.
     keys: Vec<u32>,
+    /// How often the size of each level's cells is doubled.
+    grown: Vec<u8>,
+    /// Some level's cells are so full that they should not be searched.
+    overfull: bool,
 }
 
 /// Bodies whose radii differ by less than a factor of four.
@@ -50,6 +65,8 @@ pub struct Grid {
 pub struct Level {
     /// Ascends with the radii.
     pub number: usize,
+    /// Whether cells are larger than the least size.
+    pub is_sparse: bool,
     /// The largest radius, metres.
     pub radius: f32,
     /// Where its bodies are.
@@ -155,9 +172,11 @@ impl Grid {
                 })
     }
 
-    /// Fills it with those bodies that are `members`.
-    pub fn fill(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) {
+    /// Fills it with those bodies that are `members`, and tells whether its cells would better be of other sizes, which they
+    /// will be the next time.
+    pub fn fill(&mut self, members: &[u32], centers: &[Vec3], radii: &[f32]) -> bool {
         self.levels.clear();
+        self.grown.resize(LEVELS, 0);
         // Where each level is in `levels`.
         let mut places = [0; LEVELS];
         let [mut buckets, mut bodies] = [0; 2];
@@ -168,13 +187,15 @@ impl Grid {
             // Twice as many cells as bodies, or a few more.
             let blocks = (2 * count).div_ceil(BLOCK).next_power_of_two();
             places[number] = self.levels.len();
+            let size = CELL_IN_RADII * f64::from(radius) * f64::from(1 << self.grown[number]);
             self.levels.push(Level {
                 number,
+                is_sparse: self.grown[number] > 0,
                 radius,
                 first: bodies,
                 end: bodies + count,
                 // Cells of bodies without size may be of any size.
-                cells_per_meter: 1.0 / (CELL_IN_RADII * f64::from(radius)).max(1.0e-12),
+                cells_per_meter: 1.0 / size.max(1.0e-12),
                 first_bucket: buckets,
                 mask: blocks - 1,
             });
@@ -203,6 +224,42 @@ impl Grid {
             [*x, *y, *z] = centers[i as usize].to_array();
             *r = radii[i as usize];
         });
+        self.adapt()
+    }
+
+    /// Whether bodies have come together so fast that they should be sorted again, into smaller cells.
+    pub fn is_overfull(&self) -> bool {
+        self.overfull
+    }
+
+    /// Chooses the sizes of cells for the next time; whether any changes.
+    fn adapt(&mut self) -> bool {
+        let mut changed = false;
+        self.overfull = false;
+        for level in &self.levels {
+            let blocks = level.mask + 1;
+            let (mut bodies, mut squares) = (0.0, 0.0);
+            for block in (0..blocks).step_by(blocks.div_ceil(SAMPLES) as usize) {
+                for cell in 0..BLOCK {
+                    let bucket = level.first_bucket + block * BLOCK + cell;
+                    let count = self.buckets.range(bucket, bucket).len() as f32;
+                    bodies += count;
+                    squares += count * count;
+                }
+            }
+            let grown = &mut self.grown[level.number];
+            let occupancy = squares / bodies;
+            self.overfull |= *grown > 0 && occupancy > OVERFULL;
+            let wanted = match occupancy {
+                occupancy if occupancy > OVERFULL => 0,
+                occupancy if occupancy > OCCUPANCY[1] => grown.saturating_sub(1),
+                occupancy if occupancy < OCCUPANCY[0] => MOST_GROWN.min(*grown + 1),
+                // Or no sample.
+                _ => *grown,
+            };
+            changed |= std::mem::replace(grown, wanted) != wanted;
+        }
+        changed
     }
 
     /// Centre and radius of a body, numbered in the grid's order as everywhere below.

@@ -72,7 +72,7 @@ impl End<'_> {
 /// cancel, or, if neighbouring faces disagree about the outside, their number is odd.
 ///
 /// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
-fn contains(slot: &MeshSlot, p: DVec3) -> bool {
+pub fn contains(slot: &MeshSlot, p: DVec3) -> bool {
     let (mesh, lanes) = (&slot.mesh.mesh, &slot.lanes);
     let from = (p - slot.mesh.mass.center.as_dvec3()).as_vec3();
     let start = splat(from);

@@ -1,12 +1,12 @@
 //! Where bodies lie on half-spaces: a few vertices each, the lowest and spread wide.
 
-use super::lanes::{bits, dot, splat};
-use super::levels::visit;
 use crate::components::RigidBody;
 use crate::stages::angles::PAD;
-use crate::stages::manifold::{Manifold, ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::stages::mesh_arena::{BoxGroup, MeshArena};
 use crate::stages::state::{Bodies, Plane, StepConfig};
+use crate::stages::triangle_test::cpu::lanes::{bits, dot, splat};
+use crate::stages::triangle_test::cpu::levels::visit;
 use glam::Vec3;
 use rayon::prelude::*;
 use wide::f32x8;

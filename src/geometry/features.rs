@@ -1,0 +1,201 @@
+//! The corners and edges of a mesh with all that lies around them: what contact points between surfaces are made of.
+
+use crate::geometry::{Orientation, TriMesh};
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// No triangle.
+pub const NONE: u32 = u32::MAX;
+
+/// A neighbour that leads below a triangle's plane by less than this part of the triangle's size lies in it: rounding of the
+/// corners does that, and scales fold the edge noticeably only if their components differ by a factor of thousand.
+const LEAST_FOLD: f64 = 1.0e-6;
+
+/// Vertices and edges of a mesh, each once, in flat arrays.
+///
+/// Connectivity is found on positions, as for all of [`TriMesh`]. Every vertex and every edge is owned by one triangle, the
+/// first that has it: whoever visits pairs of triangles meets each pair of features once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshFeatures {
+    /// Positions that triangles use, each once, in mesh space.
+    pub vertices: Vec<Vec3>,
+    /// Corners of the mesh's triangles, in its order, as indices of [`MeshFeatures::vertices`]. They run
+    /// counter-clockwise seen from outside if [`MeshFeatures::sided`], else as in the mesh.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals of the triangles by that winding, in mesh space.
+    pub normals: Vec<Vec3>,
+    /// Edges of each triangle: the first from its first corner to its second, and so on.
+    pub triangle_edges: Vec<[u32; 3]>,
+    /// What each triangle owns: bits 0 to 2 its corners, bits 3 to 5 its edges. Edges that can touch no other edge have no
+    /// owner: those of more than two triangles, and if [`MeshFeatures::sided`] those that are flat or concave.
+    pub owned: Vec<u32>,
+    /// For each edge the other triangle than its owner; [`NONE`] at a rim.
+    pub across: Vec<u32>,
+    /// Where each vertex's neighbours start in [`MeshFeatures::neighbors`], and where the last one's end.
+    pub neighbor_starts: Vec<u32>,
+    /// The vertices to which edges lead, one vertex's after the other's.
+    pub neighbors: Vec<u32>,
+    /// Whether the mesh is closed and its faces agree about the outside. The triangles of one that is not have two sides.
+    pub sided: bool,
+}
+
+impl MeshFeatures {
+    /// Finds them.
+    pub fn of(mesh: &TriMesh) -> Self {
+        let inward = mesh.orientation() == Orientation::Inward;
+        let mut features = Self {
+            sided: inward || mesh.orientation() == Orientation::Outward,
+            ..Self::default()
+        };
+        features.add_triangles(mesh, inward);
+        let ends = features.add_edges();
+        features.add_neighbors(&ends);
+        features
+    }
+
+    /// The vertices at the other ends of a vertex's edges.
+    pub fn neighbors_of(&self, vertex: u32) -> &[u32] {
+        let at = |i: u32| self.neighbor_starts[i as usize] as usize;
+        &self.neighbors[at(vertex)..at(vertex + 1)]
+    }
+
+    /// Triangles, vertices, normals, and who owns which corner.
+    fn add_triangles(&mut self, mesh: &TriMesh, inward: bool) {
+        let mut numbers: HashMap<[u32; 3], u32> = HashMap::with_capacity(mesh.vertices().len());
+        for (t, corners) in mesh.triangles().iter().enumerate() {
+            let mut order = *corners;
+            if inward {
+                order.swap(1, 2);
+            }
+            let mut owned = 0;
+            let triangle = [0, 1, 2].map(|k| {
+                let position = mesh.vertices()[order[k] as usize];
+                // Adding zero turns -0 into 0.
+                let key = (position + Vec3::ZERO).to_array().map(f32::to_bits);
+                *numbers.entry(key).or_insert_with(|| {
+                    owned |= 1 << k;
+                    self.vertices.push(position);
+                    self.vertices.len() as u32 - 1
+                })
+            });
+            let [p, q, r] = mesh.corners(t).map(|p| p.as_dvec3());
+            // Never zero: a mesh has no triangles without area.
+            let normal = (q - p).cross(r - p).normalize_or(DVec3::Z).as_vec3();
+            self.triangles.push(triangle);
+            self.normals.push(if inward { -normal } else { normal });
+            self.owned.push(owned);
+        }
+    }
+
+    /// Edges and who owns them; returns their ends.
+    fn add_edges(&mut self) -> Vec<[u32; 2]> {
+        let mut numbers: HashMap<[u32; 2], u32> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        let mut ends = Vec::new();
+        // For each edge its owner, which of the owner's edges it is, and how many triangles have it.
+        let mut owners: Vec<(usize, usize, u32)> = Vec::new();
+        for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
+            let edges = [(0, a, b), (1, b, c), (2, c, a)].map(|(k, u, v)| {
+                let edge = *numbers.entry([u.min(v), u.max(v)]).or_insert_with(|| {
+                    ends.push([u, v]);
+                    owners.push((t, k, 0));
+                    self.across.push(NONE);
+                    ends.len() as u32 - 1
+                });
+                let (owner, _, count) = &mut owners[edge as usize];
+                *count += 1;
+                if *owner != t {
+                    self.across[edge as usize] = t as u32;
+                }
+                edge
+            });
+            self.triangle_edges.push(edges);
+        }
+        for (edge, (owner, k, count)) in owners.into_iter().enumerate() {
+            if count <= 2 && !(self.sided && self.is_concave(owner, self.across[edge])) {
+                self.owned[owner] |= 8 << k;
+            }
+        }
+        ends
+    }
+
+    /// Whether triangle `other` does not lead below the plane of triangle `own`.
+    fn is_concave(&self, own: usize, other: u32) -> bool {
+        let at = |v: u32| self.vertices[v as usize].as_dvec3();
+        let [p, q, r] = self.triangles[own].map(at);
+        let normal = (q - p).cross(r - p);
+        let heights = self.triangles[other as usize].map(|v| normal.dot(at(v) - p) / normal.length());
+        let size = p.distance(q).max(p.distance(r));
+        heights.iter().all(|h| *h >= -LEAST_FOLD * size)
+    }
+
+    fn add_neighbors(&mut self, ends: &[[u32; 2]]) {
+        let mut counts = vec![0u32; self.vertices.len() + 1];
+        for &v in ends.iter().flatten() {
+            counts[v as usize + 1] += 1;
+        }
+        for i in 1..counts.len() {
+            counts[i] += counts[i - 1];
+        }
+        let mut next = counts.clone();
+        self.neighbors = vec![0; 2 * ends.len()];
+        for &[u, v] in ends {
+            for (from, to) in [(u, v), (v, u)] {
+                self.neighbors[next[from as usize] as usize] = to;
+                next[from as usize] += 1;
+            }
+        }
+        self.neighbor_starts = counts;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::shapes;
+
+    fn owned(features: &MeshFeatures, bits: u32) -> u32 {
+        features.owned.iter().map(|o| (o & bits).count_ones()).sum()
+    }
+
+    #[test]
+    fn every_vertex_and_convex_edge_of_a_closed_mesh_has_one_owner() {
+        for (mesh, convex) in [
+            (shapes::cube(1.0), 12),
+            (shapes::ball(1.0, 2), 480),
+            // Around the tube all, around the circle those outside; those on top and below are flat, as diagonals are.
+            (shapes::torus(12, 10, 0.7, 0.3), 120 + 48),
+        ] {
+            let features = MeshFeatures::of(&mesh);
+            let (vertices, edges) = (features.vertices.len() as u32, features.across.len() as u32);
+            assert_eq!(owned(&features, 7), vertices);
+            assert_eq!(owned(&features, 56), convex);
+            assert_eq!(2 * edges, 3 * mesh.triangles().len() as u32);
+            assert!(!features.across.contains(&NONE));
+            assert_eq!(features.neighbors.len() as u32, 2 * edges);
+        }
+    }
+
+    #[test]
+    fn an_inward_mesh_is_turned_and_an_open_one_has_rims() {
+        let cube = shapes::cube(1.0);
+        let turned = cube.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let inward = TriMesh::new(cube.vertices().to_vec(), turned).unwrap();
+        let (features, plain) = (MeshFeatures::of(&inward), MeshFeatures::of(&cube));
+        assert_eq!(features.normals, plain.normals);
+        assert!(features.sided);
+
+        let open = TriMesh::new(cube.vertices().to_vec(), cube.triangles()[..10].to_vec()).unwrap();
+        let features = MeshFeatures::of(&open);
+        assert!(!features.sided);
+        assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 4);
+    }
+
+    #[test]
+    fn an_edge_of_three_triangles_has_no_owner() {
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Y];
+        let fins = TriMesh::new(points.to_vec(), vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]]).unwrap();
+        let features = MeshFeatures::of(&fins);
+        assert_eq!(owned(&features, 56), 6);
+        assert_eq!(features.across.len(), 7);
+    }
+}

@@ -1,0 +1,314 @@
+//! Where surfaces cross: segments, and the patches that they enclose.
+
+use super::feature::{Feature, TrianglePair};
+use super::near::Window;
+use crate::geometry::Aabb;
+use glam::{DVec3, Vec3};
+
+/// Cosine between the normals of a patch and of a feature that agrees with it.
+const AGREES: f64 = 0.7;
+/// How far a patch has a say, beside the radius of its contour.
+const SPREAD: f64 = 1.3;
+/// Contours that enclose less than this part of the square of the bodies' size have no direction.
+const LEAST_AREA: f64 = 1.0e-12;
+
+/// Ends of contours that should go on count as the same point if they are this near, in units of the bodies' size.
+const TIE: f64 = 1.0e-6;
+
+/// The segment in which two triangles cross, along the cross product of their normals.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    pub ends: [DVec3; 2],
+    pub triangles: [u32; 2],
+    /// What each end shares with the segment that goes on there.
+    keys: [Key; 2],
+}
+
+/// An edge of one body that pierces a triangle of the other.
+type Key = (u8, u32, u32);
+
+/// The part of both surfaces inside a closed contour.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    pub center: DVec3,
+    /// Unit vector from the first body to the second.
+    pub normal: DVec3,
+    pub area: f64,
+    /// Length of the contour.
+    pub length: f64,
+    /// The patch has a say so far from its centre.
+    pub reach: f64,
+    /// Its segments in [`Contours::segments`].
+    pub first: usize,
+    pub end: usize,
+    /// Whether it keeps an overlapping feature.
+    pub kept: bool,
+}
+
+/// Memory kept between pairs, and the result.
+#[derive(Default)]
+pub struct Contours {
+    /// As they are found; then one patch's after the other's.
+    pub segments: Vec<Segment>,
+    pub patches: Vec<Patch>,
+    /// Of both ends of all segments, with the segment and the end.
+    keys: Vec<(Key, u32, usize)>,
+    /// Ends that no other shares, with their segments.
+    loose: Vec<(DVec3, u32)>,
+    parents: Vec<u32>,
+    order: Vec<(u32, u32)>,
+    sorted: Vec<Segment>,
+}
+
+impl TrianglePair<'_> {
+    /// Where the triangles cross, if they do and are not in one plane. Heights up to `rounding` are none, and then the first
+    /// body counts as a little smaller than it is: its corners are below the second's planes, and the second's above its
+    /// own. So contours are closed even if faces of both lie in one plane.
+    #[inline]
+    pub fn segment(&self, rounding: f64) -> Option<Segment> {
+        let above = [
+            self.heights[0].map(|h| h > rounding),
+            self.heights[1].map(|h| h >= -rounding),
+        ];
+        if above.contains(&[true; 3]) || above.contains(&[false; 3]) {
+            return None;
+        }
+        let [a, b] = self.triangles;
+        let line = a.normal.cross(b.normal);
+        if line.length_squared() < 1.0e-24 {
+            return None;
+        }
+        let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
+        // Where both end at once, the first body, which counts as smaller, ends first.
+        let slack = rounding * line.length();
+        let start = if chord_a[0].at >= chord_b[0].at - slack {
+            chord_a[0]
+        } else {
+            chord_b[0]
+        };
+        let end = if chord_a[1].at <= chord_b[1].at + slack {
+            chord_a[1]
+        } else {
+            chord_b[1]
+        };
+        (start.at < end.at).then_some(Segment {
+            ends: [start.point, end.point],
+            triangles: self.triangles.map(|t| t.number),
+            keys: [start.key, end.key],
+        })
+    }
+
+    /// Where the edges of one triangle pierce the other's plane, in order along the common line.
+    fn chord(&self, side: usize, line: DVec3, above: [bool; 3]) -> [Crossing; 2] {
+        let own = self.triangles[side];
+        let features = &self.sides[side].features;
+        let heights = self.heights[side];
+        let vertices = features.triangles[own.number as usize];
+        let mut crossings = [Crossing::default(); 2];
+        let mut count = 0;
+        for k in 0..3 {
+            let (mut i, mut j) = (k, (k + 1) % 3);
+            if above[i] == above[j] || count == 2 {
+                continue;
+            }
+            // From the same end for both triangles at the edge, so that both get the same point.
+            if vertices[i] > vertices[j] {
+                (i, j) = (j, i);
+            }
+            // Both may be zero, and then any point of the edge is as good as any other.
+            let at = (heights[i] / (heights[i] - heights[j])).clamp(0.0, 1.0);
+            let at = if at.is_nan() { 0.5 } else { at };
+            let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
+            crossings[count] = Crossing {
+                point,
+                at: line.dot(point),
+                key: (
+                    side as u8,
+                    features.triangle_edges[own.number as usize][k],
+                    self.triangles[1 - side].number,
+                ),
+            };
+            count += 1;
+        }
+        if crossings[0].at > crossings[1].at {
+            crossings.swap(0, 1);
+        }
+        crossings
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Crossing {
+    point: DVec3,
+    at: f64,
+    key: Key,
+}
+
+impl Contours {
+    pub fn clear(&mut self) {
+        self.segments.clear();
+        self.patches.clear();
+    }
+
+    /// Joins the segments into patches. `size` is that of the bodies.
+    pub fn join(&mut self, margin: f64, size: f64) {
+        self.keys.clear();
+        self.parents.clear();
+        for (i, segment) in (0..).zip(&self.segments) {
+            self.parents.push(i);
+            self.keys.extend([(segment.keys[0], i, 0), (segment.keys[1], i, 1)]);
+        }
+        self.keys.sort_unstable();
+        self.loose.clear();
+        for run in self.keys.chunk_by(|x, y| x.0 == y.0) {
+            for other in &run[1..] {
+                unite(&mut self.parents, run[0].1, other.1);
+            }
+            if let [(_, i, end)] = run {
+                self.loose.push((self.segments[*i as usize].ends[*end], *i));
+            }
+        }
+        self.tie_loose_ends(TIE * size);
+        self.order.clear();
+        for i in 0..self.segments.len() as u32 {
+            self.order.push((root(&mut self.parents, i), i));
+        }
+        self.order.sort_unstable();
+        self.sorted.clear();
+        self.sorted
+            .extend(self.order.iter().map(|&(_, i)| self.segments[i as usize]));
+        std::mem::swap(&mut self.sorted, &mut self.segments);
+
+        let mut first = 0;
+        for run in self.order.chunk_by(|x, y| x.0 == y.0) {
+            let end = first + run.len();
+            if let Some(patch) = Patch::new(&self.segments, first, end, margin, size) {
+                self.patches.push(patch);
+            }
+            first = end;
+        }
+    }
+
+    /// Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they
+    /// are.
+    fn tie_loose_ends(&mut self, reach: f64) {
+        self.loose
+            .sort_unstable_by(|p, q| p.0.x.total_cmp(&q.0.x).then(p.1.cmp(&q.1)));
+        for (n, &(p, i)) in self.loose.iter().enumerate() {
+            for &(q, j) in self.loose[n + 1..].iter().take_while(|(q, _)| q.x - p.x <= reach) {
+                if p.distance_squared(q) <= reach * reach {
+                    unite(&mut self.parents, i, j);
+                }
+            }
+        }
+    }
+
+    /// Whether a feature counts. Those that overlap need a patch to speak for them, and all those near must agree.
+    pub fn admit(&self, feature: &Feature, overlaps: bool) -> bool {
+        let mut any = false;
+        for patch in self.patches.iter().filter(|patch| patch.is_near(feature)) {
+            any = true;
+            if feature.normal.dot(patch.normal) < AGREES {
+                return false;
+            }
+        }
+        any || !overlaps
+    }
+
+    /// Notes that an overlapping feature is kept.
+    pub fn keep(&mut self, feature: &Feature) {
+        for patch in self.patches.iter_mut().filter(|patch| patch.is_near(feature)) {
+            patch.kept = true;
+        }
+    }
+
+    /// Where triangles of overlapping features can be that are up to `half` from the feature's middle.
+    pub fn window(&self, half: f64) -> Window {
+        let around = self.patches.iter().fold(Aabb::EMPTY, |all, patch| {
+            let reach = patch.reach + half;
+            let (low, high) = (patch.center - reach, patch.center + reach);
+            all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
+        });
+        // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
+        let way = match &self.patches[..] {
+            [patch] => patch.normal.as_vec3(),
+            _ => Vec3::ZERO,
+        };
+        Window { around, way }
+    }
+}
+
+fn unite(parents: &mut [u32], i: u32, j: u32) {
+    let [p, q] = [i, j].map(|i| root(parents, i));
+    parents[p.max(q) as usize] = p.min(q);
+}
+
+fn root(parents: &mut [u32], mut i: u32) -> u32 {
+    while parents[i as usize] != i {
+        parents[i as usize] = parents[parents[i as usize] as usize];
+        i = parents[i as usize];
+    }
+    i
+}
+
+impl Patch {
+    /// Nothing if the contour encloses no area.
+    fn new(segments: &[Segment], first: usize, end: usize, margin: f64, size: f64) -> Option<Self> {
+        let own = &segments[first..end];
+        // Sums are taken about the first point, for digits.
+        let origin = own[0].ends[0];
+        let (mut length, mut middle) = (0.0, DVec3::ZERO);
+        for Segment { ends: [p, q], .. } in own {
+            let step = p.distance(*q);
+            length += step;
+            middle += ((*p - origin) + (*q - origin)) * (0.5 * step);
+        }
+        let center = origin + middle / length;
+        let (mut area, mut radius) = (DVec3::ZERO, 0.0f64);
+        for Segment { ends: [p, q], .. } in own {
+            area += (*p - center).cross(*q - *p) * 0.5;
+            radius = radius.max(p.distance_squared(center)).max(q.distance_squared(center));
+        }
+        let size = area.length() / (size * size);
+        (size > LEAST_AREA).then(|| Self {
+            center,
+            normal: area.normalize(),
+            area: area.length(),
+            length,
+            reach: SPREAD * radius.sqrt() + margin,
+            first,
+            end,
+            kept: false,
+        })
+    }
+
+    fn is_near(&self, feature: &Feature) -> bool {
+        feature.middle().distance_squared(self.center) < self.reach * self.reach
+    }
+
+    /// Five points in the patch: its centre, and the contour's extremes in four directions across the normal, drawn in by a
+    /// quarter. The first is the farthest from the centre, so both bodies choose the same.
+    pub fn places(&self, segments: &[Segment]) -> [DVec3; 5] {
+        let own = &segments[self.first..self.end];
+        let farthest = |along: &dyn Fn(DVec3) -> f64| {
+            let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
+            for arm in own.iter().map(|segment| segment.ends[0] - self.center) {
+                let reach = along(arm);
+                if reach > best.0 {
+                    best = (reach, arm);
+                }
+            }
+            best.1
+        };
+        let first = farthest(&|arm| arm.reject_from_normalized(self.normal).length_squared());
+        let across = self.normal.cross(first);
+        let arms = [
+            first,
+            farthest(&|arm| -arm.dot(first)),
+            farthest(&|arm| arm.dot(across)),
+            farthest(&|arm| -arm.dot(across)),
+        ];
+        let [p, q, r, s] = arms.map(|arm| self.center + arm * 0.75);
+        [self.center, p, q, r, s]
+    }
+}

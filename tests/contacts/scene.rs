@@ -1,0 +1,155 @@
+//! Two bodies, what the product says about their contact, and how deep they really are.
+
+use crate::oracle::body::{Body, Mesh};
+use crate::oracle::brute::surfaces_meet;
+use crate::oracle::product::Product;
+use crate::oracle::shapes::Shapes;
+use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::queries::Placement;
+use bevy_faceoff::stages::manifolds::{ManifoldPoint, Manifolds};
+use bevy_faceoff::stages::manifolds::{MarginPair, cpu};
+use bevy_faceoff::stages::state::{Body as StageBody, StepState};
+use glam::{DVec3, Quat, Vec3};
+use std::sync::Arc;
+
+/// A generated mesh of the product as the oracle has it.
+pub fn oracle_mesh(name: &str, mesh: &TriMesh) -> Arc<Mesh> {
+    Mesh::new(name, mesh.vertices().to_vec(), mesh.triangles().to_vec())
+}
+
+/// A body at its mesh's own size.
+pub fn body(mesh: &Arc<Mesh>, translation: DVec3, rotation: Quat) -> Body {
+    Body::new(mesh, translation, rotation, 1.0)
+}
+
+/// Bodies as a step has them.
+pub fn state(product: &Product, bodies: &[&Body]) -> StepState {
+    let mut state = StepState::default();
+    for body in bodies {
+        let Placement {
+            mesh,
+            translation,
+            rotation,
+            scale,
+        } = product.placement(body);
+        let slot = state.meshes.add(mesh);
+        let body = StageBody::at_rest(slot, translation, rotation, scale);
+        state.bodies.push(&body, &state.meshes).expect("a usable body");
+    }
+    state
+}
+
+/// The contact points of two bodies.
+pub fn points(product: &Product, a: &Body, b: &Body, margin: f64) -> Vec<ManifoldPoint> {
+    let state = state(product, &[a, b]);
+    let pair = MarginPair {
+        bodies: [0, 1],
+        margin: margin as f32,
+    };
+    let manifolds = cpu::of_pair(&state.bodies, &state.meshes, pair);
+    require_sane(&manifolds);
+    manifolds.points
+}
+
+/// Numbers are numbers, normals have length one, and lists fit together.
+pub fn require_sane(manifolds: &Manifolds) {
+    let mut next = 0;
+    for pair in &manifolds.pairs {
+        assert_eq!(pair.first_point, next);
+        assert!((1..=16).contains(&pair.point_count), "{pair:?}");
+        next += pair.point_count;
+    }
+    assert_eq!(next as usize, manifolds.points.len());
+    for point in &manifolds.points {
+        let finite = point.arms.iter().all(|arm| arm.is_finite()) && point.separation.is_finite();
+        assert!(finite && (point.normal.length() - 1.0).abs() < 1e-5, "{point:?}");
+    }
+}
+
+/// How deep the deepest point is; negative for a gap.
+pub fn depth(points: &[ManifoldPoint]) -> f64 {
+    -points
+        .iter()
+        .map(|p| f64::from(p.separation))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The mean normal, weighted by depth; across a gap that of the nearest point.
+pub fn push(points: &[ManifoldPoint]) -> DVec3 {
+    let deepest = points.iter().min_by(|p, q| p.separation.total_cmp(&q.separation));
+    let sum: DVec3 = points
+        .iter()
+        .map(|p| p.normal.as_dvec3() * f64::from(-p.separation).max(0.0))
+        .sum();
+    sum.try_normalize()
+        .unwrap_or(deepest.expect("a point").normal.as_dvec3())
+}
+
+/// Degrees between unit vectors.
+pub fn degrees(u: DVec3, v: DVec3) -> f64 {
+    u.cross(v).length().atan2(u.dot(v)).to_degrees()
+}
+
+/// How far `b` moves along `way`, from far off on, until the surfaces meet first, if it does; `step` is how small a
+/// crossing may be overlooked.
+pub fn first_touch(a: &Body, b: &Body, way: DVec3, from: f64, to: f64, step: f64) -> Option<f64> {
+    let meets = |t: f64| surfaces_meet(a, &b.moved(way * t));
+    let count = ((to - from) / step).ceil() as usize;
+    let hit = (1..=count).map(|i| from + i as f64 * step).find(|t| meets(*t))?;
+    Some(bisect(hit - step, hit, meets))
+}
+
+/// Where `holds` becomes true between `low` and `high`.
+fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..25 {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high
+}
+
+/// The shortest way that frees `b`, near `guess`: its direction and its length, at most `most`. A search over directions
+/// all around, then ever nearer the best.
+pub fn way_out(a: &Body, b: &Body, guess: DVec3, most: f64) -> (DVec3, f64) {
+    let free = |way: DVec3, t: f64| !surfaces_meet(a, &b.moved(way * t));
+    // The length along `way` if it beats `limit`.
+    let along = |way: DVec3, limit: f64| free(way, limit).then(|| bisect(0.0, limit, |t| free(way, t)));
+    let mut best = (guess, along(guess, most).unwrap_or(most));
+    let attempt = |way: DVec3, best: &mut (DVec3, f64), part: f64| {
+        if let Some(length) = along(way, best.1 * part) {
+            *best = (way, length);
+        }
+    };
+    let count = 150;
+    for i in 0..count {
+        let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
+        let (sin, cos) = (f64::from(i) * 2.399_963).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        attempt(DVec3::new(r * cos, r * sin, z), &mut best, 0.999);
+    }
+    let mut width = 0.2;
+    for _ in 0..14 {
+        let (u, v) = best.0.any_orthonormal_pair();
+        for k in 0..8 {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
+            let way = (best.0 + (u * cos + v * sin) * width).normalize();
+            attempt(way, &mut best, 0.9995);
+        }
+        width *= 0.6;
+    }
+    best
+}
+
+/// Turns `from` to `to`.
+pub fn turn(from: Vec3, to: Vec3) -> Quat {
+    Quat::from_rotation_arc(from.normalize(), to.normalize())
+}
+
+/// With corners at -0.5 and 0.5.
+pub fn cube() -> Arc<Mesh> {
+    Shapes::new().unit_cube
+}
