@@ -97,7 +97,8 @@ impl World {
 
     fn step(&mut self) {
         let dt = self.state.config.dt;
-        let detections = self.settings.detections(&self.bodies, dt);
+        let least = std::env::var("LEAST").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
+        let detections = self.settings.detections(&self.bodies, dt).max(least);
         for _ in 0..detections {
             self.interval(dt / detections as f32, self.settings.substeps_per_detection(detections));
         }
@@ -315,7 +316,8 @@ fn chain_of_rings() {
     let mesh = shapes::ring();
     let ring = world.mesh(&mesh);
     // Outer radius of the tube's middle 0.44, tube 0.06: each ring hangs in the one above.
-    let links: Vec<usize> = (0..50)
+    let count: usize = std::env::var("LINKS").ok().and_then(|s| s.parse().ok()).unwrap_or(50);
+    let links: Vec<usize> = (0..count)
         .map(|i| {
             let kind = if i == 0 { RigidBody::Static } else { RigidBody::Dynamic };
             let turn = Quat::from_rotation_y(if i % 2 == 0 { 0.0 } else { std::f32::consts::FRAC_PI_2 });
@@ -333,21 +335,32 @@ fn chain_of_rings() {
             .windows(2)
             .map(|w| world.center(w[0]).distance(world.center(w[1])));
         let longest = gaps.clone().fold(0.0, f64::max);
-        let total = world.center(0).y - world.center(49).y;
-        if second % 2 == 1 || longest > 1.0 {
+        let total = world.center(0).y - world.center(count - 1).y;
+        if second % 2 == 1 || longest > 1.0 || count < 5 {
+            if count < 5 {
+                for m in &world.bodies.motions[1..] {
+                    println!(
+                        "  at {:.5} v {:.4} w {:.3}",
+                        m.center, m.linear_velocity, m.angular_velocity
+                    );
+                }
+                for p in &world.manifolds.points {
+                    println!("    arm {:.4} n {:.3} s {:.5}", p.arms[0], p.normal, p.separation);
+                }
+            }
             let spin = world
                 .bodies
                 .motions
                 .iter()
                 .map(|m| m.angular_velocity.length())
                 .fold(0.0, f32::max);
-            let kinetic: f32 = (0..50)
+            let kinetic: f32 = (0..count)
                 .filter(|&i| world.bodies.bodies[i].inverse_mass > 0.0)
                 .map(|i| {
                     0.5 * world.bodies.motions[i].linear_velocity.length_squared() / world.bodies.bodies[i].inverse_mass
                 })
                 .sum();
-            let potential: f64 = (0..50)
+            let potential: f64 = (0..count)
                 .filter(|&i| world.bodies.bodies[i].inverse_mass > 0.0)
                 .map(|i| 9.81 * world.center(i).y / world.bodies.bodies[i].inverse_mass as f64)
                 .sum();
