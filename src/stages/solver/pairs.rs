@@ -76,8 +76,13 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
             point.separation = point.first_separation + point.normal().dot(moved + turned);
             // One place for both, or the two impulses would turn the pair. Arms do not turn with their bodies here: the
             // point of a ball that rolls stays below its centre, whatever becomes of the spot that touched first.
-            let offset = point.offset + moved;
-            levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
+            let part: f32 = TURN.with(|t| *t);
+            let turns = [part * change(a.turned, point.arms[0]), part * change(b.turned, point.arms[1])];
+            let offset = point.offset + moved + turns[1] - turns[0];
+            levers = [
+                point.arms[0] + turns[0] + along * offset,
+                point.arms[1] + turns[1] - (1.0 - along) * offset,
+            ];
         }
         let mut gives = [[0.0; 3]; 2];
         for (i, row) in point.rows.iter_mut().enumerate() {
@@ -278,4 +283,8 @@ pub(super) fn bounce(pair: &Pair, points: &mut [Point], movers: &Movers) -> [Imp
         }
     }
     local.out()
+}
+
+thread_local! {
+    static TURN: f32 = std::env::var("TURN").ok().and_then(|s| s.parse().ok()).unwrap_or(0.0);
 }
