@@ -11,6 +11,9 @@ pub const NONE: u32 = u32::MAX;
 /// corners does that, and scales fold the edge noticeably only if their components differ by a factor of thousand.
 const LEAST_FOLD: f64 = 1.0e-6;
 
+/// Edges at which the surface turns further than this are creases, radians: about what a round of twelve faces has.
+const CREASE: f64 = 0.6;
+
 /// Vertices and edges of a mesh, each once, in flat arrays.
 ///
 /// Connectivity is found on positions, as for all of [`TriMesh`]. Every vertex and every edge is owned by one triangle, the
@@ -31,6 +34,9 @@ pub struct MeshFeatures {
     pub owned: Vec<u32>,
     /// For each edge the other triangle than its owner; [`NONE`] at a rim.
     pub across: Vec<u32>,
+    /// Radius of curvature of the surface around each triangle, mesh units: the least one that an edge of it shows, 0 beside
+    /// a crease or a rim, infinite if all edges are flat or concave.
+    pub roundness: Vec<f32>,
     /// Where each vertex's neighbours start in [`MeshFeatures::neighbors`], and where the last one's end.
     pub neighbor_starts: Vec<u32>,
     /// The vertices to which edges lead, one vertex's after the other's.
@@ -110,12 +116,40 @@ impl MeshFeatures {
             });
             self.triangle_edges.push(edges);
         }
+        self.roundness = vec![f32::INFINITY; self.triangles.len()];
         for (edge, (owner, k, count)) in owners.into_iter().enumerate() {
+            let roundness = if count == 2 {
+                self.roundness_across(owner, self.across[edge] as usize, ends[edge])
+            } else {
+                0.0
+            };
+            let beside = [Some(owner), (count == 2).then_some(self.across[edge] as usize)];
+            for t in beside.into_iter().flatten() {
+                self.roundness[t] = self.roundness[t].min(roundness);
+            }
             if count <= 2 && !(self.sided && self.is_concave(owner, self.across[edge])) {
                 self.owned[owner] |= 8 << k;
             }
         }
         ends
+    }
+
+    /// Radius of the circle that has both triangles' normals at their middles, around their common edge.
+    fn roundness_across(&self, own: usize, other: usize, ends: [u32; 2]) -> f32 {
+        let at = |v: u32| self.vertices[v as usize].as_dvec3();
+        let middle = |t: usize| self.triangles[t].iter().map(|&v| at(v)).sum::<DVec3>() / 3.0;
+        let [n, m] = [own, other].map(|t| self.normals[t].as_dvec3());
+        let turn = n.cross(m).length().atan2(n.dot(m));
+        let way = middle(other) - middle(own);
+        let along = (at(ends[1]) - at(ends[0])).normalize_or_zero();
+        let across = (way - along * way.dot(along)).length();
+        if way.dot(m - n) <= 0.0 || turn < 1.0e-5 {
+            f32::INFINITY
+        } else if turn > CREASE {
+            0.0
+        } else {
+            (across / turn) as f32
+        }
     }
 
     /// Whether triangle `other` does not lead below the plane of triangle `own`.

@@ -110,6 +110,7 @@ fn the_order_of_bodies_only_turns_normals() {
                 arms: [p.arms[1], p.arms[0]],
                 normal: -p.normal,
                 separation: p.separation,
+                roundness: [p.roundness[1], p.roundness[0]],
                 faces: [p.faces[1], p.faces[0]],
             })
             .collect();

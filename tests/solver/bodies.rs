@@ -181,6 +181,7 @@ fn input_that_makes_no_sense_is_left_out() {
         arms: [Vec3::ZERO, Vec3::NEG_Y * 0.5],
         normal,
         separation,
+        roundness: [0.0, f32::INFINITY],
         faces: [0, 0],
     };
     for _ in 0..64 {

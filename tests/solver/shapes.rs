@@ -69,10 +69,22 @@ pub fn contact(shapes: [Shape; 2], motions: [&SolverMotion; 2], margin: f64) -> 
             arms: [(t.on_a - a.0).as_vec3(), (t.on_b - b.0).as_vec3()],
             normal: t.normal.as_vec3().normalize(),
             separation: (t.on_b - t.on_a).dot(t.normal) as f32,
+            roundness: round(shapes),
             faces: [0, 0],
         })
         .filter(|p| (p.separation as f64) < margin)
         .collect()
+}
+
+/// Of balls their radius. Of boxes corners touch, but for faces under balls.
+fn round(shapes: [Shape; 2]) -> [f32; 2] {
+    let [a, b] = shapes;
+    let of = |own, other| match (own, other) {
+        (Shape::Sphere(r), _) => r as f32,
+        (Shape::Plane, _) | (Shape::Box(_), Shape::Sphere(_)) => f32::INFINITY,
+        (Shape::Box(_), _) => 0.0,
+    };
+    [of(a, b), of(b, a)]
 }
 
 type Pose = (DVec3, DQuat);

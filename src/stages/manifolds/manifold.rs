@@ -22,6 +22,10 @@ pub struct ManifoldPoint {
     pub normal: Vec3,
     /// How far the second body's point lies from the first's along the normal, metres; negative where they overlap.
     pub separation: f32,
+    /// Radius of curvature of each body's surface at its point, metres: 0 on a corner or crease, infinite where it is flat.
+    /// The solver lets the point lie under the centre of curvature, which turns with the body: so that of a ball that rolls
+    /// stays below its centre, and that of a corner goes with the corner.
+    pub roundness: [f32; 2],
     /// The faces the points lie on, by the numbers of the input meshes.
     pub faces: [u32; 2],
 }

@@ -66,6 +66,10 @@ pub(super) struct Row {
 pub(super) struct Point {
     /// From the centres of mass to the points on the surfaces, at the start of the interval.
     pub arms: [Vec3A; 2],
+    /// From the centres of mass to the centres of curvature, at the start of the interval; to the points where it is flat.
+    pub rounds: [Vec3A; 2],
+    /// How far from the first body's point to the second's impulses act: on that of the sharper body.
+    pub along: f32,
     /// From the first body's point to the second's, at the start of the interval.
     pub offset: Vec3A,
     /// What impulses do along the normal and the tangents.
@@ -231,6 +235,8 @@ impl Point {
     /// One that does nothing.
     const NONE: Self = Self {
         arms: [Vec3A::ZERO; 2],
+        rounds: [Vec3A::ZERO; 2],
+        along: 0.5,
         offset: Vec3A::ZERO,
         rows: [Row::along(Vec3A::X), Row::along(Vec3A::Y), Row::along(Vec3A::Z)],
         give: [[0.0; 2]; 2],
@@ -256,8 +262,22 @@ impl Point {
         }
         let (t, u) = manifold.normal.any_orthonormal_pair();
         let [a, b] = manifold.arms;
+        let out = [manifold.normal, -manifold.normal];
+        let rounds = [0, 1].map(|end| {
+            let (arm, roundness) = (manifold.arms[end], manifold.roundness[end]);
+            // No farther than to beside the centre of mass: of a ball that is just where its centre is.
+            let inside = arm.dot(out[end]).max(0.0);
+            let deep = if roundness < f32::INFINITY {
+                roundness.min(inside)
+            } else {
+                0.0
+            };
+            Vec3A::from(arm - deep * out[end])
+        });
         Self {
             arms: manifold.arms.map(Vec3A::from),
+            rounds,
+            along: along(manifold.roundness),
             offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
             rows: [manifold.normal, t, u].map(|d| Row::along(d.into())),
             first_separation: manifold.separation - rest_offset,
@@ -367,6 +387,20 @@ impl Source<'_> {
                 point.friction = [1, 2].map(|i| point.rows[i].direction.dot(friction.into()));
             }
         }
+    }
+}
+
+/// 0 if the first surface is the sharper by far, 1 if the second is.
+fn along([a, b]: [f32; 2]) -> f32 {
+    let share = a / (a + b);
+    if share.is_finite() {
+        share
+    } else if a.is_infinite() && !b.is_infinite() {
+        1.0
+    } else if b.is_infinite() && !a.is_infinite() {
+        0.0
+    } else {
+        0.5
     }
 }
 

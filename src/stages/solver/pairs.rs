@@ -64,20 +64,20 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
     let [a, b] = pair.bodies.map(|i| movers.shifts[i as usize]);
     let masses = pair.bodies.map(|i| movers.masses[i as usize]);
     let moved = b.moved - a.moved;
-    // Impulses act at the lighter body's point: that of a ball that rolls goes along with the ball.
-    let [ma, mb] = masses.map(|m| m.inverse_mass.max_element());
-    let along = if ma + mb > 0.0 { mb / (ma + mb) } else { 0.0 };
     for point in points.iter_mut().filter(|p| p.usable) {
         let mut levers = [Vec3A::ZERO; 2];
         if pair.untangling {
             point.separation = point.first_separation;
         } else {
-            let turned = change(b.turned, point.arms[1]) - change(a.turned, point.arms[0]);
-            point.separation = point.first_separation + point.normal().dot(moved + turned);
-            // One place for both, or the two impulses would turn the pair. Arms do not turn with their bodies here: the
-            // point of a ball that rolls stays below its centre, whatever becomes of the spot that touched first.
-            let offset = point.offset + moved;
-            levers = [point.arms[0] + along * offset, point.arms[1] - (1.0 - along) * offset];
+            let turns = [change(a.turned, point.rounds[0]), change(b.turned, point.rounds[1])];
+            let offset = moved + turns[1] - turns[0];
+            point.separation = point.first_separation + point.normal().dot(offset);
+            // One place for both, or the two impulses would turn the pair.
+            let offset = point.offset + offset;
+            levers = [
+                point.arms[0] + turns[0] + point.along * offset,
+                point.arms[1] + turns[1] - (1.0 - point.along) * offset,
+            ];
         }
         let mut gives = [[0.0; 3]; 2];
         for (i, row) in point.rows.iter_mut().enumerate() {

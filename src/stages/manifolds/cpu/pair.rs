@@ -61,6 +61,7 @@ impl Worker {
         let to_world = World {
             rotation: frame.rotation,
             center_b: sides[1].center,
+            sides: &sides,
         };
         let chosen = self.reduction.run(&mut self.features, size);
         points.extend(chosen.iter().map(|f| to_world.point(f, faces(f.triangles))));
@@ -169,19 +170,34 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64) -> Option<Feature> {
 }
 
 /// Out of the first body's axes.
-struct World {
+struct World<'a> {
     rotation: DMat3,
     center_b: DVec3,
+    sides: &'a [Side<'a>; 2],
 }
 
-impl World {
+impl World<'_> {
     fn point(&self, feature: &Feature, faces: [u32; 2]) -> ManifoldPoint {
         let [a, b] = feature.points;
         ManifoldPoint {
             arms: [a, b - self.center_b].map(|arm| (self.rotation * arm).as_vec3()),
             normal: (self.rotation * feature.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
+            roundness: [0, 1].map(|side| self.roundness(feature, side)),
             faces,
+        }
+    }
+
+    /// Of one body's surface at the feature.
+    fn roundness(&self, feature: &Feature, side: usize) -> f32 {
+        let own = &self.sides[side];
+        let roundness = own.features.roundness[feature.triangles[side] as usize];
+        let is_face = feature.vertex.is_some_and(|(of, _)| usize::from(of) != side);
+        if is_face && roundness == 0.0 {
+            // Between creases a face is flat.
+            f32::INFINITY
+        } else {
+            roundness * own.scale.abs().element_sum() / 3.0
         }
     }
 }

@@ -123,6 +123,7 @@ fn manifold(
         arms: [Vec3::ZERO; 2],
         normal: -plane.normal,
         separation: 0.0,
+        roundness: [0.0, f32::INFINITY],
         faces: [NO_FACE; 2],
     };
     let mut points = [none; MAX_POINTS];
