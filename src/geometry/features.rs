@@ -116,10 +116,12 @@ impl MeshFeatures {
             });
             self.triangle_edges.push(edges);
         }
+        let vertex_normals = self.vertex_normals();
         self.roundness = vec![f32::INFINITY; self.triangles.len()];
         for (edge, (owner, k, count)) in owners.into_iter().enumerate() {
             let roundness = if count == 2 {
-                self.roundness_across(owner, self.across[edge] as usize, ends[edge])
+                let triangles = [owner, self.across[edge] as usize];
+                self.roundness_along(ends[edge], triangles, &vertex_normals)
             } else {
                 0.0
             };
@@ -134,22 +136,37 @@ impl MeshFeatures {
         ends
     }
 
-    /// Radius of the circle that has both triangles' normals at their middles, around their common edge.
-    fn roundness_across(&self, own: usize, other: usize, ends: [u32; 2]) -> f32 {
-        let at = |v: u32| self.vertices[v as usize].as_dvec3();
-        let middle = |t: usize| self.triangles[t].iter().map(|&v| at(v)).sum::<DVec3>() / 3.0;
-        let [n, m] = [own, other].map(|t| self.normals[t].as_dvec3());
-        let turn = n.cross(m).length().atan2(n.dot(m));
-        let way = middle(other) - middle(own);
-        let along = (at(ends[1]) - at(ends[0])).normalize_or_zero();
-        let across = (way - along * way.dot(along)).length();
-        if way.dot(m - n) <= 0.0 || turn < 1.0e-5 {
-            f32::INFINITY
-        } else if turn > CREASE {
-            0.0
-        } else {
-            (across / turn) as f32
+    /// How round the surface is along an edge between two triangles: the radius of the circle that has the normals of both
+    /// ends there.
+    fn roundness_along(&self, [u, v]: [u32; 2], triangles: [usize; 2], vertex_normals: &[DVec3]) -> f32 {
+        let [n, m] = triangles.map(|t| self.normals[t].as_dvec3());
+        if n.cross(m).length().atan2(n.dot(m)) > CREASE {
+            return 0.0;
         }
+        let way = self.vertices[v as usize].as_dvec3() - self.vertices[u as usize].as_dvec3();
+        let turn = vertex_normals[v as usize] - vertex_normals[u as usize];
+        let curvature = turn.dot(way) / way.length_squared();
+        // What rounding of the normals makes of a flat surface.
+        if curvature * way.length() > 1.0e-4 {
+            curvature.recip() as f32
+        } else {
+            f32::INFINITY
+        }
+    }
+
+    /// Unit normals at the vertices: means of those of the triangles, weighted by their angles there, so that it does not
+    /// matter how a surface is cut into triangles (Thuermer and Wuethrich, "Computing Vertex Normals from Polygonal Facets",
+    /// 1998).
+    fn vertex_normals(&self) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; self.vertices.len()];
+        for (corners, normal) in self.triangles.iter().zip(&self.normals) {
+            let at = corners.map(|v| self.vertices[v as usize].as_dvec3());
+            for k in 0..3 {
+                let (u, v) = (at[(k + 1) % 3] - at[k], at[(k + 2) % 3] - at[k]);
+                sums[corners[k] as usize] += normal.as_dvec3() * u.angle_between(v);
+            }
+        }
+        sums.into_iter().map(DVec3::normalize_or_zero).collect()
     }
 
     /// Whether triangle `other` does not lead below the plane of triangle `own`.
@@ -222,6 +239,30 @@ mod tests {
         let features = MeshFeatures::of(&open);
         assert!(!features.sided);
         assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 4);
+    }
+
+    #[test]
+    fn surfaces_are_as_round_as_they_look() {
+        let range = |mesh: &TriMesh| {
+            let roundness = MeshFeatures::of(mesh).roundness;
+            let least = roundness.iter().copied().fold(f32::INFINITY, f32::min);
+            [least, roundness.into_iter().fold(0.0, f32::max)]
+        };
+        let [least, most] = range(&shapes::ball(2.0, 4));
+        // Less where the triangles are far from equilateral.
+        assert!(least > 1.7 && most < 2.2, "{least} to {most}");
+        // Around the tube is the sharpest way.
+        let [least, most] = range(&shapes::torus(96, 48, 0.7, 0.3));
+        assert!(least > 0.27 && most < 0.33, "{least} to {most}");
+        assert_eq!(range(&shapes::cube(1.0)), [0.0, 0.0]);
+        // A dent has nothing to roll on, and a rim nothing but itself.
+        let inside_out = shapes::ball(2.0, 4);
+        let turned = inside_out.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let inward = TriMesh::new(inside_out.vertices().to_vec(), turned).unwrap();
+        assert!(range(&inward)[0] > 1.7, "an inward mesh is turned before");
+        let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE - Vec3::Z];
+        let sheet = TriMesh::new(flat.to_vec(), vec![[0, 1, 2], [1, 3, 2]]).unwrap();
+        assert_eq!(range(&sheet), [0.0, 0.0]);
     }
 
     #[test]
