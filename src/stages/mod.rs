@@ -25,6 +25,7 @@ pub(crate) mod in_order;
 pub mod integrate;
 pub mod manifolds;
 pub mod mesh_arena;
+pub(crate) mod per_thread;
 pub mod solver;
 pub mod state;
 pub mod triangle_test;

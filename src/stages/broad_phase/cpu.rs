@@ -116,15 +116,16 @@ impl Finder {
                 continue;
             }
             if own.is_sparse {
-                self.sparse_level(moving, own, some.clone(), bodies);
+                // Each pair once: by the one that comes first.
+                self.reach([moving, moving], own, some.clone(), bodies, |i| i + 1);
             } else {
                 self.own_level(moving, own, some.clone(), bodies);
             }
             for level in &moving.levels[at + 1..] {
-                self.other_level([moving, moving], level, some.clone(), bodies);
+                self.reach([moving, moving], level, some.clone(), bodies, |_| 0);
             }
             for level in still.levels.iter().filter(|level| level.number >= own.number) {
-                self.other_level([moving, still], level, some.clone(), bodies);
+                self.reach([moving, still], level, some.clone(), bodies, |_| 0);
             }
         }
     }
@@ -137,7 +138,7 @@ impl Finder {
                 continue;
             }
             for level in moving.levels.iter().filter(|level| level.number > own.number) {
-                self.other_level([still, moving], level, some.clone(), bodies);
+                self.reach([still, moving], level, some.clone(), bodies, |_| 0);
             }
         }
     }
@@ -158,23 +159,15 @@ impl Finder {
         }
     }
 
-    /// Bodies by themselves: each looks into the few cells that it reaches, and takes those that come later.
-    fn sparse_level(&mut self, grid: &Grid, level: &Level, range: Range<usize>, bodies: &Bodies) {
-        for i in range {
-            let sphere = grid.sphere(i);
-            self.runs.clear();
-            grid.rows(level, level.reach(sphere), &mut self.runs);
-            for run in &self.runs {
-                let later = run.start.max(i + 1)..run.end;
-                grid.overlaps(sphere, later, |j| {
-                    add([grid.ids[i], grid.ids[j]], bodies, &mut self.found);
-                });
-            }
-        }
-    }
-
-    /// `level` is one of the second grid, and the bodies are of the first.
-    fn other_level(&mut self, [own, other]: [&Grid; 2], level: &Level, range: Range<usize>, bodies: &Bodies) {
+    /// Each body of the first grid looks into the cells that it reaches on a level of the second, for those from `first` on.
+    fn reach(
+        &mut self,
+        [own, other]: [&Grid; 2],
+        level: &Level,
+        range: Range<usize>,
+        bodies: &Bodies,
+        first: impl Fn(usize) -> usize,
+    ) {
         let mut reach = None;
         for i in range {
             let sphere = own.sphere(i);
@@ -184,7 +177,7 @@ impl Finder {
                 other.rows(level, now, &mut self.runs);
             }
             for run in &self.runs {
-                other.overlaps(sphere, run.clone(), |j| {
+                other.overlaps(sphere, run.start.max(first(i))..run.end, |j| {
                     add([own.ids[i], other.ids[j]], bodies, &mut self.found);
                 });
             }

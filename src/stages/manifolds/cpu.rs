@@ -13,18 +13,17 @@ mod side;
 use super::MarginPair;
 use crate::stages::manifolds::{Manifold, Manifolds};
 use crate::stages::mesh_arena::MeshArena;
+use crate::stages::per_thread::PerThread;
 use crate::stages::state::Bodies;
 use pair::Worker;
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub struct Scratch {
     /// One per task.
     tasks: Vec<Manifolds>,
-    /// What only one thread uses at a time.
-    workers: Vec<Mutex<Worker>>,
+    workers: PerThread<Worker>,
 }
 
 /// Pairs per task: small enough to balance, large enough to keep a thread's memory warm.
@@ -48,20 +47,14 @@ pub fn run(
     if scratch.tasks.len() < wanted {
         scratch.tasks.resize_with(wanted, Manifolds::default);
     }
-    let threads = rayon::current_num_threads();
-    if scratch.workers.len() < threads {
-        scratch.workers.resize_with(threads, Mutex::default);
-    }
     let Scratch { tasks, workers } = scratch;
-    let tasks = &mut tasks[..wanted];
+    let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
     tasks
         .par_iter_mut()
         .zip(pairs.par_chunks(TASK))
         .for_each(|(task, pairs)| {
             task.clear();
-            let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
-            // Whatever a panic has left there is overwritten before it is read.
-            let mut worker = worker.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut worker = workers.lock();
             for pair in pairs {
                 let first = task.points.len();
                 worker.run(bodies, meshes, pair, &mut task.points);

@@ -16,18 +16,17 @@ mod setting;
 pub(in crate::stages) mod tree;
 
 use crate::stages::mesh_arena::MeshArena;
+use crate::stages::per_thread::PerThread;
 use crate::stages::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};
 use rayon::prelude::*;
 use setting::Setting;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
     /// A set of lists per task.
     tasks: Vec<Task>,
-    /// What only one thread uses at a time: a set per task would be much larger than caches, and cold at every step.
-    workers: Vec<Mutex<Worker>>,
+    workers: PerThread<Worker>,
     planes: planes::Scratch,
 }
 
@@ -46,24 +45,13 @@ struct Worker {
 
 impl Scratch {
     /// A task for every few of so many pairs, and a worker for every thread.
-    fn ready(&mut self, pairs: usize) -> (&mut [Task], &[Mutex<Worker>]) {
+    fn ready(&mut self, pairs: usize) -> (&mut [Task], &PerThread<Worker>) {
         let wanted = pairs.div_ceil(TASK);
         if self.tasks.len() < wanted {
             self.tasks.resize_with(wanted, Task::default);
         }
-        let threads = rayon::current_num_threads();
-        if self.workers.len() < threads {
-            self.workers.resize_with(threads, Mutex::default);
-        }
-        (&mut self.tasks[..wanted], &self.workers)
+        (&mut self.tasks[..wanted], self.workers.ready())
     }
-}
-
-/// The current thread's own.
-fn worker(workers: &[Mutex<Worker>]) -> MutexGuard<'_, Worker> {
-    let worker = &workers[rayon::current_thread_index().unwrap_or(0)];
-    // Whatever a panic has left there is overwritten before it is read.
-    worker.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Pairs per task: small enough to balance, large enough to keep the scratch warm.
@@ -85,7 +73,7 @@ pub fn run(state: &mut StepState) {
         .zip(near_pairs.par_chunks(TASK))
         .for_each(|(task, pairs)| {
             task.found.clear();
-            let mut worker = worker(workers);
+            let mut worker = workers.lock();
             for pair in pairs {
                 test_pair(bodies, meshes, pair, &mut worker, &mut task.found);
             }
@@ -121,7 +109,7 @@ pub fn touching(state: &mut StepState) -> Vec<[u32; 2]> {
         .zip(near_pairs.par_chunks(TASK))
         .for_each(|(task, pairs)| {
             task.touching.clear();
-            let mut worker = worker(workers);
+            let mut worker = workers.lock();
             let touching = pairs.iter().filter(|pair| touch(bodies, meshes, pair, &mut worker));
             task.touching.extend(touching.map(|pair| pair.bodies));
         });

@@ -2,13 +2,14 @@
 
 use crate::components::RigidBody;
 use crate::stages::angles::PAD;
+use crate::stages::in_order::InOrder;
 use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::stages::mesh_arena::{BoxGroup, MeshArena};
+use crate::stages::per_thread::PerThread;
 use crate::stages::state::{Bodies, Plane, StepConfig};
 use crate::stages::triangle_test::cpu::lanes::{bits, dot, splat};
 use crate::stages::triangle_test::cpu::levels::visit;
 use glam::Vec3;
-use rayon::prelude::*;
 use wide::f32x8;
 
 /// At most this many points of a body and a plane.
@@ -23,10 +24,16 @@ const MARGIN: f32 = 0.01;
 /// Memory kept between calls.
 #[derive(Default)]
 pub struct Scratch {
+    lists: InOrder<Found>,
     found: Vec<Found>,
+    vertices: PerThread<Vec<(f32, Vec3)>>,
 }
 
+/// Bodies per task.
+const TASK: usize = 64;
+
 /// A body and a plane, with the points they have.
+#[derive(Clone, Copy)]
 struct Found {
     bodies: [u32; 2],
     points: [ManifoldPoint; MAX_POINTS],
@@ -45,21 +52,17 @@ pub fn find(
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
-    let found = &mut scratch.found;
+    let Scratch { lists, found, vertices } = scratch;
     found.clear();
     if planes.is_empty() {
         return;
     }
-    found.par_extend(
-        (0..bodies.len() * planes.len())
-            .into_par_iter()
-            .with_min_len(64)
-            .map_init(Vec::new, |vertices, k| {
-                let (body, plane) = (k / planes.len(), k % planes.len());
-                manifold(bodies, meshes, body, plane, &planes[plane], config, vertices)
-            })
-            .flatten_iter(),
-    );
+    let vertices = vertices.ready();
+    lists.extend(found, &bodies.kind, TASK, |body, _, found| {
+        let mut vertices = vertices.lock();
+        let near = |(i, plane)| manifold(bodies, meshes, body, i, plane, config, &mut vertices);
+        found.extend(planes.iter().enumerate().filter_map(near));
+    });
     for found in found.iter() {
         manifolds.pairs.push(Manifold {
             bodies: found.bodies,
