@@ -120,6 +120,8 @@ pub(crate) struct Engine {
     told: bool,
     /// What failed since it was last asked.
     failure: Option<String>,
+    /// Whether steps run on the CPU although there is a device.
+    on_cpu: bool,
 }
 
 /// A device that is lost once, by a driver update say, works when it is opened anew; one that is lost again and again has
@@ -156,6 +158,7 @@ impl Engine {
             active: ActiveBackend::Opening,
             told: false,
             failure: None,
+            on_cpu: false,
         })
     }
 
@@ -264,11 +267,19 @@ impl Engine {
         matches!(self.active, ActiveBackend::Cpu { .. } | ActiveBackend::Gpu { .. })
     }
 
+    /// Whether steps run on the CPU from now on, although there may be a device, and whether that is new.
+    pub fn keep_on_cpu(&mut self, on_cpu: bool) -> bool {
+        if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
+            info_once!("Response::Contacts runs on the CPU: the GPU has kernels for the other responses");
+        }
+        std::mem::replace(&mut self.on_cpu, on_cpu) != on_cpu
+    }
+
     /// Runs a stage. A device runs all five at once, when it is asked for the first. If it fails nothing has moved: the
     /// same step runs again on a new device, or on the CPU, or not at all if the renderer's next device has to be waited for.
     pub fn run(&mut self, stage: Stage, state: &mut StepState) {
         #[cfg(feature = "gpu")]
-        while let Some(gpu) = &mut self.gpu {
+        while let Some(gpu) = self.gpu.as_mut().filter(|_| !self.on_cpu) {
             if stage != Stage::BroadPhase {
                 return;
             }
@@ -372,7 +383,7 @@ impl Engine {
 
     /// What comes back of a step, if that is later and not at once.
     pub fn latent(&self) -> Option<Detail> {
-        match (&self.gpu, self.reading()) {
+        match (self.gpu.as_ref().filter(|_| !self.on_cpu), self.reading()) {
             (Some(_), Reading::Latent) => Some(Detail::All),
             (Some(_), Reading::Resident) => Some(Detail::Counts),
             _ => None,

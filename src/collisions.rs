@@ -1,18 +1,27 @@
 //! Results of the last step, to read.
 
 use crate::stages::Stage;
+use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::stages::state::{Contact, Contacts, FacePair, TouchingPair};
 use bevy::prelude::*;
 use std::time::Duration;
 
 /// All pairs of bodies that touched in the last fixed step; planes are not among them.
 ///
+/// Bodies touch if their surfaces meet at the beginning of the step, or one contains the other. With
+/// [`Response::Contacts`](crate::settings::Response) they also do if they pushed each other at some time in the step, or came
+/// nearer than the gap that bodies at rest keep
+/// ([`SolverSettings::rest_offset`](crate::settings::SolverSettings::rest_offset)).
+///
 /// "Ascending" and "smaller" are meant in the order of [`Entity`], in which a younger entity may come first.
 #[derive(Resource, Debug, Default)]
 pub struct Collisions {
     /// Ascending, so that body indices are in the order of entities.
     pub(crate) entities: Vec<Entity>,
+    /// Ascending too; numbered after the bodies.
+    pub(crate) planes: Vec<Entity>,
     pub(crate) contacts: Contacts,
+    pub(crate) manifolds: Manifolds,
 }
 
 /// Two bodies that touch.
@@ -28,7 +37,15 @@ pub struct Collision<'a> {
     /// Where they push each other; the normal points from the first to the second.
     pub contact: Contact,
     /// Intersecting faces as indices of the input meshes, the first body's as `a`, with their common segments.
+    /// Empty where the two only lie on each other, with the gap that bodies at rest keep, or sleep.
     pub faces: &'a [FacePair],
+    /// The points at which they pushed each other last in the step. Empty with
+    /// [`Response::Impulse`](crate::settings::Response), for sensors, and on a GPU.
+    pub points: &'a [ManifoldPoint],
+    /// How strongly they pushed each other along the normals of their points, over the whole step, newton seconds: a weight at
+    /// rest gives its weight times the length of the step. 0 unless the response is
+    /// [`Response::Contacts`](crate::settings::Response), and for bodies asleep.
+    pub impulse: f32,
 }
 
 impl Collisions {
@@ -70,7 +87,36 @@ impl Collisions {
             contained: pair.contained,
             contact: pair.contact,
             faces: self.contacts.faces_of(pair),
+            points: self.points(pair.bodies),
+            impulse: pair.impulse,
         }
+    }
+
+    fn points(&self, bodies: [u32; 2]) -> &[ManifoldPoint] {
+        let place = |pair: &Manifold| (pair.bodies[1] >= self.entities.len() as u32, pair.bodies);
+        let found = self.manifolds.pairs.binary_search_by_key(&(false, bodies), place);
+        found.map_or(&[], |at| self.manifolds.points_of(&self.manifolds.pairs[at]))
+    }
+
+    /// The contact points of all pairs whose surfaces came nearer than the contact margin
+    /// ([`SolverSettings::contact_margin`](crate::settings::SolverSettings::contact_margin)), whether they touch or not: what
+    /// a solver of your own needs. Ascending, pairs of bodies first, then bodies, as the first, with planes. Sensors have
+    /// none, and there are none with [`Response::Impulse`](crate::settings::Response) and on a GPU.
+    pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
+        let entity = |i: u32| {
+            let bodies = self.entities.len();
+            let i = i as usize;
+            if i < bodies {
+                self.entities[i]
+            } else {
+                self.planes[i - bodies]
+            }
+        };
+        let pairs = self.manifolds.pairs.iter();
+        pairs.map(move |pair| {
+            let [a, b] = pair.bodies.map(entity);
+            (a, b, self.manifolds.points_of(pair))
+        })
     }
 }
 
@@ -83,10 +129,10 @@ pub struct StepReport {
     pub bodies: usize,
     /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU that
     /// has no time stamps.
-    pub stages: [Duration; 5],
+    pub stages: [Duration; Stage::COUNT],
     /// Wall time of the whole step, copying components in and results out included.
     pub total: Duration,
-    /// Pairs of bodies whose bounding spheres overlap.
+    /// Pairs of bodies whose bounding spheres overlap, with the margin within which contact points are looked for.
     pub sphere_pairs: usize,
     /// Pairs of bodies whose triangles were tested with some left out by an approximate
     /// [`Culling`](crate::settings::Culling). With none the step was exact.
@@ -96,6 +142,12 @@ pub struct StepReport {
     pub tables_in_bake: usize,
     /// Pairs of bodies that touch.
     pub touching_pairs: usize,
+    /// Contact points between bodies, and between bodies and planes, within the contact margin.
+    pub contact_points: usize,
+    /// Detection intervals into which the step was cut; see [`SolverSettings`](crate::settings::SolverSettings).
+    pub intervals: u32,
+    /// Bodies asleep.
+    pub sleeping: usize,
     /// Pairs of triangles whose boxes overlap, and which were therefore tested.
     pub triangle_tests: u64,
     /// Pairs of faces that intersect.

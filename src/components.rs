@@ -1,5 +1,9 @@
 //! What a user spawns and reads.
 
+mod dynamics;
+
+pub use dynamics::*;
+
 use crate::asset::CollisionMesh;
 use crate::settings::Culling;
 use bevy::prelude::*;
@@ -10,7 +14,7 @@ use bevy::prelude::*;
 /// world (spawn bodies as root entities), scale included.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
-#[require(Transform, LinearVelocity, AngularVelocity)]
+#[require(Transform, LinearVelocity, AngularVelocity, Sleeping)]
 pub enum RigidBody {
     /// Moved by forces and collisions.
     #[default]
@@ -29,7 +33,7 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 
 /// A half-space that dynamic bodies bounce off: the points `p` with `normal . p < distance` are solid.
 ///
-/// On an entity of its own, not on a body. Planes are fixed in the world: a `Transform` on the same entity has no effect. They do not look at
+/// On an entity of its own, not on a body, if need be with [`Friction`] and [`Restitution`]. Planes are fixed in the world: a `Transform` on the same entity has no effect. They do not look at
 /// [`CollisionLayers`]. Touching one is told by messages, events and [`CollidingEntities`];
 /// [`Collisions`](crate::collisions::Collisions) holds pairs of meshes only.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -61,37 +65,6 @@ pub struct LinearVelocity(pub Vec3);
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct AngularVelocity(pub Vec3);
-
-/// Mass in kilograms. Without it a body weighs its volume at a density of 1 kg per cubic metre.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
-pub struct Mass(pub f32);
-
-/// Bounciness: 0 does not bounce, 1 keeps all speed. Two bodies take the mean of theirs. Default 0.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
-pub struct Restitution {
-    /// Outgoing speed over incoming speed, 0 to 1.
-    pub coefficient: f32,
-}
-
-impl Restitution {
-    /// A restitution of `coefficient`, 0 to 1.
-    pub fn new(coefficient: f32) -> Self {
-        Self { coefficient }
-    }
-}
-
-/// Factor on [`Gravity`](crate::settings::Gravity) for one body. Default 1.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
-pub struct GravityScale(pub f32);
-
-impl Default for GravityScale {
-    fn default() -> Self {
-        Self(1.0)
-    }
-}
 
 /// Which bodies may collide: `a` and `b` do if each is in a layer that the other's filter names.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -23,6 +23,7 @@ pub const fn stage_path(stage: Stage) -> DiagnosticPath {
         Stage::BroadPhase => "faceoff/broad_phase",
         Stage::Angles => "faceoff/angles",
         Stage::TriangleTest => "faceoff/triangle_test",
+        Stage::Manifolds => "faceoff/manifolds",
         Stage::ForceScan => "faceoff/force_scan",
         Stage::Integrate => "faceoff/integrate",
     })

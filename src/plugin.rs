@@ -8,7 +8,7 @@ use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
 #[cfg(feature = "gpu")]
 use crate::gpu::{device::Gpu, step::Poses};
 use crate::renderer;
-use crate::settings::{Backend, Culling, Gravity, Reading, Response};
+use crate::settings::{Backend, Culling, Gravity, Reading, Response, SolverSettings};
 use crate::stages::Stage;
 use crate::sync::{Step, collect, publish};
 use bevy::app::PluginGroupBuilder;
@@ -90,8 +90,9 @@ pub struct FaceoffStep;
 
 /// The parts of [`FaceoffStep`], in order.
 ///
-/// On a GPU all five stages are one submission, made and waited for in [`FaceoffSystems::BroadPhase`]; systems between
-/// them see its results.
+/// With [`Response::Contacts`] a step may consist of several detection intervals: systems between the stages run in the first
+/// one, and the stages of the others in [`FaceoffSystems::Integrate`]. On a GPU all stages are one submission, made and
+/// waited for in [`FaceoffSystems::BroadPhase`]; systems between them see its results.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FaceoffSystems {
     /// Copies components into the stages' arrays and leaves out what cannot be used.
@@ -102,6 +103,8 @@ pub enum FaceoffSystems {
     Angles,
     /// See [`triangle_test`](crate::stages::triangle_test).
     TriangleTest,
+    /// See [`manifolds`](crate::stages::manifolds).
+    Manifolds,
     /// See [`force_scan`](crate::stages::force_scan).
     ForceScan,
     /// See [`integrate`](crate::stages::integrate).
@@ -116,6 +119,7 @@ impl From<Stage> for FaceoffSystems {
             Stage::BroadPhase => Self::BroadPhase,
             Stage::Angles => Self::Angles,
             Stage::TriangleTest => Self::TriangleTest,
+            Stage::Manifolds => Self::Manifolds,
             Stage::ForceScan => Self::ForceScan,
             Stage::Integrate => Self::Integrate,
         }
@@ -128,6 +132,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Culling>()
             .init_resource::<Gravity>()
             .init_resource::<Response>()
+            .init_resource::<SolverSettings>()
             .init_resource::<Collisions>()
             .init_resource::<StepReport>()
             .add_message::<CollisionStart>()
@@ -165,6 +170,7 @@ impl Plugin for StepPlugin {
                     FaceoffSystems::BroadPhase,
                     FaceoffSystems::Angles,
                     FaceoffSystems::TriangleTest,
+                    FaceoffSystems::Manifolds,
                     FaceoffSystems::ForceScan,
                     FaceoffSystems::Integrate,
                     FaceoffSystems::Publish,
@@ -244,8 +250,19 @@ fn register_types(app: &mut App) {
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
         .register_type::<Mass>()
+        .register_type::<Density>()
+        .register_type::<AngularInertia>()
         .register_type::<Restitution>()
+        .register_type::<Friction>()
         .register_type::<GravityScale>()
+        .register_type::<LinearDamping>()
+        .register_type::<AngularDamping>()
+        .register_type::<MaxLinearSpeed>()
+        .register_type::<MaxAngularSpeed>()
+        .register_type::<LockedAxes>()
+        .register_type::<ExternalForces>()
+        .register_type::<Sleeping>()
+        .register_type::<SleepingDisabled>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()
         .register_type::<BodyCulling>()
@@ -254,6 +271,7 @@ fn register_types(app: &mut App) {
         .register_type::<Culling>()
         .register_type::<Gravity>()
         .register_type::<Response>()
+        .register_type::<SolverSettings>()
         .register_type::<Backend>();
 }
 

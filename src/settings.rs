@@ -1,5 +1,7 @@
 //! What a user can set.
 
+pub use crate::stages::solver::SolverSettings;
+
 use bevy::prelude::*;
 
 /// Acceleration of every dynamic body in metres per second squared. Default `(0, -9.81, 0)`.
@@ -67,7 +69,7 @@ pub enum Culling {
     FrontFacing,
 }
 
-/// Where the five stages run; read when the app starts. [`ActiveBackend`](crate::backend::ActiveBackend) tells what was taken.
+/// Where the stages run; read when the app starts. [`ActiveBackend`](crate::backend::ActiveBackend) tells what was taken.
 ///
 /// Both find the same pairs. Where two faces are nearer to touching than rounding can tell, the CPU decides in double
 /// precision; a GPU has none and counts them as touching, up to some millionths of the bodies' size apart.
@@ -123,10 +125,19 @@ pub const LATENCY: usize = 2;
 /// What happens to bodies that touch.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Resource, Default, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Response {
-    /// Collisions are found and reported, nothing is pushed; bodies still move by their velocities.
+    /// Collisions are found and reported, with contact points on the CPU; nothing is pushed. Bodies move by their
+    /// velocities and gravity.
     None,
-    /// One impulse with [`Restitution`](crate::components::Restitution) per touching pair and step.
-    #[default]
+    /// One impulse per touching pair and step, against the closing speed, with the mean
+    /// [`Restitution`](crate::components::Restitution): for swarms of thousands that bounce off each other, on CPU and GPU.
+    /// Without friction; nothing rests, and bodies that overlap are not pushed apart.
     Impulse,
+    /// Several points per pair, with friction, restitution, resting, stacking, interlocking and sleeping: see
+    /// [`stages::solver`](crate::stages::solver), and [`SolverSettings`] for what can be set. All triangles take part, whatever the [`Culling`].
+    ///
+    /// **Runs on the CPU**, also where the [`Backend`] is a GPU, on which the kernels for it are not there yet.
+    #[default]
+    Contacts,
 }

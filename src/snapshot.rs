@@ -1,6 +1,8 @@
 //! The state of a simulation, to go back to.
 
 use crate::components::{AngularVelocity, LinearVelocity, MeshCollider};
+use crate::stages::manifolds::Manifolds;
+use crate::stages::solver::step::Memory;
 use crate::stages::state::Motion;
 use crate::sync::Step;
 use bevy::prelude::*;
@@ -15,6 +17,9 @@ use std::collections::BTreeMap;
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<[Entity; 2]>,
+    /// What the solver keeps from step to step.
+    memory: Memory,
+    manifolds: Manifolds,
 }
 
 impl Snapshot {
@@ -46,6 +51,8 @@ impl Snapshot {
         Self {
             bodies,
             touching: step.touching.clone(),
+            memory: step.state.dynamics.memory.clone(),
+            manifolds: step.state.manifolds.clone(),
         }
     }
 
@@ -71,6 +78,8 @@ impl Snapshot {
         if let Some(mut step) = world.get_resource_mut::<Step>() {
             step.forget();
             step.touching.clone_from(&self.touching);
+            step.state.dynamics.memory.clone_from(&self.memory);
+            step.state.manifolds.copy(&self.manifolds);
         }
         gone
     }

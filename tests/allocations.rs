@@ -24,6 +24,7 @@ fn scene(state: &mut StepState) -> Vec<Body> {
         normal: Vec3::Y,
         distance: -2.0,
         restitution: 0.5,
+        ..Plane::default()
     });
     let mut random = fastrand::Rng::with_seed(5);
     let mut vector = |reach: f32| Vec3::from_array([0; 3].map(|_| (random.f32() * 2.0 - 1.0) * reach));

@@ -77,6 +77,7 @@ fn app(backend: Backend, reading: Reading, settings: WgpuSettings) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default()));
     app.add_plugins((renderer(settings), faceoff(backend, reading)));
+    app.insert_resource(Response::Impulse);
     watch(&mut app);
     app
 }

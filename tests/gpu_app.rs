@@ -25,11 +25,13 @@ fn main() {
 }
 
 fn app(backend: Backend) -> Sim {
-    Sim::with_step(StepPlugin {
+    let mut sim = Sim::with_step(StepPlugin {
         backend,
         threads: 1,
         reading: Reading::Lockstep,
-    })
+    });
+    sim.world().insert_resource(Response::Impulse);
+    sim
 }
 
 fn active(sim: &Sim) -> ActiveBackend {

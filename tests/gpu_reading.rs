@@ -39,11 +39,13 @@ fn app(backend: Backend, reading: Reading) -> Sim {
 
 /// The same before the device is ready.
 fn opening(backend: Backend, reading: Reading) -> Sim {
-    Sim::with_step(StepPlugin {
+    let mut sim = Sim::with_step(StepPlugin {
         backend,
         threads: 1,
         reading,
-    })
+    });
+    sim.world().insert_resource(Response::Impulse);
+    sim
 }
 
 fn await_device(sim: &mut Sim) {

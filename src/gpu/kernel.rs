@@ -232,7 +232,7 @@ struct Call {
 /// Calls in order, by stage: recorded anew every step, built anew when a buffer is.
 #[derive(Clone, Debug, Default)]
 pub struct Program {
-    stages: [Vec<Call>; 5],
+    stages: [Vec<Call>; Stage::COUNT],
 }
 
 /// Adds calls to a [`Program`].

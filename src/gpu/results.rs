@@ -7,6 +7,7 @@ use super::layout::{
 };
 use super::timer::{self, Timer};
 use super::upload::Input;
+use crate::stages::Stage;
 use crate::stages::state::{self, Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
 use bytemuck::Pod;
 use glam::{Quat, Vec3};
@@ -36,7 +37,7 @@ pub struct Output {
     /// How many there are.
     pub counts: Counts,
     /// How long each stage took on the device; zero where it cannot tell.
-    pub times: [Duration; 5],
+    pub times: [Duration; Stage::COUNT],
 }
 
 /// What lies where in the buffer in which the results come back.
@@ -215,6 +216,7 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
                 point: t.point.into(),
                 normal: t.normal.into(),
             },
+            impulse: 0.0,
         });
         first_face += t.hits;
     }

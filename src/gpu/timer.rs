@@ -60,7 +60,7 @@ impl Timer {
     }
 
     /// What the stamps mean.
-    pub fn times(&self, stamps: &[u64]) -> [Duration; 5] {
+    pub fn times(&self, stamps: &[u64]) -> [Duration; Stage::COUNT] {
         Stage::ALL.map(|stage| {
             let [start, end] = [0, 1].map(|k| stamps[2 * stage as usize + k]);
             Duration::from_nanos((end.saturating_sub(start) as f64 * self.period) as u64)

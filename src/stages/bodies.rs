@@ -1,10 +1,11 @@
 //! How bodies enter a step: what is checked, and what is derived from pose and mesh.
 
 use super::mesh_arena::MeshArena;
-use super::state::{Bodies, Body, Frame, Motion};
+use super::solver::ExternalForces;
+use super::state::{Bodies, Body, Frame, Handling, Motion};
 use crate::components::RigidBody;
 use crate::geometry::mesh::MAX_COORDINATE;
-use glam::{DMat3, DQuat, Quat, Vec3};
+use glam::{DMat3, DQuat, Mat3, Quat, Vec3};
 use thiserror::Error;
 
 /// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
@@ -20,7 +21,10 @@ pub enum BodyFault {
     #[error("its Transform is not finite: set it to finite numbers")]
     NonFinitePose,
     /// Some number of its velocity, mass or other component is NaN or infinite.
-    #[error("its velocity, mass, restitution or gravity scale is not finite: set it to finite numbers")]
+    #[error(
+        "its velocity, mass, density, restitution, friction, gravity scale, damping, speed limit or force is not finite: \
+         set it to finite numbers"
+    )]
     NonFiniteMotion,
     /// Its rotation is the zero quaternion.
     #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
@@ -32,8 +36,11 @@ pub enum BodyFault {
     #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
     TooFar,
     /// Its mass is not positive, or so small that its inverse is not finite.
-    #[error("its mass {0} is not positive or vanishingly small: set one of at least 1e-38")]
+    #[error("its mass {0} is not positive or vanishingly small: set a mass of at least 1e-38, or a positive density")]
     Mass(f32),
+    /// Its inertia is not finite, not symmetric or not positive definite.
+    #[error("its AngularInertia is not symmetric and positive definite: use AngularInertia::principal")]
+    Inertia,
     /// It is faster than [`MAX_SPEED`].
     #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
     TooFast(f32),
@@ -84,6 +91,7 @@ impl Bodies {
             frame,
             center,
             radius,
+            reach,
             inverse_mass,
             own_inverse_inertia,
             inverse_inertia,
@@ -92,6 +100,7 @@ impl Bodies {
             layers,
             sensor,
             culling,
+            handling,
         } = self;
         mesh.clear();
         kind.clear();
@@ -103,6 +112,7 @@ impl Bodies {
         frame.clear();
         center.clear();
         radius.clear();
+        reach.clear();
         inverse_mass.clear();
         own_inverse_inertia.clear();
         inverse_inertia.clear();
@@ -111,6 +121,7 @@ impl Bodies {
         layers.clear();
         sensor.clear();
         culling.clear();
+        handling.clear();
     }
 
     /// Where body `i` is after a step and how it moves. What follows from the pose is that of before.
@@ -141,7 +152,9 @@ impl Bodies {
             && body.angular_velocity.is_finite()
             && body.mass.is_none_or(f32::is_finite)
             && body.restitution.is_finite()
-            && body.gravity_scale.is_finite();
+            && body.density.is_finite()
+            && body.gravity_scale.is_finite()
+            && body.handling.is_finite();
         if !motion_finite {
             return Err(BodyFault::NonFiniteMotion);
         }
@@ -163,8 +176,11 @@ impl Bodies {
         if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
             return Err(BodyFault::ZeroScale(body.scale));
         }
-        if let Some(mass) = body.mass.filter(|&m| m <= 0.0) {
+        if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
             return Err(BodyFault::Mass(mass));
+        }
+        if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
+            return Err(BodyFault::Inertia);
         }
 
         let frame = Frame::new(body, rotation.normalize(), slot.mesh.mass.center);
@@ -191,6 +207,7 @@ impl Bodies {
         self.frame.push(frame);
         self.center.push(center);
         self.radius.push(radius);
+        self.reach.push(radius);
         self.inverse_mass.push(inverse_mass);
         self.own_inverse_inertia.push(own_inertia.as_mat3());
         self.inverse_inertia.push(inverse_inertia.as_mat3());
@@ -199,6 +216,7 @@ impl Bodies {
         self.layers.push(body.layers);
         self.sensor.push(body.sensor);
         self.culling.push(body.culling);
+        self.handling.push(body.handling);
         Ok(())
     }
 }
@@ -226,13 +244,43 @@ impl Frame {
     }
 }
 
+/// Whether a tensor is finite, symmetric and positive definite, its inverse too.
+fn is_inertia(tensor: &Mat3) -> bool {
+    let symmetric = (*tensor - tensor.transpose()).abs_diff_eq(Mat3::ZERO, 1.0e-4 * tensor.x_axis.x.abs());
+    // Sylvester's criterion.
+    let minor = tensor.x_axis.x * tensor.y_axis.y - tensor.x_axis.y * tensor.y_axis.x;
+    let definite = tensor.x_axis.x > 0.0 && minor > 0.0 && tensor.determinant() > 0.0;
+    tensor.is_finite() && symmetric && definite && tensor.inverse().is_finite()
+}
+
+impl Handling {
+    /// Whether nothing is NaN, and nothing infinite but limits.
+    fn is_finite(&self) -> bool {
+        let ExternalForces {
+            force,
+            torque,
+            impulse,
+            angular_impulse,
+        } = self.forces;
+        [force, torque, impulse, angular_impulse].iter().all(|v| v.is_finite())
+            && self.friction.coefficient.is_finite()
+            && self.linear_damping.is_finite()
+            && self.angular_damping.is_finite()
+            && !self.max_linear_speed.is_nan()
+            && !self.max_angular_speed.is_nan()
+    }
+}
+
 /// Inverse mass and inverse inertia in the body's own axes. Scaling a body by `S` turns its second moment `M` into `det(S) S M S`.
 fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, DMat3) {
     if body.kind != RigidBody::Dynamic {
         return (0.0, DMat3::ZERO);
     }
     let volume = mesh.volume as f64 * frame.scale.element_product().abs();
-    let mass = body.mass.map_or(volume, f64::from);
+    let mass = body.mass.map_or(f64::from(body.density) * volume, f64::from);
+    if let Some(inertia) = body.inertia {
+        return ((1.0 / mass) as f32, inertia.as_dmat3().inverse());
+    }
     let scale = DMat3::from_diagonal(frame.scale);
     let moment = scale * mesh.second_moment.as_dmat3() * scale * (mass / mesh.volume as f64);
     let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;

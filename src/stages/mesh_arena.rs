@@ -21,6 +21,8 @@ pub type Points = [f32x8; 3];
 #[derive(Default)]
 pub struct MeshArena {
     slots: Vec<Option<MeshSlot>>,
+    /// Meshes put into slots so far.
+    versions: u64,
 }
 
 /// A mesh and its lanes.
@@ -29,6 +31,8 @@ pub struct MeshSlot {
     pub mesh: CollisionMesh,
     /// Derived from it.
     pub lanes: MeshLanes,
+    /// Another one for every mesh that an arena gets, in whatever slot.
+    pub version: u64,
     features: OnceLock<MeshFeatures>,
 }
 
@@ -38,6 +42,7 @@ impl MeshSlot {
         Self {
             lanes: MeshLanes::new(&mesh),
             mesh,
+            version: 0,
             features: OnceLock::new(),
         }
     }
@@ -108,7 +113,11 @@ impl MeshArena {
 
     /// Puts another mesh into a slot.
     pub fn replace(&mut self, slot: u32, mesh: CollisionMesh) {
-        self.slots[slot as usize] = Some(MeshSlot::new(mesh));
+        self.versions += 1;
+        self.slots[slot as usize] = Some(MeshSlot {
+            version: self.versions,
+            ..MeshSlot::new(mesh)
+        });
     }
 
     /// What is in a slot.

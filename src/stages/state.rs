@@ -1,7 +1,10 @@
 //! Every array that passes between stages, as structures of arrays.
 
+use super::manifolds::Manifolds;
 use super::mesh_arena::MeshArena;
-use crate::components::{CollisionLayers, RigidBody};
+use super::solver::step::Dynamics;
+use super::solver::{ExternalForces, LockedAxes, SolverSettings};
+use crate::components::{CollisionLayers, CombineRule, Friction, RigidBody};
 use crate::settings::{Culling, Response};
 use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 use std::time::Duration;
@@ -25,15 +28,20 @@ pub struct StepState {
     pub approximate_pairs: usize,
     /// TriangleTest's result.
     pub contacts: Contacts,
-    /// ForceScan's result: one sum per body.
+    /// Manifolds' result: where solid bodies push each other, or may within the step. Empty with [`Response::Impulse`].
+    pub manifolds: Manifolds,
+    /// ForceScan's result: one sum per body. With [`Response::Contacts`] the solver's are in `dynamics`.
     pub impulses: Vec<Impulse>,
+    /// What the solver works on, and keeps from step to step.
+    pub dynamics: Dynamics,
     /// Scratch that stages keep between steps.
     pub(crate) angles_scratch: super::angles::cpu::Scratch,
     pub(crate) grid_scratch: super::broad_phase::cpu::Scratch,
     pub(crate) force_scratch: super::force_scan::cpu::Scratch,
     pub(crate) triangle_scratch: super::triangle_test::cpu::Scratch,
+    pub(crate) manifold_scratch: super::manifolds::step::Scratch,
     /// How long each stage took in the last step.
-    pub times: [Duration; 5],
+    pub times: [Duration; super::Stage::COUNT],
 }
 
 /// How many of each thing a step found.
@@ -60,6 +68,8 @@ pub struct StepConfig {
     pub gravity: Vec3,
     /// What happens to bodies that touch.
     pub response: Response,
+    /// How contacts are solved.
+    pub solver: SolverSettings,
 }
 
 impl Default for StepConfig {
@@ -68,6 +78,7 @@ impl Default for StepConfig {
             dt: 1.0 / 64.0,
             gravity: Vec3::ZERO,
             response: Response::Impulse,
+            solver: SolverSettings::default(),
         }
     }
 }
@@ -95,6 +106,8 @@ pub struct Bodies {
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
+    /// The radius and how far from it the body looks for others: what the broad phase goes by.
+    pub reach: Vec<f32>,
     /// 0 for what cannot be pushed.
     pub inverse_mass: Vec<f32>,
     /// In the body's own axes; zero for what cannot be turned.
@@ -111,6 +124,8 @@ pub struct Bodies {
     pub sensor: Vec<bool>,
     /// Which of its triangles take part in tests.
     pub culling: Vec<Culling>,
+    /// How the body answers.
+    pub handling: Vec<Handling>,
 }
 
 /// What a caller knows about a body; [`Bodies::push`] derives the rest.
@@ -130,8 +145,12 @@ pub struct Body {
     pub linear_velocity: Vec3,
     /// rad/s.
     pub angular_velocity: Vec3,
-    /// Kilograms; `None` for a density of 1.
+    /// Kilograms; `None` for what follows from the density.
     pub mass: Option<f32>,
+    /// Kilograms per cubic metre.
+    pub density: f32,
+    /// Inertia tensor about the centre of mass in the body's own axes, kg m^2; `None` for what follows from mass and shape.
+    pub inertia: Option<Mat3>,
     /// 0 to 1.
     pub restitution: f32,
     /// Factor on gravity.
@@ -142,6 +161,50 @@ pub struct Body {
     pub sensor: bool,
     /// Which of its triangles take part in tests.
     pub culling: Culling,
+    /// How it answers.
+    pub handling: Handling,
+}
+
+/// How a body answers contacts and forces, with [`Response::Contacts`]. The components of these names say what each means.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Handling {
+    /// Coulomb's coefficient, and the rule for pairs.
+    pub friction: Friction,
+    /// The rule for pairs of the body's restitution.
+    pub restitution_combine: CombineRule,
+    /// 1/s.
+    pub linear_damping: f32,
+    /// 1/s.
+    pub angular_damping: f32,
+    /// m/s.
+    pub max_linear_speed: f32,
+    /// rad/s.
+    pub max_angular_speed: f32,
+    /// Where it does not move.
+    pub locked_axes: LockedAxes,
+    /// What acts on it. Impulses act in the step that begins.
+    pub forces: ExternalForces,
+    /// Whether it may fall asleep.
+    pub can_sleep: bool,
+    /// Whether it is to be awake at the beginning of the step.
+    pub woken: bool,
+}
+
+impl Default for Handling {
+    fn default() -> Self {
+        Self {
+            friction: Friction::default(),
+            restitution_combine: CombineRule::default(),
+            linear_damping: 0.0,
+            angular_damping: 0.0,
+            max_linear_speed: f32::INFINITY,
+            max_angular_speed: f32::INFINITY,
+            locked_axes: LockedAxes::NONE,
+            forces: ExternalForces::default(),
+            can_sleep: true,
+            woken: false,
+        }
+    }
 }
 
 /// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
@@ -171,7 +234,7 @@ pub struct Motion {
 }
 
 /// A solid half-space: `normal . p < distance`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// Unit vector out of the solid side.
     pub normal: Vec3,
@@ -179,6 +242,23 @@ pub struct Plane {
     pub distance: f32,
     /// Bounciness.
     pub restitution: f32,
+    /// The rule for pairs of its restitution.
+    pub restitution_combine: CombineRule,
+    /// Coulomb's coefficient, and the rule for pairs.
+    pub friction: Friction,
+}
+
+impl Default for Plane {
+    /// The ground at height 0.
+    fn default() -> Self {
+        Self {
+            normal: Vec3::Y,
+            distance: 0.0,
+            restitution: 0.0,
+            restitution_combine: CombineRule::default(),
+            friction: Friction::default(),
+        }
+    }
 }
 
 /// A pair that may touch.
@@ -239,6 +319,9 @@ pub struct TouchingPair {
     pub face_count: u32,
     /// Where to push.
     pub contact: Contact,
+    /// How strongly the two pushed each other along the normals of their points in the step, newton seconds; 0 unless the
+    /// response is [`Response::Contacts`].
+    pub impulse: f32,
 }
 
 /// A point at which two bodies push each other.
@@ -307,6 +390,11 @@ impl Contacts {
 }
 
 impl NearPair {
+    /// Whether a support plane separates the two: they are listed for the margin between them.
+    pub fn is_apart(&self) -> bool {
+        self.a_below < self.b_above
+    }
+
     /// Whether some triangles are left out although they may touch.
     pub fn is_approximate(&self) -> bool {
         self.views != [View::All; 2]
@@ -325,11 +413,14 @@ impl Body {
             linear_velocity: Vec3::ZERO,
             angular_velocity: Vec3::ZERO,
             mass: None,
+            density: 1.0,
+            inertia: None,
             restitution: 0.0,
             gravity_scale: 1.0,
             layers: CollisionLayers::default(),
             sensor: false,
             culling: Culling::Exact,
+            handling: Handling::default(),
         }
     }
 }

@@ -5,12 +5,13 @@ use super::{Collected, Step};
 use crate::asset::CollisionMesh;
 use crate::components::*;
 use crate::events::BodyRejected;
-use crate::settings::{Culling, Gravity, Response};
+use crate::settings::{Culling, Gravity, Response, SolverSettings};
 use crate::stages::bodies::BodyFault;
 use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Body, Plane};
+use crate::stages::state::{Body, Handling, Plane};
 use bevy::asset::LoadState;
 use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::time::Instant;
@@ -25,7 +26,10 @@ pub(crate) struct BodyComponents {
     linear_velocity: Option<&'static LinearVelocity>,
     angular_velocity: Option<&'static AngularVelocity>,
     mass: Option<&'static Mass>,
+    density: Option<&'static Density>,
+    inertia: Option<&'static AngularInertia>,
     restitution: Option<&'static Restitution>,
+    handling: HandlingComponents,
     gravity_scale: Option<&'static GravityScale>,
     layers: Option<&'static CollisionLayers>,
     sensor: Has<Sensor>,
@@ -33,29 +37,56 @@ pub(crate) struct BodyComponents {
     culling: Option<&'static BodyCulling>,
 }
 
+/// How a body answers.
+#[derive(QueryData)]
+pub(crate) struct HandlingComponents {
+    friction: Option<&'static Friction>,
+    linear_damping: Option<&'static LinearDamping>,
+    angular_damping: Option<&'static AngularDamping>,
+    max_linear_speed: Option<&'static MaxLinearSpeed>,
+    max_angular_speed: Option<&'static MaxAngularSpeed>,
+    locked_axes: Option<&'static LockedAxes>,
+    forces: Option<&'static ExternalForces>,
+    sleeping: Option<&'static Sleeping>,
+    never_sleeps: Has<SleepingDisabled>,
+}
+
+/// What a plane is made of.
+#[derive(QueryData)]
+pub(crate) struct PlaneComponents {
+    entity: Entity,
+    plane: &'static PlaneCollider,
+    restitution: Option<&'static Restitution>,
+    friction: Option<&'static Friction>,
+    is_body: Has<MeshCollider>,
+}
+
+/// What holds for all bodies.
+#[derive(SystemParam)]
+pub(crate) struct Rules<'w> {
+    gravity: Res<'w, Gravity>,
+    response: Res<'w, Response>,
+    culling: Res<'w, Culling>,
+    solver: Res<'w, SolverSettings>,
+}
+
 /// Fills the stages' input from the world.
 pub(crate) fn collect(
     mut step: ResMut<Step>,
     bodies: Query<BodyComponents>,
-    planes: Query<(Entity, &PlaneCollider, Option<&Restitution>, Has<MeshCollider>)>,
+    planes: Query<PlaneComponents>,
     meshes: Res<Assets<CollisionMesh>>,
     assets: Res<AssetServer>,
     time: Res<Time>,
-    gravity: Res<Gravity>,
-    response: Res<Response>,
-    culling: Res<Culling>,
+    rules: Rules,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
     let step = &mut *step;
     step.begun = Instant::now();
     step.state.config.dt = time.delta_secs();
-    step.state.config.response = *response;
-    step.state.config.gravity = if gravity.is_finite() {
-        gravity.0
-    } else {
-        error_once!("Gravity is {}, which is not finite, and counts as zero", gravity.0);
-        Vec3::ZERO
-    };
+    step.state.config.response = *rules.response;
+    step.state.config.gravity = rules.gravity();
+    step.state.config.solver = rules.solver();
 
     let mut faults = Vec::new();
     step.bodies.clear();
@@ -66,7 +97,7 @@ pub(crate) fn collect(
             faults.push((body.entity, BodyFault::Child));
             continue;
         }
-        let culling = body.culling.map_or(*culling, |c| c.0);
+        let culling = body.culling.map_or(*rules.culling, |c| c.0);
         if culling == Culling::FacesOfCollision
             && let Some(mesh) = meshes.get(id).filter(|mesh| mesh.faces.is_none())
         {
@@ -108,26 +139,22 @@ pub(crate) fn collect(
         }
     }
 
+    let keys = &mut step.state.dynamics.keys;
+    keys.clear();
+    keys.extend(entities.iter().map(|entity| entity.to_bits()));
+
     step.planes.clear();
-    for (entity, plane, restitution, is_body) in &planes {
-        step.planes.push((entity, *plane, restitution.copied(), is_body));
+    for plane in &planes {
+        match plane.half_space() {
+            Ok(half_space) => step.planes.push((plane.entity, half_space)),
+            Err(fault) => faults.push((plane.entity, fault)),
+        }
     }
-    step.planes.sort_unstable_by_key(|&(entity, ..)| entity);
+    step.planes.sort_unstable_by_key(|&(entity, _)| entity);
     plane_entities.clear();
+    plane_entities.extend(step.planes.iter().map(|&(entity, _)| entity));
     step.state.planes.clear();
-    for &(entity, ref plane, restitution, is_body) in &step.planes {
-        if is_body {
-            faults.push((entity, BodyFault::PlaneOnBody));
-            continue;
-        }
-        match half_space(plane, restitution) {
-            Ok(plane) => {
-                plane_entities.push(entity);
-                step.state.planes.push(plane);
-            }
-            Err(fault) => faults.push((entity, fault)),
-        }
-    }
+    step.state.planes.extend(step.planes.iter().map(|&(_, plane)| plane));
 
     faults.sort_unstable_by_key(|&(entity, _)| entity);
     for &(entity, fault) in &faults {
@@ -140,6 +167,7 @@ pub(crate) fn collect(
         }
     }
     step.faults = faults;
+    step.choose_place();
 
     step.tables.retain(|id| meshes.contains(id));
     let (arena, slots) = (&mut step.state.meshes, &mut step.slots);
@@ -168,26 +196,54 @@ fn slot(
     Some(slot)
 }
 
-fn half_space(plane: &PlaneCollider, restitution: Option<Restitution>) -> Result<Plane, BodyFault> {
-    let restitution = restitution.map_or(0.0, |r| r.coefficient);
-    // In double precision no finite vector is too long or too short.
-    let normal = plane
-        .normal
-        .as_dvec3()
-        .try_normalize()
-        .ok_or(BodyFault::PlaneNormal(plane.normal))?
-        .as_vec3();
-    if !plane.distance.is_finite() {
-        return Err(BodyFault::PlaneDistance(plane.distance));
+impl PlaneComponentsItem<'_, '_> {
+    fn half_space(&self) -> Result<Plane, BodyFault> {
+        if self.is_body {
+            return Err(BodyFault::PlaneOnBody);
+        }
+        let PlaneCollider { normal, distance } = *self.plane;
+        let restitution = self.restitution.copied().unwrap_or_default();
+        let friction = self.friction.copied().unwrap_or_default();
+        // In double precision no finite vector is too long or too short.
+        let unit = normal.as_dvec3().try_normalize();
+        let normal = unit.ok_or(BodyFault::PlaneNormal(normal))?.as_vec3();
+        if !distance.is_finite() {
+            return Err(BodyFault::PlaneDistance(distance));
+        }
+        if !restitution.coefficient.is_finite() || !friction.coefficient.is_finite() {
+            return Err(BodyFault::NonFiniteMotion);
+        }
+        Ok(Plane {
+            normal,
+            distance,
+            restitution: restitution.coefficient.clamp(0.0, 1.0),
+            restitution_combine: restitution.combine,
+            friction,
+        })
     }
-    if !restitution.is_finite() {
-        return Err(BodyFault::NonFiniteMotion);
+}
+
+impl Rules<'_> {
+    fn gravity(&self) -> Vec3 {
+        if self.gravity.is_finite() {
+            return self.gravity.0;
+        }
+        error_once!("Gravity is {}, which is not finite, and counts as zero", self.gravity.0);
+        Vec3::ZERO
     }
-    Ok(Plane {
-        normal,
-        distance: plane.distance,
-        restitution: restitution.clamp(0.0, 1.0),
-    })
+
+    fn solver(&self) -> SolverSettings {
+        match self.solver.fault() {
+            None => *self.solver,
+            Some(name) => {
+                error_once!(
+                    "SolverSettings::{name} is negative or not finite: all settings of the solver count as their defaults \
+                     until it is set to a finite number of 0 or more"
+                );
+                SolverSettings::default()
+            }
+        }
+    }
 }
 
 impl BodyComponentsItem<'_, '_> {
@@ -198,11 +254,31 @@ impl BodyComponentsItem<'_, '_> {
         body.linear_velocity = self.linear_velocity.map_or(Vec3::ZERO, |v| v.0);
         body.angular_velocity = self.angular_velocity.map_or(Vec3::ZERO, |w| w.0);
         body.mass = self.mass.map(|m| m.0);
+        body.density = self.density.map_or(1.0, |d| d.0);
+        body.inertia = self.inertia.map(|i| i.0);
         body.restitution = self.restitution.map_or(0.0, |r| r.coefficient);
         body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
         body.layers = self.layers.copied().unwrap_or_default();
         body.sensor = self.sensor;
         body.culling = culling;
+        body.handling = self.handling.read(self.restitution);
         body
+    }
+}
+
+impl HandlingComponentsItem<'_, '_> {
+    fn read(&self, restitution: Option<&Restitution>) -> Handling {
+        Handling {
+            friction: self.friction.copied().unwrap_or_default(),
+            restitution_combine: restitution.map_or_else(Default::default, |r| r.combine),
+            linear_damping: self.linear_damping.map_or(0.0, |d| d.0),
+            angular_damping: self.angular_damping.map_or(0.0, |d| d.0),
+            max_linear_speed: self.max_linear_speed.map_or(f32::INFINITY, |m| m.0),
+            max_angular_speed: self.max_angular_speed.map_or(f32::INFINITY, |m| m.0),
+            locked_axes: self.locked_axes.copied().unwrap_or_default(),
+            forces: self.forces.copied().unwrap_or_default(),
+            can_sleep: !self.never_sleeps,
+            woken: self.sleeping.is_some_and(|sleeping| !sleeping.0),
+        }
     }
 }

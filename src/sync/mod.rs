@@ -8,12 +8,15 @@ mod tables;
 
 use crate::asset::CollisionMesh;
 use crate::backend::Engine;
-use crate::components::{PlaneCollider, Restitution, RigidBody};
+use crate::components::RigidBody;
 #[cfg(feature = "gpu")]
 use crate::settings::LATENCY;
+use crate::settings::Response;
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
-use crate::stages::state::{Body, Counts, Motion, StepState};
+use crate::stages::manifolds::Manifolds;
+use crate::stages::solver::step::Dynamics;
+use crate::stages::state::{Body, Counts, Motion, Plane, StepState};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::collections::BTreeMap;
@@ -36,8 +39,8 @@ pub(crate) struct Step {
     pub latent: latent::Latent,
     /// Scratch: bodies in the order of entities, usable or not.
     pub bodies: Vec<(Entity, Body)>,
-    /// Scratch: half-spaces in the order of entities, usable or not.
-    pub planes: Vec<(Entity, PlaneCollider, Option<Restitution>, bool)>,
+    /// Scratch: half-spaces in the order of entities.
+    pub planes: Vec<(Entity, Plane)>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
     /// Face tables that bodies asked for and their meshes lack.
@@ -84,6 +87,20 @@ impl Step {
             touching_now: Vec::new(),
             touching_both_ways: Vec::new(),
             begun: Instant::now(),
+        }
+    }
+
+    /// What the response asks for may not be there on a GPU: then the step runs on the CPU, from where the components say.
+    pub fn choose_place(&mut self) {
+        let on_cpu = self.state.config.response == Response::Contacts;
+        if !self.engine.keep_on_cpu(on_cpu) {
+            return;
+        }
+        if on_cpu {
+            self.forget();
+        } else {
+            self.state.dynamics = Dynamics::default();
+            self.state.manifolds = Manifolds::default();
         }
     }
 

@@ -15,6 +15,8 @@ pub(crate) fn write_back(
         Option<&mut LinearVelocity>,
         Option<&mut AngularVelocity>,
     )>,
+    mut acted_on: Query<&mut ExternalForces>,
+    mut sleepers: Query<&mut Sleeping>,
 ) {
     let step = &mut *step;
     let Some(results) = &step.results else { return };
@@ -45,6 +47,16 @@ pub(crate) fn write_back(
             write(entity, written.pose, written.velocities)
         });
         return;
+    }
+    for mut forces in &mut acted_on {
+        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
+            (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
+        }
+    }
+    for (i, &entity) in results.entities.iter().enumerate() {
+        if let Ok(mut sleeping) = sleepers.get_mut(entity) {
+            sleeping.set_if_neq(Sleeping(step.state.dynamics.is_asleep(i)));
+        }
     }
     for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
         let motion = step.state.bodies.motion(i);
@@ -93,6 +105,9 @@ pub(crate) fn publish(
         approximate_pairs: counts.approximate_pairs,
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: counts.touching_pairs,
+        contact_points: step.state.manifolds.points.len(),
+        intervals: step.state.dynamics.intervals(),
+        sleeping: step.state.dynamics.sleeping(),
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         ..*report
@@ -150,6 +165,9 @@ pub(crate) fn publish(
     report.total = step.begun.elapsed();
     std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);
     std::mem::swap(&mut collisions.entities, &mut results.entities);
+    std::mem::swap(&mut collisions.planes, &mut results.planes);
+    // The next step reads what those had that sleep.
+    collisions.manifolds.copy(&step.state.manifolds);
 }
 
 /// Walks two ascending lists and tells what is only in the second (`true`) or only in the first (`false`).

@@ -5,9 +5,11 @@ use bevy::prelude::*;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::prelude::*;
 
-/// Height lost after `n` steps of semi-implicit Euler.
-fn fallen(g: f32, n: u32) -> f32 {
-    g * DT * DT * (n * (n + 1) / 2) as f32
+/// Height lost after `steps` steps of semi-implicit Euler in substeps.
+fn fallen(g: f32, steps: u32) -> f32 {
+    let substeps = SolverSettings::default().substeps;
+    let (h, n) = (DT / substeps as f32, steps * substeps);
+    g * h * h * (n * (n + 1) / 2) as f32
 }
 
 #[test]
@@ -53,9 +55,10 @@ fn earth_gravity_holds_unless_it_is_changed() {
 #[test]
 fn a_spinning_body_turns_about_its_axis_by_speed_times_time() {
     let mut sim = Sim::new();
-    let knot = sim.mesh(&shapes::knot_1120());
+    // All axes are alike to a cube: nothing tumbles.
+    let cube = sim.mesh(&shapes::cube(1.0));
     let spin = Vec3::new(0.3, -1.1, 0.7);
-    let body = sim.spawn((resting(&knot, Vec3::ZERO), AngularVelocity(spin)));
+    let body = sim.spawn((resting(&cube, Vec3::ZERO), AngularVelocity(spin)));
     sim.step(64);
     let wanted = Quat::from_scaled_axis(spin);
     let found = sim.get::<Transform>(body).rotation;

@@ -1,9 +1,15 @@
-//! What collisions do to velocities.
+//! What collisions do to velocities with one impulse per pair; `contacts` has what points with friction do.
 
 use crate::app::{Sim, assert_near, ball_like, resting};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
+
+fn by_impulses() -> Sim {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Response::Impulse);
+    sim
+}
 
 /// Mass and inertia tensor in the world, from the mesh's own moments.
 fn inertia(sim: &Sim, body: Entity) -> (f32, Mat3) {
@@ -31,7 +37,7 @@ fn momenta(sim: &Sim, bodies: &[(Entity, Vec3, f32, Mat3)]) -> (Vec3, Vec3, f32)
 
 #[test]
 fn two_tori_bounce_and_keep_linear_and_angular_momentum_and_energy() {
-    let mut sim = Sim::new();
+    let mut sim = by_impulses();
     let torus = sim.mesh(&shapes::torus_240());
     let one = sim.spawn(ball_like(&torus, Vec3::new(-1.5, 0.1, 0.0), Vec3::X * 2.0));
     let other = sim.spawn(ball_like(&torus, Vec3::new(1.5, -0.1, 0.1), Vec3::X * -1.0));
@@ -78,7 +84,7 @@ fn two_tori_bounce_and_keep_linear_and_angular_momentum_and_energy() {
 
 /// Two balls head on along z, pole to pole; their velocities long after. Balls are symmetric about z, so nothing turns.
 fn head_on(masses: [f32; 2], speeds: [f32; 2], restitution: [f32; 2]) -> [f32; 2] {
-    let mut sim = Sim::new();
+    let mut sim = by_impulses();
     let ball = sim.mesh(&shapes::ball(0.5, 2));
     let bodies = [0, 1].map(|i| {
         sim.spawn((
@@ -137,7 +143,7 @@ fn a_restitution_above_one_or_below_zero_counts_as_the_nearest_of_both() {
 
 #[test]
 fn a_body_without_mass_weighs_its_scaled_volume() {
-    let mut sim = Sim::new();
+    let mut sim = by_impulses();
     let ball = sim.mesh(&shapes::ball(0.5, 2));
     let heavy = sim.spawn(ball_like(&ball, Vec3::Z * -1.2, Vec3::Z));
     let light = sim.spawn(ball_like(&ball, Vec3::Z * 0.8, Vec3::ZERO));
@@ -181,7 +187,7 @@ fn without_response_gravity_still_pulls() {
 
 #[test]
 fn a_wall_of_full_restitution_reverses_the_speed() {
-    let mut sim = Sim::new();
+    let mut sim = by_impulses();
     let cube = sim.mesh(&shapes::cube(1.0));
     sim.spawn((
         PlaneCollider::through(Vec3::X * 2.0, Vec3::NEG_X),
@@ -195,7 +201,7 @@ fn a_wall_of_full_restitution_reverses_the_speed() {
 
 #[test]
 fn a_static_body_of_full_restitution_reverses_the_speed() {
-    let mut sim = Sim::new();
+    let mut sim = by_impulses();
     let ball = sim.mesh(&shapes::ball(0.5, 2));
     let wall = sim.spawn((ball.clone(), Transform::from_xyz(0.0, 0.0, 2.0), Restitution::new(1.0)));
     let body = sim.spawn(ball_like(&ball, Vec3::ZERO, Vec3::Z * 2.0));

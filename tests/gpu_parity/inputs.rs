@@ -167,6 +167,7 @@ pub fn too_much_is_an_error_that_leaves_no_trace(gpu: &Gpu) {
         normal: Vec3::Y,
         distance: -100.0,
         restitution: 0.0,
+        ..Plane::default()
     };
     state.planes = vec![plane; planes as usize];
     let positions = state.bodies.position.clone();

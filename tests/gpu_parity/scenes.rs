@@ -277,6 +277,7 @@ pub fn half_spaces(rng: &mut Rng, distance: f32) -> Vec<Plane> {
             normal: rng.direction().as_vec3().normalize(),
             distance: -distance,
             restitution: rng.range(0.0, 1.0) as f32,
+            ..Plane::default()
         })
         .collect()
 }

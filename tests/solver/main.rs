@@ -4,7 +4,6 @@ mod bodies;
 mod bounce;
 mod cloud;
 mod friction;
-mod meshes;
 mod overlap;
 mod rest;
 mod same_bits;

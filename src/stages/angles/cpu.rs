@@ -23,16 +23,19 @@ pub fn run(state: &mut StepState) {
         near_pairs,
         approximate_pairs,
         angles_scratch,
+        dynamics,
+        config,
         ..
     } = state;
     near_pairs.clear();
     angles_scratch.extend(near_pairs, sphere_pairs, TASK, |_, &pair, near_pairs| {
-        near_pairs.extend(near(bodies, meshes, pair));
+        let margin = dynamics.margins.of_pair(bodies, config, pair);
+        near_pairs.extend(near(bodies, meshes, pair, margin));
     });
     *approximate_pairs = near_pairs.iter().filter(|pair| pair.is_approximate()).count();
 }
 
-fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair> {
+fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f32) -> Option<NearPair> {
     let [a, b] = pair.map(|i| i as usize);
     let (fa, fb) = (&bodies.frame[a], &bodies.frame[b]);
     let to_a: DMat3 = fa.rotation.transpose();
@@ -69,7 +72,7 @@ fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> Option<NearPair>
         let pb = translation + rotation * (scale_b * heights_b.support(scale_b * (rotation.transpose() * -u)));
         let (a_below, b_above) = (pa.dot(u), pb.dot(u));
         let overlap = a_below - b_above;
-        if overlap < -2.0 * pad {
+        if overlap < -2.0 * pad - margin {
             return None;
         }
         if overlap < best_overlap {

@@ -48,21 +48,21 @@ pub fn run(state: &mut StepState) {
         sort,
     } = grid_scratch;
     let Bodies {
-        center, radius, kind, ..
+        center, reach, kind, ..
     } = &*bodies;
     let is_still = |i: usize| kind[i] == RigidBody::Static;
     let all = 0..kind.len() as u32;
     members.clear();
     members.extend(all.clone().filter(|&i| !is_still(i as usize)));
-    moving.fill(members, center, radius);
+    moving.fill(members, center, reach);
     if moving.is_overfull() {
-        moving.fill(members, center, radius);
+        moving.fill(members, center, reach);
     }
-    if !still.holds(kind.len() - members.len(), is_still, center, radius) {
+    if !still.holds(kind.len() - members.len(), is_still, center, reach) {
         members.clear();
         members.extend(all.filter(|&i| is_still(i as usize)));
         for _ in 0..SETTLE {
-            if !still.fill(members, center, radius) {
+            if !still.fill(members, center, reach) {
                 break;
             }
         }

@@ -80,13 +80,14 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
 }
 
 impl Manifolds {
-    fn clear(&mut self) {
+    /// Removes all, keeping the memory.
+    pub(super) fn clear(&mut self) {
         self.pairs.clear();
         self.points.clear();
     }
 
     /// Adds the pair whose points are those from `first` on, if there are any.
-    fn close(&mut self, bodies: [u32; 2], first: usize) {
+    pub(super) fn close(&mut self, bodies: [u32; 2], first: usize) {
         let count = self.points.len() - first;
         if count > 0 {
             self.pairs.push(Manifold {

@@ -40,6 +40,12 @@ pub struct Manifolds {
 }
 
 impl Manifolds {
+    /// Makes these the same as `others`, in the memory they have.
+    pub(crate) fn copy(&mut self, others: &Self) {
+        self.pairs.clone_from(&others.pairs);
+        self.points.clone_from(&others.points);
+    }
+
     /// The points of one of [`Manifolds::pairs`].
     pub fn points_of(&self, pair: &Manifold) -> &[ManifoldPoint] {
         let first = pair.first_point as usize;

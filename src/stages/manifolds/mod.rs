@@ -25,6 +25,8 @@
 
 pub mod cpu;
 mod manifold;
+pub mod margins;
+pub(super) mod step;
 
 pub use manifold::{Manifold, ManifoldPoint, Manifolds};
 

@@ -13,8 +13,7 @@ impl SolverBodies {
     /// Makes these the bodies of a step, followed by its planes as static bodies: plane `i` has the number
     /// `bodies.len() + i` and the key `u64::MAX - i`.
     ///
-    /// Nothing acts on them and none is asleep; what a step's bodies do not know (friction, damping, limits, locks) is as
-    /// in [`SolverBody::immovable`]. A caller sets all that afterwards.
+    /// None of them is asleep.
     ///
     /// # Panics
     /// If there are fewer `keys` than bodies.
@@ -23,14 +22,24 @@ impl SolverBodies {
         for (i, &key) in keys[..bodies.len()].iter().enumerate() {
             let frame = &bodies.frame[i];
             let thickness = meshes[bodies.mesh[i]].mesh.mass.thickness * bodies.scale[i].abs().min_element();
+            let handling = &bodies.handling[i];
             let body = SolverBody {
+                kind: bodies.kind[i],
                 inverse_mass: bodies.inverse_mass[i],
                 inverse_inertia: bodies.own_inverse_inertia[i],
+                radius: bodies.radius[i],
                 thickness,
                 restitution: bodies.restitution[i],
+                restitution_combine: handling.restitution_combine,
+                friction: handling.friction.coefficient,
+                friction_combine: handling.friction.combine,
                 gravity_scale: bodies.gravity_scale[i],
+                linear_damping: handling.linear_damping,
+                angular_damping: handling.angular_damping,
+                max_linear_speed: handling.max_linear_speed,
+                max_angular_speed: handling.max_angular_speed,
+                locked_axes: handling.locked_axes,
                 solid: !bodies.sensor[i],
-                ..SolverBody::immovable(bodies.kind[i], bodies.radius[i])
             };
             let motion = SolverMotion {
                 center: frame.center,
@@ -38,11 +47,15 @@ impl SolverBodies {
                 linear_velocity: bodies.linear_velocity[i],
                 angular_velocity: bodies.angular_velocity[i],
             };
-            self.push(key, body, motion);
+            let number = self.push(key, body, motion);
+            self.forces[number as usize] = handling.forces;
         }
         for (i, plane) in planes.iter().enumerate() {
             let body = SolverBody {
                 restitution: plane.restitution,
+                restitution_combine: plane.restitution_combine,
+                friction: plane.friction.coefficient,
+                friction_combine: plane.friction.combine,
                 ..SolverBody::immovable(RigidBody::Static, f32::INFINITY)
             };
             let center = plane.normal.as_dvec3() * plane.distance as f64;

@@ -1,6 +1,7 @@
 //! Bodies as the solver sees them: what they are, how they move, what acts on them.
 
 use crate::components::RigidBody;
+use bevy::prelude::{Component, Reflect, ReflectComponent, ReflectDefault};
 use glam::{DQuat, DVec3, Mat3, Vec3};
 
 /// What a body is; does not change within a step.
@@ -121,8 +122,10 @@ impl SolverMotion {
 
 /// What acts on a body from outside, beside gravity.
 ///
-/// Forces hold until the caller changes them; impulses are used up by the next detection interval, which sets them to zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Forces hold until they are changed; impulses are used up by the next step, which sets them to zero. As a component:
+/// add to it, or set it anew, in every step in which something else acts.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
 pub struct ExternalForces {
     /// At the centre of mass, newtons.
     pub force: Vec3,
@@ -153,8 +156,10 @@ impl ExternalForces {
     }
 }
 
-/// World axes along which a body does not move, and about which it does not turn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+/// World axes along which a body does not move, and about which it does not turn: `LockedAxes::ROTATION |
+/// LockedAxes::TRANSLATION_Z` for example. Contacts and forces see the body as infinitely heavy there.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
 pub struct LockedAxes(u8);
 
 impl LockedAxes {
@@ -212,7 +217,8 @@ impl std::ops::BitOr for LockedAxes {
 
 /// How one coefficient of a pair follows from those of both bodies. If the bodies name different rules, the one that
 /// stands later in this list holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[reflect(Default, Debug, PartialEq)]
 pub enum CombineRule {
     /// Their mean.
     #[default]

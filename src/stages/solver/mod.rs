@@ -12,6 +12,8 @@
 //!
 //! | file | holds |
 //! |---|---|
+//! | [`step`] | the solver as stages of a step, and what it keeps between steps |
+//! | `touches` | who touched whom in a step |
 //! | `adapter` | the way from a step's bodies to these and back |
 //! | [`bodies`] | what bodies are, how they move, what acts on them |
 //! | [`settings`] | what can be set |
@@ -34,6 +36,8 @@ mod overlap;
 mod pairs;
 pub mod settings;
 pub mod sleep;
+pub mod step;
+mod touches;
 pub mod warm_start;
 
 pub use bodies::{CombineRule, ExternalForces, LockedAxes, SleepState, SolverBodies, SolverBody, SolverMotion};

@@ -1,14 +1,16 @@
 //! What a user can set about the solver, and what follows from it.
 
 use super::bodies::SolverBodies;
+use bevy::prelude::{Reflect, ReflectDefault, ReflectResource, Resource};
 use std::f32::consts::TAU;
 
-/// How contacts are solved.
+/// How contacts are solved; a resource, with what holds for all bodies.
 ///
 /// A step of the world is cut into *detection intervals*, each with contact points of its own (see
 /// [`SolverSettings::detections`]), and an interval into *substeps*. Lengths marked with D are parts of the bounding
 /// diameter of the smaller of two bodies, so that small and large bodies behave alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Debug, PartialEq)]
 pub struct SolverSettings {
     /// Substeps per step of the world, shared out among its detection intervals. Default 8: halving the substep helps
     /// stiff stacks and mass ratios more than doubling the iterations, at the same cost (Macklin et al., "Small Steps in
@@ -37,6 +39,9 @@ pub struct SolverSettings {
     /// Pairs that overlap deeper than this when they meet are untangled: pushed along their line of centres, without
     /// friction, until they part. In D, default 0.04: beyond, the contact points of meshes may disagree about the way out.
     pub untangle_depth: f32,
+    /// How near surfaces must come for points to be found between them, beside what they may move meanwhile. In D, default
+    /// 0.01: bodies push before they sink. Not less than twice the rest offset.
+    pub contact_margin: f32,
     /// The gap that bodies at rest keep. In D, default 0.005: surfaces that do not cross have contact points that say more.
     pub rest_offset: f32,
     /// Bodies that meet slower than this do not bounce, m/s. Default 0.5: what gravity gives within a few steps must not
@@ -78,6 +83,7 @@ impl Default for SolverSettings {
             push_speed: 3.0,
             untangle_speed: 1.0,
             untangle_depth: 0.04,
+            contact_margin: 0.01,
             rest_offset: 0.005,
             restitution_threshold: 0.5,
             restitution_iterations: 4,
@@ -113,6 +119,56 @@ impl SolverSettings {
     /// How many substeps each of `detections` intervals has.
     pub fn substeps_per_detection(&self, detections: u32) -> u32 {
         self.substeps.div_ceil(detections.max(1)).max(1)
+    }
+
+    /// The contact margin in D, no less than what bodies at rest need to be seen.
+    pub(crate) fn margin(&self) -> f32 {
+        self.contact_margin.max(2.0 * self.rest_offset)
+    }
+
+    /// What is wrong with these, if anything: the name of a setting that is negative or not finite.
+    pub fn fault(&self) -> Option<&'static str> {
+        let Self {
+            substeps: _,
+            bias_iterations: _,
+            relax_iterations: _,
+            sweeps: _,
+            relaxation,
+            frequency,
+            damping_ratio,
+            push_speed,
+            untangle_speed,
+            untangle_depth,
+            contact_margin,
+            rest_offset,
+            restitution_threshold,
+            restitution_iterations: _,
+            match_distance,
+            match_normal,
+            detection_travel,
+            max_detections: _,
+            sleeping: _,
+            sleep_speed,
+            sleep_time,
+        } = *self;
+        [
+            ("relaxation", relaxation),
+            ("frequency", frequency),
+            ("damping_ratio", damping_ratio),
+            ("push_speed", push_speed),
+            ("untangle_speed", untangle_speed),
+            ("untangle_depth", untangle_depth),
+            ("contact_margin", contact_margin),
+            ("rest_offset", rest_offset),
+            ("restitution_threshold", restitution_threshold),
+            ("match_distance", match_distance),
+            ("match_normal", match_normal),
+            ("detection_travel", detection_travel),
+            ("sleep_speed", sleep_speed),
+            ("sleep_time", sleep_time),
+        ]
+        .into_iter()
+        .find_map(|(name, value)| (!(0.0..f32::INFINITY).contains(&value)).then_some(name))
     }
 
     /// The contact spring of a substep of `h` seconds.

@@ -8,7 +8,7 @@ use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use glam::Vec3;
 
 /// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
-const TOUCH: f32 = 2.0;
+pub(super) const TOUCH: f32 = 2.0;
 
 /// Puts bodies at rest to sleep and wakes them. Holds nothing but memory; what it knows of bodies is in
 /// [`SolverBodies::sleep`].

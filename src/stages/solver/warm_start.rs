@@ -9,7 +9,7 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 /// The impulses of the last detection interval, by the keys of bodies: bodies may come, go, and be numbered anew.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
     /// Ascending by keys.
     pairs: Vec<KeptPair>,
@@ -19,7 +19,7 @@ pub struct WarmStart {
 }
 
 /// What is kept of a pair, whose first body is that of the smaller number then.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct KeptPair {
     /// The smaller key first.
     keys: [u64; 2],
@@ -34,7 +34,7 @@ pub(super) struct KeptPair {
 }
 
 /// What is kept of a point, as the world was then.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct KeptPoint {
     /// From the centres of mass.
     arms: [Vec3; 2],

@@ -64,6 +64,7 @@ pub fn run(state: &mut StepState) {
         meshes,
         near_pairs,
         contacts,
+        dynamics,
         triangle_scratch,
         ..
     } = state;
@@ -74,7 +75,8 @@ pub fn run(state: &mut StepState) {
         .for_each(|(task, pairs)| {
             task.found.clear();
             let mut worker = workers.lock();
-            for pair in pairs {
+            // Pairs that sleep are told by the points they have.
+            for pair in pairs.iter().filter(|pair| !dynamics.is_still(pair.bodies)) {
                 test_pair(bodies, meshes, pair, &mut worker, &mut task.found);
             }
         });
@@ -130,6 +132,9 @@ fn touch(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Work
 }
 
 fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker, found: &mut Contacts) {
+    if pair.is_apart() {
+        return;
+    }
     let Worker { product, masks, .. } = worker;
     let [a, b] = pair.bodies.map(|i| i as usize);
     let size = bodies.radius[a] + bodies.radius[b];
@@ -165,6 +170,7 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
             first_face,
             face_count,
             contact: contact::contact(bodies, meshes, pair, &contour, &view),
+            impulse: 0.0,
         });
     }
 }

@@ -40,7 +40,7 @@ struct Found {
     count: usize,
 }
 
-/// Appends a manifold for every solid dynamic body near a plane, by body, then plane. In them plane `i` has the number
+/// Appends a manifold for every solid dynamic body near a plane, by body, then plane, but for pairs that are not `wanted`. In them plane `i` has the number
 /// `bodies.len() + i`, and its centre is its point nearest to the world's origin.
 ///
 /// `config.dt` is how long the points must serve: vertices are listed that may reach the plane within it.
@@ -49,6 +49,7 @@ pub fn find(
     meshes: &MeshArena,
     planes: &[Plane],
     config: &StepConfig,
+    wanted: impl Fn([u32; 2]) -> bool + Sync,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
@@ -60,8 +61,9 @@ pub fn find(
     let vertices = vertices.ready();
     lists.extend(found, &bodies.kind, TASK, |body, _, found| {
         let mut vertices = vertices.lock();
+        let wanted = |&(i, _): &(usize, &Plane)| wanted([body as u32, (bodies.len() + i) as u32]);
         let near = |(i, plane)| manifold(bodies, meshes, body, i, plane, config, &mut vertices);
-        found.extend(planes.iter().enumerate().filter_map(near));
+        found.extend(planes.iter().enumerate().filter(wanted).filter_map(near));
     });
     for found in found.iter() {
         manifolds.pairs.push(Manifold {

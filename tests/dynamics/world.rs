@@ -1,0 +1,88 @@
+//! Bodies of meshes and planes, moved by whole steps.
+
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::settings::{Response, SolverSettings};
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::state::{Body, StepConfig, StepState};
+use glam::{DVec3, Quat, Vec3};
+
+pub struct World {
+    pub state: StepState,
+}
+
+impl World {
+    /// Under gravity, without sleep.
+    pub fn new() -> Self {
+        let mut state = StepState::default();
+        state.config = StepConfig {
+            gravity: Vec3::NEG_Y * 9.81,
+            response: Response::Contacts,
+            solver: SolverSettings {
+                sleeping: false,
+                ..SolverSettings::default()
+            },
+            ..state.config
+        };
+        Self { state }
+    }
+
+    pub fn mesh(&mut self, mesh: &TriMesh) -> u32 {
+        self.state.meshes.add(CollisionMesh::new(mesh))
+    }
+
+    pub fn add(&mut self, kind: RigidBody, mesh: u32, scale: Vec3, position: Vec3, rotation: Quat) -> usize {
+        let body = Body {
+            kind,
+            ..Body::at_rest(mesh, position, rotation, scale)
+        };
+        self.state.bodies.push(&body, &self.state.meshes).unwrap();
+        self.state.bodies.len() - 1
+    }
+
+    pub fn step(&mut self) {
+        for stage in Stage::ALL {
+            stage.run_on_cpu(&mut self.state);
+        }
+    }
+
+    pub fn center(&self, i: usize) -> DVec3 {
+        self.state.bodies.frame[i].center
+    }
+
+    pub fn deepest(&self) -> f32 {
+        -self
+            .state
+            .manifolds
+            .points
+            .iter()
+            .map(|p| p.separation)
+            .fold(0.0, f32::min)
+    }
+
+    pub fn fastest(&self) -> f32 {
+        let velocities = self.state.bodies.linear_velocity.iter();
+        velocities.map(|v| v.length()).fold(0.0, f32::max)
+    }
+
+    pub fn seconds(&mut self, count: u32) {
+        for _ in 0..64 * count {
+            self.step();
+        }
+    }
+
+    /// A static box whose top is at 0.
+    pub fn floor(&mut self, cube: u32) {
+        self.add(
+            RigidBody::Static,
+            cube,
+            Vec3::new(40.0, 1.0, 40.0),
+            Vec3::NEG_Y * 0.5,
+            Quat::IDENTITY,
+        );
+    }
+}
+
+/// What a cube of edge 1 keeps between itself and others.
+pub const GAP: f32 = 0.00866;
