@@ -21,6 +21,7 @@
 pub mod angles;
 pub mod bodies;
 pub mod broad_phase;
+pub mod continuous;
 pub mod force_scan;
 pub(crate) mod in_order;
 pub mod integrate;

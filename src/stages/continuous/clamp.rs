@@ -1,0 +1,81 @@
+//! How far bodies may go.
+
+use super::{Scratch, Sweep, time_of_impact};
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::per_thread::PerThread;
+use crate::stages::state::Bodies;
+use rayon::prelude::*;
+
+/// Memory kept between intervals.
+#[derive(Default)]
+pub struct ClampScratch {
+    workers: PerThread<Scratch>,
+    /// For each pair what [`time_of_impact`] says, infinite for never.
+    times: Vec<f32>,
+}
+
+/// A body whose points all move less than this part of its thickness cannot pass anything unseen.
+const SLOW: f64 = 0.5;
+
+/// Writes into `fractions` which part of its motion, 0 to 1, each body may make: for those that are `continuous` and move
+/// farther than half their thickness the smallest [`time_of_impact`] of all their `pairs`, for all others 1. Place a stopped
+/// body at [`Sweep::at`] that time; the rest of its motion is lost.
+///
+/// `sweeps` and `continuous` have an entry for each of `bodies`; what is missing counts as not continuous. `pairs` must hold those
+/// whose bounding spheres overlap anywhere on their ways. Both ends are clamped if both are continuous. Runs on rayon's current
+/// thread pool; the same input gives the same bits, however many threads there are.
+///
+/// What that guarantees: a body that is stopped has not come nearer than `slack` to any surface that stands still, nor to
+/// one whose body makes all its motion until the same time. What not:
+/// * The other body of a pair goes on to the end of the interval if it is not continuous, and may then run into the one that was
+///   stopped, or past it if it is thin and fast. Flag what is fast, not what is in its way.
+/// * Two continuous bodies stop at times of their own. Both are apart until the earlier of the two; but the later one goes on,
+///   and the one that was stopped early, by a third body, is then not where its sweep said. If it would have
+///   cleared the way, the later one meets it after all. Bodies that meet each other first stop at the same time, and apart.
+/// * Sweeps are straight: what turns aside within the interval, by a contact say, is not where its sweep says.
+pub fn clamp(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    sweeps: &[Sweep],
+    continuous: &[bool],
+    pairs: &[[u32; 2]],
+    slack: f32,
+    scratch: &mut ClampScratch,
+    fractions: &mut Vec<f32>,
+) {
+    let ClampScratch { workers, times } = scratch;
+    let workers = workers.ready();
+    let fast = |i: u32| {
+        let i = i as usize;
+        continuous.get(i) == Some(&true) && i < bodies.len() && is_fast(bodies, meshes, i, sweeps.get(i))
+    };
+    pairs
+        .par_iter()
+        .map(|&pair| {
+            let [a, b] = pair.map(|i| sweeps.get(i as usize));
+            let (Some(a), Some(b), true) = (a, b, pair.into_iter().any(fast)) else {
+                return f32::INFINITY;
+            };
+            let mut scratch = workers.lock();
+            time_of_impact(bodies, meshes, pair, [a, b], slack, &mut scratch).unwrap_or(f32::INFINITY)
+        })
+        .collect_into_vec(times);
+
+    fractions.clear();
+    fractions.resize(bodies.len(), 1.0);
+    for (pair, &time) in pairs.iter().zip(&*times) {
+        for i in pair.iter().filter(|i| time < 1.0 && fast(**i)) {
+            let fraction = &mut fractions[*i as usize];
+            *fraction = fraction.min(time);
+        }
+    }
+}
+
+/// Whether a body moves farther than half its thickness.
+fn is_fast(bodies: &Bodies, meshes: &MeshArena, i: usize, sweep: Option<&Sweep>) -> bool {
+    let (Some(sweep), Some(slot)) = (sweep, meshes.get(bodies.mesh[i])) else {
+        return false;
+    };
+    let thickness = f64::from(slot.mesh.mass.thickness * bodies.scale[i].abs().min_element());
+    sweep.longest_way(f64::from(bodies.radius[i])) > SLOW * thickness
+}
