@@ -263,6 +263,7 @@ fn register_types(app: &mut App) {
         .register_type::<ExternalForces>()
         .register_type::<Sleeping>()
         .register_type::<SleepingDisabled>()
+        .register_type::<ContinuousCollision>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()
         .register_type::<BodyCulling>()

@@ -54,6 +54,17 @@ impl MassProperties {
     }
 }
 
+impl MassProperties {
+    /// The inertia tensor about the centre of mass of the mesh scaled by `scale` along its axes, with this mass: scaling by
+    /// `S` turns the second moment `M` into `det(S) S M S`.
+    pub fn inertia(&self, scale: DVec3, mass: f64) -> DMat3 {
+        let scale = DMat3::from_diagonal(scale);
+        let moment = scale * self.second_moment.as_dmat3() * scale * (mass / f64::from(self.volume));
+        let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;
+        DMat3::from_diagonal(DVec3::splat(trace)) - moment
+    }
+}
+
 /// The figures before they are rounded.
 struct Solid {
     volume: f64,

@@ -271,7 +271,7 @@ impl Handling {
     }
 }
 
-/// Inverse mass and inverse inertia in the body's own axes. Scaling a body by `S` turns its second moment `M` into `det(S) S M S`.
+/// Inverse mass and inverse inertia in the body's own axes.
 fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, DMat3) {
     if body.kind != RigidBody::Dynamic {
         return (0.0, DMat3::ZERO);
@@ -281,10 +281,7 @@ fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperti
     if let Some(inertia) = body.inertia {
         return ((1.0 / mass) as f32, inertia.as_dmat3().inverse());
     }
-    let scale = DMat3::from_diagonal(frame.scale);
-    let moment = scale * mesh.second_moment.as_dmat3() * scale * (mass / mesh.volume as f64);
-    let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;
-    let inertia = DMat3::from_diagonal(glam::DVec3::splat(trace)) - moment;
+    let inertia = mesh.inertia(frame.scale, mass);
     let inverse = inertia.inverse();
     let finite = if inverse.as_mat3().is_finite() {
         inverse

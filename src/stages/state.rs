@@ -188,6 +188,8 @@ pub struct Handling {
     pub can_sleep: bool,
     /// Whether it is to be awake at the beginning of the step.
     pub woken: bool,
+    /// Whether it is stopped where it first meets others.
+    pub continuous: bool,
 }
 
 impl Default for Handling {
@@ -203,6 +205,7 @@ impl Default for Handling {
             forces: ExternalForces::default(),
             can_sleep: true,
             woken: false,
+            continuous: false,
         }
     }
 }

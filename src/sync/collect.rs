@@ -49,6 +49,7 @@ pub(crate) struct HandlingComponents {
     forces: Option<&'static ExternalForces>,
     sleeping: Option<&'static Sleeping>,
     never_sleeps: Has<SleepingDisabled>,
+    continuous: Has<ContinuousCollision>,
 }
 
 /// What a plane is made of.
@@ -278,6 +279,7 @@ impl HandlingComponentsItem<'_, '_> {
             locked_axes: self.locked_axes.copied().unwrap_or_default(),
             forces: self.forces.copied().unwrap_or_default(),
             can_sleep: !self.never_sleeps,
+            continuous: self.continuous,
             woken: self.sleeping.is_some_and(|sleeping| !sleeping.0),
         }
     }

@@ -5,7 +5,24 @@ use bevy_faceoff::asset::{CollisionMesh, format};
 use bevy_faceoff::geometry::shapes;
 use serde_json::Value;
 
-const STAGES: [&str; 5] = ["broad_phase", "angles", "triangle_test", "force_scan", "integrate"];
+const STAGES: [&str; 6] = [
+    "broad_phase",
+    "angles",
+    "triangle_test",
+    "manifolds",
+    "force_scan",
+    "integrate",
+];
+/// What is counted of contacts and bodies, and measured.
+const MECHANICS: [&str; 7] = [
+    "contact_points",
+    "intervals",
+    "sleeping",
+    "kinetic_energy",
+    "momentum",
+    "deepest_penetration",
+    "mean_penetration",
+];
 const COUNTS: [&str; 4] = ["sphere_pairs", "touching_pairs", "triangle_tests", "face_pairs"];
 
 fn keys(value: &Value) -> Vec<&str> {
@@ -46,7 +63,7 @@ fn check_shape(json: &Value) {
     for (i, step) in json["steps"].as_array().unwrap().iter().enumerate() {
         assert_eq!(
             keys(step),
-            sorted(["step", "step_ms", "stages_ms"].into_iter().chain(COUNTS))
+            sorted(["step", "step_ms", "stages_ms"].into_iter().chain(COUNTS).chain(MECHANICS))
         );
         assert_eq!(step["step"], i as u64 + 1);
         assert!(step["step_ms"].as_f64().unwrap() >= 0.0);

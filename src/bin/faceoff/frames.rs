@@ -2,6 +2,7 @@
 
 use crate::Outcome;
 use crate::canvas::{Canvas, PAPER};
+use crate::scenes::{Framing, Unseen};
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
 use glam::Affine3A;
@@ -14,17 +15,19 @@ const SAMPLES: u32 = 2;
 /// Height of the view at a distance of one.
 const FIELD: f32 = 0.72;
 
-/// Draws the bodies of a world in a box of `side` metres and writes `DIR/frame_STEP.png`.
-pub fn save(world: &mut World, side: f32, step: usize, folder: &Path) -> Outcome {
-    let mut view = View::new(side);
-    let mut bodies = world.query::<(&MeshCollider, &Transform)>();
+/// Draws the bodies of a world and writes `DIR/frame_STEP.png`.
+pub fn save(world: &mut World, framing: &Framing, step: usize, folder: &Path) -> Outcome {
+    let mut view = View::new(framing);
+    let mut bodies = world.query_filtered::<(&MeshCollider, &Transform), Without<Unseen>>();
     let meshes = world.resource::<Assets<CollisionMesh>>();
     for (i, (collider, transform)) in bodies.iter(world).enumerate() {
         if let Some(mesh) = meshes.get(&collider.0) {
             view.body(mesh, transform, colour(i));
         }
     }
-    view.edges(side);
+    if framing.edges {
+        view.edges(framing.side);
+    }
     view.finish().save(&folder.join(format!("frame_{step:06}.png")))
 }
 
@@ -48,12 +51,12 @@ struct View {
 }
 
 impl View {
-    /// Looks at a box of `side` metres about the origin, from a corner above.
-    fn new(side: f32) -> Self {
-        let eye = side.max(f32::MIN_POSITIVE) * Vec3::new(0.98, 0.8, 2.0);
+    /// Looks at a box from a corner above.
+    fn new(framing: &Framing) -> Self {
+        let eye = framing.center + framing.side.max(f32::MIN_POSITIVE) * Vec3::new(0.98, 0.8, 2.0);
         let [width, height] = SIZE.map(|n| (n * SAMPLES) as usize);
         Self {
-            to_camera: Affine3A::look_at_rh(eye, Vec3::ZERO, Vec3::Y),
+            to_camera: Affine3A::look_at_rh(eye, framing.center, Vec3::Y),
             light: Vec3::new(0.4, 0.8, 0.55).normalize(),
             width,
             height,
@@ -124,7 +127,7 @@ impl View {
         }
     }
 
-    /// The edges of the box.
+    /// The edges of a box about the origin.
     fn edges(&mut self, side: f32) {
         let corner =
             |i: usize| 0.5 * side * Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 1 { 1.0 } else { -1.0 }));

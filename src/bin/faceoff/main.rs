@@ -6,10 +6,12 @@ mod check;
 mod frames;
 mod image;
 mod inspect;
+mod mechanics;
 mod mesh;
 mod output;
 mod progress;
 mod scene;
+mod scenes;
 mod simulate;
 
 use bevy_faceoff::settings::Culling;

@@ -1,6 +1,8 @@
-//! `faceoff simulate`: a headless Bevy app that runs the paper's scene and prints what each stage cost and found.
+//! `faceoff simulate`: a headless Bevy app that runs a scene and prints what each stage cost and found.
 
+use crate::mechanics::Mechanics;
 use crate::scene::{self, Scene};
+use crate::scenes::{self, SceneChoice};
 use crate::{BackendChoice, CullingChoice, Outcome, frames, mesh, output};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -13,22 +15,26 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Run the paper's scene: bodies in a box with random poses, sizes and velocities.
+/// Run a scene: the paper's, bodies in a box with random poses, sizes and velocities, or one in which bodies rest on each other.
 #[derive(clap::Args)]
 pub struct Options {
-    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .obj, .faceoff or .bake.ron.
-    #[arg(long, default_value = "torus")]
-    shape: String,
-    /// How many bodies.
-    #[arg(long, default_value_t = 2200)]
-    bodies: usize,
-    /// How many fixed steps of 1/64 s.
-    #[arg(long, default_value_t = 100)]
-    steps: usize,
+    /// Which scene.
+    #[arg(long, value_enum, default_value = "box")]
+    scene: SceneChoice,
+    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .obj, .faceoff or .bake.ron [default: torus; knot for
+    /// the scene pour].
+    #[arg(long)]
+    shape: Option<String>,
+    /// How many bodies move [default: 2200 in the box, 50 in the chain, 10 in the stack, 100 poured].
+    #[arg(long)]
+    bodies: Option<usize>,
+    /// How many fixed steps of 1/64 s [default: 100 in the box, else 640].
+    #[arg(long)]
+    steps: Option<usize>,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Largest speed in m/s [default: 3 for the knot, else 0.5].
+    /// Largest speed in the box in m/s [default: 3 for the knot, else 0.5].
     #[arg(long)]
     speed: Option<f32>,
     /// Side of the box in m [default: 22.5 * cbrt(bodies / 2200), about 0.7 sphere pairs per body].
@@ -43,9 +49,9 @@ pub struct Options {
     /// Threads of the CPU stages, at most 1024; 0 for one per core.
     #[arg(long, default_value_t = 0, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024))]
     threads: usize,
-    /// What happens to bodies that touch.
-    #[arg(long, value_enum, default_value = "impulse")]
-    response: ResponseChoice,
+    /// What happens to bodies that touch [default: impulse in the box, else contacts].
+    #[arg(long, value_enum)]
+    response: Option<ResponseChoice>,
     /// Write every step's times and counts as JSON to this file, or - for standard output.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -64,6 +70,18 @@ enum ResponseChoice {
     None,
     /// An impulse for each touching pair.
     Impulse,
+    /// Contact points with friction, on which bodies rest; on the CPU.
+    Contacts,
+}
+
+impl From<ResponseChoice> for Response {
+    fn from(choice: ResponseChoice) -> Self {
+        match choice {
+            ResponseChoice::None => Self::None,
+            ResponseChoice::Impulse => Self::Impulse,
+            ResponseChoice::Contacts => Self::Contacts,
+        }
+    }
 }
 
 /// The JSON output.
@@ -76,12 +94,17 @@ struct Record {
 #[derive(Serialize)]
 struct Meta {
     version: &'static str,
-    shape: String,
-    triangles: usize,
+    scene: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shape: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangles: Option<usize>,
     bodies: usize,
     seed: u64,
-    speed: f32,
-    side: f32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    side: Option<f32>,
     culling: &'static str,
     backend: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -100,6 +123,11 @@ struct StepRecord {
     touching_pairs: usize,
     triangle_tests: u64,
     face_pairs: usize,
+    contact_points: usize,
+    intervals: u32,
+    sleeping: usize,
+    #[serde(flatten)]
+    mechanics: Mechanics,
 }
 
 #[derive(Serialize)]
@@ -107,6 +135,7 @@ struct StageTimes {
     broad_phase: f64,
     angles: f64,
     triangle_test: f64,
+    manifolds: f64,
     force_scan: f64,
     integrate: f64,
 }
@@ -122,17 +151,19 @@ pub fn run(options: &Options) -> Outcome {
     if let Some(folder) = &options.frames {
         output::folder(folder)?;
     }
-    let mesh = mesh::shape(&options.shape, options.culling)?;
+    let choice = options.scene;
+    options.check()?;
+    let shape = options.shape.as_deref().or(choice.shape());
+    let mesh = shape.map(|shape| mesh::shape(shape, options.culling)).transpose()?;
+    let bodies = options.bodies.or(choice.bodies()).unwrap_or_default();
     let scene = Scene {
-        bodies: options.bodies,
-        side: positive("--side", options.side, scene::default_side(options.bodies))?,
-        speed: positive(
-            "--speed",
-            options.speed,
-            if options.shape == "knot" { 3.0 } else { 0.5 },
-        )?,
+        bodies,
+        side: positive("--side", options.side, scene::default_side(bodies))?,
+        speed: positive("--speed", options.speed, if shape == Some("knot") { 3.0 } else { 0.5 })?,
         seed: options.seed,
     };
+    let step_count = options.steps.unwrap_or(choice.steps());
+    let response = options.response.map_or_else(|| choice.response(), Response::from);
     let backend = match options.backend {
         BackendChoice::Auto => Backend::Auto,
         BackendChoice::Gpu => Backend::Gpu,
@@ -154,40 +185,38 @@ pub fn run(options: &Options) -> Outcome {
     .insert_resource(Time::<Fixed>::from_duration(STEP))
     // Every update is one step, however long it takes.
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
-    .insert_resource(Gravity(Vec3::ZERO))
+    .insert_resource(if choice == SceneChoice::Box {
+        Gravity(Vec3::ZERO)
+    } else {
+        Gravity::default()
+    })
     .insert_resource(Culling::from(options.culling))
-    .insert_resource(match options.response {
-        ResponseChoice::None => Response::None,
-        ResponseChoice::Impulse => Response::Impulse,
-    });
+    .insert_resource(response);
     if let ActiveBackend::None { reason } = app.world().resource() {
         return Err(format!("nothing can run the stages: {reason}").into());
     }
-    let handle = app
-        .world_mut()
-        .resource_mut::<Assets<CollisionMesh>>()
-        .add(mesh.clone());
-    scene::spawn(app.world_mut(), &scene, &mesh, &handle);
+    let framing = scenes::spawn(app.world_mut(), choice, &scene, mesh.as_ref());
     app.finish();
     app.cleanup();
     // Bevy's first update has no time behind it and runs no step.
     app.update();
 
-    let progress = if options.steps > 1 {
-        ProgressBar::new(options.steps as u64)
+    let progress = if step_count > 1 {
+        ProgressBar::new(step_count as u64)
     } else {
         ProgressBar::hidden()
     };
-    let mut steps = Vec::with_capacity(options.steps.min(1 << 20));
-    for _ in 0..options.steps {
+    let mut steps = Vec::with_capacity(step_count.min(1 << 20));
+    for _ in 0..step_count {
         app.update();
         let step = steps.len() + 1;
         if let Some(folder) = &options.frames
-            && (step % options.every as usize == 0 || step == options.steps)
+            && (step % options.every as usize == 0 || step == step_count)
         {
-            frames::save(app.world_mut(), scene.side, step, folder)?;
+            frames::save(app.world_mut(), &framing, step, folder)?;
         }
-        steps.push(StepRecord::from(app.world().resource::<StepReport>()));
+        let mechanics = Mechanics::of(app.world_mut());
+        steps.push(StepRecord::new(app.world().resource::<StepReport>(), mechanics));
         progress.inc(1);
     }
     progress.finish_and_clear();
@@ -196,12 +225,13 @@ pub fn run(options: &Options) -> Outcome {
     let record = Record {
         meta: Meta {
             version: env!("CARGO_PKG_VERSION"),
-            shape: options.shape.clone(),
-            triangles: mesh.mesh.triangles().len(),
-            bodies: scene.bodies,
+            scene: choice.name(),
+            shape: shape.map(str::to_string),
+            triangles: mesh.as_ref().map(|mesh| mesh.mesh.triangles().len()),
+            bodies: app.world().resource::<StepReport>().bodies,
             seed: scene.seed,
-            speed: scene.speed,
-            side: scene.side,
+            speed: (choice == SceneChoice::Box).then_some(scene.speed),
+            side: (choice == SceneChoice::Box).then_some(scene.side),
             culling: options.culling.name(),
             backend: active.name(),
             adapter: match &active {
@@ -209,9 +239,10 @@ pub fn run(options: &Options) -> Outcome {
                 _ => None,
             },
             threads: bevy_faceoff::plugin::threads(app.world()),
-            response: match options.response {
-                ResponseChoice::None => "none",
-                ResponseChoice::Impulse => "impulse",
+            response: match response {
+                Response::None => "none",
+                Response::Impulse => "impulse",
+                _ => "contacts",
             },
             dt: STEP.as_secs_f64(),
         },
@@ -224,6 +255,23 @@ pub fn run(options: &Options) -> Outcome {
     }
 }
 
+impl Options {
+    /// What is given must matter to the scene.
+    fn check(&self) -> Outcome {
+        let scene = self.scene;
+        let idle = [
+            ("--shape", self.shape.is_some() && scene.shape().is_none()),
+            ("--bodies", self.bodies.is_some() && scene.bodies().is_none()),
+            ("--speed", self.speed.is_some() && scene != SceneChoice::Box),
+            ("--side", self.side.is_some() && scene != SceneChoice::Box),
+        ];
+        match idle.iter().find(|(_, given)| *given) {
+            Some((option, _)) => Err(format!("{option} has no meaning for --scene {}", scene.name()).into()),
+            None => Ok(()),
+        }
+    }
+}
+
 fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
     match given {
         Some(x) if !(0.0..=MAX_COORDINATE).contains(&x) => {
@@ -233,8 +281,8 @@ fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
     }
 }
 
-impl From<&StepReport> for StepRecord {
-    fn from(report: &StepReport) -> Self {
+impl StepRecord {
+    fn new(report: &StepReport, mechanics: Mechanics) -> Self {
         let ms = |stage| report.time(stage).as_secs_f64() * 1e3;
         Self {
             step: report.step,
@@ -243,6 +291,7 @@ impl From<&StepReport> for StepRecord {
                 broad_phase: ms(Stage::BroadPhase),
                 angles: ms(Stage::Angles),
                 triangle_test: ms(Stage::TriangleTest),
+                manifolds: ms(Stage::Manifolds),
                 force_scan: ms(Stage::ForceScan),
                 integrate: ms(Stage::Integrate),
             },
@@ -250,6 +299,10 @@ impl From<&StepReport> for StepRecord {
             touching_pairs: report.touching_pairs,
             triangle_tests: report.triangle_tests,
             face_pairs: report.face_pairs,
+            contact_points: report.contact_points,
+            intervals: report.intervals,
+            sleeping: report.sleeping,
+            mechanics,
         }
     }
 }
@@ -257,6 +310,7 @@ impl From<&StepReport> for StepRecord {
 /// The medians, for people.
 fn summary(record: &Record) -> String {
     let Meta {
+        scene,
         shape,
         triangles,
         bodies,
@@ -271,9 +325,16 @@ fn summary(record: &Record) -> String {
         Some(adapter) => format!("GPU, {adapter}; stages in device time"),
         None => format!("CPU, {threads} threads"),
     };
+    let what = match (shape, triangles) {
+        (Some(shape), Some(triangles)) => format!(" of {triangles} triangles ({shape})"),
+        _ => String::new(),
+    };
+    let setting = match (side, speed) {
+        (Some(side), Some(speed)) => format!("in a box of {side:.2} m, up to {speed} m/s"),
+        _ => format!("in the scene {scene}"),
+    };
     let mut text = format!(
-        "{bodies} bodies of {triangles} triangles ({shape}) in a box of {side:.2} m, up to {speed} m/s; {place}, \
-         {culling}; medians of {} steps\n\n",
+        "{bodies} bodies{what} {setting}; {place}, {culling}; medians of {} steps\n\n",
         record.steps.len()
     );
     let mut row = |name: &str, unit: &str, value: &dyn Fn(&StepRecord) -> f64| {
@@ -286,6 +347,7 @@ fn summary(record: &Record) -> String {
     row("BroadPhase", "ms", &|s| s.stages_ms.broad_phase);
     row("Angles", "ms", &|s| s.stages_ms.angles);
     row("TriangleTest", "ms", &|s| s.stages_ms.triangle_test);
+    row("Manifolds", "ms", &|s| s.stages_ms.manifolds);
     row("ForceScan", "ms", &|s| s.stages_ms.force_scan);
     row("Integrate", "ms", &|s| s.stages_ms.integrate);
     row("whole step", "ms", &|s| s.step_ms);
@@ -293,5 +355,6 @@ fn summary(record: &Record) -> String {
     row("touching pairs", "", &|s| s.touching_pairs as f64);
     row("triangle tests", "", &|s| s.triangle_tests as f64);
     row("face pairs", "", &|s| s.face_pairs as f64);
+    row("contact points", "", &|s| s.contact_points as f64);
     text
 }

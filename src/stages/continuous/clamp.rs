@@ -22,7 +22,7 @@ const SLOW: f64 = 0.5;
 /// body at [`Sweep::at`] that time; the rest of its motion is lost.
 ///
 /// `sweeps` and `continuous` have an entry for each of `bodies`; what is missing counts as not continuous. `pairs` must hold those
-/// whose bounding spheres overlap anywhere on their ways. Both ends are clamped if both are continuous. Runs on rayon's current
+/// whose bounding spheres overlap anywhere on their ways; `slack` tells how near each may come, metres. Both ends are clamped if both are continuous. Runs on rayon's current
 /// thread pool; the same input gives the same bits, however many threads there are.
 ///
 /// What that guarantees: a body that is stopped has not come nearer than `slack` to any surface that stands still, nor to
@@ -39,7 +39,7 @@ pub fn clamp(
     sweeps: &[Sweep],
     continuous: &[bool],
     pairs: &[[u32; 2]],
-    slack: f32,
+    slack: impl Fn([u32; 2]) -> f32 + Sync,
     scratch: &mut ClampScratch,
     fractions: &mut Vec<f32>,
 ) {
@@ -57,7 +57,7 @@ pub fn clamp(
                 return f32::INFINITY;
             };
             let mut scratch = workers.lock();
-            time_of_impact(bodies, meshes, pair, [a, b], slack, &mut scratch).unwrap_or(f32::INFINITY)
+            time_of_impact(bodies, meshes, pair, [a, b], slack(pair), &mut scratch).unwrap_or(f32::INFINITY)
         })
         .collect_into_vec(times);
 

@@ -40,6 +40,7 @@ impl SolverBodies {
                 max_angular_speed: handling.max_angular_speed,
                 locked_axes: handling.locked_axes,
                 solid: !bodies.sensor[i],
+                continuous: handling.continuous,
             };
             let motion = SolverMotion {
                 center: frame.center,

@@ -39,6 +39,8 @@ pub struct SolverBody {
     pub locked_axes: LockedAxes,
     /// Whether it takes part in contacts; sensors do not.
     pub solid: bool,
+    /// Whether someone else looks after it when it is fast: it does not make a step be cut up.
+    pub continuous: bool,
 }
 
 impl SolverBody {
@@ -71,6 +73,7 @@ impl SolverBody {
             max_angular_speed: f32::INFINITY,
             locked_axes: LockedAxes::NONE,
             solid: true,
+            continuous: false,
         }
     }
 

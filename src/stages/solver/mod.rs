@@ -13,6 +13,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`step`] | the solver as stages of a step, and what it keeps between steps |
+//! | `stops` | where fast bodies are stopped |
 //! | `touches` | who touched whom in a step |
 //! | `adapter` | the way from a step's bodies to these and back |
 //! | [`bodies`] | what bodies are, how they move, what acts on them |
@@ -37,6 +38,7 @@ mod pairs;
 pub mod settings;
 pub mod sleep;
 pub mod step;
+mod stops;
 mod touches;
 pub mod warm_start;
 

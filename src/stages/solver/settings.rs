@@ -106,7 +106,7 @@ impl SolverSettings {
         let mut thinnest = f32::INFINITY;
         for ((body, motion), sleep) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep) {
             thinnest = thinnest.min(body.thickness);
-            if !sleep.asleep && body.moves() {
+            if !sleep.asleep && body.moves() && !body.continuous {
                 let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * body.radius;
                 fastest = fastest.max(speed);
             }

@@ -1,5 +1,6 @@
 //! The solver as stages of a step: what it keeps from one step to the next, and into how many intervals it cuts one.
 
+use super::stops::Stops;
 use super::touches::Touches;
 use super::{Interval, SleepState, Sleeper, Solver, SolverBodies, WarmStart};
 use crate::components::RigidBody;
@@ -30,6 +31,7 @@ pub struct Dynamics {
     solver: Solver,
     sleeper: Sleeper,
     touches: Touches,
+    stops: Stops,
 }
 
 const GONE: u32 = u32::MAX;
@@ -169,9 +171,11 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         config,
         meshes,
         bodies,
+        sphere_pairs,
         dynamics,
         ..
     } = state;
+    dynamics.stops.stop(&mut dynamics.bodies, bodies, meshes, sphere_pairs, config, dynamics.intervals);
     dynamics.bodies.write(bodies, meshes);
     dynamics.margins.set_reach(bodies, config);
 }

@@ -1,0 +1,83 @@
+//! Where bodies are stopped that are fast: so that they do not pass what is thin.
+
+use super::SolverBodies;
+use crate::stages::continuous::{ClampScratch, Pose, Sweep, clamp};
+use crate::stages::mesh_arena::MeshArena;
+use crate::stages::state::{Bodies, StepConfig};
+use std::f64::consts::PI;
+
+/// Memory kept between intervals.
+#[derive(Default)]
+pub(super) struct Stops {
+    sweeps: Vec<Sweep>,
+    continuous: Vec<bool>,
+    pairs: Vec<[u32; 2]>,
+    scratch: ClampScratch,
+    fractions: Vec<f32>,
+}
+
+impl Stops {
+    /// Puts those of the `moved` bodies that are continuous back to where they met others, if they did, after one of
+    /// `intervals` of a step. `bodies` are where they all were before; `pairs` those whose ways may cross.
+    pub fn stop(
+        &mut self,
+        moved: &mut SolverBodies,
+        bodies: &Bodies,
+        meshes: &MeshArena,
+        pairs: &[[u32; 2]],
+        config: &StepConfig,
+        intervals: u32,
+    ) {
+        let Self {
+            sweeps,
+            continuous,
+            pairs: solid_pairs,
+            scratch,
+            fractions,
+        } = self;
+        let wants = |i: u32| bodies.handling[i as usize].continuous && moved.bodies[i as usize].has_mass();
+        continuous.clear();
+        continuous.extend((0..bodies.len() as u32).map(wants));
+        if !continuous.contains(&true) {
+            return;
+        }
+        solid_pairs.clear();
+        let solid = |&i: &u32| moved.bodies[i as usize].solid;
+        let matters = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
+        solid_pairs.extend(pairs.iter().copied().filter(matters));
+        if solid_pairs.is_empty() {
+            return;
+        }
+        let dt = f64::from(config.dt) / f64::from(intervals);
+        sweeps.clear();
+        sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, moved, i, dt)));
+        let slack = |pair: [u32; 2]| {
+            let [a, b] = pair.map(|i| bodies.radius[i as usize]);
+            config.solver.rest_offset * 2.0 * a.min(b)
+        };
+        clamp(bodies, meshes, sweeps, continuous, solid_pairs, slack, scratch, fractions);
+        for (i, &fraction) in fractions.iter().enumerate() {
+            if fraction < 1.0 {
+                let Pose { center, rotation } = sweeps[i].at(f64::from(fraction));
+                (moved.motions[i].center, moved.motions[i].rotation) = (center, rotation);
+            }
+        }
+    }
+}
+
+/// How a body went from where it was to where it is now.
+fn sweep(bodies: &Bodies, moved: &SolverBodies, i: usize, dt: f64) -> Sweep {
+    let before = Pose {
+        center: bodies.frame[i].center,
+        rotation: bodies.rotation[i].as_dquat().normalize(),
+    };
+    let motion = &moved.motions[i];
+    let after = Pose {
+        center: motion.center,
+        rotation: motion.rotation,
+    };
+    let sweep = Sweep::between(before, after);
+    let turn = motion.angular_velocity.as_dvec3() * dt;
+    // Poses do not tell how often a body turned; its angular velocity does.
+    if turn.length() > PI { Sweep { turn, ..sweep } } else { sweep }
+}
