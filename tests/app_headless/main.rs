@@ -4,6 +4,7 @@
 mod app;
 
 mod clock;
+mod contacts;
 mod kinds;
 mod many;
 mod meshes;

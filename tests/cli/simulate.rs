@@ -63,7 +63,12 @@ fn check_shape(json: &Value) {
     for (i, step) in json["steps"].as_array().unwrap().iter().enumerate() {
         assert_eq!(
             keys(step),
-            sorted(["step", "step_ms", "stages_ms"].into_iter().chain(COUNTS).chain(MECHANICS))
+            sorted(
+                ["step", "step_ms", "stages_ms"]
+                    .into_iter()
+                    .chain(COUNTS)
+                    .chain(MECHANICS)
+            )
         );
         assert_eq!(step["step"], i as u64 + 1);
         assert!(step["step_ms"].as_f64().unwrap() >= 0.0);

@@ -6,7 +6,7 @@ use crate::oracle::rng::Rng;
 use crate::scenes::{BALL, CUBE, Kit, RING, TORUS, crowd};
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::step::GpuStep;
-use bevy_faceoff::settings::Response;
+use bevy_faceoff::settings::{Response, SolverSettings};
 use bevy_faceoff::stages::state::{Body, StepConfig};
 use glam::Vec3;
 
@@ -29,6 +29,12 @@ pub fn fifty_steps_without_response(gpu: &Gpu) {
         dt: 1.0 / 64.0,
         gravity: Vec3::NEG_Y * 9.81,
         response: Response::None,
+        // The GPU looks for no points, and not as far.
+        solver: SolverSettings {
+            contact_margin: 0.0,
+            rest_offset: 0.0,
+            ..SolverSettings::default()
+        },
     };
     let mut on_device = scene.clone();
     let mut step = GpuStep::new(gpu.clone()).unwrap();

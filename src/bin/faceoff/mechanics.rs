@@ -21,13 +21,7 @@ pub struct Mechanics {
 impl Mechanics {
     /// Of a world after a step.
     pub fn of(world: &mut World) -> Self {
-        let mut bodies = world.query::<(
-            &RigidBody,
-            &MeshCollider,
-            &Transform,
-            &LinearVelocity,
-            &AngularVelocity,
-        )>();
+        let mut bodies = world.query::<(&RigidBody, &MeshCollider, &Transform, &LinearVelocity, &AngularVelocity)>();
         let meshes = world.resource::<Assets<CollisionMesh>>();
         let (mut energy, mut momentum) = (0.0, DVec3::ZERO);
         for (_, collider, pose, v, w) in bodies.iter(world).filter(|(kind, ..)| **kind == RigidBody::Dynamic) {

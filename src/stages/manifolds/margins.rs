@@ -29,7 +29,11 @@ impl Margins {
         reach.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
             let travel = self.travel(bodies, config, i);
             // All that a fast body may meet on its way must be known to stop it there.
-            let travel = if bodies.handling.get(i).is_some_and(|h| h.continuous) { travel } else { travel.min(2.0 * radius) };
+            let travel = if bodies.handling.get(i).is_some_and(|h| h.continuous) {
+                travel
+            } else {
+                travel.min(2.0 * radius)
+            };
             radius + self.contact_margin(config) * radius + travel
         }));
         bodies.reach = reach;

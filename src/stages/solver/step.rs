@@ -5,6 +5,7 @@ use super::touches::Touches;
 use super::{Interval, SleepState, Sleeper, Solver, SolverBodies, WarmStart};
 use crate::components::RigidBody;
 use crate::settings::Response;
+use crate::stages::manifolds::Manifolds;
 use crate::stages::manifolds::margins::Margins;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, Plane, StepState};
@@ -152,6 +153,7 @@ pub(crate) fn solve(state: &mut StepState) {
         touches,
         ..
     } = dynamics;
+    wake_on_new_ground(bodies, still, manifolds);
     sleeper.wake(bodies, manifolds, settings, &interval);
     solver.solve(bodies, manifolds, &mut memory.warm, settings, &interval);
     touches.note(placed, bodies, manifolds, settings, |point| solver.impulse_of(point));
@@ -161,6 +163,17 @@ pub(crate) fn solve(state: &mut StepState) {
     if *has_still {
         for (i, still) in still.iter_mut().enumerate() {
             *still &= bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static;
+        }
+    }
+}
+
+/// Wakes bodies that touch something fixed which is not as it was.
+fn wake_on_new_ground(bodies: &mut SolverBodies, still: &[bool], manifolds: &Manifolds) {
+    for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies.map(|i| i as usize)) {
+        for (sleeper, ground) in [(a, b), (b, a)] {
+            if bodies.sleep[sleeper].asleep && bodies.bodies[ground].kind == RigidBody::Static && !still[ground] {
+                bodies.sleep[sleeper] = SleepState::default();
+            }
         }
     }
 }
@@ -175,7 +188,14 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         dynamics,
         ..
     } = state;
-    dynamics.stops.stop(&mut dynamics.bodies, bodies, meshes, sphere_pairs, config, dynamics.intervals);
+    dynamics.stops.stop(
+        &mut dynamics.bodies,
+        bodies,
+        meshes,
+        sphere_pairs,
+        config,
+        dynamics.intervals,
+    );
     dynamics.bodies.write(bodies, meshes);
     dynamics.margins.set_reach(bodies, config);
 }

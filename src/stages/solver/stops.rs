@@ -55,7 +55,16 @@ impl Stops {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
             config.solver.rest_offset * 2.0 * a.min(b)
         };
-        clamp(bodies, meshes, sweeps, continuous, solid_pairs, slack, scratch, fractions);
+        clamp(
+            bodies,
+            meshes,
+            sweeps,
+            continuous,
+            solid_pairs,
+            slack,
+            scratch,
+            fractions,
+        );
         for (i, &fraction) in fractions.iter().enumerate() {
             if fraction < 1.0 {
                 let Pose { center, rotation } = sweeps[i].at(f64::from(fraction));
@@ -79,5 +88,9 @@ fn sweep(bodies: &Bodies, moved: &SolverBodies, i: usize, dt: f64) -> Sweep {
     let sweep = Sweep::between(before, after);
     let turn = motion.angular_velocity.as_dvec3() * dt;
     // Poses do not tell how often a body turned; its angular velocity does.
-    if turn.length() > PI { Sweep { turn, ..sweep } } else { sweep }
+    if turn.length() > PI {
+        Sweep { turn, ..sweep }
+    } else {
+        sweep
+    }
 }

@@ -77,7 +77,8 @@ pub fn pour(world: &mut World, scene: &Scene, mesh: &CollisionMesh) -> Framing {
     let mut random = fastrand::Rng::with_seed(scene.seed);
     for i in 0..scene.bodies {
         let at = [i % across, i / (across * across), i / across % across].map(|k| k as f32);
-        let center = Vec3::new(at[0], at[1], at[2]) * SPACING + Vec3::new(0.5 * SPACING - half + 0.15, 1.0, 0.5 * SPACING - half + 0.15);
+        let center = Vec3::new(at[0], at[1], at[2]) * SPACING
+            + Vec3::new(0.5 * SPACING - half + 0.15, 1.0, 0.5 * SPACING - half + 0.15);
         let turn = Vec3::from_array([0; 3].map(|_| 4.0 * random.f32() - 2.0));
         let rotation = Quat::from_scaled_axis(turn);
         world.spawn((
