@@ -105,7 +105,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let mut world = World::new(&[shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]);
     let mut random = Random::new(9);
     for i in 0..60 {
-        let (from, travel) = (random.direction() * 8.0, random.direction() * 12.0);
+        let (from, travel) = (random.direction() * 5.0, random.direction() * 12.0);
         let turn = random.direction() * 5.0;
         world.add(i % 3, Vec3::ONE, flight(from, random.rotation(), travel, turn));
     }

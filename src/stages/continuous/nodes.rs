@@ -48,11 +48,13 @@ pub struct Placing {
     rotation_abs: Rows,
     /// Direction of the axis of the turn in the body's own axes; zero for none.
     axis: Points,
+    /// Of the body's bounding sphere.
+    radius: f32x8,
 }
 
 impl Placing {
-    /// Of the first body or of the second; `scale` in the pair's unit.
-    pub fn new(end: usize, scale: Vec3, relative: &Rounded) -> Self {
+    /// Of the first body or of the second; `scale` and the bounding sphere's `radius` in the pair's unit.
+    pub fn new(end: usize, scale: Vec3, radius: f32, relative: &Rounded) -> Self {
         let rotation = if end == 0 { relative.back } else { relative.rotation };
         Self {
             scale: splat(scale),
@@ -60,6 +62,7 @@ impl Placing {
             rotation: Rows::new(rotation),
             rotation_abs: Rows::new(rotation.abs()),
             axis: splat(relative.frames[end].turns[end].normalize_or_zero()),
+            radius: f32x8::splat(radius),
         }
     }
 
@@ -76,8 +79,8 @@ impl Placing {
         Nodes {
             center: [first.0, second.0],
             half: [first.1, second.1],
-            arm: dot(from_axis, from_axis).sqrt() + size,
-            radius: dot(center, center).sqrt() + size,
+            arm: (dot(from_axis, from_axis).sqrt() + size).fast_min(self.radius),
+            radius: (dot(center, center).sqrt() + size).fast_min(self.radius),
             size,
             lanes,
         }
