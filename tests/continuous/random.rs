@@ -4,7 +4,8 @@ use crate::oracle::{distance, first_near};
 use crate::shapes::{cuboid, moved, sheet};
 use crate::world::{Random, World, flight};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DQuat, DVec3, Quat, Vec3};
+use std::f64::consts::TAU;
 
 fn meshes() -> Vec<TriMesh> {
     let aside = |mesh: &TriMesh| moved(mesh, Quat::from_rotation_x(0.4), Vec3::new(2.0, -1.0, 0.5));
@@ -48,7 +49,7 @@ fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Fou
             let side = [-1.0, 1.0][end];
             let from = middle + DVec3::X * side * random.range(0.4, 2.0) + random.direction() * 0.5;
             let travel = DVec3::NEG_X * side * random.range(0.0, 4.0) + random.direction() * 0.7;
-            let turn = random.direction() * random.range(0.0, turns) * 6.28;
+            let turn = random.direction() * random.range(0.0, turns) * TAU;
             let scale = Vec3::from_array(scale.map(|s| s as f32));
             world.add(mesh, scale, flight(from, random.rotation(), travel, turn));
         }
@@ -117,7 +118,7 @@ fn of_different_sizes() {
             world.add(
                 0,
                 Vec3::ONE,
-                flight(DVec3::ZERO, glam::DQuat::IDENTITY, DVec3::ZERO, DVec3::ZERO),
+                flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::ZERO, DVec3::ZERO),
             );
             let from = aim - way * 0.5;
             let turn = random.direction() * 3.0;

@@ -110,7 +110,7 @@ pub fn stay(a: &Nodes, b: &Nodes, relative: &Rounded) -> Stay {
     let tiny = f32x8::splat(TINY);
     let (mut time, mut widest) = (zero, zero);
     for (k, frame) in relative.frames.iter().enumerate() {
-        let spins = frame.spins();
+        let [spins_a, spins_b] = frame.spins();
         for i in 0..3 {
             let (center_a, center_b) = (a.center[k][i], b.center[k][i]);
             let apart = f32x8::splat(frame.translation[i]) + center_b - center_a;
@@ -118,8 +118,8 @@ pub fn stay(a: &Nodes, b: &Nodes, relative: &Rounded) -> Stay {
             let sign = apart.simd_ge(zero).bitselect(f32x8::ONE, -f32x8::ONE);
             let gap = apart.abs() - a.half[k][i] - b.half[k][i] - pad;
             let speed = sign * f32x8::splat(frame.velocity[i]) + speed_pad;
-            let spin_a = f32x8::splat(spins[0][i]) * a.arm;
-            let spin_b = f32x8::splat(spins[1][i]) * b.arm;
+            let spin_a = f32x8::splat(spins_a[i]) * a.arm;
+            let spin_b = f32x8::splat(spins_b[i]) * b.arm;
             // However long it turns, no point leaves the sphere about the centre of mass on which it is.
             let most_a = (a.radius - sign * center_a - a.half[k][i])
                 .fast_max(zero)
