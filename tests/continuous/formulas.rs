@@ -88,6 +88,27 @@ fn a_ball_that_spins_fast_stops_as_one_that_does_not() {
     }
 }
 
+/// Until its tips reach the plane it cannot arrive, and half a turn later it must have.
+#[test]
+fn thousands_of_turns_are_not_missed() {
+    let half = DVec3::new(0.05, 0.05, 1.0);
+    let mut world = World::new(&[sheet(20.0, 10), cuboid((half * 2.0).as_vec3())]);
+    for turn in [1.0e3, 1.0e4, 1.0e5] {
+        world.clear();
+        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        let from = DVec3::new(0.5, 0.2, 3.0);
+        world.add(
+            1,
+            Vec3::ONE,
+            flight(from, DQuat::IDENTITY, DVec3::NEG_Z * 5.0, DVec3::Y * turn),
+        );
+        let time = f64::from(world.time(SLACK).expect("a hit"));
+        let tips = (3.0 - half.x.hypot(half.z) - f64::from(SLACK)) / 5.0;
+        assert!(time < tips + std::f64::consts::PI / turn, "late at {turn}: {time}");
+        assert!(time > tips - 0.1 * f64::from(SLACK), "early at {turn}: {time}");
+    }
+}
+
 /// The corners that lead are on the axis of the turn.
 #[test]
 fn a_needle_that_spins_about_its_axis_flies_as_if_it_did_not() {

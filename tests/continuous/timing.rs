@@ -4,10 +4,11 @@ use crate::shapes::{cuboid, sheet};
 use crate::world::{Random, World, flight, stay};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use glam::{DQuat, DVec3, Vec3};
+use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// Fires `bullet` at `target` from random places, `sizes` far and turning by up to `turn`, and prints microseconds per call.
-fn time(what: &str, target: TriMesh, bullet: TriMesh, sizes: f64, turn: f64, beside: f64) {
+/// Fires `bullet` at `target` from random places, `sizes` far and turning up to so many `turns`, and prints microseconds per call.
+fn time(what: &str, target: TriMesh, bullet: TriMesh, sizes: f64, turns: f64, beside: f64) {
     let mut world = World::new(&[target, bullet]);
     let mut random = Random::new(1);
     let (mut times, mut hits) = (Vec::new(), 0);
@@ -16,7 +17,7 @@ fn time(what: &str, target: TriMesh, bullet: TriMesh, sizes: f64, turn: f64, bes
         world.add(0, Vec3::ONE, stay(DVec3::ZERO, random.rotation()));
         let way = random.direction() * sizes;
         let aim = random.direction() * 0.8 + way.any_orthonormal_vector() * beside;
-        let turn = random.direction() * turn;
+        let turn = random.direction() * turns * TAU;
         world.add(1, Vec3::ONE, flight(aim - way * 0.5, random.rotation(), way, turn));
         let start = Instant::now();
         hits += usize::from(world.time(0.005).is_some());
@@ -40,20 +41,20 @@ fn microseconds_per_call() {
     let ball = || shapes::ball(0.5, 2);
     let plate = || sheet(8.0, 32);
     time("ball 320, 2048 triangles, 50 sizes", plate(), ball(), 50.0, 0.0, 0.0);
-    time("the same, one turn", plate(), ball(), 50.0, 6.28, 0.0);
-    time("the same, ten turns", plate(), ball(), 50.0, 62.8, 0.0);
-    time("the same, ten turns, 5 sizes", plate(), ball(), 5.0, 62.8, 0.0);
-    time("the same, 100 turns, 5 sizes", plate(), ball(), 5.0, 628.0, 0.0);
-    time("the same, 500 sizes, one turn", plate(), ball(), 500.0, 6.28, 0.0);
-    time("spheres miss", plate(), ball(), 50.0, 6.28, 10.0);
-    time("two triangles", sheet(8.0, 1), ball(), 50.0, 6.28, 0.0);
-    time("10082 triangles", sheet(8.0, 71), ball(), 50.0, 6.28, 0.0);
+    time("the same, one turn", plate(), ball(), 50.0, 1.0, 0.0);
+    time("the same, ten turns", plate(), ball(), 50.0, 10.0, 0.0);
+    time("the same, ten turns, 5 sizes", plate(), ball(), 5.0, 10.0, 0.0);
+    time("the same, 100 turns, 5 sizes", plate(), ball(), 5.0, 100.0, 0.0);
+    time("the same, 500 sizes, one turn", plate(), ball(), 500.0, 1.0, 0.0);
+    time("spheres miss", plate(), ball(), 50.0, 1.0, 10.0);
+    time("two triangles", sheet(8.0, 1), ball(), 50.0, 1.0, 0.0);
+    time("10082 triangles", sheet(8.0, 71), ball(), 50.0, 1.0, 0.0);
     time(
         "ball 5120, 10082 triangles",
         sheet(8.0, 71),
         shapes::ball(0.5, 4),
         50.0,
-        6.28,
+        1.0,
         0.0,
     );
     time(
@@ -61,7 +62,7 @@ fn microseconds_per_call() {
         cuboid(Vec3::new(8.0, 8.0, 0.01)),
         shapes::cube(1.0),
         50.0,
-        6.28,
+        1.0,
         0.0,
     );
     time(
@@ -69,7 +70,7 @@ fn microseconds_per_call() {
         shapes::knot_1120(),
         shapes::knot_1120(),
         50.0,
-        6.28,
+        1.0,
         0.0,
     );
     let facing = |world: &mut World, turn: f64| {

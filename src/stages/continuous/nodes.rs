@@ -48,11 +48,13 @@ pub struct Placing {
     rotation_abs: Rows,
     /// Direction of the axis of the turn in the body's own axes; zero for none.
     axis: Points,
+    /// Of the body's bounding sphere.
+    radius: f32x8,
 }
 
 impl Placing {
-    /// Of the first body or of the second; `scale` in the pair's unit.
-    pub fn new(end: usize, scale: Vec3, relative: &Rounded) -> Self {
+    /// Of the first body or of the second; `scale` and the bounding sphere's `radius` in the pair's unit.
+    pub fn new(end: usize, scale: Vec3, radius: f32, relative: &Rounded) -> Self {
         let rotation = if end == 0 { relative.back } else { relative.rotation };
         Self {
             scale: splat(scale),
@@ -60,6 +62,7 @@ impl Placing {
             rotation: Rows::new(rotation),
             rotation_abs: Rows::new(rotation.abs()),
             axis: splat(relative.frames[end].turns[end].normalize_or_zero()),
+            radius: f32x8::splat(radius),
         }
     }
 
@@ -76,8 +79,8 @@ impl Placing {
         Nodes {
             center: [first.0, second.0],
             half: [first.1, second.1],
-            arm: dot(from_axis, from_axis).sqrt() + size,
-            radius: dot(center, center).sqrt() + size,
+            arm: (dot(from_axis, from_axis).sqrt() + size).fast_min(self.radius),
+            radius: (dot(center, center).sqrt() + size).fast_min(self.radius),
             size,
             lanes,
         }
@@ -107,7 +110,7 @@ pub fn stay(a: &Nodes, b: &Nodes, relative: &Rounded) -> Stay {
     let tiny = f32x8::splat(TINY);
     let (mut time, mut widest) = (zero, zero);
     for (k, frame) in relative.frames.iter().enumerate() {
-        let spins = frame.spins();
+        let [spins_a, spins_b] = frame.spins();
         for i in 0..3 {
             let (center_a, center_b) = (a.center[k][i], b.center[k][i]);
             let apart = f32x8::splat(frame.translation[i]) + center_b - center_a;
@@ -115,8 +118,8 @@ pub fn stay(a: &Nodes, b: &Nodes, relative: &Rounded) -> Stay {
             let sign = apart.simd_ge(zero).bitselect(f32x8::ONE, -f32x8::ONE);
             let gap = apart.abs() - a.half[k][i] - b.half[k][i] - pad;
             let speed = sign * f32x8::splat(frame.velocity[i]) + speed_pad;
-            let spin_a = f32x8::splat(spins[0][i]) * a.arm;
-            let spin_b = f32x8::splat(spins[1][i]) * b.arm;
+            let spin_a = f32x8::splat(spins_a[i]) * a.arm;
+            let spin_b = f32x8::splat(spins_b[i]) * b.arm;
             // However long it turns, no point leaves the sphere about the centre of mass on which it is.
             let most_a = (a.radius - sign * center_a - a.half[k][i])
                 .fast_max(zero)

@@ -22,6 +22,11 @@ use std::collections::BinaryHeap;
 /// After so many looks at a pair of nodes or of triangles the search gives up, and takes the time it has got to.
 const MOST_LOOKS: u32 = 1 << 16;
 
+/// After so many looks the search begins anew, at the time it has got to, and is more patient next time. Clocks of small parts are
+/// right for what comes near at once; but of bodies that spin, many small parts come and go before any two meet, and larger
+/// ones would do for those that are gone.
+const PATIENCE: u32 = 192;
+
 /// Memory kept between searches.
 #[derive(Default)]
 pub struct Scratch {
@@ -65,24 +70,30 @@ impl Search<'_> {
     /// The time at which any two triangles arrive within reach of each other; `None` if none do, or if some are at the start.
     pub fn run(&self, scratch: &mut Scratch) -> Option<f64> {
         let queue = &mut scratch.queue;
-        queue.clear();
         let [start, end] = self.span;
-        queue.push(Entry {
-            tick: self.tick(start),
-            time: start,
-            level: [0, 1].map(|i| self.sides[i].root() as u8),
-            number: [0, 0],
-            far: true,
-        });
-        let mut moment = self.moment(start);
-        let mut looks = 0;
+        let mut relative = self.relative(start);
+        let mut moment = None;
+        let mut patience = PATIENCE;
+        let (mut looks, mut since, mut restart) = (0, 0, start);
+        queue.clear();
+        queue.push(self.roots(start));
         while let Some(entry) = queue.pop() {
             looks += 1;
+            since += 1;
             if looks > MOST_LOOKS {
                 return Some(self.beginning(entry.tick));
             }
-            if moment.relative.time != entry.time {
-                moment = self.moment(entry.time);
+            if since > patience {
+                let time = self.beginning(entry.tick);
+                // Where no time was won, many things are near at once, and more have to be looked at.
+                patience = if time > restart { patience * 5 / 4 } else { patience * 2 };
+                (since, restart) = (0, time);
+                queue.clear();
+                queue.push(self.roots(time));
+                continue;
+            }
+            if relative.time != entry.time {
+                (relative, moment) = (self.relative(entry.time), None);
             }
             let mut add = |next: Entry, stay: f64| {
                 let time = entry.time + stay;
@@ -94,17 +105,37 @@ impl Search<'_> {
                     });
                 }
             };
-            match entry.level {
-                [0, 0] => match self.approach(entry.number, &moment.relative) {
+            if entry.level == [0, 0] {
+                match self.approach(entry.number, &relative) {
                     Some(stay) => add(entry, stay),
                     // What arrives within the first tick was there before.
                     None => return (entry.tick > 0).then(|| self.beginning(entry.tick)),
-                },
-                [1, 1] if !entry.far => self.open_clusters(&entry, &moment, &mut add),
-                _ => self.open(&entry, &moment, &mut add),
+                }
+                continue;
+            }
+            let moment = moment.get_or_insert_with(|| self.moment(relative));
+            if entry.level == [1, 1] && !entry.far {
+                self.open_clusters(&entry, moment, &mut add);
+            } else {
+                self.open(&entry, moment, &mut add);
             }
         }
         None
+    }
+
+    /// Where a search starts, at a time until which all is apart.
+    fn roots(&self, time: f64) -> Entry {
+        Entry {
+            tick: self.tick(time),
+            time,
+            level: [0, 1].map(|i| self.sides[i].root() as u8),
+            number: [0, 0],
+            far: true,
+        }
+    }
+
+    fn relative(&self, time: f64) -> Relative {
+        Relative::at([self.sides[0].sweep, self.sides[1].sweep], time)
     }
 
     /// Times are compared by ticks so short that nothing comes nearer by more than a part of the tolerance, and within a tick
@@ -124,15 +155,16 @@ impl Search<'_> {
         (2.0 * self.speed / tolerance).clamp(1.0, 1.0e15)
     }
 
-    /// What is the same for all that is looked at at one time.
-    fn moment(&self, time: f64) -> Moment {
-        let [a, b] = &self.sides;
-        let relative = Relative::at([a.sweep, b.sweep], time);
-        let size = a.radius + b.radius;
+    /// What is the same for all nodes that are looked at at one time.
+    fn moment(&self, relative: Relative) -> Moment {
+        let size = self.sides[0].radius + self.sides[1].radius;
         let unit = unit_of(size as f32);
         let rounded = relative.rounded(unit, size, self.reach.aim);
         Moment {
-            placings: [0, 1].map(|i| Placing::new(i, unit * self.sides[i].scale, &rounded)),
+            placings: [0, 1].map(|i| {
+                let side = &self.sides[i];
+                Placing::new(i, unit * side.scale, unit * side.radius as f32, &rounded)
+            }),
             relative,
             rounded,
             unit,
@@ -175,16 +207,14 @@ impl Search<'_> {
     fn open_clusters(&self, entry: &Entry, moment: &Moment, add: &mut impl FnMut(Entry, f64)) {
         let relative = &moment.relative;
         let rotations = [DMat3::IDENTITY, relative.rotation];
-        let centers = [DVec3::ZERO, relative.translation];
         let unit = f64::from(moment.unit);
         let [a, b] = [0, 1].map(|i| {
             let side = &self.sides[i];
             let cluster = &side.slot.lanes.clusters[entry.number[i] as usize];
             let matrix = rotations[i] * DMat3::from_diagonal(side.scale.as_dvec3() * unit);
             let origin = matrix * side.about_center(cluster.origin);
-            let center = (centers[i] * unit).as_vec3();
             let matrix: Mat3 = matrix.as_mat3();
-            Triangles::new(i, cluster, matrix, origin.as_vec3(), center, &moment.rounded)
+            Triangles::new(i, cluster, matrix, origin.as_vec3(), &moment.rounded)
         });
         for i in bits(a.lanes) {
             let stay = a.stay(i, &b, &moment.rounded);
