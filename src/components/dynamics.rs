@@ -134,16 +134,15 @@ pub struct Sleeping(pub bool);
 
 /// Lets a dynamic body that is faster than its size per step not pass what is thin (continuous collision detection).
 ///
-/// At the end of each step, or detection interval, in which it moved farther than half its thickness, it is put back to
-/// where it first came as near to another solid body as bodies at rest lie; it keeps its velocity, loses the rest of that
-/// interval's motion, and meets the other one as usual in the next. Bodies with this do not make a step be cut into
-/// more detection intervals.
+/// At the end of each step, or detection interval, it is put back to where it first came nearer to another solid body than
+/// bodies at rest lie; it keeps its velocity, loses the rest of that interval's motion, and meets the other one as usual in
+/// the next. Bodies with this make a step be cut into more detection intervals only after they met something.
 ///
 /// * It costs a search per body within reach of such a body's way: some microseconds where it flies past, tens to
 ///   hundreds where it comes near many triangles.
 /// * Flag what is fast, not what is in its way. What moves meanwhile without this may run into a body that was put back, or
 ///   past it if it is thin and fast itself. Of two with this, both stop.
-/// * A body that starts nearer to a surface than bodies at rest lie is kept from it by contacts alone.
+/// * A body that overlaps another is pushed out of it by contacts alone.
 /// * Planes need none of it: nothing passes them.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]

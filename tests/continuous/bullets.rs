@@ -59,7 +59,7 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
             &world.sweeps,
             &[false, true],
             &[[0, 1]],
-            SLACK,
+            |_| SLACK,
             &mut scratch,
             &mut fractions,
         );

@@ -1,6 +1,7 @@
 //! How far bodies may go.
 
-use super::{Scratch, Sweep, time_of_impact};
+use super::search::Meeting;
+use super::{Scratch, Sweep, meeting, rounded_down};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::per_thread::PerThread;
 use crate::stages::state::Bodies;
@@ -10,20 +11,23 @@ use rayon::prelude::*;
 #[derive(Default)]
 pub struct ClampScratch {
     workers: PerThread<Scratch>,
-    /// For each pair what [`time_of_impact`] says, infinite for never.
+    /// For each pair when its bodies meet, infinite for never.
     times: Vec<f32>,
 }
 
-/// A body whose points all move less than this part of its thickness cannot pass anything unseen.
-const SLOW: f64 = 0.5;
+/// How often bodies that start as near as the slack are looked at with half of it. One that was stopped starts there, and
+/// contacts do not take all of a bullet's speed at once: a sheet may be thinner than what is left. If they are as near as
+/// that, too, the search ends at its first look.
+const CLOSER: u32 = 12;
 
-/// Writes into `fractions` which part of its motion, 0 to 1, each body may make: for those that are `continuous` and move
-/// farther than half their thickness the smallest [`time_of_impact`] of all their `pairs`, for all others 1. Place a stopped
-/// body at [`Sweep::at`] that time; the rest of its motion is lost.
+/// Writes into `fractions` which part of its motion, 0 to 1, each body may make: for those that are `continuous` the smallest
+/// [`time_of_impact`](super::time_of_impact) of all their `pairs`, for all others 1. Pairs that start nearer than `slack` are
+/// looked at with half of it, up to 12 times. Place a stopped body at [`Sweep::at`] that time; the rest of its motion is
+/// lost.
 ///
 /// `sweeps` and `continuous` have an entry for each of `bodies`; what is missing counts as not continuous. `pairs` must hold those
-/// whose bounding spheres overlap anywhere on their ways; `slack` tells how near each may come, metres. Both ends are clamped if both are continuous. Runs on rayon's current
-/// thread pool; the same input gives the same bits, however many threads there are.
+/// whose bounding spheres overlap anywhere on their ways; `slack` tells how near each may come, metres. Both ends are clamped if
+/// both are continuous. Runs on rayon's current thread pool; the same input gives the same bits, however many threads there are.
 ///
 /// What that guarantees: a body that is stopped has not come nearer than `slack` to any surface that stands still, nor to
 /// one whose body makes all its motion until the same time. What not:
@@ -45,37 +49,33 @@ pub fn clamp(
 ) {
     let ClampScratch { workers, times } = scratch;
     let workers = workers.ready();
-    let fast = |i: u32| {
-        let i = i as usize;
-        continuous.get(i) == Some(&true) && i < bodies.len() && is_fast(bodies, meshes, i, sweeps.get(i))
-    };
+    let is_continuous = |i: u32| continuous.get(i as usize) == Some(&true) && (i as usize) < bodies.len();
     pairs
         .par_iter()
         .map(|&pair| {
             let [a, b] = pair.map(|i| sweeps.get(i as usize));
-            let (Some(a), Some(b), true) = (a, b, pair.into_iter().any(fast)) else {
+            let (Some(a), Some(b), true) = (a, b, pair.into_iter().any(is_continuous)) else {
                 return f32::INFINITY;
             };
             let mut scratch = workers.lock();
-            time_of_impact(bodies, meshes, pair, [a, b], slack(pair), &mut scratch).unwrap_or(f32::INFINITY)
+            let mut slack = slack(pair);
+            for _ in 0..=CLOSER {
+                match meeting(bodies, meshes, pair, [a, b], slack, &mut scratch) {
+                    Meeting::At(time) => return rounded_down(time),
+                    Meeting::Never => return f32::INFINITY,
+                    Meeting::Already => slack *= 0.5,
+                }
+            }
+            f32::INFINITY
         })
         .collect_into_vec(times);
 
     fractions.clear();
     fractions.resize(bodies.len(), 1.0);
     for (pair, &time) in pairs.iter().zip(&*times) {
-        for i in pair.iter().filter(|i| time < 1.0 && fast(**i)) {
+        for i in pair.iter().filter(|i| time < 1.0 && is_continuous(**i)) {
             let fraction = &mut fractions[*i as usize];
             *fraction = fraction.min(time);
         }
     }
-}
-
-/// Whether a body moves farther than half its thickness.
-fn is_fast(bodies: &Bodies, meshes: &MeshArena, i: usize, sweep: Option<&Sweep>) -> bool {
-    let (Some(sweep), Some(slot)) = (sweep, meshes.get(bodies.mesh[i])) else {
-        return false;
-    };
-    let thickness = f64::from(slot.mesh.mass.thickness * bodies.scale[i].abs().min_element());
-    sweep.longest_way(f64::from(bodies.radius[i])) > SLOW * thickness
 }

@@ -39,7 +39,7 @@ pub use sweep::{Pose, Sweep};
 use super::mesh_arena::MeshArena;
 use super::state::Bodies;
 use approach::Reach;
-use search::{Search, Side};
+use search::{Meeting, Search, Side};
 
 /// Bodies are stopped at up to this part of the slack more than it.
 const TOLERANCE: f64 = 0.125;
@@ -69,10 +69,25 @@ pub fn time_of_impact(
     slack: f32,
     scratch: &mut Scratch,
 ) -> Option<f32> {
+    match meeting(bodies, meshes, pair, sweeps, slack, scratch) {
+        Meeting::At(time) => Some(rounded_down(time)),
+        Meeting::Already | Meeting::Never => None,
+    }
+}
+
+/// The same, and whether they are near at the start.
+fn meeting(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pair: [u32; 2],
+    sweeps: [&Sweep; 2],
+    slack: f32,
+    scratch: &mut Scratch,
+) -> Meeting {
     let [a, b] = pair.map(|i| i as usize);
     let valid = a != b && a.max(b) < bodies.len() && sweeps.iter().all(|sweep| sweep.is_valid());
     if !valid || slack.is_nan() {
-        return None;
+        return Meeting::Never;
     }
     let radii = [a, b].map(|i| f64::from(bodies.radius[i]));
     let slack = f64::from(slack.clamp(0.0, f32::MAX));
@@ -81,7 +96,9 @@ pub fn time_of_impact(
         aim: slack + 0.5 * tolerance,
         arrived: slack + tolerance,
     };
-    let span = spheres::overlap(sweeps, radii[0] + radii[1] + reach.arrived)?;
+    let Some(span) = spheres::overlap(sweeps, radii[0] + radii[1] + reach.arrived) else {
+        return Meeting::Never;
+    };
     let side = |end: usize, i: usize| {
         Some(Side {
             slot: meshes.get(bodies.mesh[i])?,
@@ -91,13 +108,16 @@ pub fn time_of_impact(
         })
     };
     let turning = |end: usize| sweeps[end].turn.length() * radii[end];
+    let (Some(one), Some(other)) = (side(0, a), side(1, b)) else {
+        return Meeting::Never;
+    };
     let search = Search {
-        sides: [side(0, a)?, side(1, b)?],
+        sides: [one, other],
         reach,
         span,
         speed: (sweeps[0].travel - sweeps[1].travel).length() + turning(0) + turning(1),
     };
-    search.run(scratch).map(rounded_down)
+    search.run(scratch)
 }
 
 /// In single precision, but no later.

@@ -53,6 +53,17 @@ pub struct Search<'a> {
     pub speed: f64,
 }
 
+/// When two bodies come near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Meeting {
+    /// They do not.
+    Never,
+    /// They are at the start.
+    Already,
+    /// At this part of the interval.
+    At(f64),
+}
+
 /// Two nodes, or two triangles, and until when they stay apart.
 #[derive(Clone, Copy)]
 struct Entry {
@@ -67,8 +78,8 @@ struct Entry {
 }
 
 impl Search<'_> {
-    /// The time at which any two triangles arrive within reach of each other; `None` if none do, or if some are at the start.
-    pub fn run(&self, scratch: &mut Scratch) -> Option<f64> {
+    /// When any two triangles arrive within reach of each other.
+    pub fn run(&self, scratch: &mut Scratch) -> Meeting {
         let queue = &mut scratch.queue;
         let [start, end] = self.span;
         let mut relative = self.relative(start);
@@ -81,7 +92,7 @@ impl Search<'_> {
             looks += 1;
             since += 1;
             if looks > MOST_LOOKS {
-                return Some(self.beginning(entry.tick));
+                return Meeting::At(self.beginning(entry.tick));
             }
             if since > patience {
                 let time = self.beginning(entry.tick);
@@ -109,7 +120,8 @@ impl Search<'_> {
                 match self.approach(entry.number, &relative) {
                     Some(stay) => add(entry, stay),
                     // What arrives within the first tick was there before.
-                    None => return (entry.tick > 0).then(|| self.beginning(entry.tick)),
+                    None if entry.tick == 0 => return Meeting::Already,
+                    None => return Meeting::At(self.beginning(entry.tick)),
                 }
                 continue;
             }
@@ -120,7 +132,7 @@ impl Search<'_> {
                 self.open(&entry, moment, &mut add);
             }
         }
-        None
+        Meeting::Never
     }
 
     /// Where a search starts, at a time until which all is apart.

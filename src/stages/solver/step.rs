@@ -42,11 +42,19 @@ const GONE: u32 = u32::MAX;
 pub struct Memory {
     /// The last step's bodies, ascending.
     keys: Vec<u64>,
-    /// Whether each was frozen, and where.
-    bodies: Vec<(SleepState, Seen)>,
+    /// What is kept of each.
+    bodies: Vec<Kept>,
     planes: Vec<Plane>,
     gravity: Vec3,
     warm: WarmStart,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Kept {
+    sleep: SleepState,
+    seen: Seen,
+    /// It was put back to where it met others.
+    stopped: bool,
 }
 
 /// What of a body others, or the body itself, sleep by.
@@ -111,6 +119,7 @@ pub(crate) fn begin(state: &mut StepState) {
     dynamics.intervals = 1;
     dynamics.has_still = false;
     dynamics.touches.clear();
+    dynamics.stops.forget();
     dynamics.margins = match config.response {
         Response::Impulse => Margins::None,
         Response::None => Margins::AtRest,
@@ -250,13 +259,19 @@ impl Dynamics {
                 continue;
             }
             self.numbers[before] = i as u32;
-            let (mut sleep, seen) = old[before];
+            let Kept {
+                mut sleep,
+                seen,
+                stopped,
+            } = old[before];
             let same = seen == Seen::new(bodies, meshes, i);
             let handling = &bodies.handling[i];
             if !handling.can_sleep || handling.woken && sleep.asleep || sleep.asleep && !same || all_wake {
                 sleep = SleepState::default();
             }
             self.bodies.sleep[i] = sleep;
+            // What has just met something is looked at as often as others: it will meet it again.
+            self.bodies.bodies[i].continuous &= !stopped;
             let (motion, forces) = (&self.bodies.motions[i], &self.bodies.forces[i]);
             let rests = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
             self.still[i] =
@@ -275,13 +290,11 @@ impl Dynamics {
         let memory = &mut self.memory;
         memory.keys.clone_from(&self.keys);
         memory.bodies.clear();
-        let sleep = self.bodies.sleep.iter();
-        memory.bodies.extend(
-            sleep
-                .take(bodies.len())
-                .enumerate()
-                .map(|(i, &sleep)| (sleep, Seen::new(bodies, meshes, i))),
-        );
+        memory.bodies.extend((0..bodies.len()).map(|i| Kept {
+            sleep: self.bodies.sleep[i],
+            seen: Seen::new(bodies, meshes, i),
+            stopped: self.stops.has_stopped(i),
+        }));
         planes.clone_into(&mut memory.planes);
         memory.gravity = gravity;
     }

@@ -4,7 +4,11 @@ use super::SolverBodies;
 use crate::stages::continuous::{ClampScratch, Pose, Sweep, clamp};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, StepConfig};
-use std::f64::consts::PI;
+use std::f64::consts::TAU;
+
+/// How near bodies come before they are stopped, as a part of the gap that bodies at rest keep: what slides along another must
+/// not be stopped.
+const SLACK: f32 = 0.25;
 
 /// Memory kept between intervals.
 #[derive(Default)]
@@ -14,9 +18,21 @@ pub(super) struct Stops {
     pairs: Vec<[u32; 2]>,
     scratch: ClampScratch,
     fractions: Vec<f32>,
+    /// Those who were stopped in any interval of the step.
+    stopped: Vec<bool>,
 }
 
 impl Stops {
+    /// Forgets who was stopped, at the beginning of a step.
+    pub fn forget(&mut self) {
+        self.stopped.clear();
+    }
+
+    /// Whether body `i` was stopped in the step.
+    pub fn has_stopped(&self, i: usize) -> bool {
+        self.stopped.get(i) == Some(&true)
+    }
+
     /// Puts those of the `moved` bodies that are continuous back to where they met others, if they did, after one of
     /// `intervals` of a step. `bodies` are where they all were before; `pairs` those whose ways may cross.
     pub fn stop(
@@ -34,6 +50,7 @@ impl Stops {
             pairs: solid_pairs,
             scratch,
             fractions,
+            stopped,
         } = self;
         let wants = |i: u32| bodies.handling[i as usize].continuous && moved.bodies[i as usize].has_mass();
         continuous.clear();
@@ -53,7 +70,7 @@ impl Stops {
         sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, moved, i, dt)));
         let slack = |pair: [u32; 2]| {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
-            config.solver.rest_offset * 2.0 * a.min(b)
+            SLACK * config.solver.rest_offset * 2.0 * a.min(b)
         };
         clamp(
             bodies,
@@ -67,6 +84,8 @@ impl Stops {
         );
         for (i, &fraction) in fractions.iter().enumerate() {
             if fraction < 1.0 {
+                stopped.resize(bodies.len(), false);
+                stopped[i] = true;
                 let Pose { center, rotation } = sweeps[i].at(f64::from(fraction));
                 (moved.motions[i].center, moved.motions[i].rotation) = (center, rotation);
             }
@@ -86,11 +105,14 @@ fn sweep(bodies: &Bodies, moved: &SolverBodies, i: usize, dt: f64) -> Sweep {
         rotation: motion.rotation,
     };
     let sweep = Sweep::between(before, after);
-    let turn = motion.angular_velocity.as_dvec3() * dt;
     // Poses do not tell how often a body turned; its angular velocity does.
-    if turn.length() > PI {
-        Sweep { turn, ..sweep }
-    } else {
-        sweep
+    let Some(axis) = sweep.turn.try_normalize() else {
+        return sweep;
+    };
+    let turned = motion.angular_velocity.as_dvec3().dot(axis) * dt;
+    let whole_turns = ((turned - sweep.turn.length()) / TAU).round();
+    Sweep {
+        turn: sweep.turn + axis * (whole_turns * TAU),
+        ..sweep
     }
 }
