@@ -1,5 +1,14 @@
 //! Steps with contacts, without an app: what bodies do that lie on, hang on and fall onto each other.
 
+mod bounce;
+mod chain;
+mod cloud;
+mod incline;
 mod meshes;
+mod motion;
 mod planes;
+mod pour;
+mod rest;
+mod same_bits;
+mod spin;
 mod world;
