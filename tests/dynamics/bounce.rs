@@ -1,6 +1,7 @@
 //! Impacts of balls of 5,120 faces: outgoing speeds by Newton's law, averaged over how the balls are turned.
 
 use crate::world::{World, any_turn};
+use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::components::{Friction, RigidBody};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::settings::SolverSettings;
@@ -10,13 +11,10 @@ use glam::{DVec3, Quat, Vec3};
 const RADIUS: f32 = 0.5;
 const TURNS: usize = 12;
 
-/// A world without gravity, with the mesh of a ball.
-fn space() -> (World, u32) {
-    let mut world = World::weightless();
+fn ball() -> CollisionMesh {
     let ball = shapes::ball(f64::from(RADIUS), 4);
     assert_eq!(ball.triangles().len(), 5120);
-    let ball = world.mesh(&ball);
-    (world, ball)
+    CollisionMesh::new(&ball)
 }
 
 /// A body without friction.
@@ -56,7 +54,7 @@ fn check(name: &str, restitution: f32, incoming: [f64; 2], outgoing: &[[f64; 2]]
 
 #[test]
 fn balls_leave_each_other_by_their_restitution() {
-    let mut random = fastrand::Rng::with_seed(7);
+    let (mesh, mut random) = (ball(), fastrand::Rng::with_seed(7));
     let gap = SolverSettings::default().rest_offset * 2.0 * RADIUS;
     for restitution in [0.0, 0.5, 1.0] {
         for sideways in [0.0f32, 0.3, 0.5, 0.7] {
@@ -68,7 +66,8 @@ fn balls_leave_each_other_by_their_restitution() {
             let incoming = split((speeds[1] - speeds[0]).as_dvec3(), normal);
             let outgoing: Vec<[f64; 2]> = (0..TURNS)
                 .map(|_| {
-                    let (mut world, ball) = space();
+                    let mut world = World::weightless();
+                    let ball = world.state.meshes.add(mesh.clone());
                     for (k, velocity) in speeds.into_iter().enumerate() {
                         // Not always at the same moment of a step.
                         let at = [-1.0 - 0.05 * random.f32(), 1.0][k];
@@ -96,13 +95,14 @@ fn balls_leave_each_other_by_their_restitution() {
 
 #[test]
 fn balls_leave_a_wall_by_their_restitution() {
-    let mut random = fastrand::Rng::with_seed(8);
+    let (mesh, mut random) = (ball(), fastrand::Rng::with_seed(8));
     for restitution in [0.0, 0.5, 1.0] {
         for angle in [0.0f32, 30.0, 60.0] {
             let velocity = 3.0 * Vec3::new(angle.to_radians().sin(), -angle.to_radians().cos(), 0.0);
             let outgoing: Vec<[f64; 2]> = (0..TURNS)
                 .map(|_| {
-                    let (mut world, ball) = space();
+                    let mut world = World::weightless();
+                    let ball = world.state.meshes.add(mesh.clone());
                     let cube = world.mesh(&shapes::cube(1.0));
                     let at = Vec3::Y * (1.0 + 0.05 * random.f32());
                     world.put(&smooth(

@@ -1,6 +1,7 @@
 //! What happens on a slope: Coulomb's law, and rolling. Sleep is off: it would hold what creeps.
 
 use crate::world::{GAP, World, any_turn};
+use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
 use glam::{DVec3, Quat, Vec3};
@@ -76,15 +77,16 @@ fn a_box_slides_above_the_angle_of_friction() {
 #[test]
 fn balls_roll_down() {
     let mut random = fastrand::Rng::with_seed(9);
+    let mesh = shapes::ball(0.5, 4);
+    assert!(mesh.triangles().len() >= 5120);
+    let mesh = CollisionMesh::new(&mesh);
     // Up to the tangent 7/2 of friction's a ball rolls without sliding.
     for degrees in [5.0f64, 10.0, 20.0] {
         let angle = degrees.to_radians();
         let runs = 6;
         let speeds = (0..runs).map(|_| {
             let mut slope = Slope::new(angle);
-            let mesh = shapes::ball(0.5, 4);
-            assert!(mesh.triangles().len() >= 5120);
-            let mesh = slope.world.mesh(&mesh);
+            let mesh = slope.world.state.meshes.add(mesh.clone());
             // A rest offset above the slope.
             let at = slope.turn * (Vec3::Y * 0.505);
             let ball = slope

@@ -11,4 +11,5 @@ mod pour;
 mod rest;
 mod same_bits;
 mod spin;
+mod thread;
 mod world;
