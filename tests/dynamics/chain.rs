@@ -108,6 +108,7 @@ fn a_chain_of_ten_hangs_is_shaken_and_holds() {
 }
 
 /// `cargo test --release --test dynamics -- --ignored --nocapture chain_of_fifty`
+/// (0.43 % short; deepest 0.7 % of the diameter; 37 s).
 #[test]
 #[ignore = "takes a minute"]
 fn a_chain_of_fifty_hangs_is_shaken_and_holds() {
