@@ -1,68 +1,9 @@
-//! Meshes on meshes: resting, stacked, linked, poured.
+//! Mixed meshes, poured.
 
-use crate::world::{GAP, World};
+use crate::world::World;
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
-use glam::{DVec3, Quat, Vec3};
-
-#[test]
-fn a_cube_rests_on_a_mesh() {
-    let mut world = World::new();
-    let cube = world.mesh(&shapes::cube(1.0));
-    world.floor(cube);
-    let at = Vec3::new(0.3, 0.5 + GAP, 0.2);
-    let body = world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, Quat::from_rotation_y(0.4));
-    let start = world.center(body);
-    world.seconds(20);
-    let moved = world.center(body).distance(start);
-    println!("moved {moved:.6} m in 20 s");
-    assert!(moved < 1.0e-3, "{moved}");
-}
-
-#[test]
-fn ten_cubes_stay_on_each_other() {
-    let mut world = World::new();
-    let cube = world.mesh(&shapes::cube(1.0));
-    world.floor(cube);
-    let stack: Vec<usize> = (0..10)
-        .map(|i| {
-            let at = Vec3::Y * (0.5 + GAP + (1.0 + GAP) * i as f32);
-            let turn = Quat::from_rotation_y(0.1 * i as f32);
-            world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, turn)
-        })
-        .collect();
-    let start: Vec<DVec3> = stack.iter().map(|&i| world.center(i)).collect();
-    world.seconds(20);
-    let moved = stack.iter().zip(&start).map(|(&i, s)| world.center(i).distance(*s));
-    let most = moved.fold(0.0, f64::max);
-    println!(
-        "moved {most:.6} m in 20 s, deepest {}, fastest {}",
-        world.deepest(),
-        world.fastest()
-    );
-    assert!(most < 0.01 && world.fastest() < 1.0e-3, "{most}");
-}
-
-#[test]
-fn a_chain_of_rings_hangs_still() {
-    let mut world = World::new();
-    let ring = world.mesh(&shapes::ring());
-    let count = 50;
-    for i in 0..count {
-        let kind = if i == 0 { RigidBody::Static } else { RigidBody::Dynamic };
-        let turn = Quat::from_rotation_y(if i % 2 == 0 { 0.0 } else { std::f32::consts::FRAC_PI_2 });
-        world.add(kind, ring, Vec3::ONE, Vec3::NEG_Y * (0.74 * i as f32), turn);
-    }
-    world.seconds(10);
-    let links = (1..count).map(|i| world.center(i - 1).distance(world.center(i)));
-    let longest = links.fold(0.0, f64::max);
-    let (deepest, fastest) = (world.deepest(), world.fastest());
-    println!("after 10 s: longest link {longest:.4} m, deepest {deepest:.5} m, fastest {fastest:.4} m/s");
-    // Two diameters of the tube less than that of the ring, and the gap: 0.76 m and a little.
-    assert!((0.74..0.79).contains(&longest), "{longest}");
-    assert!(deepest < 0.02, "{deepest}");
-    assert!(fastest < 0.3, "{fastest}");
-}
+use glam::{Quat, Vec3};
 
 #[test]
 fn bodies_poured_into_a_bin_come_to_rest() {

@@ -28,16 +28,26 @@ impl World {
         Self { state }
     }
 
+    /// The same without gravity.
+    pub fn weightless() -> Self {
+        let mut world = Self::new();
+        world.state.config.gravity = Vec3::ZERO;
+        world
+    }
+
     pub fn mesh(&mut self, mesh: &TriMesh) -> u32 {
         self.state.meshes.add(CollisionMesh::new(mesh))
     }
 
     pub fn add(&mut self, kind: RigidBody, mesh: u32, scale: Vec3, position: Vec3, rotation: Quat) -> usize {
-        let body = Body {
+        self.put(&Body {
             kind,
             ..Body::at_rest(mesh, position, rotation, scale)
-        };
-        self.state.bodies.push(&body, &self.state.meshes).unwrap();
+        })
+    }
+
+    pub fn put(&mut self, body: &Body) -> usize {
+        self.state.bodies.push(body, &self.state.meshes).unwrap();
         self.state.bodies.len() - 1
     }
 
@@ -49,6 +59,10 @@ impl World {
 
     pub fn center(&self, i: usize) -> DVec3 {
         self.state.bodies.frame[i].center
+    }
+
+    pub fn velocity(&self, i: usize) -> Vec3 {
+        self.state.bodies.linear_velocity[i]
     }
 
     pub fn deepest(&self) -> f32 {
@@ -82,6 +96,23 @@ impl World {
             Quat::IDENTITY,
         );
     }
+}
+
+/// A rotation, all alike likely.
+pub fn any_turn(random: &mut fastrand::Rng) -> Quat {
+    loop {
+        let [x, y, z, w] = std::array::from_fn(|_| 2.0 * random.f32() - 1.0);
+        let turn = Quat::from_xyzw(x, y, z, w);
+        // Inside the ball, so that the cube's corners do not come up more often; away from zero, to have a direction.
+        if (0.1..1.0).contains(&turn.length()) {
+            return turn.normalize();
+        }
+    }
+}
+
+/// A vector in the cube from -1 to 1.
+pub fn any_vector(random: &mut fastrand::Rng) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| 2.0 * random.f32() - 1.0))
 }
 
 /// What a cube of edge 1 keeps between itself and others.

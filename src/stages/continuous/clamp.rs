@@ -22,7 +22,7 @@ const CLOSER: u32 = 12;
 
 /// Writes into `fractions` which part of its motion, 0 to 1, each body may make: for those that are `continuous` the smallest
 /// [`time_of_impact`](super::time_of_impact) of all their `pairs`, for all others 1. Pairs that start nearer than `slack` are
-/// looked at with half of it, up to 12 times. Place a stopped body at [`Sweep::at`] that time; the rest of its motion is
+/// looked at with half of it, up to 12 times; if they are as near as that, or overlap, they stay. Place a stopped body at [`Sweep::at`] that time; the rest of its motion is
 /// lost.
 ///
 /// `sweeps` and `continuous` have an entry for each of `bodies`; what is missing counts as not continuous. `pairs` must hold those
@@ -66,7 +66,7 @@ pub fn clamp(
                     Meeting::Already => slack *= 0.5,
                 }
             }
-            f32::INFINITY
+            0.0
         })
         .collect_into_vec(times);
 

@@ -9,6 +9,7 @@ pub mod planes;
 mod ray;
 mod reduce;
 mod side;
+mod smooth;
 
 use super::MarginPair;
 use crate::stages::manifolds::{Manifold, Manifolds};

@@ -16,7 +16,8 @@ pub struct Manifold {
 /// A point at which two bodies push each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
-    /// The point on each body's surface, from its centre of mass, turned with the world, metres.
+    /// The point on each body's surface, from its centre of mass, turned with the world, metres. Where a corner of a finely
+    /// cut round surface touches, the point is where the round surface would touch.
     pub arms: [Vec3; 2],
     /// Unit vector from the first body to the second.
     pub normal: Vec3,

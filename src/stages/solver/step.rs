@@ -8,7 +8,7 @@ use crate::settings::Response;
 use crate::stages::manifolds::Manifolds;
 use crate::stages::manifolds::margins::Margins;
 use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Bodies, Plane, StepState};
+use crate::stages::state::{Bodies, Plane, StepConfig, StepState};
 use glam::{Quat, Vec3};
 
 /// What the solver works on.
@@ -194,17 +194,18 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         meshes,
         bodies,
         sphere_pairs,
+        manifolds,
         dynamics,
         ..
     } = state;
-    dynamics.stops.stop(
-        &mut dynamics.bodies,
-        bodies,
-        meshes,
-        sphere_pairs,
-        config,
-        dynamics.intervals,
-    );
+    let interval = StepConfig {
+        dt: config.dt / dynamics.intervals() as f32,
+        ..*config
+    };
+    let Dynamics {
+        bodies: moved, stops, ..
+    } = dynamics;
+    stops.stop(moved, manifolds, bodies, meshes, sphere_pairs, &interval);
     dynamics.bodies.write(bodies, meshes);
     dynamics.margins.set_reach(bodies, config);
 }

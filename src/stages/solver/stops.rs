@@ -2,6 +2,7 @@
 
 use super::SolverBodies;
 use crate::stages::continuous::{ClampScratch, Pose, Sweep, clamp};
+use crate::stages::manifolds::{ManifoldPoint, Manifolds};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, StepConfig};
 use std::f64::consts::TAU;
@@ -33,16 +34,17 @@ impl Stops {
         self.stopped.get(i) == Some(&true)
     }
 
-    /// Puts those of the `moved` bodies that are continuous back to where they met others, if they did, after one of
-    /// `intervals` of a step. `bodies` are where they all were before; `pairs` those whose ways may cross.
+    /// Puts those of the `moved` bodies that are continuous back to where they met others, if they did, after an
+    /// interval of a step. `bodies` are where they all were before, and `manifolds` how they lay; `pairs` those whose ways
+    /// may cross. Contacts alone look after those that overlap.
     pub fn stop(
         &mut self,
         moved: &mut SolverBodies,
+        manifolds: &Manifolds,
         bodies: &Bodies,
         meshes: &MeshArena,
         pairs: &[[u32; 2]],
-        config: &StepConfig,
-        intervals: u32,
+        interval: &StepConfig,
     ) {
         let Self {
             sweeps,
@@ -61,17 +63,20 @@ impl Stops {
         solid_pairs.clear();
         let solid = |&i: &u32| moved.bodies[i as usize].solid;
         let matters = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
-        solid_pairs.extend(pairs.iter().copied().filter(matters));
+        let slack = |pair: [u32; 2]| {
+            let [a, b] = pair.map(|i| bodies.radius[i as usize]);
+            SLACK * interval.solver.rest_offset * 2.0 * a.min(b)
+        };
+        let overlap = |pair: [u32; 2]| {
+            nearest(manifolds, bodies.len() as u32, pair).is_some_and(|point| point.separation < -slack(pair))
+        };
+        solid_pairs.extend(pairs.iter().copied().filter(matters).filter(|&pair| !overlap(pair)));
         if solid_pairs.is_empty() {
             return;
         }
-        let dt = f64::from(config.dt) / f64::from(intervals);
+        let dt = f64::from(interval.dt);
         sweeps.clear();
         sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, moved, i, dt)));
-        let slack = |pair: [u32; 2]| {
-            let [a, b] = pair.map(|i| bodies.radius[i as usize]);
-            SLACK * config.solver.rest_offset * 2.0 * a.min(b)
-        };
         clamp(
             bodies,
             meshes,
@@ -90,7 +95,30 @@ impl Stops {
                 (moved.motions[i].center, moved.motions[i].rotation) = (center, rotation);
             }
         }
+        // Who cannot move at all has been stopped ever nearer, and gets the room back without which it could never be.
+        for &pair in solid_pairs.iter() {
+            let Some(point) = nearest(manifolds, bodies.len() as u32, pair) else {
+                continue;
+            };
+            let room = (slack(pair) - point.separation).max(0.0) * point.normal;
+            for (i, away) in [(pair[0], -room), (pair[1], room)] {
+                if continuous[i as usize] && fractions[i as usize] == 0.0 {
+                    moved.motions[i as usize].center += away.as_dvec3();
+                }
+            }
+        }
     }
+}
+
+/// Where two of so many bodies are nearest to each other, or overlap most.
+fn nearest(manifolds: &Manifolds, bodies: u32, pair: [u32; 2]) -> Option<&ManifoldPoint> {
+    // Pairs with planes, which are none of these, come after all others.
+    let meshes_end = manifolds.pairs.partition_point(|manifold| manifold.bodies[1] < bodies);
+    let at = manifolds.pairs[..meshes_end]
+        .binary_search_by_key(&pair, |manifold| manifold.bodies)
+        .ok()?;
+    let points = manifolds.points_of(&manifolds.pairs[at]).iter();
+    points.min_by(|p, q| p.separation.total_cmp(&q.separation))
 }
 
 /// How a body went from where it was to where it is now.

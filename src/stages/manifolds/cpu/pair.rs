@@ -7,6 +7,7 @@ use super::near::{Near, Setting};
 use super::ray::exit;
 use super::reduce::Reduction;
 use super::side::{Side, sides};
+use super::smooth;
 use crate::stages::manifolds::ManifoldPoint;
 use crate::stages::manifolds::MarginPair;
 use crate::stages::mesh_arena::MeshArena;
@@ -178,12 +179,15 @@ struct World<'a> {
 
 impl World<'_> {
     fn point(&self, feature: &Feature, faces: [u32; 2]) -> ManifoldPoint {
-        let [a, b] = feature.points;
+        let roundness = [0, 1].map(|side| self.roundness(feature, side));
+        let touching = feature.vertex.map_or(0.0, |(side, _)| roundness[usize::from(side)]);
+        let slide = smooth::slide(self.sides, feature, f64::from(touching));
+        let [a, b] = feature.points.map(|p| p + slide);
         ManifoldPoint {
             arms: [a, b - self.center_b].map(|arm| (self.rotation * arm).as_vec3()),
             normal: (self.rotation * feature.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
-            roundness: [0, 1].map(|side| self.roundness(feature, side)),
+            roundness,
             faces,
         }
     }

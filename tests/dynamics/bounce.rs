@@ -1,0 +1,141 @@
+//! Impacts of balls of 5,120 faces: outgoing speeds by Newton's law, averaged over how the balls are turned.
+
+use crate::world::{World, any_turn};
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::components::{Friction, RigidBody};
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::settings::SolverSettings;
+use bevy_faceoff::stages::state::{Body, Handling};
+use glam::{DVec3, Quat, Vec3};
+
+const RADIUS: f32 = 0.5;
+const TURNS: usize = 12;
+
+fn ball() -> CollisionMesh {
+    let ball = shapes::ball(f64::from(RADIUS), 4);
+    assert_eq!(ball.triangles().len(), 5120);
+    CollisionMesh::new(&ball)
+}
+
+/// A body without friction.
+fn smooth(mesh: u32, scale: Vec3, position: Vec3, rotation: Quat, velocity: Vec3, restitution: f32) -> Body {
+    Body {
+        linear_velocity: velocity,
+        restitution,
+        handling: Handling {
+            friction: Friction::new(0.0),
+            ..Handling::default()
+        },
+        ..Body::at_rest(mesh, position, rotation, scale)
+    }
+}
+
+/// Speeds along a normal and across it, in the plane of all motion. What a facet throws out of the plane is as much to one
+/// side as to the other.
+fn split(velocity: DVec3, normal: DVec3) -> [f64; 2] {
+    [normal, DVec3::Z.cross(normal)].map(|direction| velocity.dot(direction))
+}
+
+/// Checks the mean of `outgoing` speeds along the normal and across, which may be off by `bound` of the incoming speed.
+fn check(name: &str, restitution: f32, incoming: [f64; 2], outgoing: &[[f64; 2]], bound: f64) {
+    let mean = [0, 1].map(|k| outgoing.iter().map(|speeds| speeds[k]).sum::<f64>() / outgoing.len() as f64);
+    let wanted = [-f64::from(restitution) * incoming[0], incoming[1]];
+    let error = [0, 1].map(|k| (mean[k] - wanted[k]) / incoming[0].hypot(incoming[1]));
+    println!(
+        "{name}, restitution {restitution}: {:.4} and {:.4} m/s along the normal and across, off by {:+.2} % and {:+.2} % of \
+         the incoming speed",
+        mean[0],
+        mean[1],
+        100.0 * error[0],
+        100.0 * error[1]
+    );
+    assert!(error.iter().all(|e| e.abs() < bound), "{name} {restitution}: {error:?}");
+}
+
+#[test]
+fn balls_leave_each_other_by_their_restitution() {
+    let (mesh, mut random) = (ball(), fastrand::Rng::with_seed(7));
+    let gap = SolverSettings::default().rest_offset * 2.0 * RADIUS;
+    for restitution in [0.0, 0.5, 1.0] {
+        for sideways in [0.0f32, 0.3, 0.5, 0.7] {
+            let speeds = [Vec3::X * 2.0, Vec3::X * -1.0];
+            // Where the balls are when they touch, a rest offset apart.
+            let reach = f64::from(2.0 * RADIUS + gap);
+            let side = f64::from(sideways);
+            let normal = DVec3::new((reach * reach - side * side).sqrt(), side, 0.0) / reach;
+            let incoming = split((speeds[1] - speeds[0]).as_dvec3(), normal);
+            let outgoing: Vec<[f64; 2]> = (0..TURNS)
+                .map(|_| {
+                    let mut world = World::weightless();
+                    let ball = world.state.meshes.add(mesh.clone());
+                    for (k, velocity) in speeds.into_iter().enumerate() {
+                        // Not always at the same moment of a step.
+                        let at = [-1.0 - 0.05 * random.f32(), 1.0][k];
+                        let at = Vec3::new(at, [0.0, sideways][k], 0.0);
+                        let turn = any_turn(&mut random);
+                        world.put(&smooth(ball, Vec3::ONE, at, turn, velocity, restitution));
+                    }
+                    world.seconds(1);
+                    split((world.velocity(1) - world.velocity(0)).as_dvec3(), normal)
+                })
+                .collect();
+            // 3 % is wanted for all. Normals are those of faces, and stand still for an interval: of the points that meet at
+            // once those count that lag behind as the balls slide past each other, by up to 0.03 radians.
+            let bound = if sideways == 0.0 { 0.03 } else { 0.06 };
+            check(
+                &format!("ball on ball, {sideways} m off"),
+                restitution,
+                incoming,
+                &outgoing,
+                bound,
+            );
+        }
+    }
+}
+
+#[test]
+fn balls_leave_a_wall_by_their_restitution() {
+    let (mesh, mut random) = (ball(), fastrand::Rng::with_seed(8));
+    for restitution in [0.0, 0.5, 1.0] {
+        for angle in [0.0f32, 30.0, 60.0] {
+            let velocity = 3.0 * Vec3::new(angle.to_radians().sin(), -angle.to_radians().cos(), 0.0);
+            let outgoing: Vec<[f64; 2]> = (0..TURNS)
+                .map(|_| {
+                    let mut world = World::weightless();
+                    let ball = world.state.meshes.add(mesh.clone());
+                    let cube = world.mesh(&shapes::cube(1.0));
+                    let at = Vec3::Y * (1.0 + 0.05 * random.f32());
+                    world.put(&smooth(
+                        ball,
+                        Vec3::ONE,
+                        at,
+                        any_turn(&mut random),
+                        velocity,
+                        restitution,
+                    ));
+                    world.put(&Body {
+                        kind: RigidBody::Static,
+                        ..smooth(
+                            cube,
+                            Vec3::new(20.0, 1.0, 20.0),
+                            Vec3::Y * -0.5,
+                            Quat::IDENTITY,
+                            Vec3::ZERO,
+                            restitution,
+                        )
+                    });
+                    world.seconds(1);
+                    split(world.velocity(0).as_dvec3(), DVec3::Y)
+                })
+                .collect();
+            let incoming = split(velocity.as_dvec3(), DVec3::Y);
+            check(
+                &format!("ball on wall, {angle} degrees"),
+                restitution,
+                incoming,
+                &outgoing,
+                0.03,
+            );
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! What happens on a slope: Coulomb's law, and rolling. Sleep is off: it would hold what creeps.
+
+use crate::world::{GAP, World, any_turn};
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::geometry::shapes;
+use glam::{DVec3, Quat, Vec3};
+
+const GRAVITY: f64 = 9.81;
+/// That of all bodies, if nothing else is said.
+const FRICTION: f64 = 0.5;
+
+/// A big static box whose top leads down along x by `angle` radians, through the origin.
+struct Slope {
+    world: World,
+    turn: Quat,
+    down: DVec3,
+}
+
+impl Slope {
+    fn new(angle: f64) -> Self {
+        let mut world = World::new();
+        let turn = Quat::from_rotation_z(-angle as f32);
+        let cube = world.mesh(&shapes::cube(1.0));
+        let size = Vec3::new(80.0, 1.0, 20.0);
+        world.add(RigidBody::Static, cube, size, turn * (Vec3::NEG_Y * 0.5), turn);
+        Self {
+            world,
+            turn,
+            down: (turn * Vec3::X).as_dvec3(),
+        }
+    }
+
+    /// A cube of edge 1 that lies on it, askew.
+    fn cube(&mut self) -> usize {
+        let cube = self.world.mesh(&shapes::cube(1.0));
+        let at = self.turn * (Vec3::Y * (0.5 + GAP));
+        let turn = self.turn * Quat::from_rotation_y(0.3);
+        self.world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, turn)
+    }
+
+    /// How fast body `i` goes down.
+    fn speed(&self, i: usize) -> f64 {
+        self.world.velocity(i).as_dvec3().dot(self.down)
+    }
+}
+
+#[test]
+fn a_box_sticks_below_the_angle_of_friction() {
+    let angle = FRICTION.atan() - 2.0f64.to_radians();
+    let mut slope = Slope::new(angle);
+    let cube = slope.cube();
+    let start = slope.world.center(cube);
+    slope.world.seconds(10);
+    let moved = slope.world.center(cube).distance(start);
+    println!("at {:.2} degrees: moved {moved:.6} m in 10 s", angle.to_degrees());
+    assert!(moved < 0.01, "{moved}");
+}
+
+#[test]
+fn a_box_slides_above_the_angle_of_friction() {
+    for degrees in [FRICTION.atan().to_degrees() + 2.0, 35.0, 50.0] {
+        let angle = f64::to_radians(degrees);
+        let mut slope = Slope::new(angle);
+        let cube = slope.cube();
+        slope.world.seconds(1);
+        let before = slope.speed(cube);
+        slope.world.seconds(1);
+        let found = slope.speed(cube) - before;
+        let wanted = GRAVITY * (angle.sin() - FRICTION * angle.cos());
+        let error = found / wanted - 1.0;
+        println!("at {degrees:.2} degrees: {found:.4} m/s^2, {:+.3} % off", 100.0 * error);
+        assert!(error.abs() < 0.03, "{degrees}: {found}, not {wanted}");
+    }
+}
+
+#[test]
+fn balls_roll_down() {
+    let mut random = fastrand::Rng::with_seed(9);
+    let mesh = shapes::ball(0.5, 4);
+    assert!(mesh.triangles().len() >= 5120);
+    let mesh = CollisionMesh::new(&mesh);
+    // Up to the tangent 7/2 of friction's a ball rolls without sliding.
+    for degrees in [5.0f64, 10.0, 20.0] {
+        let angle = degrees.to_radians();
+        let runs = 6;
+        let speeds = (0..runs).map(|_| {
+            let mut slope = Slope::new(angle);
+            let mesh = slope.world.state.meshes.add(mesh.clone());
+            // A rest offset above the slope.
+            let at = slope.turn * (Vec3::Y * 0.505);
+            let ball = slope
+                .world
+                .add(RigidBody::Dynamic, mesh, Vec3::ONE, at, any_turn(&mut random));
+            slope.world.seconds(2);
+            slope.speed(ball)
+        });
+        let found = speeds.sum::<f64>() / f64::from(runs) / 2.0;
+        let wanted = 5.0 / 7.0 * GRAVITY * angle.sin();
+        let error = found / wanted - 1.0;
+        println!(
+            "ball at {degrees} degrees: {found:.4} m/s^2, {:+.3} % off",
+            100.0 * error
+        );
+        assert!(error.abs() < 0.03, "{degrees}: {found}, not {wanted}");
+    }
+}
