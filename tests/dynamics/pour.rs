@@ -96,6 +96,7 @@ fn forty_knots_poured_into_a_bin_come_to_rest() {
 }
 
 /// `cargo test --release --test dynamics -- --ignored --nocapture a_thousand_knots`
+/// (more than five minutes on a busy pair of cores; no figures yet).
 #[test]
 #[ignore = "takes minutes"]
 fn a_thousand_knots_poured_into_a_bin_come_to_rest() {
