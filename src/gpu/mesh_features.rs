@@ -1,0 +1,130 @@
+//! The vertices and edges of a mesh as words, as `shaders/sides.wgsl` reads them.
+
+use super::layout::NOTHING;
+use crate::geometry::features::{MeshFeatures, NONE};
+use crate::stages::mesh_arena::MeshSlot;
+use glam::Vec3;
+
+/// Words before the triangles' records, of which five are in use: how many vertices there are, and where their places, the
+/// starts of their lists of neighbours, these lists, and the numbers of their components begin.
+const HEADER: usize = 8;
+
+/// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns,
+/// how round it is, its number in the input mesh, and one unused.
+const RECORD: usize = 16;
+
+/// What stands for an infinite radius: WGSL need not know infinity.
+const FLAT_ROUNDNESS: f32 = 1.0e30;
+
+/// All of them; places count from the first word.
+pub fn words(slot: &MeshSlot) -> Vec<u32> {
+    let features = slot.features();
+    let center = slot.mesh.mass.center;
+    let (vertices, triangles) = (features.vertices.len(), features.triangles.len());
+    let positions = HEADER + RECORD * triangles;
+    let starts = positions + 3 * vertices;
+    let neighbors = starts + vertices + 1;
+    let components = neighbors + features.neighbors.len();
+    let mut words = Vec::with_capacity(components + vertices);
+    words.extend([vertices, positions, starts, neighbors, components, 0, 0, 0].map(|word| word as u32));
+    for t in 0..triangles {
+        record(slot, features, t, &mut words);
+    }
+    // Relative to the centre of mass, and the same bits as the triangles' corners.
+    let place = |p: &Vec3| (*p - center).to_array().map(f32::to_bits);
+    words.extend(features.vertices.iter().flat_map(place));
+    words.extend(&features.neighbor_starts);
+    words.extend(&features.neighbors);
+    words.extend(component_of_each(slot, features));
+    words
+}
+
+fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u32>) {
+    let edges = features.triangle_edges[t];
+    let other = |edge: u32| match features.across[edge as usize] {
+        NONE => NOTHING,
+        triangle => triangle,
+    };
+    words.extend(features.triangles[t]);
+    words.extend(edges);
+    words.extend(edges.map(other));
+    words.extend(features.normals[t].to_array().map(f32::to_bits));
+    words.push(features.owned[t]);
+    words.push(features.roundness[t].min(FLAT_ROUNDNESS).to_bits());
+    words.push(slot.mesh.mesh.face_ids()[t]);
+    words.push(0);
+}
+
+/// For each vertex which of the mesh's components it belongs to, in the order of
+/// [`component_vertices`](crate::geometry::TriMesh::component_vertices).
+fn component_of_each(slot: &MeshSlot, features: &MeshFeatures) -> Vec<u32> {
+    let mesh = &slot.mesh.mesh;
+    let mut components = vec![NOTHING; features.vertices.len()];
+    let firsts: Vec<Vec3> = (mesh.component_vertices().iter())
+        .map(|&v| mesh.vertices()[v as usize])
+        .collect();
+    let mut waiting = Vec::new();
+    for (vertex, position) in (0..).zip(&features.vertices) {
+        // Components are few, and most vertices are known by their neighbours.
+        if components[vertex as usize] != NOTHING || !firsts.contains(position) {
+            continue;
+        }
+        let number = firsts.iter().position(|first| first == position).unwrap_or(0) as u32;
+        components[vertex as usize] = number;
+        waiting.push(vertex);
+        while let Some(known) = waiting.pop() {
+            for &next in features.neighbors_of(known) {
+                if components[next as usize] == NOTHING {
+                    components[next as usize] = number;
+                    waiting.push(next);
+                }
+            }
+        }
+    }
+    components
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::{TriMesh, shapes};
+
+    #[test]
+    fn every_vertex_belongs_to_a_component() {
+        let cube = shapes::cube(1.0);
+        let mut vertices = cube.vertices().to_vec();
+        vertices.extend(cube.vertices().iter().map(|p| *p + Vec3::X * 3.0));
+        let mut triangles = cube.triangles().to_vec();
+        triangles.extend(cube.triangles().iter().map(|t| t.map(|v| v + 8)));
+        let slot = MeshSlot::new(CollisionMesh::new(&TriMesh::new(vertices, triangles).unwrap()));
+        let words = words(&slot);
+        assert_eq!(words[0], 16);
+        let components = &words[words[4] as usize..];
+        assert_eq!(components.len(), 16);
+        let features = slot.features();
+        let by_place = |number: u32| {
+            let mut places = features.vertices.iter().zip(components);
+            places.all(|(p, c)| {
+                (*c == number) == ((p.x > 1.5) == (components_at(&features.vertices, components) == number))
+            })
+        };
+        assert!(by_place(0) && by_place(1));
+    }
+
+    /// The number of the component on the right.
+    fn components_at(vertices: &[Vec3], components: &[u32]) -> u32 {
+        let at = vertices.iter().position(|p| p.x > 1.5).unwrap();
+        components[at]
+    }
+
+    #[test]
+    fn places_lie_one_after_the_other() {
+        let slot = MeshSlot::new(CollisionMesh::new(&shapes::torus_240()));
+        let words = words(&slot);
+        let features = slot.features();
+        assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
+        assert_eq!(words.len(), words[4] as usize + features.vertices.len());
+        assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);
+    }
+}
