@@ -64,7 +64,8 @@ fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread
     workgroupBarrier();
     for (var k = 0u; k < min(components, MOST_COMPONENTS); k += 1u) {
         let p = sides::place(inner, vector(meshes[inner.mesh].components + 3u * k));
-        if is_inside(mesh, outer, end, p, thread) {
+        // What lies on the surface counts as inside or not as rounding wants: two vertices must be.
+        if is_inside(mesh, outer, end, p, thread) && is_inside(mesh, outer, end, sides::far_end(inner, k), thread) {
             if !any_inside {
                 start = p;
             }

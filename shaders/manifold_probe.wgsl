@@ -62,21 +62,40 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     for (var i = thread; i < PLACES * alone; i += 64u) {
         let asked = patches[lonely(setting, i / PLACES)];
-        features[base + i] = probe(a, b, asked, place_of(asked, i % PLACES), RAY * setting.size);
+        features[base + i] = probe(a, b, asked, place_of(asked, i % PLACES), setting);
     }
     storageBarrier();
     workgroupBarrier();
     for (var n = thread; n < alone; n += 64u) {
         let first = base + PLACES * n;
-        var any_found = false;
+        // Dropped ones are larger than any.
+        var deepest = t::DROPPED;
         for (var k = 0u; k < PLACES; k += 1u) {
-            any_found = any_found || features[first + k].separation != t::DROPPED;
+            deepest = min(deepest, features[first + k].separation);
         }
         let asked = patches[lonely(setting, n)];
-        if !any_found && asked.area > LEAST_AREA * setting.size * setting.size {
-            features[first] = shallow(asked, setting.size);
+        if deepest == t::DROPPED {
+            if asked.area > LEAST_AREA * setting.size * setting.size {
+                features[first] = shallow(asked, setting.size);
+            }
+        } else if deepest >= -setting.touch && has_feature(setting, asked) {
+            // Where the bodies only touch, their features have said so.
+            for (var k = 0u; k < PLACES; k += 1u) {
+                features[first + k].separation = t::DROPPED;
+            }
         }
     }
+}
+
+// Whether a feature that touches or is apart is near a patch.
+fn has_feature(setting: t::ContactSetting, asked: t::Patch) -> bool {
+    for (var i = setting.first_feature; i < setting.first_feature + setting.feature_count; i += 1u) {
+        let way = 0.5 * (features[i].point_a + features[i].point_b) - asked.center;
+        if features[i].separation != t::DROPPED && dot(way, way) < asked.reach * asked.reach {
+            return true;
+        }
+    }
+    return false;
 }
 
 // Where the patch is that is the n-th without a feature.
@@ -108,23 +127,26 @@ fn place_of(asked: t::Patch, k: u32) -> vec3<f32> {
     return asked.center + 0.75 * arm;
 }
 
-// The point of a patch by rays from p, if both leave a body.
-fn probe(a: sides::Side, b: sides::Side, asked: t::Patch, p: vec3<f32>, most: f32) -> t::Feature {
+// The point of a patch by rays from p, if both leave a body. They start a little before it: where the bodies only touch,
+// rounding may have p outside of one.
+fn probe(a: sides::Side, b: sides::Side, asked: t::Patch, p: vec3<f32>, setting: t::ContactSetting) -> t::Feature {
     var feature: t::Feature;
     feature.separation = t::DROPPED;
     let n = asked.normal;
-    let up = leave(a, 0u, p, n, most);
+    let back = setting.touch;
+    let most = RAY * setting.size + back;
+    let up = leave(a, 0u, p - n * back, n, most);
     if up.triangle == t::NOTHING {
         return feature;
     }
-    let down = leave(b, 1u, p, -n, most);
+    let down = leave(b, 1u, p + n * back, -n, most);
     if down.triangle == t::NOTHING {
         return feature;
     }
-    feature.point_a = p + n * up.distance;
-    feature.point_b = p - n * down.distance;
+    feature.point_a = p + n * (up.distance - back);
+    feature.point_b = p - n * (down.distance - back);
     feature.normal = n;
-    feature.separation = -(up.distance + down.distance);
+    feature.separation = 2.0 * back - (up.distance + down.distance);
     feature.vertex = t::NOTHING;
     feature.a = up.triangle;
     feature.b = down.triangle;

@@ -114,6 +114,11 @@ fn component(side: Side, number: u32) -> u32 {
     return words[side.features + words[side.features + 4u] + number];
 }
 
+// The vertex of a component that is farthest from its first one.
+fn far_end(side: Side, number: u32) -> vec3<f32> {
+    return place(side, vector(side.features + words[side.features + 5u] + 3u * number));
+}
+
 // The vertices of a triangle, in the order of its corners.
 fn vertices(side: Side, number: u32) -> vec3<u32> {
     let at = record(side, number);

@@ -4,9 +4,10 @@ use super::layout::NOTHING;
 use crate::geometry::features::{MeshFeatures, NONE};
 use crate::stages::mesh_arena::MeshSlot;
 use glam::Vec3;
+use std::collections::HashMap;
 
-/// Words before the triangles' records, of which five are in use: how many vertices there are, and where their places, the
-/// starts of their lists of neighbours, these lists, and the numbers of their components begin.
+/// Words before the triangles' records, of which six are in use: how many vertices there are, and where their places, the
+/// starts of their lists of neighbours, these lists, the numbers of their components, and the far ends of these begin.
 const HEADER: usize = 8;
 
 /// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns,
@@ -25,8 +26,9 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     let starts = positions + 3 * vertices;
     let neighbors = starts + vertices + 1;
     let components = neighbors + features.neighbors.len();
-    let mut words = Vec::with_capacity(components + vertices);
-    words.extend([vertices, positions, starts, neighbors, components, 0, 0, 0].map(|word| word as u32));
+    let far_ends = components + vertices;
+    let mut words = Vec::with_capacity(far_ends + 3 * slot.mesh.mesh.component_vertices().len());
+    words.extend([vertices, positions, starts, neighbors, components, far_ends, 0, 0].map(|word| word as u32));
     for t in 0..triangles {
         record(slot, features, t, &mut words);
     }
@@ -35,8 +37,33 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     words.extend(features.vertices.iter().flat_map(place));
     words.extend(&features.neighbor_starts);
     words.extend(&features.neighbors);
-    words.extend(component_of_each(slot, features));
+    let numbers = component_of_each(slot, features);
+    words.extend(&numbers);
+    words.extend(far_ends_of(slot, features, &numbers).iter().flat_map(place));
     words
+}
+
+/// For each component the vertex farthest from its first one: what is inside of another body is so with both, and what
+/// only lies on it is not.
+fn far_ends_of(slot: &MeshSlot, features: &MeshFeatures, numbers: &[u32]) -> Vec<Vec3> {
+    let firsts = first_of_each(slot);
+    let mut far_ends = firsts.clone();
+    for (position, &number) in features.vertices.iter().zip(numbers) {
+        let first = firsts[number as usize];
+        let far_end = &mut far_ends[number as usize];
+        if position.distance_squared(first) > far_end.distance_squared(first) {
+            *far_end = *position;
+        }
+    }
+    far_ends
+}
+
+/// A vertex of each component.
+fn first_of_each(slot: &MeshSlot) -> Vec<Vec3> {
+    let mesh = &slot.mesh.mesh;
+    (mesh.component_vertices().iter())
+        .map(|&v| mesh.vertices()[v as usize])
+        .collect()
 }
 
 fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u32>) {
@@ -58,18 +85,14 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
 /// For each vertex which of the mesh's components it belongs to, in the order of
 /// [`component_vertices`](crate::geometry::TriMesh::component_vertices).
 fn component_of_each(slot: &MeshSlot, features: &MeshFeatures) -> Vec<u32> {
-    let mesh = &slot.mesh.mesh;
     let mut components = vec![NOTHING; features.vertices.len()];
-    let firsts: Vec<Vec3> = (mesh.component_vertices().iter())
-        .map(|&v| mesh.vertices()[v as usize])
-        .collect();
+    let firsts = first_of_each(slot);
     let mut waiting = Vec::new();
+    let number_of: HashMap<[u32; 3], u32> = firsts.iter().map(bits).zip(0..).collect();
     for (vertex, position) in (0..).zip(&features.vertices) {
-        // Components are few, and most vertices are known by their neighbours.
-        if components[vertex as usize] != NOTHING || !firsts.contains(position) {
+        let Some(&number) = number_of.get(&bits(position)) else {
             continue;
-        }
-        let number = firsts.iter().position(|first| first == position).unwrap_or(0) as u32;
+        };
         components[vertex as usize] = number;
         waiting.push(vertex);
         while let Some(known) = waiting.pop() {
@@ -81,7 +104,14 @@ fn component_of_each(slot: &MeshSlot, features: &MeshFeatures) -> Vec<u32> {
             }
         }
     }
+    // What belongs to none cannot be: every component has a first vertex.
+    components.iter_mut().filter(|c| **c == NOTHING).for_each(|c| *c = 0);
     components
+}
+
+/// A place as a key. Adding zero turns -0 into 0.
+fn bits(p: &Vec3) -> [u32; 3] {
+    (*p + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
 #[cfg(test)]
@@ -100,22 +130,19 @@ mod tests {
         let slot = MeshSlot::new(CollisionMesh::new(&TriMesh::new(vertices, triangles).unwrap()));
         let words = words(&slot);
         assert_eq!(words[0], 16);
-        let components = &words[words[4] as usize..];
-        assert_eq!(components.len(), 16);
+        let components = &words[words[4] as usize..words[5] as usize];
+        assert_eq!((components.len(), words.len() - words[5] as usize), (16, 2 * 3));
         let features = slot.features();
-        let by_place = |number: u32| {
-            let mut places = features.vertices.iter().zip(components);
-            places.all(|(p, c)| {
-                (*c == number) == ((p.x > 1.5) == (components_at(&features.vertices, components) == number))
-            })
+        // One number on each side.
+        let right = |p: &Vec3| p.x > 1.5;
+        let number_of = |side: bool| {
+            let at = features.vertices.iter().position(|p| right(p) == side).unwrap();
+            components[at]
         };
-        assert!(by_place(0) && by_place(1));
-    }
-
-    /// The number of the component on the right.
-    fn components_at(vertices: &[Vec3], components: &[u32]) -> u32 {
-        let at = vertices.iter().position(|p| p.x > 1.5).unwrap();
-        components[at]
+        assert_ne!(number_of(true), number_of(false));
+        for (p, &number) in features.vertices.iter().zip(components) {
+            assert_eq!(number, number_of(right(p)));
+        }
     }
 
     #[test]
@@ -124,7 +151,7 @@ mod tests {
         let words = words(&slot);
         let features = slot.features();
         assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
-        assert_eq!(words.len(), words[4] as usize + features.vertices.len());
+        assert_eq!(words.len(), words[4] as usize + features.vertices.len() + 3);
         assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);
     }
 }
