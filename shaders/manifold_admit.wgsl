@@ -3,18 +3,15 @@
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
-@group(0) @binding(0) var<storage, read> counters: array<u32>;
+@group(0) @binding(0) var<storage, read_write> counters: array<atomic<u32>>;
 @group(0) @binding(1) var<storage, read> settings: array<t::ContactSetting>;
 @group(0) @binding(2) var<storage, read_write> features: array<t::Feature>;
 @group(0) @binding(3) var<storage, read_write> patches: array<t::Patch>;
 
-// Cosine between the normals of a patch and of a feature that agrees with it.
-const AGREES: f32 = 0.7;
-
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= counters[t::MARGIN_PAIRS] {
+    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -25,15 +22,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let at = setting.first_feature + i;
         for (var k = 0u; k < setting.patch_count; k += 1u) {
             let spoken = patches[setting.first_segment + k];
-            if is_near(spoken, features[at]) && dot(features[at].normal, spoken.normal) < AGREES {
+            if is_near(spoken, features[at]) && dot(features[at].normal, spoken.normal) < t::AGREES {
                 features[at].separation = t::DROPPED;
             }
         }
     }
     // What is dropped is only marked at first: `distance` says so, since others still compare.
-    for (var i = thread; i < setting.deep_count; i += 64u) {
-        let at = setting.first_deep + i;
+    var compared = thread;
+    while compared < setting.deep_count {
+        let at = setting.first_deep + compared;
         features[at].distance = select(0.0, t::DROPPED, has_shallower(setting, at));
+        compared += 64u;
     }
     storageBarrier();
     workgroupBarrier();
@@ -45,8 +44,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     storageBarrier();
     workgroupBarrier();
-    for (var k = thread; k < setting.patch_count; k += 64u) {
-        let at = setting.first_segment + k;
+    var asked = thread;
+    while asked < setting.patch_count {
+        let at = setting.first_segment + asked;
+        asked += 64u;
         let spoken = patches[at];
         for (var i = setting.first_deep; i < setting.first_deep + setting.deep_count; i += 1u) {
             if features[i].separation != t::DROPPED && is_near(spoken, features[i]) {
@@ -54,6 +55,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 break;
             }
         }
+    }
+    // Some devices leave a loop that takes long.
+    if compared < setting.deep_count || asked < setting.patch_count {
+        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
 

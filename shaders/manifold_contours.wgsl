@@ -20,8 +20,6 @@ const LEAST_AREA: f32 = 1.0e-12;
 const TIE: f32 = 4.0;
 // More loose ends than this are not tied.
 const MOST_LOOSE: u32 = 1024u;
-// How deep features may overlap, in units of the bodies' size.
-const DEEP: f32 = 0.04;
 
 var<workgroup> loose: atomic<u32>;
 var<workgroup> changed: array<atomic<u32>, 3>;
@@ -99,7 +97,8 @@ fn join(thread: u32) {
         atomicStore(&loose, 0u);
     }
     sync();
-    for (var end = thread; end < 2u * count; end += 64u) {
+    var end = thread;
+    while end < 2u * count {
         let own = key(end);
         var at = hash(own) % (4u * count);
         loop {
@@ -122,8 +121,17 @@ fn join(thread: u32) {
                 at = (at + 1u) % (4u * count);
             }
         }
+        end += 64u;
     }
+    check(end >= 2u * count);
     sync();
+}
+
+// Some devices leave a loop that takes long.
+fn check(finished: bool) {
+    if !finished {
+        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+    }
 }
 
 fn hash(key: vec2<u32>) -> u32 {
@@ -168,6 +176,7 @@ fn label(thread: u32) {
     }
     workgroupBarrier();
     var turn = 0u;
+    var go_on = true;
     for (var round = 0u; round <= count; round += 1u) {
         var any_change = false;
         for (var end = thread; end < 2u * count; end += 64u) {
@@ -195,7 +204,7 @@ fn label(thread: u32) {
             atomicStore(&changed[turn], 1u);
         }
         sync();
-        let go_on = atomicLoad(&changed[turn]) == 1u;
+        go_on = atomicLoad(&changed[turn]) == 1u;
         // Cleared for the round after the next: others may still read this one.
         if thread == 0u {
             atomicStore(&changed[(turn + 2u) % 3u], 0u);
@@ -205,6 +214,7 @@ fn label(thread: u32) {
             break;
         }
     }
+    check(!go_on);
     for (var i = thread; i < count; i += 64u) {
         atomicAdd(&links[size_of(atomicLoad(&links[label_of(i)]))], 1u);
     }
@@ -217,6 +227,7 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
     var way = vec3(0.0);
     var number = 0u;
     var next = 0u;
+    var finished = false;
     loop {
         // The next contour of more than one segment.
         if thread == 0u {
@@ -233,12 +244,13 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
         let root = atomicLoad(&lowest);
         workgroupBarrier();
         if root == t::NOTHING {
+            finished = true;
             break;
         }
         next = root + 1u;
         let found = patch_of(setting, root, thread);
         if found.reach > 0.0 {
-            let half = vec3(found.reach + 0.5 * DEEP * setting.size);
+            let half = vec3(found.reach + 0.5 * t::DEEP * setting.size);
             low = min(low, found.center - half);
             high = max(high, found.center + half);
             // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
@@ -249,6 +261,7 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
             number += 1u;
         }
     }
+    check(finished);
     if thread == 0u {
         settings[index].low = low;
         settings[index].high = high;

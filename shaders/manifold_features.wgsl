@@ -17,10 +17,6 @@
 @group(0) @binding(8) var<storage, read_write> segments: array<t::Segment>;
 @group(0) @binding(9) var<storage, read> patches: array<t::Patch>;
 
-// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
-const DEEP: f32 = 0.04;
-// Cosine between the normals of a patch and of a feature that agrees with it.
-const AGREES: f32 = 0.7;
 // Bits: six corners, nine pairs of edges, the segment.
 const EDGES: u32 = 6u;
 const SEGMENT: u32 = 15u;
@@ -43,11 +39,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let a = sides::first(setting);
     let b = sides::second(setting);
     var found = vec2(0u);
-    for (var i = thread; i < setting.near_count; i += 64u) {
-        let at = setting.first_near + i;
+    var surveyed = thread;
+    while surveyed < setting.near_count {
+        let at = setting.first_near + surveyed;
         let mask = survey(setting, a, b, at, deep);
         near_triangles[at].z = mask;
         found += counts(mask);
+        surveyed += 64u;
     }
     let all = before(found, thread) + found;
     if thread == 63u {
@@ -59,7 +57,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if next.x == t::NOTHING {
         return;
     }
-    for (var round = 0u; round < setting.near_count; round += 64u) {
+    var round = 0u;
+    while round < setting.near_count {
         let i = round + thread;
         let at = setting.first_near + i;
         var mask = 0u;
@@ -72,7 +71,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             write(setting, a, b, at, mask, deep, next + earlier);
         }
         next += sums[63];
+        round += 64u;
         workgroupBarrier();
+    }
+    // Some devices leave a loop that takes long.
+    if surveyed < setting.near_count || round < setting.near_count {
+        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
 
@@ -125,7 +129,7 @@ fn encounter(setting: t::ContactSetting, a: sides::Side, b: sides::Side, numbers
     met.heights_b = sides::heights(met.b, met.a);
     met.rounding = setting.rounding;
     if deep {
-        met.low = -DEEP * setting.size;
+        met.low = -t::DEEP * setting.size;
         met.high = -setting.touch;
     } else {
         met.low = -setting.touch;
@@ -201,7 +205,7 @@ fn agrees(setting: t::ContactSetting, feature: t::Feature) -> bool {
         let way = middle - patch_near.center;
         if dot(way, way) < patch_near.reach * patch_near.reach {
             any_near = true;
-            if dot(feature.normal, patch_near.normal) < AGREES {
+            if dot(feature.normal, patch_near.normal) < t::AGREES {
                 return false;
             }
         }

@@ -16,8 +16,6 @@
 // The two triangles; the rest is for `manifold_features.wgsl`.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
 
-// How deep features may overlap, in units of the bodies' size.
-const DEEP: f32 = 0.04;
 // What single precision costs a product of two vectors, relative to their lengths.
 const ERROR: f32 = 2.0e-6;
 
@@ -41,7 +39,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let setting = settings[index];
     windowed = constants.x == 1u;
-    let most = DEEP * setting.size;
+    let most = t::DEEP * setting.size;
     // With a wide margin all pairs are known.
     if setting.valid == 0u || (windowed && (setting.patch_count == 0u || most <= setting.margin)) {
         return;

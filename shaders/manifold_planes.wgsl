@@ -15,8 +15,6 @@
 @group(0) @binding(8) var<storage, read_write> staged: array<t::ContactPoint>;
 @group(0) @binding(9) var<storage, read_write> slots: array<t::ContactPair>;
 
-// At most this many points of a body and a plane; the first half are those on which it stands.
-const MOST_POINTS: u32 = 8u;
 // Vertices this near the lowest one, as a part of the body's diameter, are as low as it.
 const LEVEL: f32 = 0.0025;
 // Points are made this far from the surface, as a part of the body's diameter, beyond what the body moves.
@@ -109,8 +107,9 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     workgroupBarrier();
     let level = 2.0 * LEVEL * body.radius;
     var count = 1u;
+    // The first half are those on which it stands.
     for (var stage = 0u; stage < 2u; stage += 1u) {
-        let limit = select(MOST_POINTS / 2u, MOST_POINTS, stage == 1u);
+        let limit = select(t::MOST_PLANE_POINTS / 2u, t::MOST_PLANE_POINTS, stage == 1u);
         let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
         while count < limit {
             most = level * level;

@@ -211,6 +211,10 @@ fn leave(side: sides::Side, end: u32, start: vec3<f32>, way: vec3<f32>, most: f3
             }
         }
     }
+    // Some devices leave a loop that takes long.
+    if depth > 0u {
+        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+    }
     if nearest.triangle != t::NOTHING && dot(way, sides::baked_normal(side, nearest.triangle)) <= 0.0 {
         nearest.triangle = t::NOTHING;
     }

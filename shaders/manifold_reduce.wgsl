@@ -14,8 +14,6 @@
 @group(0) @binding(6) var<storage, read_write> staged: array<t::ContactPoint>;
 @group(0) @binding(7) var<storage, read_write> slots: array<t::ContactPair>;
 
-// How many points a pair has at most.
-const MOST_POINTS: u32 = 16u;
 // What a difference of normals counts beside a distance in units of the bodies' size, both squared.
 const TURN: f32 = 0.02;
 // Points nearer than this, by that measure, are one.
@@ -78,15 +76,17 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
             chosen[count] = last;
         }
         count += 1u;
-        if count == MOST_POINTS {
+        if count == t::MOST_POINTS {
             break;
         }
         let p = features[last].point_a;
         let n = features[last].normal;
         most = 0.0;
         place = t::NOTHING;
-        for (var i = thread; i < all; i += 64u) {
+        var i = thread;
+        while i < all {
             let at = feature_at(setting, i);
+            i += 64u;
             let separation = features[at].separation;
             if separation == t::DROPPED {
                 continue;
@@ -104,6 +104,10 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
                 most = weighted;
                 place = at;
             }
+        }
+        // Some devices leave a loop that takes long.
+        if i < all {
+            atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
         }
         greatest(most, place, thread);
         last = best_at[0];

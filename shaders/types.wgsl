@@ -424,6 +424,14 @@ struct ContactPair {
 
 const FLAT_ROUNDNESS: f32 = 1.0e30;
 
+// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
+const DEEP: f32 = 0.04;
+// Cosine between the normals of a patch and of a feature that agrees with it.
+const AGREES: f32 = 0.7;
+// How many points a pair of bodies has at most, and a body and a half-space.
+const MOST_POINTS: u32 = 16u;
+const MOST_PLANE_POINTS: u32 = 8u;
+
 // Indices into the counters of contact generation. The host sets the first and zeroes the others. Lists may hold fewer
 // than these say, and then their contents are worth nothing.
 const MARGIN_PAIRS: u32 = 0u;

@@ -2,7 +2,7 @@
 
 use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, MAX_ROW, MODULES, composer, read, uniform, write};
 use bevy_faceoff::gpu::layout::{CONSTANTS, STRUCTS, Struct};
-use bevy_faceoff::gpu::{radix_sort, scan, step};
+use bevy_faceoff::gpu::{mesh_features, radix_sort, scan, step};
 use bevy_faceoff::stages::manifolds;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -251,6 +251,17 @@ fn sizes_of_blocks_are_the_same_in_wgsl() {
     assert_eq!(scan_file["BLOCK"], scan::BLOCK);
     assert_eq!(scan_file["SORT_BLOCK"], radix_sort::BLOCK);
     assert_eq!(constants("dispatch.wgsl")["MAX_ROW"], MAX_ROW);
+}
+
+#[test]
+fn contact_generation_counts_as_in_wgsl() {
+    let types = constants("types.wgsl");
+    assert_eq!(types["MOST_POINTS"] as usize, manifolds::MOST_POINTS);
+    assert_eq!(types["MOST_PLANE_POINTS"] as usize, manifolds::cpu::planes::MAX_POINTS);
+    assert_eq!(types["NOTHING"], manifolds::cpu::planes::NO_FACE);
+    let sides = constants("sides.wgsl");
+    assert_eq!(sides["HEADER"] as usize, mesh_features::HEADER);
+    assert_eq!(sides["RECORD"] as usize, mesh_features::RECORD);
 }
 
 /// Wrong declarations of a right kernel, and what must be said of them.

@@ -8,11 +8,11 @@ use std::collections::HashMap;
 
 /// Words before the triangles' records, of which six are in use: how many vertices there are, and where their places, the
 /// starts of their lists of neighbours, these lists, the numbers of their components, and the far ends of these begin.
-const HEADER: usize = 8;
+pub const HEADER: usize = 8;
 
 /// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns,
 /// how round it is, its number in the input mesh, and one unused.
-const RECORD: usize = 16;
+pub const RECORD: usize = 16;
 
 /// What stands for an infinite radius: WGSL need not know infinity.
 const FLAT_ROUNDNESS: f32 = 1.0e30;

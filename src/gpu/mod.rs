@@ -14,7 +14,7 @@ pub mod device;
 mod flight;
 pub mod kernel;
 pub mod layout;
-mod mesh_features;
+pub mod mesh_features;
 pub mod radix_sort;
 pub mod readback;
 pub mod results;

@@ -8,6 +8,8 @@ use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use crate::scene::{body, state};
 use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::gpu::step::StepError;
+use bevy_faceoff::stages::manifolds::gpu::GpuManifolds;
 use bevy_faceoff::stages::manifolds::{Manifolds, MarginPair};
 use bevy_faceoff::stages::state::StepState;
 use glam::{DVec3, Quat, Vec3};
@@ -36,6 +38,22 @@ pub fn bad_pairs(gpu: &Gpu) {
     for margin in [1e30, f32::INFINITY] {
         let found = on_gpu(gpu, &state, &[pair(0, 3, margin)]);
         assert_eq!(found.pairs.len(), 1);
+    }
+}
+
+/// Every face of one is near every face of the other: over a million pairs of triangles. A device that leaves long loops
+/// must say so.
+pub fn a_margin_around_everything(gpu: &Gpu) {
+    let (product, shapes) = (Product::default(), Shapes::new());
+    let bodies = [0.0, 1.2].map(|x| body(&shapes.knot, DVec3::X * x, Quat::IDENTITY));
+    let state = state(&product, &bodies.each_ref());
+    let pairs = [MarginPair {
+        bodies: [0, 1],
+        margin: f32::INFINITY,
+    }];
+    match GpuManifolds::new(gpu).unwrap().run(&state, &pairs) {
+        Ok(found) => assert_eq!(found.pairs.len(), 1),
+        Err(error) => assert_eq!(error, StepError::CutShort),
     }
 }
 

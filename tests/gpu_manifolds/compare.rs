@@ -24,6 +24,8 @@ pub struct Agreement {
     pub points: usize,
     /// Points of one without the like in the other.
     pub unmatched: usize,
+    /// Points with the like in the other list on the same faces.
+    pub named: usize,
     /// Pairs whose deepest points differ by more than 1e-4 of the size.
     pub shifted: usize,
     /// The largest difference of deepest points, in units of the smaller body's diameter.
@@ -91,6 +93,10 @@ fn size(state: &StepState, bodies: [u32; 2]) -> f32 {
     of(bodies[0]).min(of(bodies[1]))
 }
 
+fn same_roundness(p: f32, q: f32) -> bool {
+    p == q || (p - q).abs() <= 1e-3 * p.abs().max(q.abs())
+}
+
 fn deepest(points: &[ManifoldPoint]) -> f32 {
     points.iter().map(|p| p.separation).fold(f32::INFINITY, f32::min)
 }
@@ -123,9 +129,16 @@ pub fn agreement(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair])
                 p.arms[0].distance(q.arms[0]) < SAME_PLACE * size
                     && p.normal.distance(q.normal) < SAME_WAY
                     && (p.separation - q.separation).abs() < SAME_PLACE * size
+                    && (0..2).all(|i| same_roundness(p.roundness[i], q.roundness[i]))
             };
+            let named = |p: &&ManifoldPoint| others.iter().any(|q| like(p, q) && p.faces == q.faces);
+            result.named += points.iter().filter(named).count();
             let lonely: Vec<_> = points.iter().filter(|p| !others.iter().any(|q| like(p, q))).collect();
             result.unmatched += lonely.len();
+            if !lonely.is_empty() {
+                let counts = [points.len(), others.len()];
+                println!("{name}: {bodies:?} of size {size}: only in {from} of {counts:?}: {lonely:?}");
+            }
             let apart = (deepest(points) - deepest(others)).abs() / size;
             result.worst = result.worst.max(apart);
             if apart > 1e-4 {
@@ -143,11 +156,12 @@ pub fn agreement(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair])
         }
     }
     println!(
-        "{name}: {} pairs, {} only in one; {} points, {:.2} % without the like; {} deepest points differ, by {:.1e} at most",
+        "{name}: {} pairs, {} only in one; {} points, {:.2} % without the like, {:.1} % on the same faces; {} deepest points differ, by {:.1e} at most",
         result.pairs,
         result.missed,
         result.points,
         100.0 * result.unmatched_share(),
+        100.0 * result.named as f64 / result.points.max(1) as f64,
         result.shifted,
         result.worst
     );

@@ -6,9 +6,10 @@ use crate::oracle::body::{Body, Mesh};
 use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
-use crate::scene::{body, oracle_mesh};
+use crate::scene::{body, oracle_mesh, state};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::stages::manifolds::MarginPair;
 use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -54,15 +55,63 @@ fn compare(
 }
 
 pub fn tori(gpu: &Gpu) {
-    compare("torus", gpu, &shapes::torus_240(), 40, from_outside, 0.05);
+    compare("torus", gpu, &shapes::torus_240(), 40, from_outside, 0.01);
 }
 
 pub fn knots(gpu: &Gpu) {
-    compare("knot", gpu, &shapes::knot_1120(), 24, from_outside, 0.05);
+    compare("knot", gpu, &shapes::knot_1120(), 24, from_outside, 0.01);
 }
 
 pub fn rings(gpu: &Gpu) {
-    compare("ring", gpu, &shapes::ring(), 30, in_a_chain, 0.05);
+    compare("ring", gpu, &shapes::ring(), 30, in_a_chain, 0.01);
+}
+
+/// Bodies of all kinds at random places, many deep in each other.
+pub fn heaps(gpu: &Gpu) {
+    let (product, shapes) = (Product::default(), Shapes::new());
+    let solids = shapes.solids();
+    let mut rng = Rng::new(21, 0);
+    let bodies: Vec<Body> = (0..40)
+        .map(|i| body(solids[i % solids.len()], rng.in_ball(1.0), rng.rotation()))
+        .collect();
+    let state = state(&product, &bodies.iter().collect::<Vec<_>>());
+    let all = (0..40).flat_map(|a| (a + 1..40).map(move |b| [a, b]));
+    let pairs: Vec<_> = all.map(|bodies| MarginPair { bodies, margin: 0.01 }).collect();
+    let result = agreement("heap", gpu, &state, &pairs);
+    assert!(result.pairs > 150);
+    // Of extremes of a contour that are as far as each other another may be taken.
+    assert!(result.missed == 0 && result.shifted * 50 <= result.pairs, "{result:?}");
+    assert!(result.unmatched_share() < 0.02, "{result:?}");
+}
+
+/// Thousands of small triangles each.
+pub fn fine_meshes(gpu: &Gpu) {
+    let ball = oracle_mesh("fine ball", &shapes::ball(0.5, 4));
+    let product = Product::default();
+    let case = |i| from_outside(&product, &ball, &mut Rng::new(22, i), OVERLAPS[i as usize % 4]);
+    let cases: Vec<_> = (0..12).filter_map(case).map(|bodies| (bodies, 0.01)).collect();
+    let (state, pairs) = scene(&product, &cases);
+    require("fine balls", gpu, &state, &pairs, 0, 0.02);
+}
+
+/// From what single precision hardly sees to a tenth.
+pub fn overlaps_of_any_size(gpu: &Gpu) {
+    let (product, shapes) = (Product::default(), Shapes::new());
+    let solids = shapes.solids();
+    for exponent in -7..=-1 {
+        let overlap = 10f64.powi(exponent);
+        let case = |i: u64| {
+            let mesh = solids[i as usize % solids.len()];
+            from_outside(&product, mesh, &mut Rng::new(23, i), overlap)
+        };
+        let cases: Vec<_> = (0..42).filter_map(case).map(|bodies| (bodies, 0.01)).collect();
+        let (state, pairs) = scene(&product, &cases);
+        let result = agreement(&format!("overlap of {overlap:e}"), gpu, &state, &pairs);
+        assert!(result.missed == 0 && result.shifted <= 1, "{result:?}");
+        // What overlaps by rounding alone has no contour.
+        let most = if exponent < -5 { 0.1 } else { 0.02 };
+        assert!(result.unmatched_share() < most, "{result:?}");
+    }
 }
 
 /// Open, inward and separate ones too, deep in each other as well.
@@ -93,7 +142,7 @@ pub fn any_shapes_of_any_scale(gpu: &Gpu) {
     let (state, pairs) = scene(&product, &cases);
     let result = agreement("any shapes", gpu, &state, &pairs);
     assert!(result.pairs > 60);
-    assert!(result.missed <= 2, "{result:?}");
-    assert!(result.shifted * 20 <= result.pairs, "{result:?}");
-    assert!(result.unmatched_share() < 0.1, "{result:?}");
+    assert!(result.missed == 0 && result.shifted <= 1, "{result:?}");
+    // Patches that no ray leaves name a triangle of their contour, of which each backend takes the first it has found.
+    assert!(result.unmatched_share() < 0.03, "{result:?}");
 }

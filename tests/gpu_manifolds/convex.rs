@@ -11,16 +11,17 @@ use bevy_faceoff::gpu::device::Gpu;
 use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_4;
 
-const GAPS: [f64; 5] = [0.01, 0.001, 0.0, -0.003, 0.03];
+/// Negative ones are gaps.
+const DEPTHS: [f64; 4] = [0.01, 0.001, -0.003, 0.03];
 
 /// Turned about the axis, shifted aside, and all of it turned any way.
-fn face_on_face(count: usize, at: DVec3, seed: u64) -> Vec<([Body; 2], f32)> {
+fn face_on_face(count: usize, at: DVec3, depths: &[f64], seed: u64) -> Vec<([Body; 2], f32)> {
     let cube = cube();
     let mut rng = Rng::new(seed, 0);
     (0..count)
         .map(|case| {
             let frame = rng.rotation();
-            let depth = GAPS[case % GAPS.len()];
+            let depth = depths[case % depths.len()];
             let aside = DVec3::new(rng.range(-0.4, 0.4), rng.range(-0.4, 0.4), 1.0 - depth);
             let a = body(&cube, at, frame);
             let about = Quat::from_rotation_z(rng.range(0.0, 6.0) as f32);
@@ -31,15 +32,28 @@ fn face_on_face(count: usize, at: DVec3, seed: u64) -> Vec<([Body; 2], f32)> {
 }
 
 pub fn cubes_face_on_face(gpu: &Gpu) {
-    let (state, pairs) = scene(&Product::default(), &face_on_face(100, DVec3::new(5.0, -3.0, 2.0), 2));
-    require("cubes face on face", gpu, &state, &pairs, 0, 0.05);
+    let (state, pairs) = scene(
+        &Product::default(),
+        &face_on_face(100, DVec3::new(5.0, -3.0, 2.0), &DEPTHS, 2),
+    );
+    require("cubes face on face", gpu, &state, &pairs, 0, 0.01);
+}
+
+/// What overlaps by rounding alone has a contour on the CPU and none on the device, or the other way round: what is found
+/// beside the corners differs, not where the bodies are held.
+pub fn cubes_that_touch(gpu: &Gpu) {
+    let (state, pairs) = scene(
+        &Product::default(),
+        &face_on_face(60, DVec3::new(5.0, -3.0, 2.0), &[0.0], 4),
+    );
+    require("cubes that touch", gpu, &state, &pairs, 0, 0.4);
 }
 
 pub fn far_from_the_origin(gpu: &Gpu) {
     let product = Product::default();
     let at = DVec3::new(1e4, -1e4, 1e4);
-    let (state, pairs) = scene(&product, &face_on_face(50, at, 3));
-    require("cubes far from the origin", gpu, &state, &pairs, 0, 0.05);
+    let (state, pairs) = scene(&product, &face_on_face(50, at, &DEPTHS, 3));
+    require("cubes far from the origin", gpu, &state, &pairs, 0, 0.01);
 }
 
 pub fn cubes_aligned(gpu: &Gpu) {
@@ -47,14 +61,14 @@ pub fn cubes_aligned(gpu: &Gpu) {
     let mut rng = Rng::new(17, 0);
     let cases: Vec<_> = (0..40)
         .map(|case| {
-            let gap = [0.0, 1e-3, -1e-3, -0.02][case % 4];
+            let gap = [0.003, 1e-3, -1e-3, -0.02][case % 4];
             let frame = if case < 4 { Quat::IDENTITY } else { rng.rotation() };
             let up = (frame * Vec3::Z).as_dvec3();
             ([0.0, 1.0 + gap].map(|z| body(&cube, up * z, frame)), 0.01)
         })
         .collect();
     let (state, pairs) = scene(&Product::default(), &cases);
-    require("cubes aligned", gpu, &state, &pairs, 0, 0.05);
+    require("cubes aligned", gpu, &state, &pairs, 0, 0.01);
 }
 
 pub fn cubes_edge_on_edge(gpu: &Gpu) {
@@ -87,7 +101,7 @@ pub fn cubes_at_any_gap(gpu: &Gpu) {
         })
         .collect();
     let (state, pairs) = scene(&Product::default(), &cases);
-    require("cubes at any gap", gpu, &state, &pairs, 0, 0.05);
+    require("cubes at any gap", gpu, &state, &pairs, 0, 0.01);
 }
 
 pub fn balls(gpu: &Gpu) {
@@ -102,7 +116,7 @@ pub fn balls(gpu: &Gpu) {
         })
         .collect();
     let (state, pairs) = scene(&Product::default(), &cases);
-    require("balls", gpu, &state, &pairs, 0, 0.1);
+    require("balls", gpu, &state, &pairs, 0, 0.01);
 }
 
 /// Boxes on a floor of two triangles a hundred times as large, in either order.
@@ -112,7 +126,7 @@ pub fn small_on_large(gpu: &Gpu) {
     let cases: Vec<_> = (0..40)
         .map(|case| {
             let size = rng.range(0.5, 1.5);
-            let depth = [0.01, 0.001, -0.003, 0.0][case % 4] * size;
+            let depth = [0.01, 0.001, -0.003, 0.03][case % 4] * size;
             let floor = Body {
                 scale: Vec3::new(100.0, 80.0, 1.0),
                 ..body(&cube, DVec3::new(3.0, 2.0, -0.5), Quat::IDENTITY)
@@ -127,5 +141,5 @@ pub fn small_on_large(gpu: &Gpu) {
         })
         .collect();
     let (state, pairs) = scene(&Product::default(), &cases);
-    require("small on large", gpu, &state, &pairs, 0, 0.1);
+    require("small on large", gpu, &state, &pairs, 0, 0.01);
 }

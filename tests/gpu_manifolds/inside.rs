@@ -33,8 +33,7 @@ pub fn one_inside_the_other(gpu: &Gpu) {
         })
         .collect();
     let (state, pairs) = scene(&product, &cases);
-    // Two faces may be as near as each other.
-    require("inside", gpu, &state, &pairs, 0, 0.05);
+    require("inside", gpu, &state, &pairs, 0, 0.01);
 
     let outer = body(&shapes.hollow_ball, DVec3::ZERO, Quat::IDENTITY);
     let inner = Body::new(&shapes.ball, DVec3::ZERO, Quat::IDENTITY, 0.3);

@@ -49,7 +49,7 @@ fn bodies_on_planes(rng: &mut Rng, count: usize) -> StepState {
 
 pub fn half_spaces(gpu: &Gpu) {
     let state = bodies_on_planes(&mut Rng::new(30, 0), 200);
-    require("half-spaces", gpu, &state, &[], 0, 0.02);
+    require("half-spaces", gpu, &state, &[], 0, 0.01);
 }
 
 /// Pairs of bodies and bodies on half-spaces are one ascending list.
@@ -65,7 +65,7 @@ pub fn among_pairs(gpu: &Gpu) {
         .collect();
     let (mut state, pairs) = scene(&Product::default(), &cases);
     state.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::Y, -0.4)];
-    require("among pairs", gpu, &state, &pairs, 0, 0.05);
+    require("among pairs", gpu, &state, &pairs, 0, 0.01);
     let [wanted, found] = [on_cpu(&state, &pairs), on_gpu(gpu, &state, &pairs)];
     let bodies = |list: &bevy_faceoff::stages::manifolds::Manifolds| {
         list.pairs.iter().map(|pair| pair.bodies).collect::<Vec<_>>()

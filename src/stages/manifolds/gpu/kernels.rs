@@ -97,7 +97,7 @@ pub const ADMIT: Kernel = Kernel {
     emit: false,
     workgroup: 64,
     bindings: &[
-        read(0, "counters", "u32"),
+        write(0, "counters", "u32"),
         read(1, "settings", "ContactSetting"),
         write(2, "features", "Feature"),
         write(3, "patches", "Patch"),
