@@ -3,7 +3,7 @@
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(1) var<storage, read> counters: array<u32>;
+@group(0) @binding(1) var<storage, read_write> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> slots: array<t::ContactPair>;
 @group(0) @binding(3) var<storage, read> pair_places: array<u32>;
 @group(0) @binding(4) var<storage, read> point_places: array<u32>;
@@ -17,6 +17,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= counters[t::CONTACT_SLOTS] {
         return;
     }
+    if i == 0u {
+        counters[t::CONTACTS_SKIPPED] = u32(is_worthless());
+    }
     let slot = slots[i];
     let place = pair_places[i];
     let first = point_places[i];
@@ -27,4 +30,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = 0u; k < slot.point_count; k += 1u) {
         contact_points[first + k] = staged[slot.first_point + k];
     }
+}
+
+// Whether some list has no room for what was found, or not all was found.
+fn is_worthless() -> bool {
+    return counters[t::NEAR_TRIANGLES] > limits.near_triangles
+        || counters[t::FEATURES] > limits.features
+        || counters[t::SEGMENTS] > limits.segments
+        || counters[t::STAGED_POINTS] > limits.staged_points
+        || counters[t::CONTACT_PAIRS] > limits.pairs
+        || counters[t::CONTACT_POINTS] > limits.points
+        || counters[t::CONTACTS_CUT_SHORT] != 0u;
 }

@@ -15,8 +15,10 @@ const ROUNDING: f32 = 1.5e-6;
 // What overlaps by less, in units of the smaller body's size, touches: rounding must not part bodies that rest on each
 // other.
 const TOUCH: f32 = 1.0e-5;
-// Nothing is farther than this.
+// Nothing is farther than this, in the pair's unit.
 const WIDEST: f32 = 1.0e6;
+// The bits of infinity.
+const INFINITE: u32 = 0x7f800000u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -65,9 +67,11 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     result.size = 2.0 * min(
         largest(meshes[a.mesh].box_half * abs(result.scale_a)), largest(meshes[b.mesh].box_half * abs(result.scale_b))
     );
-    // Not a number is no margin.
-    if pair.margin > 0.0 {
-        result.margin = min(pair.margin, WIDEST / result.unit) * result.unit;
+    // Not a number is no margin. By bits, which are in the order of positive numbers: devices may take it that all are
+    // numbers.
+    let bits = bitcast<u32>(pair.margin);
+    if bits <= INFINITE {
+        result.margin = bitcast<f32>(min(bits, bitcast<u32>(WIDEST / result.unit))) * result.unit;
     }
     result.rounding = ROUNDING * (a.radius + b.radius) * result.unit;
     result.touch = max(TOUCH * result.size, 4.0 * result.rounding);

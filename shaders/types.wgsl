@@ -443,6 +443,7 @@ const STAGED_POINTS: u32 = 5u;
 const CONTACT_PAIRS: u32 = 6u;
 const CONTACT_POINTS: u32 = 7u;
 const CONTACTS_CUT_SHORT: u32 = 8u; // not 0: the device left a loop before its end
+const CONTACTS_SKIPPED: u32 = 9u; // not 0: a list was too small, or a loop cut short; the results are worth nothing
 const CONTACT_COUNTERS: u32 = 16u;
 
 // Slots of the arguments of its indirect dispatches: a workgroup for each pair, for 64 pairs, for 64 slots, for each block

@@ -133,12 +133,7 @@ pub fn agreement(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair])
             };
             let named = |p: &&ManifoldPoint| others.iter().any(|q| like(p, q) && p.faces == q.faces);
             result.named += points.iter().filter(named).count();
-            let lonely: Vec<_> = points.iter().filter(|p| !others.iter().any(|q| like(p, q))).collect();
-            result.unmatched += lonely.len();
-            if !lonely.is_empty() {
-                let counts = [points.len(), others.len()];
-                println!("{name}: {bodies:?} of size {size}: only in {from} of {counts:?}: {lonely:?}");
-            }
+            result.unmatched += points.iter().filter(|p| !others.iter().any(|q| like(p, q))).count();
             let apart = (deepest(points) - deepest(others)).abs() / size;
             result.worst = result.worst.max(apart);
             if apart > 1e-4 {

@@ -15,8 +15,9 @@
 //! | planes | a body | vertices near half-spaces |
 //! | counts, scans, emit | (a slot) | the lists of pairs and points |
 //!
-//! The results are two compact lists, ascending by the numbers of the bodies, and two counters that tell how long these are.
-//! Half-space `i` is the body `bodies + i`.
+//! The results are two compact lists, ascending by the numbers of the bodies, and counters that tell how long these are and
+//! whether a list on the way had no room: whoever reads them must look at `CONTACTS_SKIPPED` first, and the host then makes
+//! the lists as long as the counters say and runs everything again. Half-space `i` is the body `bodies + i`.
 //!
 //! A pair's share of the lists in between lies wherever a counter had come when the pair asked, but the order within the
 //! share is that of the trees, and that of the results follows from a scan: a device gives the same bits every time.

@@ -197,7 +197,7 @@ pub const EMIT: Kernel = Kernel {
     workgroup: 64,
     bindings: &[
         uniform(0, "limits", "ContactLimits"),
-        read(1, "counters", "u32"),
+        write(1, "counters", "u32"),
         read(2, "slots", "ContactPair"),
         read(3, "pair_places", "u32"),
         read(4, "point_places", "u32"),

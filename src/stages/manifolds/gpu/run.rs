@@ -7,7 +7,8 @@ use crate::gpu::buffers::TooLarge;
 use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::kernel::{Builder, Kernels, Program};
 use crate::gpu::layout::{
-    self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, ContactPair, ContactPoint, MARGIN_PAIRS,
+    self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
+    ContactPoint, MARGIN_PAIRS,
 };
 use crate::gpu::readback::{read_words, scoped};
 use crate::gpu::scan;
@@ -113,11 +114,10 @@ impl GpuManifolds {
             if counters[CONTACTS_CUT_SHORT as usize] != 0 {
                 return Err(StepError::CutShort);
             }
-            let grown = self.sizes.grown(ContactSizes::needed(&counters));
-            if grown == self.sizes {
+            if counters[CONTACTS_SKIPPED as usize] == 0 {
                 return self.read(&buffers, &counters);
             }
-            self.sizes = grown;
+            self.sizes = self.sizes.grown(ContactSizes::needed(&counters));
             self.repeats += 1;
         }
         Err(StepError::Device(
