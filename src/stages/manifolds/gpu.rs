@@ -23,8 +23,8 @@
 //! share is that of the trees, and that of the results follows from a scan: a device gives the same bits every time.
 //!
 //! What single precision changes: bodies that overlap by less than some millionths of their size have no contours and touch,
-//! and of points that are equally far from those chosen before another may be taken than on the CPU. Not done are more than
-//! 1024 loose ends of contours per pair, which are not tied then, and more than 1024 components of one mesh inside another.
+//! and of places or points that are as far as each other another may be taken than on the CPU. Not done are more than 1024
+//! loose ends of contours per pair, which are not tied then, and more than 1024 components of one mesh inside another.
 
 mod buffers;
 mod kernels;
