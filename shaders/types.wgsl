@@ -96,7 +96,9 @@ struct Mesh {
     turn: u32,
     groups: u32,
     group_words: u32,
-    padding: vec2<u32>,
+    // Corners and edges with what lies around them, as `sides.wgsl` reads them; only there if contact points are wanted.
+    features: u32,
+    padding: u32,
     // Half size and centre of the box around all.
     box_center: vec3<f32>,
     padding_a: u32,
@@ -265,3 +267,188 @@ const GROUPS_PER_DIGIT_BLOCK: u32 = 3u;
 
 // Whether a list was too small, now or in an earlier step that has not been repeated yet.
 const OVERFLOW: u32 = 0u;
+
+// Contact generation. Lengths of what follows are in the pair's unit unless they are called metres: a power of two per
+// metre at which the sum of the radii lies between 1 and 2. Points are in the axes of the pair's first body, about the
+// centre of mass of the smaller one.
+
+// How many entries its lists hold, and how many bodies and half-spaces there are.
+struct ContactLimits {
+    near_triangles: u32,
+    features: u32,
+    segments: u32,
+    staged_points: u32,
+    pairs: u32,
+    points: u32,
+    bodies: u32,
+    planes: u32,
+}
+
+// A pair of bodies whose contact points are wanted.
+struct MarginPair {
+    a: u32,
+    b: u32,
+    // Metres.
+    margin: f32,
+    padding: u32,
+}
+
+// How the bodies of such a pair lie to each other, and where in the lists its share is.
+struct ContactSetting {
+    a: u32,
+    b: u32,
+    // 0: there are no such bodies.
+    valid: u32,
+    unit: f32,
+    // Of the first body.
+    rotation: vec4<f32>,
+    // The columns of the rotation that turns b's axes into a's.
+    x: vec3<f32>,
+    // The longest side of the smaller body's box.
+    size: f32,
+    y: vec3<f32>,
+    margin: f32,
+    z: vec3<f32>,
+    // How wrong heights over planes can be.
+    rounding: f32,
+    // From the centre of mass to the origin, in each body's own axes.
+    offset_a: vec3<f32>,
+    // What overlaps by less touches.
+    touch: f32,
+    offset_b: vec3<f32>,
+    mesh_a: u32,
+    scale_a: vec3<f32>,
+    mesh_b: u32,
+    scale_b: vec3<f32>,
+    patch_count: u32,
+    // Where overlapping features can be, and along which way; zero for any.
+    low: vec3<f32>,
+    first_near: u32,
+    high: vec3<f32>,
+    near_count: u32,
+    way: vec3<f32>,
+    first_segment: u32,
+    segment_count: u32,
+    first_feature: u32,
+    feature_count: u32,
+    // Features that overlap.
+    first_deep: u32,
+    deep_count: u32,
+    // What stands for patches without one, or for a body inside the other.
+    first_probe: u32,
+    probe_count: u32,
+    padding: u32,
+}
+
+// A point at which bodies push each other: a vertex over a face, an edge over an edge, or what stands for them.
+struct Feature {
+    point_a: vec3<f32>,
+    // From the first point to the second along the normal; `DROPPED` if it does not count.
+    separation: f32,
+    point_b: vec3<f32>,
+    // How far it is from the points that were chosen.
+    distance: f32,
+    // Unit vector from the first body to the second.
+    normal: vec3<f32>,
+    // The number of a vertex, with `OF_SECOND` if it is the second body's; or `NOTHING`.
+    vertex: u32,
+    // Triangles on which the points lie.
+    a: u32,
+    b: u32,
+    padding: vec2<u32>,
+}
+
+// The segment in which two triangles cross, along the cross product of their normals; with the number of the edge that
+// pierces a triangle at each end, and `OF_SECOND` if it is the second body's.
+struct Segment {
+    start: vec3<f32>,
+    start_edge: u32,
+    end: vec3<f32>,
+    end_edge: u32,
+    a: u32,
+    b: u32,
+    padding: vec2<u32>,
+}
+
+// The part of both surfaces inside a closed contour.
+struct Patch {
+    center: vec3<f32>,
+    // It has a say so far from its centre.
+    reach: f32,
+    // Unit vector from the first body to the second.
+    normal: vec3<f32>,
+    area: f32,
+    // From its centre to the contour's extremes in four directions.
+    arm_a: vec3<f32>,
+    // Of the contour.
+    length: f32,
+    arm_b: vec3<f32>,
+    // Whether it keeps an overlapping feature.
+    kept: u32,
+    arm_c: vec3<f32>,
+    // Triangles of its first segment.
+    a: u32,
+    arm_d: vec3<f32>,
+    b: u32,
+}
+
+const DROPPED: f32 = 3.0e38;
+const OF_SECOND: u32 = 0x80000000u;
+const NOTHING: u32 = 0xffffffffu;
+
+// A point at which two bodies push each other, in world axes and metres.
+struct ContactPoint {
+    // From each body's centre of mass to the point on its surface.
+    arm_a: vec3<f32>,
+    // From the first point to the second along the normal; negative where the bodies overlap.
+    separation: f32,
+    arm_b: vec3<f32>,
+    // Radius of curvature of each surface: 0 on a crease, `FLAT_ROUNDNESS` where it is flat.
+    roundness_a: f32,
+    // Unit vector from the first body to the second.
+    normal: vec3<f32>,
+    roundness_b: f32,
+    // By the numbers of the input meshes; `NOTHING` on half-spaces.
+    face_a: u32,
+    face_b: u32,
+    padding: vec2<u32>,
+}
+
+// All points of a pair of bodies; half-spaces have the numbers after those of the bodies.
+struct ContactPair {
+    a: u32,
+    b: u32,
+    first_point: u32,
+    point_count: u32,
+}
+
+const FLAT_ROUNDNESS: f32 = 1.0e30;
+
+// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
+const DEEP: f32 = 0.04;
+// Cosine between the normals of a patch and of a feature that agrees with it.
+const AGREES: f32 = 0.7;
+// How many points a pair of bodies has at most, and a body and a half-space.
+const MOST_POINTS: u32 = 16u;
+const MOST_PLANE_POINTS: u32 = 8u;
+
+// Indices into the counters of contact generation. The host sets the first and zeroes the others. Lists may hold fewer
+// than these say, and then their contents are worth nothing.
+const MARGIN_PAIRS: u32 = 0u;
+const CONTACT_SLOTS: u32 = 1u;
+const NEAR_TRIANGLES: u32 = 2u;
+const FEATURES: u32 = 3u;
+const SEGMENTS: u32 = 4u;
+const STAGED_POINTS: u32 = 5u;
+const CONTACT_PAIRS: u32 = 6u;
+const CONTACT_POINTS: u32 = 7u;
+const CONTACTS_CUT_SHORT: u32 = 8u; // not 0: the device left a loop before its end
+const CONTACTS_SKIPPED: u32 = 9u; // not 0: a list was too small, or a loop cut short; the results are worth nothing
+const CONTACT_COUNTERS: u32 = 16u;
+
+// Slots of the arguments of its indirect dispatches: a workgroup for each pair, for 64 pairs, for 64 slots, for each block
+// of the scan of slots.
+const GROUPS_PER_MARGIN_PAIR: u32 = 0u;
+const GROUPS_PER_64_MARGIN_PAIRS: u32 = 1u;
+const GROUPS_PER_64_SLOTS: u32 = 2u;
+const GROUPS_PER_SLOT_BLOCK: u32 = 3u;

@@ -2,13 +2,19 @@
 
 use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, MAX_ROW, MODULES, composer, read, uniform, write};
 use bevy_faceoff::gpu::layout::{CONSTANTS, STRUCTS, Struct};
-use bevy_faceoff::gpu::{radix_sort, scan, step};
+use bevy_faceoff::gpu::{mesh_features, radix_sort, scan, step};
+use bevy_faceoff::stages::manifolds;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgpu::naga::{
     AddressSpace, Expression, Handle, Literal, Module, ScalarKind, ShaderStage, StorageAccess, Type, TypeInner,
     VectorSize, front,
 };
+
+/// Every kernel there is, those of the step and those that it does not run yet.
+fn kernels() -> impl Iterator<Item = &'static Kernel> {
+    step::kernels().chain(manifolds::gpu::KERNELS)
+}
 
 /// Storage buffers that every device lets a kernel have.
 const MOST_STORAGE: usize = 8;
@@ -163,7 +169,7 @@ fn constants(file: &str) -> BTreeMap<String, u32> {
 
 #[test]
 fn every_kernel_is_what_it_is_declared_to_be() {
-    let all: Vec<String> = step::kernels()
+    let all: Vec<String> = kernels()
         .flat_map(|kernel| {
             complaints(kernel)
                 .into_iter()
@@ -171,14 +177,14 @@ fn every_kernel_is_what_it_is_declared_to_be() {
         })
         .collect();
     assert!(all.is_empty(), "{}", all.join("\n"));
-    assert!(step::kernels().count() >= 18);
+    assert!(kernels().count() >= 18);
 }
 
 #[test]
 fn names_of_kernels_are_their_own() {
     // Compiled kernels are found by name.
     let mut names = HashSet::new();
-    for kernel in step::kernels() {
+    for kernel in kernels() {
         assert!(names.insert(kernel.name), "{} twice", kernel.name);
     }
 }
@@ -187,7 +193,7 @@ fn names_of_kernels_are_their_own() {
 fn every_struct_is_laid_out_as_in_wgsl() {
     let mut seen = BTreeSet::new();
     let mut composer = composer().unwrap();
-    for kernel in step::kernels() {
+    for kernel in kernels() {
         let module = kernel
             .compose(&mut composer)
             .map_err(|e| e.emit_to_string(&composer))
@@ -217,7 +223,7 @@ fn every_struct_is_laid_out_as_in_wgsl() {
 fn elements_of_buffers_have_no_gaps_between_them() {
     // Rust's arrays have none; WGSL's are padded to the alignment of the element.
     let mut composer = composer().unwrap();
-    for kernel in step::kernels() {
+    for kernel in kernels() {
         let module = kernel
             .compose(&mut composer)
             .map_err(|e| e.emit_to_string(&composer))
@@ -245,6 +251,17 @@ fn sizes_of_blocks_are_the_same_in_wgsl() {
     assert_eq!(scan_file["BLOCK"], scan::BLOCK);
     assert_eq!(scan_file["SORT_BLOCK"], radix_sort::BLOCK);
     assert_eq!(constants("dispatch.wgsl")["MAX_ROW"], MAX_ROW);
+}
+
+#[test]
+fn contact_generation_counts_as_in_wgsl() {
+    let types = constants("types.wgsl");
+    assert_eq!(types["MOST_POINTS"] as usize, manifolds::MOST_POINTS);
+    assert_eq!(types["MOST_PLANE_POINTS"] as usize, manifolds::cpu::planes::MAX_POINTS);
+    assert_eq!(types["NOTHING"], manifolds::cpu::planes::NO_FACE);
+    let sides = constants("sides.wgsl");
+    assert_eq!(sides["HEADER"] as usize, mesh_features::HEADER);
+    assert_eq!(sides["RECORD"] as usize, mesh_features::RECORD);
 }
 
 /// Wrong declarations of a right kernel, and what must be said of them.

@@ -2,6 +2,7 @@
 
 use super::buffers::TooLarge;
 use super::layout::{self, CLOSED, INWARD, MIXED, OPEN, OUTWARD};
+use super::mesh_features;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
 use crate::stages::mesh_arena::{MeshArena, MeshSlot, Points};
@@ -15,6 +16,8 @@ pub struct Arena {
     /// Unused ranges below `end`, ascending, no two adjacent.
     free: Vec<Range<u32>>,
     end: u32,
+    /// Whether each mesh comes with its vertices and edges.
+    features: bool,
 }
 
 struct Resident {
@@ -35,6 +38,14 @@ pub enum Change {
 }
 
 impl Arena {
+    /// One whose meshes come with what contact points are made of.
+    pub fn with_features() -> Self {
+        Self {
+            features: true,
+            ..Self::default()
+        }
+    }
+
     /// Whether it holds what `meshes` holds.
     pub fn holds(&self, meshes: &MeshArena) -> bool {
         let slots = self.slots.len().max(meshes.len()) as u32;
@@ -79,7 +90,7 @@ impl Arena {
                     });
                 }
                 let mut packed = Packed::default();
-                let relative = packed.mesh(slot);
+                let relative = packed.mesh(slot, self.features);
                 let words = self.reserve(packed.0.len() as u32);
                 let header = moved(relative, words.start);
                 changes.push(Change::Words(words.start, packed.0));
@@ -101,7 +112,7 @@ impl Arena {
             if let Some(held) = held {
                 let slot = MeshSlot::new(held.mesh.clone());
                 let mut packed = Packed::default();
-                packed.mesh(&slot);
+                packed.mesh(&slot, self.features);
                 changes.push(Change::Words(held.words.start, packed.0));
                 changes.push(Change::Header(number, held.header));
             }
@@ -163,6 +174,7 @@ fn moved(mesh: layout::Mesh, by: u32) -> layout::Mesh {
         components: mesh.components + by,
         directions: mesh.directions + by,
         groups: mesh.groups + by,
+        features: mesh.features + by,
         ..mesh
     }
 }
@@ -178,7 +190,7 @@ impl Packed {
         start
     }
 
-    fn mesh(&mut self, slot: &MeshSlot) -> layout::Mesh {
+    fn mesh(&mut self, slot: &MeshSlot, with_features: bool) -> layout::Mesh {
         let baked = &slot.mesh;
         let mesh = &baked.mesh;
         let center = baked.mass.center;
@@ -232,6 +244,10 @@ impl Packed {
                 }));
             }
         }
+        let features = self.0.len() as u32;
+        if with_features {
+            self.0.extend(mesh_features::words(slot));
+        }
         let orientation = match mesh.orientation() {
             Orientation::Outward => OUTWARD,
             Orientation::Inward => INWARD,
@@ -256,6 +272,7 @@ impl Packed {
             turn,
             groups,
             group_words: group_words as u32,
+            features,
             box_center: aabb.center().to_array(),
             box_half: aabb.half_size().to_array(),
             ..Default::default()

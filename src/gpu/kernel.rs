@@ -93,6 +93,9 @@ pub const MODULES: &[(&str, &str)] = &[
     ("containment.wgsl", include_str!("../../shaders/containment.wgsl")),
     ("triangles.wgsl", include_str!("../../shaders/triangles.wgsl")),
     ("response.wgsl", include_str!("../../shaders/response.wgsl")),
+    ("sides.wgsl", include_str!("../../shaders/sides.wgsl")),
+    ("features.wgsl", include_str!("../../shaders/features.wgsl")),
+    ("contact_slots.wgsl", include_str!("../../shaders/contact_slots.wgsl")),
 ];
 
 /// A composer that knows [`MODULES`].

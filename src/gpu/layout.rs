@@ -68,7 +68,7 @@ layout! {
         triangles: u32, triangle_count: u32, boxes: u32, levels: u32,
         vertices: u32, vertex_count: u32, heights: u32, flags: u32,
         components: u32, component_count: u32, directions: u32, turn: u32,
-        groups: u32, group_words: u32, padding: [u32; 2],
+        groups: u32, group_words: u32, features: u32, padding: u32,
         box_center: Vec3, padding_a: u32,
         box_half: Vec3, padding_b: u32,
     }
@@ -127,6 +127,65 @@ layout! {
         linear: Vec3, padding_a: f32,
         angular: Vec3, padding_b: f32,
     }
+    /// How long the lists of contact generation are.
+    ContactLimits {
+        near_triangles: u32, features: u32, segments: u32, staged_points: u32,
+        pairs: u32, points: u32, bodies: u32, planes: u32,
+    }
+    /// A pair of bodies whose contact points are wanted.
+    MarginPair {
+        a: u32, b: u32, margin: f32, padding: u32,
+    }
+    /// How its bodies lie to each other, and where in the lists its share is.
+    ContactSetting {
+        a: u32, b: u32, valid: u32, unit: f32,
+        rotation: [f32; 4],
+        x: Vec3, size: f32,
+        y: Vec3, margin: f32,
+        z: Vec3, rounding: f32,
+        offset_a: Vec3, touch: f32,
+        offset_b: Vec3, mesh_a: u32,
+        scale_a: Vec3, mesh_b: u32,
+        scale_b: Vec3, patch_count: u32,
+        low: Vec3, first_near: u32,
+        high: Vec3, near_count: u32,
+        way: Vec3, first_segment: u32,
+        segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
+        deep_count: u32, first_probe: u32, probe_count: u32, padding: u32,
+    }
+    /// A point at which bodies push each other.
+    Feature {
+        point_a: Vec3, separation: f32,
+        point_b: Vec3, distance: f32,
+        normal: Vec3, vertex: u32,
+        a: u32, b: u32, padding: [u32; 2],
+    }
+    /// The segment in which two triangles cross.
+    Segment {
+        start: Vec3, start_edge: u32,
+        end: Vec3, end_edge: u32,
+        a: u32, b: u32, padding: [u32; 2],
+    }
+    /// The part of both surfaces inside a closed contour.
+    Patch {
+        center: Vec3, reach: f32,
+        normal: Vec3, area: f32,
+        arm_a: Vec3, length: f32,
+        arm_b: Vec3, kept: u32,
+        arm_c: Vec3, a: u32,
+        arm_d: Vec3, b: u32,
+    }
+    /// A point at which two bodies push each other, in world axes and metres.
+    ContactPoint {
+        arm_a: Vec3, separation: f32,
+        arm_b: Vec3, roundness_a: f32,
+        normal: Vec3, roundness_b: f32,
+        face_a: u32, face_b: u32, padding: [u32; 2],
+    }
+    /// All points of a pair of bodies.
+    ContactPair {
+        a: u32, b: u32, first_point: u32, point_count: u32,
+    }
 }
 
 macro_rules! constants {
@@ -173,4 +232,24 @@ constants! {
     GROUPS_PER_PAIR = 1;
     GROUPS_PER_SORT_BLOCK = 2;
     GROUPS_PER_DIGIT_BLOCK = 3;
+
+    OF_SECOND = 0x8000_0000;
+    NOTHING = 0xffff_ffff;
+
+    MARGIN_PAIRS = 0;
+    CONTACT_SLOTS = 1;
+    NEAR_TRIANGLES = 2;
+    FEATURES = 3;
+    SEGMENTS = 4;
+    STAGED_POINTS = 5;
+    CONTACT_PAIRS = 6;
+    CONTACT_POINTS = 7;
+    CONTACTS_CUT_SHORT = 8;
+    CONTACTS_SKIPPED = 9;
+    CONTACT_COUNTERS = 16;
+
+    GROUPS_PER_MARGIN_PAIR = 0;
+    GROUPS_PER_64_MARGIN_PAIRS = 1;
+    GROUPS_PER_64_SLOTS = 2;
+    GROUPS_PER_SLOT_BLOCK = 3;
 }

@@ -1,7 +1,7 @@
 //! What the GPU versions of all stages share.
 //!
 //! [`device`] finds a device; [`kernel`] says how a kernel is declared, compiled and called; [`layout`] is what passes
-//! between host and kernels, and [`buffers`] where it lies; [`arena`] holds the meshes; [`scan`] and [`radix_sort`] are
+//! between host and kernels, and [`buffers`] where it lies; [`arena`] holds the meshes, if wanted with what contact points are made of; [`scan`] and [`radix_sort`] are
 //! the primitives; [`upload`] is what a step is told and [`results`] what comes of it; [`step`] runs it all. Each stage's kernels are declared in its own folder, in `gpu.rs`, with their
 //! WGSL in `shaders/`.
 //!
@@ -14,6 +14,7 @@ pub mod device;
 mod flight;
 pub mod kernel;
 pub mod layout;
+pub mod mesh_features;
 pub mod radix_sort;
 pub mod readback;
 pub mod results;

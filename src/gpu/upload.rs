@@ -67,6 +67,21 @@ impl Input {
         self.step.bodies == 0
     }
 
+    /// What holds for all bodies; the sizes of lists are still missing.
+    pub(crate) fn step(&self) -> &layout::Step {
+        &self.step
+    }
+
+    /// All bodies.
+    pub(crate) fn bodies(&self) -> &[layout::Body] {
+        &self.bodies
+    }
+
+    /// All half-spaces.
+    pub(crate) fn planes(&self) -> &[layout::Plane] {
+        &self.planes
+    }
+
     /// The mesh of a body.
     pub(super) fn mesh_of(&self, body: u32) -> Option<&CollisionMesh> {
         self.meshes[self.bodies[body as usize].mesh as usize].as_ref()

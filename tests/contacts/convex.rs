@@ -200,3 +200,21 @@ fn edges_of_cubes_that_nearly_lie_flat_push_along_a_face() {
     }
     assert!(crossing_edges > 20, "{crossing_edges}");
 }
+
+#[test]
+fn what_reaches_through_a_flat_face_is_as_deep_as_it_is() {
+    // Deeper than features may overlap, so that rays tell; and the contour lies in the face.
+    let (product, cube) = (Product::default(), cube());
+    let ball = oracle_mesh("ball", &shapes::ball(0.5, 4));
+    let mut rng = Rng::new(19, 0);
+    for case in 0..40 {
+        let frame = rng.rotation();
+        let aside = DVec3::new(rng.range(-0.2, 0.2), rng.range(-0.2, 0.2), 0.94);
+        let a = body(&cube, DVec3::ZERO, frame);
+        let b = body(&ball, frame.as_dquat() * aside, rng.rotation());
+        for (a, b) in [(&a, &b), (&b, &a)] {
+            let found = points(&product, a, b, 0.01);
+            assert!((depth(&found) - 0.06).abs() < 0.003, "case {case}: {found:?}");
+        }
+    }
+}

@@ -24,6 +24,8 @@
 //! which the other body's centre of mass lies.
 
 pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod manifold;
 pub mod margins;
 pub(super) mod step;

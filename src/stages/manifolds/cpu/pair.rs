@@ -142,11 +142,14 @@ fn keep_shallowest(deep: &mut Vec<Feature>) {
     deep.dedup_by(|later, first| later.vertex.is_some() && later.vertex == first.vertex);
 }
 
-/// The point of a patch by rays from `p`, if both leave a body.
+/// The point of a patch by rays from `p`, if both leave a body. They start a little before it: a contour around what reaches
+/// through a flat face lies in the face, and rounding may have `p` outside.
 fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64) -> Option<Feature> {
-    let (n, most) = (patch.normal, RAY * size);
-    let (up, a) = exit(&sides[0], p, n, most)?;
-    let (down, b) = exit(&sides[1], p, -n, most)?;
+    let (n, back) = (patch.normal, TOUCH * size);
+    let most = RAY * size + back;
+    let (up, a) = exit(&sides[0], p - n * back, n, most)?;
+    let (down, b) = exit(&sides[1], p + n * back, -n, most)?;
+    let (up, down) = (up - back, down - back);
     Some(Feature {
         points: [p + n * up, p - n * down],
         normal: n,

@@ -1,0 +1,44 @@
+// Contact generation, last: the lists of pairs and points, without gaps. A thread a slot.
+#import faceoff::dispatch::group_index
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> limits: t::ContactLimits;
+@group(0) @binding(1) var<storage, read_write> counters: array<u32>;
+@group(0) @binding(2) var<storage, read> slots: array<t::ContactPair>;
+@group(0) @binding(3) var<storage, read> pair_places: array<u32>;
+@group(0) @binding(4) var<storage, read> point_places: array<u32>;
+@group(0) @binding(5) var<storage, read> staged: array<t::ContactPoint>;
+@group(0) @binding(6) var<storage, read_write> contact_pairs: array<t::ContactPair>;
+@group(0) @binding(7) var<storage, read_write> contact_points: array<t::ContactPoint>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= counters[t::CONTACT_SLOTS] {
+        return;
+    }
+    if i == 0u {
+        counters[t::CONTACTS_SKIPPED] = u32(is_worthless());
+    }
+    let slot = slots[i];
+    let place = pair_places[i];
+    let first = point_places[i];
+    if slot.point_count == 0u || place >= limits.pairs || first + slot.point_count > limits.points {
+        return;
+    }
+    contact_pairs[place] = t::ContactPair(slot.a, slot.b, first, slot.point_count);
+    for (var k = 0u; k < slot.point_count; k += 1u) {
+        contact_points[first + k] = staged[slot.first_point + k];
+    }
+}
+
+// Whether some list has no room for what was found, or not all was found.
+fn is_worthless() -> bool {
+    return counters[t::NEAR_TRIANGLES] > limits.near_triangles
+        || counters[t::FEATURES] > limits.features
+        || counters[t::SEGMENTS] > limits.segments
+        || counters[t::STAGED_POINTS] > limits.staged_points
+        || counters[t::CONTACT_PAIRS] > limits.pairs
+        || counters[t::CONTACT_POINTS] > limits.points
+        || counters[t::CONTACTS_CUT_SHORT] != 0u;
+}

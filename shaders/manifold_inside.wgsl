@@ -1,0 +1,224 @@
+// Contact generation: one body inside the other without a crossing, and the short way out. A workgroup a pair.
+// `stages/manifolds/cpu/inside.rs` explains it.
+#import faceoff::arena::{meshes, words, vector}
+#import faceoff::containment::{contains, unfinished}
+#import faceoff::dispatch::group_index
+#import faceoff::math::direction
+#import faceoff::sides
+#import faceoff::tree
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> limits: t::ContactLimits;
+@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
+
+// Of more components than this only the first ones can be inside.
+const MOST_COMPONENTS: u32 = 1024u;
+
+// A bit for each component of the inner body.
+var<workgroup> held: array<u32, 32>;
+// The best of each thread: a place, and how good it is; a number.
+var<workgroup> best: array<vec4<f32>, 64>;
+var<workgroup> best_number: array<u32, 64>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let index = group_index(group);
+    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+        return;
+    }
+    let setting = settings[index];
+    if setting.valid == 0u || setting.segment_count > 0u {
+        return;
+    }
+    let a = sides::first(setting);
+    let b = sides::second(setting);
+    if thread < 2u {
+        tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
+    }
+    workgroupBarrier();
+    var done = try_side(index, a, b, 0u, thread);
+    if !done {
+        done = try_side(index, b, a, 1u, thread);
+    }
+    if unfinished {
+        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+    }
+}
+
+// Whether something of `inner` is inside of `outer`, whose place in the pair is `end`; if so its contact becomes all that
+// the pair has to say.
+fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread: u32) -> bool {
+    let mesh = meshes[outer.mesh];
+    if (mesh.flags & t::CLOSED) == 0u {
+        return false;
+    }
+    let components = meshes[inner.mesh].component_count;
+    let several = components > 1u;
+    var start = vec3(0.0);
+    var any_inside = false;
+    if thread < 32u {
+        held[thread] = 0u;
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < min(components, MOST_COMPONENTS); k += 1u) {
+        let p = sides::place(inner, vector(meshes[inner.mesh].components + 3u * k));
+        // What lies on the surface counts as inside or not as rounding wants: two vertices must be.
+        if is_inside(mesh, outer, end, p, thread) && is_inside(mesh, outer, end, sides::far_end(inner, k), thread) {
+            if !any_inside {
+                start = p;
+            }
+            any_inside = true;
+            if thread == 0u {
+                held[k / 32u] |= 1u << (k % 32u);
+            }
+        }
+    }
+    if !any_inside {
+        return false;
+    }
+    if is_inside(mesh, outer, end, inner.center, thread) {
+        start = inner.center;
+    }
+    workgroupBarrier();
+    push_out(index, outer, inner, start, several, thread);
+    return true;
+}
+
+fn is_inside(mesh: t::Mesh, outer: sides::Side, end: u32, p: vec3<f32>, thread: u32) -> bool {
+    let own = sides::to_own(outer, p) / outer.scale;
+    // Only saves work: a hair outside the box is outside the body.
+    if any(abs(own - mesh.box_center) > mesh.box_half * 1.00001 + mesh.radius * 1.0e-5) {
+        return false;
+    }
+    return contains(mesh, end, own, thread);
+}
+
+// From the nearest point of the outer surface to the far end of what is inside, on the line through its middle.
+fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>, several: bool, thread: u32) {
+    var nearest = vec4(vec3(0.0), t::DROPPED);
+    var number = t::NOTHING;
+    for (var i = thread; i < outer.triangle_count; i += 64u) {
+        let at = outer.triangles + 9u * i;
+        let q = closest(
+            start, sides::place(outer, vector(at)), sides::place(outer, vector(at + 3u)),
+            sides::place(outer, vector(at + 6u))
+        );
+        let square = dot(q - start, q - start);
+        if square < nearest.w {
+            nearest = vec4(q, square);
+            number = i;
+        }
+    }
+    least(nearest, number, thread);
+    let surface = best[0].xyz;
+    let triangle = best_number[0];
+    workgroupBarrier();
+    var way = direction(surface - start);
+    if dot(way, way) == 0.0 {
+        way = sides::normal_of(outer, triangle);
+    }
+    // Of several components only what is inside moves the way to the far end.
+    var far = vec4(0.0);
+    var vertex = t::NOTHING;
+    for (var v = thread; v < sides::vertex_count(inner); v += 64u) {
+        let along = dot(way, sides::vertex(inner, v) - start);
+        if along < far.w {
+            let component = min(sides::component(inner, v), MOST_COMPONENTS - 1u);
+            if !several || ((held[component / 32u] >> (component % 32u)) & 1u) == 1u {
+                far.w = along;
+                vertex = v;
+            }
+        }
+    }
+    least(far, vertex, thread);
+    let depth = best[0].w;
+    // Without a far end that of the first vertex.
+    let last = select(best_number[0], 0u, best_number[0] == t::NOTHING);
+    workgroupBarrier();
+    var owner = t::NOTHING;
+    for (var i = thread; i < inner.triangle_count; i += 64u) {
+        if any(sides::vertices(inner, i) == vec3(last)) {
+            owner = i;
+            break;
+        }
+    }
+    least(vec4(0.0), owner, thread);
+    if thread != 0u {
+        return;
+    }
+    let inner_triangle = best_number[0];
+    let farthest = start + way * depth;
+    let outer_is_second = outer.mark != 0u;
+    var feature: t::Feature;
+    feature.point_a = select(surface, farthest, outer_is_second);
+    feature.point_b = select(farthest, surface, outer_is_second);
+    feature.normal = select(way, -way, outer_is_second);
+    feature.separation = dot(way, farthest - surface);
+    feature.vertex = t::NOTHING;
+    feature.a = select(triangle, inner_triangle, outer_is_second);
+    feature.b = select(inner_triangle, triangle, outer_is_second);
+    let at = atomicAdd(&counters[t::FEATURES], 1u);
+    settings[index].feature_count = 0u;
+    if at < limits.features {
+        features[at] = feature;
+        settings[index].first_probe = at;
+        settings[index].probe_count = 1u;
+    }
+}
+
+// Brings the least of all threads to the front; of equals that of the least number.
+fn least(own: vec4<f32>, number: u32, thread: u32) {
+    best[thread] = own;
+    best_number[thread] = number;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half {
+            let other = best[thread + half];
+            let other_number = best_number[thread + half];
+            if other.w < best[thread].w || (other.w == best[thread].w && other_number < best_number[thread]) {
+                best[thread] = other;
+                best_number[thread] = other_number;
+            }
+        }
+        workgroupBarrier();
+    }
+}
+
+// The point of a triangle nearest to p, by the region of its plane over which p lies (Ericson 2005, Real-Time Collision
+// Detection, 5.1.5).
+fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
+    let ab = b - a;
+    let ac = c - a;
+    let ab_at_a = dot(ab, p - a);
+    let ac_at_a = dot(ac, p - a);
+    if ab_at_a <= 0.0 && ac_at_a <= 0.0 {
+        return a;
+    }
+    let ab_at_b = dot(ab, p - b);
+    let ac_at_b = dot(ac, p - b);
+    if ab_at_b >= 0.0 && ac_at_b <= ab_at_b {
+        return b;
+    }
+    let ab_at_c = dot(ab, p - c);
+    let ac_at_c = dot(ac, p - c);
+    if ac_at_c >= 0.0 && ab_at_c <= ac_at_c {
+        return c;
+    }
+    let va = ab_at_b * ac_at_c - ab_at_c * ac_at_b;
+    let vb = ab_at_c * ac_at_a - ab_at_a * ac_at_c;
+    let vc = ab_at_a * ac_at_b - ab_at_b * ac_at_a;
+    if vc <= 0.0 && ab_at_a >= 0.0 && ab_at_b <= 0.0 {
+        return a + ab * (ab_at_a / (ab_at_a - ab_at_b));
+    }
+    if vb <= 0.0 && ac_at_a >= 0.0 && ac_at_c <= 0.0 {
+        return a + ac * (ac_at_a / (ac_at_a - ac_at_c));
+    }
+    let to_c = ac_at_b - ab_at_b;
+    let to_b = ab_at_c - ac_at_c;
+    if va <= 0.0 && to_c >= 0.0 && to_b >= 0.0 {
+        return b + (c - b) * (to_c / (to_c + to_b));
+    }
+    return a + (ab * vb + ac * vc) / (va + vb + vc);
+}

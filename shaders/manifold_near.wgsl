@@ -1,0 +1,242 @@
+// Contact generation: pairs of triangles that are near each other. A workgroup a pair of bodies goes down both trees of
+// boxes, eight children of one against eight of the other at a time, one thread each; once to count, once to write. The
+// order is that of the trees, whatever runs first.
+#import faceoff::arena::{meshes, words, vector}
+#import faceoff::dispatch::group_index
+#import faceoff::math::{absolute, norm1}
+#import faceoff::sides
+#import faceoff::tree
+#import faceoff::types as t
+
+// Which search: for all features (0), or for those that overlap, near patches (1).
+@group(0) @binding(2) var<uniform> constants: vec4<u32>;
+@group(0) @binding(3) var<uniform> limits: t::ContactLimits;
+@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> settings: array<t::ContactSetting>;
+// The two triangles; the rest is for `manifold_features.wgsl`.
+@group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
+
+// What single precision costs a product of two vectors, relative to their lengths.
+const ERROR: f32 = 2.0e-6;
+
+// A node of either tree. Of each of at most 8 levels no more than 63 pairs wait while the 64th is opened.
+var<workgroup> stack: array<vec2<u32>, 512>;
+// A bit for each thread, three times over: one is set and read, the next is cleared meanwhile, and the last may still be
+// read by threads that have not passed the barrier.
+var<workgroup> found: array<atomic<u32>, 6>;
+var<workgroup> base: u32;
+
+var<private> reach: f32;
+// For rounding.
+var<private> pad: f32;
+var<private> windowed: bool;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let index = group_index(group);
+    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+        return;
+    }
+    let setting = settings[index];
+    windowed = constants.x == 1u;
+    let most = t::DEEP * setting.size;
+    // With a wide margin all pairs are known.
+    if setting.valid == 0u || (windowed && (setting.patch_count == 0u || most <= setting.margin)) {
+        return;
+    }
+    pad = 2.0 * setting.rounding;
+    reach = select(setting.margin + setting.touch, most, windowed) + pad;
+    let a = sides::first(setting);
+    let b = sides::second(setting);
+    if thread < 6u {
+        atomicStore(&found[thread], 0u);
+    }
+    if thread < 2u {
+        tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
+    }
+    workgroupBarrier();
+    let count = descend(setting, a, b, thread, t::NOTHING);
+    if thread == 0u {
+        base = atomicAdd(&counters[t::NEAR_TRIANGLES], count);
+        let fits = base <= limits.near_triangles && count <= limits.near_triangles - base;
+        base = select(t::NOTHING, base, fits);
+        settings[index].first_near = base;
+        settings[index].near_count = select(0u, count, fits);
+    }
+    workgroupBarrier();
+    let first = base;
+    if first != t::NOTHING && count > 0u {
+        descend(setting, a, b, thread, first);
+    }
+}
+
+// Counts the pairs, and writes them from `first` on unless that is `NOTHING`.
+fn descend(setting: t::ContactSetting, a: sides::Side, b: sides::Side, thread: u32, first: u32) -> u32 {
+    workgroupBarrier();
+    if thread == 0u {
+        stack[0] = vec2(
+            tree::node(meshes[a.mesh].levels - 1u, 0u), tree::node(meshes[b.mesh].levels - 1u, 0u)
+        );
+    }
+    workgroupBarrier();
+    let bit = 1u << (thread % 32u);
+    let i = thread / 8u;
+    let j = thread % 8u;
+    var depth = 1u;
+    var count = 0u;
+    // Which of the three masks is in use.
+    var mask_set = 0u;
+    loop {
+        // Uniform: all threads count what all have found.
+        if depth == 0u {
+            break;
+        }
+        let next_set = (mask_set + 2u) % 6u;
+        if thread < 2u {
+            atomicStore(&found[next_set + thread], 0u);
+        }
+        depth -= 1u;
+        let nodes = stack[depth];
+        let level_a = tree::level_of(nodes.x);
+        let level_b = tree::level_of(nodes.y);
+        let number_a = nodes.x & tree::NUMBER;
+        let number_b = nodes.y & tree::NUMBER;
+        let leaves = level_a == 0u && level_b == 0u;
+        // The taller tree is opened, both if they are equally tall.
+        let open_a = level_a >= level_b;
+        let open_b = level_b >= level_a;
+        var pair = vec2(8u * number_a + i, 8u * number_b + j);
+        var meets = false;
+        if leaves {
+            meets = triangles_near(setting, a, b, pair);
+        } else {
+            pair = vec2(
+                select(nodes.x, tree::node(level_a - 1u, pair.x), open_a),
+                select(nodes.y, tree::node(level_b - 1u, pair.y), open_b),
+            );
+            meets = (open_a || i == 0u) && (open_b || j == 0u) && boxes_near(setting, a, b, pair);
+        }
+        if meets {
+            atomicOr(&found[mask_set + thread / 32u], bit);
+        }
+        workgroupBarrier();
+        let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
+        let number = countOneBits(mask.x) + countOneBits(mask.y);
+        if leaves {
+            if meets && first != t::NOTHING {
+                near_triangles[first + count + rank_of(mask, thread)] = vec4(pair, 0u, 0u);
+            }
+            count += number;
+        } else {
+            if meets {
+                stack[depth + rank_of(mask, thread)] = pair;
+            }
+            depth += number;
+        }
+        mask_set = next_set;
+        workgroupBarrier();
+    }
+    // Some devices leave a loop that takes long.
+    if depth != 0u {
+        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+    }
+    // The next descent begins with masks that are clear.
+    if thread < 6u {
+        atomicStore(&found[thread], 0u);
+    }
+    workgroupBarrier();
+    return count;
+}
+
+// How many threads before this one have their bit set.
+fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
+    let below = (1u << (thread % 32u)) - 1u;
+    if thread < 32u {
+        return countOneBits(mask.x & below);
+    }
+    return countOneBits(mask.x) + countOneBits(mask.y & below);
+}
+
+// Whether two nodes exist, are in the window, and their boxes are near along the axes of both.
+fn boxes_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nodes: vec2<u32>) -> bool {
+    let at_a = tree::box_of(0u, nodes.x);
+    let at_b = tree::box_of(1u, nodes.y);
+    if at_a == 0u || at_b == 0u {
+        return false;
+    }
+    let center_a = sides::place(a, vector(at_a));
+    let half_a = abs(a.scale) * vector(at_a + 3u) + pad;
+    let center_b = sides::place(b, vector(at_b));
+    let half_b = abs(b.scale) * vector(at_b + 3u) + pad;
+    let spread = absolute(b.rotation);
+    let around_b = spread * half_b;
+    if any(abs(center_b - center_a) > half_a + around_b + reach) {
+        return false;
+    }
+    if windowed {
+        if any(center_a + half_a < setting.low) || any(center_a - half_a > setting.high)
+            || any(center_b + around_b < setting.low) || any(center_b - around_b > setting.high) {
+            return false;
+        }
+        let last = dot(center_a, setting.way) + dot(half_a, abs(setting.way));
+        if dot(center_b, setting.way) - dot(around_b, abs(setting.way)) > last {
+            return false;
+        }
+    }
+    let apart = (center_a - center_b) * b.rotation;
+    return all(abs(apart) <= half_b + half_a * spread + reach);
+}
+
+// Whether two triangles exist, are in the window, and neither their boxes nor a plane of one of the two part them by more
+// than the reach.
+fn triangles_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, numbers: vec2<u32>) -> bool {
+    if numbers.x >= a.triangle_count || numbers.y >= b.triangle_count {
+        return false;
+    }
+    let ca = corners(a, numbers.x);
+    let cb = corners(b, numbers.y);
+    let low_a = min(ca.p, min(ca.q, ca.r));
+    let high_a = max(ca.p, max(ca.q, ca.r));
+    let low_b = min(cb.p, min(cb.q, cb.r));
+    let high_b = max(cb.p, max(cb.q, cb.r));
+    if any(low_a > high_b + reach) || any(low_b > high_a + reach) {
+        return false;
+    }
+    if windowed {
+        if any(high_a + pad < setting.low) || any(low_a - pad > setting.high)
+            || any(high_b + pad < setting.low) || any(low_b - pad > setting.high) {
+            return false;
+        }
+        let way = setting.way;
+        let last = max(dot(ca.p, way), max(dot(ca.q, way), dot(ca.r, way)));
+        if min(dot(cb.p, way), min(dot(cb.q, way), dot(cb.r, way))) > last + pad {
+            return false;
+        }
+    }
+    // No two points of triangles whose boxes are near are farther apart.
+    let spread = norm1(high_a - low_a) + norm1(high_b - low_b) + reach;
+    return !beyond(ca, cb, spread) && !beyond(cb, ca, spread);
+}
+
+struct Corners {
+    p: vec3<f32>,
+    q: vec3<f32>,
+    r: vec3<f32>,
+}
+
+fn corners(side: sides::Side, number: u32) -> Corners {
+    let at = side.triangles + 9u * number;
+    return Corners(
+        sides::place(side, vector(at)), sides::place(side, vector(at + 3u)), sides::place(side, vector(at + 6u))
+    );
+}
+
+// Whether a plane has all of another triangle farther away than the reach.
+fn beyond(plane: Corners, other: Corners, spread: f32) -> bool {
+    let u = plane.q - plane.p;
+    let v = plane.r - plane.p;
+    let normal = cross(u, v);
+    let heights = vec3(dot(normal, other.p - plane.p), dot(normal, other.q - plane.p), dot(normal, other.r - plane.p));
+    let most = reach * sqrt(dot(normal, normal)) + ERROR * spread * norm1(u) * norm1(v);
+    return min(heights.x, min(heights.y, heights.z)) > most || max(heights.x, max(heights.y, heights.z)) < -most;
+}

@@ -1,0 +1,188 @@
+// Contact generation: where bodies lie on half-spaces. A few vertices each, the lowest and spread wide. A workgroup a body.
+// `stages/manifolds/cpu/planes.rs` explains it.
+#import faceoff::arena::{meshes, words, vector}
+#import faceoff::contact_slots::slot_of_plane
+#import faceoff::dispatch::group_index
+#import faceoff::math::{conjugate, rotate}
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> limits: t::ContactLimits;
+@group(0) @binding(3) var<uniform> step: t::Step;
+@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read> bodies: array<t::Body>;
+@group(0) @binding(6) var<storage, read> planes: array<t::Plane>;
+@group(0) @binding(7) var<storage, read> margin_pairs: array<t::MarginPair>;
+@group(0) @binding(8) var<storage, read_write> staged: array<t::ContactPoint>;
+@group(0) @binding(9) var<storage, read_write> slots: array<t::ContactPair>;
+
+// Vertices this near the lowest one, as a part of the body's diameter, are as low as it.
+const LEVEL: f32 = 0.0025;
+// Points are made this far from the surface, as a part of the body's diameter, beyond what the body moves.
+const MARGIN: f32 = 0.01;
+
+var<workgroup> best: array<f32, 64>;
+var<workgroup> best_vertex: array<u32, 64>;
+var<workgroup> chosen: array<vec3<f32>, 8>;
+var<workgroup> base: u32;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let index = group_index(group);
+    if index >= limits.bodies {
+        return;
+    }
+    let before = pairs_up_to(index, atomicLoad(&counters[t::MARGIN_PAIRS]));
+    for (var k = 0u; k < limits.planes; k += 1u) {
+        let slot = slot_of_plane(index, k, before, limits.planes);
+        let count = find(bodies[index], planes[k], thread);
+        if thread == 0u {
+            base = atomicAdd(&counters[t::STAGED_POINTS], count);
+            let fits = base <= limits.staged_points && count <= limits.staged_points - base;
+            slots[slot] = t::ContactPair(index, limits.bodies + k, base, select(0u, count, fits));
+            base = select(t::NOTHING, base, fits);
+        }
+        workgroupBarrier();
+        if base != t::NOTHING && thread < count {
+            staged[base + thread] = point(bodies[index], planes[k], chosen[thread]);
+        }
+        workgroupBarrier();
+    }
+}
+
+// How many pairs of the ascending list have this body or one before as their first.
+fn pairs_up_to(body: u32, pairs: u32) -> u32 {
+    var low = 0u;
+    var high = pairs;
+    while low < high {
+        let middle = (low + high) / 2u;
+        if margin_pairs[middle].a <= body {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// Of a body's centre of mass over a plane. The position, which may be large, comes before what is small.
+fn height_of(body: t::Body, plane: t::Plane) -> f32 {
+    let arm = rotate(body.rotation, body.scale * meshes[body.mesh].center);
+    return (dot(plane.normal, body.position) - plane.distance) + dot(plane.normal, arm);
+}
+
+// Fills in the list of chosen vertices, and tells how many: the lowest one, then always that farthest from those chosen.
+fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
+    if (body.flags & t::KIND_MASK) != t::DYNAMIC || (body.flags & t::SENSOR) != 0u || !(body.radius > 0.0) {
+        return 0u;
+    }
+    let height = height_of(body, plane);
+    let fall = length(step.gravity) * abs(body.gravity_scale) * step.dt;
+    let speed = length(body.linear_velocity) + length(body.angular_velocity) * body.radius + fall;
+    let margin = 2.0 * MARGIN * body.radius + 1.5 * speed * step.dt;
+    if height >= body.radius + margin {
+        return 0u;
+    }
+    let along = body.scale * rotate(conjugate(body.rotation), plane.normal);
+    let vertices = meshes[body.mesh].vertices;
+    let vertex_count = meshes[body.mesh].vertex_count;
+    var most = -t::DROPPED;
+    var number = t::NOTHING;
+    for (var v = thread; v < vertex_count; v += 64u) {
+        let separation = dot(vector(vertices + 3u * v), along) + height;
+        if separation < margin && -separation > most {
+            most = -separation;
+            number = v;
+        }
+    }
+    greatest(most, number, thread);
+    let floor_height = -best[0];
+    var last = best_vertex[0];
+    workgroupBarrier();
+    if last == t::NOTHING {
+        return 0u;
+    }
+    if thread == 0u {
+        chosen[0] = vector(vertices + 3u * last);
+    }
+    workgroupBarrier();
+    let level = 2.0 * LEVEL * body.radius;
+    var count = 1u;
+    // The first half are those on which it stands.
+    for (var stage = 0u; stage < 2u; stage += 1u) {
+        let limit = select(t::MOST_PLANE_POINTS / 2u, t::MOST_PLANE_POINTS, stage == 1u);
+        let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
+        while count < limit {
+            most = level * level;
+            number = t::NOTHING;
+            for (var v = thread; v < vertex_count; v += 64u) {
+                let p = vector(vertices + 3u * v);
+                let separation = dot(p, along) + height;
+                if separation < margin && separation <= ceiling {
+                    let distance = square_from_chosen(body.scale, p, count);
+                    if distance > most {
+                        most = distance;
+                        number = v;
+                    }
+                }
+            }
+            greatest(most, number, thread);
+            last = best_vertex[0];
+            workgroupBarrier();
+            // What is left lies on what was picked.
+            if last == t::NOTHING {
+                break;
+            }
+            if thread == 0u {
+                chosen[count] = vector(vertices + 3u * last);
+            }
+            workgroupBarrier();
+            count += 1u;
+        }
+    }
+    return count;
+}
+
+fn square_from_chosen(scale: vec3<f32>, p: vec3<f32>, count: u32) -> f32 {
+    var least = t::DROPPED;
+    for (var k = 0u; k < count; k += 1u) {
+        let way = scale * (p - chosen[k]);
+        least = min(least, dot(way, way));
+    }
+    return least;
+}
+
+// Brings the greatest of all threads to the front; of equals the first vertex.
+fn greatest(value: f32, number: u32, thread: u32) {
+    best[thread] = value;
+    best_vertex[thread] = number;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half && best_vertex[thread + half] != t::NOTHING {
+            let other = best[thread + half];
+            let first = best_vertex[thread + half] < best_vertex[thread];
+            if other > best[thread] || (other == best[thread] && first) || best_vertex[thread] == t::NOTHING {
+                best[thread] = other;
+                best_vertex[thread] = best_vertex[thread + half];
+            }
+        }
+        workgroupBarrier();
+    }
+}
+
+fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>) -> t::ContactPoint {
+    let height = height_of(body, plane);
+    let own = rotate(body.rotation, body.scale * meshes[body.mesh].center);
+    let arm = rotate(body.rotation, body.scale * vertex);
+    let separation = dot(vertex, body.scale * rotate(conjugate(body.rotation), plane.normal)) + height;
+    var result: t::ContactPoint;
+    result.arm_a = arm;
+    // From the plane's point nearest to the world's origin.
+    result.arm_b = (body.position - plane.normal * plane.distance) + (own + arm - plane.normal * separation);
+    result.normal = -plane.normal;
+    result.separation = separation;
+    result.roundness_a = 0.0;
+    result.roundness_b = t::FLAT_ROUNDNESS;
+    result.face_a = t::NOTHING;
+    result.face_b = t::NOTHING;
+    return result;
+}

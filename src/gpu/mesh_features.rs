@@ -1,0 +1,157 @@
+//! The vertices and edges of a mesh as words, as `shaders/sides.wgsl` reads them.
+
+use super::layout::NOTHING;
+use crate::geometry::features::{MeshFeatures, NONE};
+use crate::stages::mesh_arena::MeshSlot;
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// Words before the triangles' records, of which six are in use: how many vertices there are, and where their places, the
+/// starts of their lists of neighbours, these lists, the numbers of their components, and the far ends of these begin.
+pub const HEADER: usize = 8;
+
+/// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns,
+/// how round it is, its number in the input mesh, and one unused.
+pub const RECORD: usize = 16;
+
+/// What stands for an infinite radius: WGSL need not know infinity.
+const FLAT_ROUNDNESS: f32 = 1.0e30;
+
+/// All of them; places count from the first word.
+pub fn words(slot: &MeshSlot) -> Vec<u32> {
+    let features = slot.features();
+    let center = slot.mesh.mass.center;
+    let (vertices, triangles) = (features.vertices.len(), features.triangles.len());
+    let positions = HEADER + RECORD * triangles;
+    let starts = positions + 3 * vertices;
+    let neighbors = starts + vertices + 1;
+    let components = neighbors + features.neighbors.len();
+    let far_ends = components + vertices;
+    let mut words = Vec::with_capacity(far_ends + 3 * slot.mesh.mesh.component_vertices().len());
+    words.extend([vertices, positions, starts, neighbors, components, far_ends, 0, 0].map(|word| word as u32));
+    for t in 0..triangles {
+        record(slot, features, t, &mut words);
+    }
+    // Relative to the centre of mass, and the same bits as the triangles' corners.
+    let place = |p: &Vec3| (*p - center).to_array().map(f32::to_bits);
+    words.extend(features.vertices.iter().flat_map(place));
+    words.extend(&features.neighbor_starts);
+    words.extend(&features.neighbors);
+    let numbers = component_of_each(slot, features);
+    words.extend(&numbers);
+    words.extend(far_ends_of(slot, features, &numbers).iter().flat_map(place));
+    words
+}
+
+/// For each component the vertex farthest from its first one: what is inside of another body is so with both, and what
+/// only lies on it is not.
+fn far_ends_of(slot: &MeshSlot, features: &MeshFeatures, numbers: &[u32]) -> Vec<Vec3> {
+    let firsts = first_of_each(slot);
+    let mut far_ends = firsts.clone();
+    for (position, &number) in features.vertices.iter().zip(numbers) {
+        let first = firsts[number as usize];
+        let far_end = &mut far_ends[number as usize];
+        if position.distance_squared(first) > far_end.distance_squared(first) {
+            *far_end = *position;
+        }
+    }
+    far_ends
+}
+
+/// A vertex of each component.
+fn first_of_each(slot: &MeshSlot) -> Vec<Vec3> {
+    let mesh = &slot.mesh.mesh;
+    (mesh.component_vertices().iter())
+        .map(|&v| mesh.vertices()[v as usize])
+        .collect()
+}
+
+fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u32>) {
+    let edges = features.triangle_edges[t];
+    let other = |edge: u32| match features.across[edge as usize] {
+        NONE => NOTHING,
+        triangle => triangle,
+    };
+    words.extend(features.triangles[t]);
+    words.extend(edges);
+    words.extend(edges.map(other));
+    words.extend(features.normals[t].to_array().map(f32::to_bits));
+    words.push(features.owned[t]);
+    words.push(features.roundness[t].min(FLAT_ROUNDNESS).to_bits());
+    words.push(slot.mesh.mesh.face_ids()[t]);
+    words.push(0);
+}
+
+/// For each vertex which of the mesh's components it belongs to, in the order of
+/// [`component_vertices`](crate::geometry::TriMesh::component_vertices).
+fn component_of_each(slot: &MeshSlot, features: &MeshFeatures) -> Vec<u32> {
+    let mut components = vec![NOTHING; features.vertices.len()];
+    let firsts = first_of_each(slot);
+    let mut waiting = Vec::new();
+    let number_of: HashMap<[u32; 3], u32> = firsts.iter().map(bits).zip(0..).collect();
+    for (vertex, position) in (0..).zip(&features.vertices) {
+        let Some(&number) = number_of.get(&bits(position)) else {
+            continue;
+        };
+        components[vertex as usize] = number;
+        waiting.push(vertex);
+        while let Some(known) = waiting.pop() {
+            for &next in features.neighbors_of(known) {
+                if components[next as usize] == NOTHING {
+                    components[next as usize] = number;
+                    waiting.push(next);
+                }
+            }
+        }
+    }
+    // What belongs to none cannot be: every component has a first vertex.
+    components.iter_mut().filter(|c| **c == NOTHING).for_each(|c| *c = 0);
+    components
+}
+
+/// A place as a key. Adding zero turns -0 into 0.
+fn bits(p: &Vec3) -> [u32; 3] {
+    (*p + Vec3::ZERO).to_array().map(f32::to_bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::{TriMesh, shapes};
+
+    #[test]
+    fn every_vertex_belongs_to_a_component() {
+        let cube = shapes::cube(1.0);
+        let mut vertices = cube.vertices().to_vec();
+        vertices.extend(cube.vertices().iter().map(|p| *p + Vec3::X * 3.0));
+        let mut triangles = cube.triangles().to_vec();
+        triangles.extend(cube.triangles().iter().map(|t| t.map(|v| v + 8)));
+        let slot = MeshSlot::new(CollisionMesh::new(&TriMesh::new(vertices, triangles).unwrap()));
+        let words = words(&slot);
+        assert_eq!(words[0], 16);
+        let components = &words[words[4] as usize..words[5] as usize];
+        assert_eq!((components.len(), words.len() - words[5] as usize), (16, 2 * 3));
+        let features = slot.features();
+        // One number on each side.
+        let right = |p: &Vec3| p.x > 1.5;
+        let number_of = |side: bool| {
+            let at = features.vertices.iter().position(|p| right(p) == side).unwrap();
+            components[at]
+        };
+        assert_ne!(number_of(true), number_of(false));
+        for (p, &number) in features.vertices.iter().zip(components) {
+            assert_eq!(number, number_of(right(p)));
+        }
+    }
+
+    #[test]
+    fn places_lie_one_after_the_other() {
+        let slot = MeshSlot::new(CollisionMesh::new(&shapes::torus_240()));
+        let words = words(&slot);
+        let features = slot.features();
+        assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
+        assert_eq!(words.len(), words[4] as usize + features.vertices.len() + 3);
+        assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);
+    }
+}
