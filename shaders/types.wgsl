@@ -241,6 +241,32 @@ struct Impulse {
     padding_b: f32,
 }
 
+// A point at which two bodies push each other.
+struct ContactPoint {
+    // The point on each body's surface, from its centre of mass, in world axes.
+    arm_a: vec3<f32>,
+    // How far the second body's point lies from the first's along the normal; negative where they overlap.
+    separation: f32,
+    arm_b: vec3<f32>,
+    // Radius of curvature of each surface there: 0 on a corner or crease, 1e30 where it is flat.
+    roundness_a: f32,
+    // Unit vector from the first body to the second.
+    normal: vec3<f32>,
+    roundness_b: f32,
+    face_a: u32,
+    face_b: u32,
+    padding: vec2<u32>,
+}
+
+// All contact points of a pair of bodies; pairs ascend by bodies, and points stand in the order of pairs. A half-space is
+// a body too, numbered after all others.
+struct ContactPair {
+    a: u32,
+    b: u32,
+    first_point: u32,
+    point_count: u32,
+}
+
 // Indices into `counters`. The host sets the first and zeroes the others before each step.
 const BODIES: u32 = 0u;
 const LEVELS: u32 = 1u; // two words, a bit for each level with bodies

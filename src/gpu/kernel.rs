@@ -93,6 +93,12 @@ pub const MODULES: &[(&str, &str)] = &[
     ("containment.wgsl", include_str!("../../shaders/containment.wgsl")),
     ("triangles.wgsl", include_str!("../../shaders/triangles.wgsl")),
     ("response.wgsl", include_str!("../../shaders/response.wgsl")),
+    ("solver_types.wgsl", include_str!("../../shaders/solver_types.wgsl")),
+    ("solver_math.wgsl", include_str!("../../shaders/solver_math.wgsl")),
+    ("tensor.wgsl", include_str!("../../shaders/tensor.wgsl")),
+    ("solver_mover.wgsl", include_str!("../../shaders/solver_mover.wgsl")),
+    ("solver_overlap.wgsl", include_str!("../../shaders/solver_overlap.wgsl")),
+    ("solver_contact.wgsl", include_str!("../../shaders/solver_contact.wgsl")),
 ];
 
 /// A composer that knows [`MODULES`].

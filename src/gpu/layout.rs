@@ -127,16 +127,30 @@ layout! {
         linear: Vec3, padding_a: f32,
         angular: Vec3, padding_b: f32,
     }
+    /// A point at which two bodies push each other.
+    ContactPoint {
+        arm_a: Vec3, separation: f32,
+        arm_b: Vec3, roundness_a: f32,
+        normal: Vec3, roundness_b: f32,
+        face_a: u32, face_b: u32, padding: [u32; 2],
+    }
+    /// All contact points of a pair of bodies.
+    ContactPair {
+        a: u32, b: u32, first_point: u32, point_count: u32,
+    }
 }
 
 macro_rules! constants {
     ($($name:ident = $value:expr;)*) => {
         $(#[allow(missing_docs)] pub const $name: u32 = $value;)*
 
-        /// Every constant here by name, for the test that compares them with `types.wgsl`.
+        /// Every constant here by name, for the test that compares them with the WGSL.
         pub const CONSTANTS: &[(&str, u32)] = &[$((stringify!($name), $name)),*];
     };
 }
+
+// The solver has structs of its own.
+pub(crate) use {constants, layout};
 
 constants! {
     DYNAMIC = 0;

@@ -1,0 +1,52 @@
+//! The solver on a device against the solver on the CPU: the same contact points, made from spheres, boxes and planes, and
+//! the same motion.
+
+#[path = "../gpu/mod.rs"]
+mod gpu;
+#[path = "../solver/shapes.rs"]
+mod shapes;
+#[allow(dead_code, reason = "shared with tests that need more of it")]
+#[path = "../solver/world.rs"]
+mod world;
+
+mod bad;
+mod contacts;
+mod far;
+mod free;
+mod many;
+mod same_bits;
+mod twin;
+
+fn main() {
+    gpu::run(&[
+        ("a_free_body_turns_the_same", free::a_free_body_turns_the_same),
+        ("forces_and_limits_do_the_same", free::forces_and_limits_do_the_same),
+        ("locked_axes_do_the_same", free::locked_axes_do_the_same),
+        ("kinematic_and_static_bodies", free::kinematic_and_static_bodies),
+        ("slow_motion_far_from_the_origin", far::slow_motion_far_from_the_origin),
+        ("slow_turns_are_not_lost", far::slow_turns_are_not_lost),
+        ("a_box_on_a_floor_far_away", far::a_box_on_a_floor_far_away),
+        ("a_cube_on_a_half_space", contacts::a_cube_on_a_half_space),
+        ("a_ball_rolls", contacts::a_ball_rolls),
+        ("a_box_slides_down_a_slope", contacts::a_box_slides_down_a_slope),
+        ("balls_bounce", contacts::balls_bounce),
+        ("overlapping_balls_part", contacts::overlapping_balls_part),
+        (
+            "impulses_are_those_that_hold_a_box",
+            contacts::impulses_are_those_that_hold_a_box,
+        ),
+        ("a_stack_of_ten_boxes", many::a_stack_of_ten_boxes),
+        ("a_cloud_of_balls", many::a_cloud_of_balls),
+        ("a_heap_in_one_place_comes_apart", many::a_heap_in_one_place_comes_apart),
+        ("the_same_bits_again", same_bits::the_same_bits_again),
+        ("bits_do_not_depend_on_room", same_bits::bits_do_not_depend_on_room),
+        (
+            "new_numbers_keep_the_impulses",
+            same_bits::new_numbers_keep_the_impulses,
+        ),
+        ("bad_input_is_left_out", bad::bad_input_is_left_out),
+        ("nothing_at_all", bad::nothing_at_all),
+        ("empty_intervals_change_nothing", bad::empty_intervals_change_nothing),
+        ("lists_that_lie", bad::lists_that_lie),
+    ])
+}

@@ -1,0 +1,116 @@
+//! The same input gives the same bits, whatever room the lists had; and bodies may be numbered anew.
+
+use crate::many::cloud;
+use crate::shapes::Shape;
+use crate::twin::Twin;
+use crate::world::World;
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::stages::solver::gpu::Room;
+use glam::DVec3;
+
+fn heap() -> World {
+    let mut world = World::heavy();
+    world.floor(0.0);
+    let mut random = fastrand::Rng::with_seed(7);
+    for i in 0..24 {
+        let at = DVec3::new(random.f64(), 0.6 + 0.7 * i as f64, random.f64());
+        if i % 2 == 0 {
+            world.dynamic(Shape::Sphere(0.4), 1.0, at);
+        } else {
+            world.dynamic(Shape::Box(DVec3::new(0.3, 0.4, 0.5)), 1.0, at);
+        }
+    }
+    world
+}
+
+fn bits(twin: &Twin) -> String {
+    // Of floats the shortest text that gives them back.
+    format!("{:?}", twin.world.bodies.motions)
+}
+
+pub fn the_same_bits_again(gpu: &Gpu) {
+    for make in [heap, || cloud(64, 0.5)] {
+        let run = || {
+            let mut twin = Twin::new(gpu, make());
+            twin.step(64);
+            bits(&twin)
+        };
+        let first = run();
+        assert!(first == run(), "not the same bits");
+    }
+}
+
+pub fn bits_do_not_depend_on_room(gpu: &Gpu) {
+    let run = |room| {
+        let mut twin = Twin::with_room(gpu, room, heap());
+        twin.step(40);
+        (bits(&twin), twin.solver.room())
+    };
+    // Every list has to grow, some while impulses are remembered.
+    let tiny = Room {
+        bodies: 1,
+        pairs: 1,
+        points: 1,
+    };
+    let large = Room {
+        bodies: 70_000,
+        pairs: 5000,
+        points: 9000,
+    };
+    let (few, many) = (run(tiny), run(large));
+    assert!(few.0 == many.0, "not the same bits");
+    assert!(few.1.bodies >= 25 && few.1.points > 1, "{:?}", few.1);
+    assert_eq!(many.1, large);
+}
+
+pub fn new_numbers_keep_the_impulses(gpu: &Gpu) {
+    // A stack that stands, with another order of bodies in every step; the floor among them.
+    let make = || {
+        let mut world = World::heavy();
+        world.detections = Some(1);
+        world.floor(0.0);
+        let gap = 0.005 * 3.0f64.sqrt();
+        for i in 0..4 {
+            world.dynamic(
+                Shape::Box(DVec3::splat(0.5)),
+                1.0,
+                DVec3::Y * (0.5 + gap + i as f64 * (1.0 + gap)),
+            );
+        }
+        world
+    };
+    let mut still = Twin::new(gpu, make());
+    let mut twin = Twin::new(gpu, make());
+    // The number that each of the first bodies has now.
+    let mut place: Vec<usize> = (0..5).collect();
+    let mut random = fastrand::Rng::with_seed(4);
+    for step in 0..128 {
+        still.step(1);
+        twin.step(1);
+        let mut new_numbers: Vec<u32> = (0..5).collect();
+        random.shuffle(&mut new_numbers);
+        let old = std::mem::take(&mut twin.world.bodies);
+        let shapes = twin.world.shapes.clone();
+        for new in 0..5 {
+            let i = new_numbers.iter().position(|&n| n == new).unwrap();
+            twin.world.bodies.push(old.keys[i], old.bodies[i], old.motions[i]);
+            twin.world.shapes[new as usize] = shapes[i];
+        }
+        for p in &mut place {
+            *p = new_numbers[*p] as usize;
+        }
+        twin.put();
+        if step % 16 != 15 {
+            twin.solver.renumber(&new_numbers).unwrap();
+        } else {
+            // All are gone, and others have come.
+            twin.solver.renumber(&[u32::MAX; 5]).unwrap();
+            still.solver.forget().unwrap();
+        }
+        let mut off = 0.0f64;
+        for (i, &p) in place.iter().enumerate() {
+            off = off.max(twin.world.center(p).distance(still.world.center(i)));
+        }
+        assert!(off < 2.0e-4, "step {step}: {off} m apart");
+    }
+}
