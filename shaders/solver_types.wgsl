@@ -28,6 +28,11 @@ struct Interval {
     restitution_threshold: f32,
     match_distance: f32,
     match_normal: f32,
+    // Length of the interval, seconds.
+    dt: f32,
+    sleep_speed: f32,
+    sleep_time: f32,
+    padding: u32,
 }
 
 // What a body is.
@@ -286,3 +291,7 @@ const PASS_MEASURES: u32 = 2u;
 // What follows when bodies have taken their impulses.
 const THEN_ADVANCE: u32 = 1u;
 const THEN_ACCELERATE: u32 = 2u;
+
+// What the kernels of sleep are about.
+const WAKE: u32 = 0u;
+const SETTLE: u32 = 1u;

@@ -99,6 +99,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("solver_mover.wgsl", include_str!("../../shaders/solver_mover.wgsl")),
     ("solver_overlap.wgsl", include_str!("../../shaders/solver_overlap.wgsl")),
     ("solver_contact.wgsl", include_str!("../../shaders/solver_contact.wgsl")),
+    ("solver_islands.wgsl", include_str!("../../shaders/solver_islands.wgsl")),
 ];
 
 /// A composer that knows [`MODULES`].

@@ -15,6 +15,7 @@ mod far;
 mod free;
 mod many;
 mod same_bits;
+mod sleeping;
 mod twin;
 
 fn main() {
@@ -43,6 +44,19 @@ fn main() {
         (
             "new_numbers_keep_the_impulses",
             same_bits::new_numbers_keep_the_impulses,
+        ),
+        (
+            "a_stack_falls_asleep_as_on_the_cpu",
+            sleeping::a_stack_falls_asleep_as_on_the_cpu,
+        ),
+        (
+            "a_hit_wakes_the_whole_stack_and_nothing_else",
+            sleeping::a_hit_wakes_the_whole_stack_and_nothing_else,
+        ),
+        ("what_else_wakes", sleeping::what_else_wakes),
+        (
+            "a_kinematic_body_wakes_what_lies_on_it",
+            sleeping::a_kinematic_body_wakes_what_lies_on_it,
         ),
         ("bad_input_is_left_out", bad::bad_input_is_left_out),
         ("nothing_at_all", bad::nothing_at_all),

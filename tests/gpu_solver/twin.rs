@@ -61,6 +61,7 @@ impl Twin {
         self.solver.run(&self.world.settings, interval).unwrap();
         self.time_solving += start.elapsed();
         self.world.bodies.motions = self.solver.motions().unwrap();
+        self.world.bodies.sleep = self.solver.sleep().unwrap();
     }
 }
 

@@ -13,7 +13,7 @@ use crate::gpu::step::StepError;
 use crate::gpu::{radix_sort, scan};
 use crate::stages::Stage;
 use crate::stages::manifolds::Manifolds;
-use crate::stages::solver::{Interval, SolverBodies, SolverMotion, SolverSettings};
+use crate::stages::solver::{Interval, SleepState, SolverBodies, SolverMotion, SolverSettings};
 use bytemuck::{Pod, cast_slice};
 use wgpu::{Buffer, BufferUsages};
 
@@ -231,6 +231,15 @@ impl GpuSolver {
     pub fn motions(&self) -> Result<Vec<SolverMotion>, StepError> {
         let states: Vec<layout::BodyState> = self.read(&self.handed.states, self.bodies)?;
         Ok(states.iter().map(SolverMotion::from).collect())
+    }
+
+    /// Which bodies are frozen. Of what they touched the lower half of the sum is known.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn sleep(&self) -> Result<Vec<SleepState>, StepError> {
+        let states: Vec<layout::BodyState> = self.read(&self.handed.states, self.bodies)?;
+        Ok(states.iter().map(SleepState::from).collect())
     }
 
     /// The normal impulse that each contact point gave over the last interval, newton seconds.

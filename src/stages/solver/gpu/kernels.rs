@@ -1,5 +1,6 @@
 //! The solver's kernels: what each binds.
 
+use super::sleep;
 use crate::gpu::kernel::{Binding, Kernel, read, uniform, write};
 
 const INTERVAL: Binding = uniform(0, "interval", "Interval");
@@ -194,8 +195,8 @@ kernel!(
     ]
 );
 
-/// All of them, beside those of the sort.
-pub const KERNELS: [&Kernel; 14] = [
+/// All of the solver, those of the sort left out.
+pub const KERNELS: [&Kernel; 20] = [
     &ARGUMENTS,
     &BEGIN,
     &RENUMBER,
@@ -210,4 +211,10 @@ pub const KERNELS: [&Kernel; 14] = [
     &BOUNCE,
     &FINISH,
     &KEEP,
+    &sleep::BEGIN,
+    &sleep::JOIN,
+    &sleep::BODIES,
+    &sleep::PAIRS,
+    &sleep::APPLY,
+    &sleep::WAKE_ALL,
 ];

@@ -15,6 +15,7 @@ layout! {
         bias_rate: f32, mass_scale: f32, impulse_scale: f32, relaxation: f32,
         sweeps: u32, push_speed: f32, untangle_speed: f32, untangle_depth: f32,
         rest_offset: f32, restitution_threshold: f32, match_distance: f32, match_normal: f32,
+        dt: f32, sleep_speed: f32, sleep_time: f32, padding: u32,
     }
     /// What a body is.
     SolverBody {
@@ -104,6 +105,10 @@ layout! {
         normal: Vec3, padding_b: f32,
         friction: Vec3, padding_c: f32,
     }
+    /// A body's place in its island.
+    Island {
+        parent: u32, neighbours: u32, restless: u32, padding: u32,
+    }
 }
 
 constants! {
@@ -133,4 +138,7 @@ constants! {
     PASS_MEASURES = 2;
     THEN_ADVANCE = 1;
     THEN_ACCELERATE = 2;
+
+    WAKE = 0;
+    SETTLE = 1;
 }

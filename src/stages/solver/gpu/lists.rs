@@ -92,6 +92,7 @@ lists! {
     masses: "masses", Mass, |r| r.bodies;
     shifts: "shifts", Shift, |r| r.bodies;
     links: "ends and old numbers by body", [u32; 4], |r| r.bodies;
+    islands: "islands of bodies", Island, |r| r.bodies;
     pairs: "solver pairs", SolverPair, |r| r.pairs;
     shapes: "shapes of points", PointShape, |r| r.points;
     points: "states of points", PointState, |r| r.points;

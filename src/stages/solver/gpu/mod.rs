@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`layout`] | what passes between kernels and host |
 //! | [`kernels`] | the kernels, `shaders/solver_*.wgsl` |
+//! | [`sleep`] | more of them, and their calls: which bodies are frozen |
 //! | [`lists`] | the buffers |
 //! | [`record`](mod@record) | an interval as calls |
 //! | [`upload`] | from the host's bodies and contacts to the device's, and back |
@@ -14,13 +15,14 @@
 //!
 //! The device has no double precision: centres and rotations are kept in two parts, so that what moves slowly far from the
 //! origin moves all the same. If there are more pairs or points than the lists hold, nothing is solved and the status says
-//! so. Bodies that sleep stay where they are; who sleeps is for the host to say.
+//! so.
 
 pub mod alone;
 pub mod kernels;
 pub mod layout;
 pub mod lists;
 pub mod record;
+pub mod sleep;
 pub mod upload;
 
 pub use alone::GpuSolver;

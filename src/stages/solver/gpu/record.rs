@@ -3,6 +3,7 @@
 use super::kernels::*;
 use super::layout::*;
 use super::lists::{Inputs, Lists};
+use super::sleep;
 use crate::gpu::kernel::{Builder, Groups};
 use crate::gpu::radix_sort::Sort;
 use crate::stages::solver::{Interval, SolverSettings};
@@ -15,6 +16,7 @@ pub struct Passes {
     bias: u32,
     relax: u32,
     bounce: u32,
+    sleeping: bool,
 }
 
 impl Passes {
@@ -25,6 +27,7 @@ impl Passes {
             bias: settings.bias_iterations,
             relax: settings.relax_iterations,
             bounce: settings.restitution_iterations,
+            sleeping: settings.sleeping,
         }
     }
 }
@@ -32,6 +35,12 @@ impl Passes {
 /// Adds the calls of one interval.
 pub fn record(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
     let recorder = Recorder::new(builder, inputs, lists);
+    recorder.count(builder);
+    if passes.sleeping {
+        sleep::record(builder, inputs, lists, WAKE);
+    } else {
+        sleep::record_without(builder, inputs, lists);
+    }
     recorder.prepare(builder);
     for substep in 1..=passes.substeps {
         let last = substep == passes.substeps;
@@ -39,6 +48,9 @@ pub fn record(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Pas
     }
     recorder.bounce(builder, passes.bounce);
     recorder.finish(builder);
+    if passes.sleeping {
+        sleep::record(builder, inputs, lists, SETTLE);
+    }
 }
 
 /// A body's part in a pass.
@@ -79,7 +91,7 @@ impl<'b> Recorder<'b> {
         }
     }
 
-    fn prepare(&self, builder: &mut Builder) {
+    fn count(&self, builder: &mut Builder) {
         let (i, l) = (self.inputs, self.lists);
         let constants = builder.constants([i.counter_of[0], i.counter_of[1], i.first_slot, 0]);
         let counts = [
@@ -91,6 +103,10 @@ impl<'b> Recorder<'b> {
             i.arguments,
         ];
         builder.call(&ARGUMENTS, &counts, Groups::Exactly(1));
+    }
+
+    fn prepare(&self, builder: &mut Builder) {
+        let (i, l) = (self.inputs, self.lists);
         let bodies = [
             &l.interval,
             i.bodies,

@@ -5,6 +5,7 @@ use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
 use crate::components::RigidBody;
 use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, KINEMATIC, SENSOR, STATIC};
 use crate::stages::manifolds::{Manifold, ManifoldPoint};
+use crate::stages::solver::sleep::hash;
 use crate::stages::solver::{
     CombineRule, ExternalForces, Interval, SleepState, SolverBody, SolverMotion, SolverSettings,
 };
@@ -47,6 +48,10 @@ pub fn interval(
         restitution_threshold: settings.restitution_threshold,
         match_distance: settings.match_distance,
         match_normal: settings.match_normal,
+        dt: interval.dt,
+        sleep_speed: settings.sleep_speed,
+        sleep_time: settings.sleep_time,
+        padding: 0,
     }
 }
 
@@ -97,7 +102,7 @@ fn rule(rule: CombineRule) -> u32 {
 
 /// 0 for what is no length.
 fn length(value: f32) -> f32 {
-    value.max(0.0).min(ENDLESS)
+    if value > 0.0 { value.min(ENDLESS) } else { 0.0 }
 }
 
 /// Where a body is.
@@ -114,8 +119,9 @@ pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u64) -> layout::Bod
         angular_velocity: motion.angular_velocity.to_array(),
         asleep: u32::from(sleep.asleep),
         rest_time: sleep.rest_time,
+        // Half of a sum is the sum of halves.
         neighbours: sleep.neighbours as u32,
-        key: (key ^ key >> 32) as u32,
+        key: hash(key) as u32,
     }
 }
 
@@ -129,6 +135,16 @@ impl From<&layout::BodyState> for SolverMotion {
             rotation,
             linear_velocity: Vec3::from(state.linear_velocity),
             angular_velocity: Vec3::from(state.angular_velocity),
+        }
+    }
+}
+
+impl From<&layout::BodyState> for SleepState {
+    fn from(state: &layout::BodyState) -> Self {
+        Self {
+            asleep: state.asleep != 0,
+            rest_time: state.rest_time,
+            neighbours: state.neighbours.into(),
         }
     }
 }

@@ -1,0 +1,123 @@
+//! Which bodies the device freezes, and what wakes them.
+
+use crate::shapes::Shape;
+use crate::twin::Twin;
+use crate::world::World;
+use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::stages::solver::ExternalForces;
+use glam::{DVec3, Vec3};
+
+const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
+const GAP: f64 = 0.00866;
+const ALL: [usize; 6] = [1, 2, 3, 4, 5, 6];
+
+/// A stack of five on a floor (body 0), and another body far away.
+fn stack() -> World {
+    let mut world = World::heavy();
+    world.settings.sleeping = true;
+    world.floor(0.0);
+    for i in 0..5 {
+        world.dynamic(CUBE, 1.0, DVec3::Y * (0.5 + GAP + i as f64 * (1.0 + GAP)));
+    }
+    world.dynamic(CUBE, 1.0, DVec3::new(10.0, 0.5 + GAP, 0.0));
+    world
+}
+
+fn asleep(world: &World) -> Vec<usize> {
+    (0..world.shapes.len())
+        .filter(|&i| world.bodies.sleep[i].asleep)
+        .collect()
+}
+
+/// The stack on the device, asleep.
+fn sleeping_stack(gpu: &Gpu) -> Twin {
+    let mut twin = Twin::new(gpu, stack());
+    twin.step(96);
+    assert_eq!(asleep(&twin.world), ALL);
+    twin
+}
+
+pub fn a_stack_falls_asleep_as_on_the_cpu(gpu: &Gpu) {
+    let mut cpu = stack();
+    let mut twin = Twin::new(gpu, stack());
+    // The first step after which each body slept.
+    let mut since = [[0usize; 7]; 2];
+    for step in 1..=96 {
+        cpu.step(1);
+        twin.step(1);
+        for (since, world) in since.iter_mut().zip([&cpu, &twin.world]) {
+            for i in asleep(world) {
+                if since[i] == 0 {
+                    since[i] = step;
+                }
+            }
+        }
+    }
+    println!("asleep since {since:?}");
+    for (one, other) in since[0].iter().zip(since[1]) {
+        assert!(one.abs_diff(other) <= 2, "{since:?}");
+    }
+    assert_eq!(asleep(&twin.world), ALL);
+    let motions = twin.world.bodies.motions.clone();
+    twin.step(64);
+    assert_eq!(asleep(&twin.world), ALL);
+    assert_eq!(twin.world.bodies.motions, motions);
+    assert!(ALL.iter().all(|&i| twin.world.velocity(i) == Vec3::ZERO));
+}
+
+pub fn a_hit_wakes_the_whole_stack_and_nothing_else(gpu: &Gpu) {
+    let mut twin = sleeping_stack(gpu);
+    let world = &mut twin.world;
+    let ball = world.dynamic(Shape::Sphere(0.3), 1.0, DVec3::new(-2.0, 4.5, 0.0));
+    world.motion(ball).linear_velocity = Vec3::X * 5.0;
+    world.bodies.bodies[ball].gravity_scale = 0.0;
+    twin.put();
+    twin.step(8);
+    assert_eq!(asleep(&twin.world), ALL, "not yet there");
+    twin.step(30);
+    assert_eq!(asleep(&twin.world), [6]);
+    assert!(twin.world.center(5).x > 0.05, "it was pushed");
+}
+
+pub fn what_else_wakes(gpu: &Gpu) {
+    let wakes: [fn(&mut World); 4] = [
+        |world| world.bodies.forces[3].impulse = Vec3::X * 0.1,
+        |world| world.bodies.forces[3].torque = Vec3::X * 0.1,
+        |world| world.motion(3).linear_velocity = Vec3::X * 0.1,
+        // The lowest box goes.
+        |world| world.motion(1).center.x = 50.0,
+    ];
+    for wake in wakes {
+        let mut twin = sleeping_stack(gpu);
+        wake(&mut twin.world);
+        twin.put();
+        twin.step(2);
+        assert_eq!(asleep(&twin.world), [6]);
+        twin.world.bodies.forces[3] = ExternalForces::default();
+        twin.put();
+        twin.step(192);
+        let sleepers = asleep(&twin.world);
+        assert!(sleepers == ALL || twin.world.center(1).x == 50.0, "{sleepers:?}");
+    }
+    let mut twin = sleeping_stack(gpu);
+    twin.world.settings.sleeping = false;
+    twin.step(1);
+    assert_eq!(asleep(&twin.world), [0; 0], "switched off");
+}
+
+pub fn a_kinematic_body_wakes_what_lies_on_it(gpu: &Gpu) {
+    let mut world = World::heavy();
+    world.settings.sleeping = true;
+    let platform = Shape::Box(DVec3::new(3.0, 0.25, 3.0));
+    let platform = world.immovable(platform, RigidBody::Kinematic, DVec3::Y * -0.25);
+    let cube = world.dynamic(CUBE, 1.0, DVec3::Y * (0.5 + GAP));
+    let mut twin = Twin::new(gpu, world);
+    twin.step(96);
+    assert_eq!(asleep(&twin.world), [cube]);
+    twin.world.motion(platform).linear_velocity = Vec3::X * 0.02;
+    twin.put();
+    twin.step(96);
+    assert_eq!(asleep(&twin.world), [0; 0], "slow as it is, what it carries moves");
+    assert!((twin.world.velocity(cube).x - 0.02).abs() < 1.0e-3);
+}
