@@ -3,8 +3,9 @@
 use crate::shapes::Shape;
 use crate::twin::{Apart, Twin, all, both};
 use crate::world::{World, check};
+use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::CombineRule;
+use bevy_faceoff::stages::solver::{CombineRule, LockedAxes};
 use glam::{DQuat, DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
@@ -76,21 +77,6 @@ pub fn balls_bounce(gpu: &Gpu) {
     }
 }
 
-pub fn overlapping_balls_part(gpu: &Gpu) {
-    for apart in [0.0, 0.5, 0.97] {
-        let make = || {
-            let mut world = World::new();
-            world.dynamic(BALL, 1.0, DVec3::ZERO);
-            world.dynamic(BALL, 2.0, DVec3::new(apart, 1.0e-9, 0.0));
-            world
-        };
-        let (cpu, twin) = both(gpu, make, 1.5);
-        Apart::of(&cpu, &twin.world).check(&format!("{apart} apart"), all(1.0e-3));
-        let gap = twin.world.center(0).distance(twin.world.center(1)) - 1.0;
-        assert!(gap > 0.0, "{apart}: still {gap} deep");
-    }
-}
-
 pub fn impulses_are_those_that_hold_a_box(gpu: &Gpu) {
     let mut world = World::heavy();
     world.detections = Some(1);
@@ -100,4 +86,58 @@ pub fn impulses_are_those_that_hold_a_box(gpu: &Gpu) {
     twin.step(128);
     let sum: f32 = twin.solver.impulses().unwrap().iter().sum();
     check("newton seconds per step", sum as f64, 3.0 * 9.81 / 64.0, 0.005);
+}
+
+/// Bodies that cannot move or turn as they like, do not push at all, or are moved by what they lie on.
+pub fn bodies_of_all_kinds_touch(gpu: &Gpu) {
+    let make = || {
+        let mut world = World::heavy();
+        world.floor(0.0);
+        let sledge = world.dynamic(CUBE, 1.0, DVec3::Y * 0.505);
+        world.bodies.bodies[sledge].locked_axes = LockedAxes::TRANSLATION_X | LockedAxes::ROTATION;
+        let ball = world.dynamic(Shape::Sphere(0.4), 1.0, DVec3::new(-1.5, 0.6, 0.0));
+        world.motion(ball).linear_velocity = Vec3::new(5.0, 0.0, 0.3);
+        let wheel = world.dynamic(CUBE, 2.0, DVec3::new(0.0, 0.9, 4.0));
+        world.bodies.bodies[wheel].locked_axes = LockedAxes::ROTATION_X | LockedAxes::ROTATION_Y;
+        world.motion(wheel).rotation = DQuat::from_rotation_z(0.5);
+        let platform = Shape::Box(DVec3::new(3.0, 0.25, 3.0));
+        let platform = world.immovable(platform, RigidBody::Kinematic, DVec3::new(20.0, 3.0, 0.0));
+        world.motion(platform).linear_velocity = Vec3::new(1.0, 0.0, 0.5);
+        world.motion(platform).angular_velocity = Vec3::Y * 0.6;
+        let carried = world.dynamic(CUBE, 1.0, DVec3::new(21.0, 3.76, 0.0));
+        world.motion(carried).rotation = DQuat::from_rotation_y(0.2);
+        let ghost = world.dynamic(CUBE, 1.0, DVec3::new(0.2, 1.2, 0.1));
+        world.bodies.bodies[ghost].solid = false;
+        for i in [sledge, ball] {
+            world.bodies.bodies[i].restitution = 0.8;
+            world.bodies.bodies[i].restitution_combine = CombineRule::Max;
+            world.bodies.bodies[i].friction_combine = CombineRule::Multiply;
+        }
+        world
+    };
+    let (cpu, twin) = both(gpu, make, 1.0);
+    Apart::of(&cpu, &twin.world).check("all kinds", all(1.0e-3));
+    assert!(twin.world.center(6).y < -2.0, "what is not solid falls through");
+}
+
+/// What is remembered of shorter or longer substeps is scaled.
+pub fn substeps_of_changing_length(gpu: &Gpu) {
+    let mut cpu = World::heavy();
+    cpu.floor(0.0);
+    for i in 0..3 {
+        cpu.dynamic(CUBE, 1.0, DVec3::Y * (0.50866 + 1.00866 * f64::from(i)));
+    }
+    let mut twin = Twin::new(gpu, World::heavy());
+    twin.world.bodies = cpu.bodies.clone();
+    twin.world.shapes = cpu.shapes.clone();
+    twin.put();
+    for i in 0..64 {
+        for world in [&mut cpu, &mut twin.world] {
+            world.dt = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 60.0][i % 3];
+            world.detections = Some([1, 2, 5][i / 10 % 3]);
+        }
+        cpu.step(1);
+        twin.step(1);
+    }
+    Apart::of(&cpu, &twin.world).check("stack", all(1.0e-4));
 }

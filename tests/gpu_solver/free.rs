@@ -1,11 +1,11 @@
 //! Single bodies that touch nothing.
 
 use crate::shapes::Shape;
-use crate::twin::{Apart, Twin, all, both};
+use crate::twin::{Apart, Twin, all, both, solve_on_cpu};
 use crate::world::World;
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::LockedAxes;
+use bevy_faceoff::stages::solver::{Interval, LockedAxes};
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
 const BRICK: Shape = Shape::Box(DVec3::new(1.0, 0.5, 0.2));
@@ -116,16 +116,13 @@ pub fn kinematic_and_static_bodies(gpu: &Gpu) {
     let mut cpu = make();
     let mut twin = Twin::new(gpu, make());
     for _ in 0..64 {
-        cpu.manifolds = Default::default();
-        let interval = bevy_faceoff::stages::solver::Interval {
+        // Without contacts, and without the sleeper.
+        let interval = Interval {
             dt: cpu.dt,
             substeps: 8,
             gravity: cpu.gravity,
         };
-        let (settings, manifolds) = (cpu.settings, cpu.manifolds.clone());
-        cpu.solver
-            .solve(&mut cpu.bodies, &manifolds, &mut cpu.warm, &settings, &interval);
-        twin.world.manifolds = manifolds;
+        solve_on_cpu(&mut cpu, &interval);
         twin.solve(&interval);
     }
     Apart::of(&cpu, &twin.world).check("kinematic, static, asleep", all(1.0e-5));

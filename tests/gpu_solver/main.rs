@@ -14,6 +14,7 @@ mod contacts;
 mod far;
 mod free;
 mod many;
+mod overlap;
 mod same_bits;
 mod sleeping;
 mod twin;
@@ -31,13 +32,21 @@ fn main() {
         ("a_ball_rolls", contacts::a_ball_rolls),
         ("a_box_slides_down_a_slope", contacts::a_box_slides_down_a_slope),
         ("balls_bounce", contacts::balls_bounce),
-        ("overlapping_balls_part", contacts::overlapping_balls_part),
+        ("bodies_of_all_kinds_touch", contacts::bodies_of_all_kinds_touch),
+        ("substeps_of_changing_length", contacts::substeps_of_changing_length),
+        ("overlapping_balls_part", overlap::overlapping_balls_part),
+        (
+            "a_box_sunk_into_the_floor_comes_up",
+            overlap::a_box_sunk_into_the_floor_comes_up,
+        ),
+        ("points_that_disagree", overlap::points_that_disagree),
         (
             "impulses_are_those_that_hold_a_box",
             contacts::impulses_are_those_that_hold_a_box,
         ),
         ("a_stack_of_ten_boxes", many::a_stack_of_ten_boxes),
         ("a_cloud_of_balls", many::a_cloud_of_balls),
+        ("a_block_of_balls", many::a_block_of_balls),
         ("a_heap_in_one_place_comes_apart", many::a_heap_in_one_place_comes_apart),
         ("the_same_bits_again", same_bits::the_same_bits_again),
         ("bits_do_not_depend_on_room", same_bits::bits_do_not_depend_on_room),

@@ -1,7 +1,7 @@
 //! Many bodies, where no two solvers agree on the details, but on what counts.
 
 use crate::shapes::Shape;
-use crate::twin::{Apart, both};
+use crate::twin::{Apart, all, both};
 use crate::world::{World, check, check_below};
 use bevy_faceoff::gpu::device::Gpu;
 use glam::{DVec3, Vec3};
@@ -108,4 +108,31 @@ pub fn a_heap_in_one_place_comes_apart(gpu: &Gpu) {
     let (mut cpu, mut twin) = both(gpu, make, 4.0);
     check_below("deepest on the CPU, metres", cpu.deepest() as f64, 0.01);
     check_below("deepest on the device, metres", twin.world.deepest() as f64, 0.01);
+}
+
+/// More pairs than one workgroup sorts or scans, and more bodies than one digit holds.
+pub fn a_block_of_balls(gpu: &Gpu) {
+    let make = || {
+        let mut world = World::heavy();
+        world.detections = Some(1);
+        world.floor(0.0);
+        let mut random = fastrand::Rng::with_seed(9);
+        for i in 0..1331 {
+            let at = DVec3::new((i % 11) as f64, (i / 11 % 11) as f64, (i / 121) as f64);
+            let off = DVec3::new(random.f64(), random.f64(), random.f64()) * 0.02;
+            let ball = world.dynamic(Shape::Sphere(0.5), 1.0, at * 0.995 + off + DVec3::Y * 0.5);
+            world.bodies.bodies[ball].restitution = 0.5;
+        }
+        world
+    };
+    let (cpu, twin) = both(gpu, make, 4.0 / 64.0);
+    let pairs = twin.world.manifolds.pairs.len();
+    assert!(pairs > 2048, "{pairs}");
+    Apart::of(&cpu, &twin.world).check(&format!("{pairs} pairs"), all(1.0e-3));
+    println!(
+        "{pairs} pairs: {:.1} ms per step on the CPU, {:.1} ms on {}",
+        cpu.time_solving.as_secs_f64() * 1.0e3 / 4.0,
+        twin.time_solving.as_secs_f64() * 1.0e3 / 4.0,
+        gpu.info.name,
+    );
 }

@@ -84,7 +84,8 @@ pub fn new_numbers_keep_the_impulses(gpu: &Gpu) {
     // The number that each of the first bodies has now.
     let mut place: Vec<usize> = (0..5).collect();
     let mut random = fastrand::Rng::with_seed(4);
-    for step in 0..128 {
+    let mut most = 0.0f64;
+    for step in 0..64 {
         still.step(1);
         twin.step(1);
         let mut new_numbers: Vec<u32> = (0..5).collect();
@@ -111,6 +112,8 @@ pub fn new_numbers_keep_the_impulses(gpu: &Gpu) {
         for (i, &p) in place.iter().enumerate() {
             off = off.max(twin.world.center(p).distance(still.world.center(i)));
         }
-        assert!(off < 2.0e-4, "step {step}: {off} m apart");
+        assert!(off < 1.0e-6, "step {step}: {off} m apart");
+        most = most.max(off);
     }
+    println!("apart at most {most:.1e} m");
 }

@@ -65,6 +65,17 @@ impl Twin {
     }
 }
 
+/// One interval on the CPU with the manifolds as they are.
+pub fn solve_on_cpu(world: &mut World, interval: &Interval) {
+    world.solver.solve(
+        &mut world.bodies,
+        &world.manifolds,
+        &mut world.warm,
+        &world.settings,
+        interval,
+    );
+}
+
 /// The same world twice, after `seconds` on the CPU and on the device.
 pub fn both(gpu: &Gpu, make: impl Fn() -> World, seconds: f32) -> (World, Twin) {
     let mut cpu = make();
