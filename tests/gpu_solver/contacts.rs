@@ -21,7 +21,7 @@ pub fn a_cube_on_a_half_space(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.0);
-        Apart::of(&cpu, &twin.world).check(what, all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(what, all(1.0e-4));
     }
 }
 
@@ -38,7 +38,7 @@ pub fn a_ball_rolls(gpu: &Gpu) {
         };
         let (cpu, twin) = both(gpu, make, 1.0);
         // It rolls a few metres.
-        Apart::of(&cpu, &twin.world).check(&format!("friction {friction}"), all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(&format!("friction {friction}"), all(1.0e-4));
     }
 }
 
@@ -55,7 +55,7 @@ pub fn a_box_slides_down_a_slope(gpu: &Gpu) {
         world
     };
     let (cpu, twin) = both(gpu, make, 1.0);
-    Apart::of(&cpu, &twin.world).check("slope", all(1.0e-3));
+    Apart::of(&cpu, &twin.world).check("slope", all(1.0e-4));
 }
 
 pub fn balls_bounce(gpu: &Gpu) {
@@ -73,7 +73,7 @@ pub fn balls_bounce(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.0);
-        Apart::of(&cpu, &twin.world).check(&format!("restitution {restitution}"), all(5.0e-3));
+        Apart::of(&cpu, &twin.world).check(&format!("restitution {restitution}"), all(1.0e-4));
     }
 }
 
@@ -116,7 +116,7 @@ pub fn bodies_of_all_kinds_touch(gpu: &Gpu) {
         world
     };
     let (cpu, twin) = both(gpu, make, 1.0);
-    Apart::of(&cpu, &twin.world).check("all kinds", all(1.0e-3));
+    Apart::of(&cpu, &twin.world).check("all kinds", all(3.0e-4));
     assert!(twin.world.center(6).y < -2.0, "what is not solid falls through");
 }
 
@@ -139,5 +139,5 @@ pub fn substeps_of_changing_length(gpu: &Gpu) {
         cpu.step(1);
         twin.step(1);
     }
-    Apart::of(&cpu, &twin.world).check("stack", all(1.0e-4));
+    Apart::of(&cpu, &twin.world).check("stack", all(3.0e-4));
 }

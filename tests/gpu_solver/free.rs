@@ -34,9 +34,9 @@ pub fn a_free_body_turns_the_same(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.0);
-        // Of what it turned by in a second.
-        let limit = 1.0e-3 * spin.length() as f64;
-        Apart::of(&cpu, &twin.world).check(&format!("spin {spin}"), all(limit.min(1.0e-3)));
+        // A part of what it turned by in a second.
+        let limit = 1.0e-5 * spin.length() as f64;
+        Apart::of(&cpu, &twin.world).check(&format!("spin {spin}"), all(limit));
         let (before, after) = (make().measure(), twin.world.measure());
         let drift = (after.kinetic - cpu.measure().kinetic).abs() / before.kinetic;
         assert!(drift < 1.0e-4, "energy apart by {drift}");
@@ -76,7 +76,7 @@ pub fn forces_and_limits_do_the_same(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.0);
-        Apart::of(&cpu, &twin.world).check(what, all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(what, all(1.0e-5));
     }
 }
 
@@ -96,7 +96,7 @@ pub fn locked_axes_do_the_same(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.0);
-        Apart::of(&cpu, &twin.world).check(&format!("{locked:?}"), all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(&format!("{locked:?}"), all(1.0e-5));
     }
 }
 

@@ -18,13 +18,7 @@ pub fn a_stack_of_ten_boxes(gpu: &Gpu) {
         world
     };
     let (cpu, twin) = both(gpu, make, 4.0);
-    let limit = Apart {
-        center: 1.0e-3,
-        turned: 1.0e-3,
-        linear: 2.0e-3,
-        angular: 2.0e-3,
-    };
-    Apart::of(&cpu, &twin.world).check("stack of 10", limit);
+    Apart::of(&cpu, &twin.world).check("stack of 10", all(1.0e-4));
     check("the top sank, metres", height(9) - twin.world.center(10).y, 0.0, 0.01);
     let energy = |world: &World| world.measure().kinetic;
     check_below("energy, joules", energy(&twin.world), 1.0e-3);
@@ -64,13 +58,7 @@ pub fn a_cloud_of_balls(gpu: &Gpu) {
     for restitution in [0.0, 1.0] {
         // As long as the two agree in detail, and until all is over.
         let (cpu, twin) = both(gpu, || cloud(64, restitution), 0.25);
-        let limit = Apart {
-            center: 1.0e-2,
-            turned: 1.0e-1,
-            linear: 1.0e-1,
-            angular: 1.0,
-        };
-        Apart::of(&cpu, &twin.world).check(&format!("cloud, restitution {restitution}, 0.25 s"), limit);
+        Apart::of(&cpu, &twin.world).check(&format!("cloud, restitution {restitution}, 0.25 s"), all(1.0e-3));
 
         let (cpu, twin) = both(gpu, || cloud(64, restitution), 2.0);
         let before = cloud(64, restitution).measure();
@@ -128,7 +116,7 @@ pub fn a_block_of_balls(gpu: &Gpu) {
     let (cpu, twin) = both(gpu, make, 4.0 / 64.0);
     let pairs = twin.world.manifolds.pairs.len();
     assert!(pairs > 2048, "{pairs}");
-    Apart::of(&cpu, &twin.world).check(&format!("{pairs} pairs"), all(1.0e-3));
+    Apart::of(&cpu, &twin.world).check(&format!("{pairs} pairs"), all(1.0e-4));
     println!(
         "{pairs} pairs: {:.1} ms per step on the CPU, {:.1} ms on {}",
         cpu.time_solving.as_secs_f64() * 1.0e3 / 4.0,

@@ -19,7 +19,7 @@ pub fn overlapping_balls_part(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.5);
-        Apart::of(&cpu, &twin.world).check(&format!("{apart} apart"), all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(&format!("{apart} apart"), all(1.0e-4));
         let gap = twin.world.center(0).distance(twin.world.center(1)) - 1.0;
         assert!(gap > 0.0, "{apart}: still {gap} deep");
     }
@@ -35,7 +35,7 @@ pub fn a_box_sunk_into_the_floor_comes_up(gpu: &Gpu) {
             world
         };
         let (cpu, twin) = both(gpu, make, 1.0);
-        Apart::of(&cpu, &twin.world).check(&format!("{depth} deep"), all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(&format!("{depth} deep"), all(1.0e-4));
     }
 }
 
@@ -87,7 +87,7 @@ pub fn points_that_disagree(gpu: &Gpu) {
             contradict(&mut twin.world);
             twin.solve(&interval);
         }
-        Apart::of(&cpu, &twin.world).check(&format!("approached {approach}"), all(1.0e-3));
+        Apart::of(&cpu, &twin.world).check(&format!("approached {approach}"), all(1.0e-4));
         let apart = twin.world.center(1).x - twin.world.center(0).x;
         assert!(apart > 1.0, "pushed out the way they came: {apart}");
     }
