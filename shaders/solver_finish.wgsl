@@ -41,7 +41,8 @@ fn turn_state(state: ptr<function, s::BodyState>, turned: vec4<f32>) {
     let whole = high + low;
     // Too long by this part, without the rounding of a sum near 1.
     let excess = (dot(high, high) - 1.0) + 2.0 * dot(high, low);
-    let fine = low + compose(by, whole) - (0.5 * excess) * whole;
+    let step = compose(by, whole);
+    let fine = low + step - (0.5 * excess) * (whole + step);
     let carry = carried_rotation(fine);
     let next = high + carry;
     if finite_rotation(next) && finite_rotation(fine) && abs(excess) < 0.01 {

@@ -4,8 +4,9 @@ use crate::shapes::Shape;
 use crate::twin::Twin;
 use crate::world::{World, check};
 use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::gpu::step::StepError;
 use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
-use bevy_faceoff::stages::solver::gpu::GpuSolver;
+use bevy_faceoff::stages::solver::gpu::{GpuSolver, Room};
 use bevy_faceoff::stages::solver::{Interval, SolverBodies, SolverBody, SolverSettings};
 use glam::{DQuat, DVec3, Vec3};
 
@@ -183,4 +184,14 @@ pub fn lists_that_lie(gpu: &Gpu) {
             assert!(motion.center.is_finite() && motion.rotation.is_finite(), "{motion:?}");
         }
     }
+}
+
+pub fn too_much_is_an_error(gpu: &Gpu) {
+    let room = Room {
+        bodies: 10,
+        pairs: 10,
+        points: u32::MAX,
+    };
+    let error = GpuSolver::with_room(gpu, room).err().unwrap();
+    assert!(matches!(error, StepError::TooLarge(_)), "{error}");
 }

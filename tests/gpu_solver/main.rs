@@ -14,6 +14,7 @@ mod contacts;
 mod far;
 mod free;
 mod many;
+mod meshes;
 mod overlap;
 mod same_bits;
 mod sleeping;
@@ -22,6 +23,10 @@ mod twin;
 fn main() {
     gpu::run(&[
         ("a_free_body_turns_the_same", free::a_free_body_turns_the_same),
+        (
+            "a_needle_that_spins_madly_stays_bounded",
+            free::a_needle_that_spins_madly_stays_bounded,
+        ),
         ("forces_and_limits_do_the_same", free::forces_and_limits_do_the_same),
         ("locked_axes_do_the_same", free::locked_axes_do_the_same),
         ("kinematic_and_static_bodies", free::kinematic_and_static_bodies),
@@ -46,6 +51,7 @@ fn main() {
         ),
         ("a_stack_of_ten_boxes", many::a_stack_of_ten_boxes),
         ("a_cloud_of_balls", many::a_cloud_of_balls),
+        ("a_pile_of_meshes", meshes::a_pile_of_meshes),
         ("a_block_of_balls", many::a_block_of_balls),
         ("a_heap_in_one_place_comes_apart", many::a_heap_in_one_place_comes_apart),
         ("the_same_bits_again", same_bits::the_same_bits_again),
@@ -70,6 +76,7 @@ fn main() {
         ("bad_input_is_left_out", bad::bad_input_is_left_out),
         ("nothing_at_all", bad::nothing_at_all),
         ("empty_intervals_change_nothing", bad::empty_intervals_change_nothing),
+        ("too_much_is_an_error", bad::too_much_is_an_error),
         ("lists_that_lie", bad::lists_that_lie),
     ])
 }

@@ -10,6 +10,7 @@ use glam::DVec3;
 
 fn heap() -> World {
     let mut world = World::heavy();
+    world.settings.sleeping = true;
     world.floor(0.0);
     let mut random = fastrand::Rng::with_seed(7);
     for i in 0..24 {

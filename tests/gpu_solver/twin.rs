@@ -3,7 +3,7 @@
 use crate::world::World;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::stages::solver::gpu::{GpuSolver, Room};
-use bevy_faceoff::stages::solver::{Interval, SolverMotion};
+use bevy_faceoff::stages::solver::{Interval, SolverBodies, SolverMotion};
 
 pub struct Twin {
     /// Its bodies are where the device says.
@@ -109,7 +109,12 @@ impl Apart {
 
     /// The largest of each over all bodies.
     pub fn of(a: &World, b: &World) -> Self {
-        let pairs = a.bodies.motions.iter().zip(&b.bodies.motions);
+        Self::between(&a.bodies, &b.bodies)
+    }
+
+    /// The same.
+    pub fn between(a: &SolverBodies, b: &SolverBodies) -> Self {
+        let pairs = a.motions.iter().zip(&b.motions);
         pairs.map(|(a, b)| Self::new(a, b)).fold(Self::default(), |x, y| Self {
             center: x.center.max(y.center),
             turned: x.turned.max(y.turned),

@@ -15,6 +15,7 @@ use crate::stages::Stage;
 use crate::stages::manifolds::Manifolds;
 use crate::stages::solver::{Interval, SleepState, SolverBodies, SolverMotion, SolverSettings};
 use bytemuck::{Pod, cast_slice};
+use std::collections::HashMap;
 use wgpu::{Buffer, BufferUsages};
 
 /// Solves on a device what the host hands it. Bodies stay there from interval to interval, and so do the impulses that
@@ -24,8 +25,10 @@ pub struct GpuSolver {
     kernels: Kernels,
     handed: Handed,
     lists: Lists,
-    /// With what it was made.
-    program: Option<(Passes, Program)>,
+    /// Of intervals that were run with the lists as they are.
+    programs: HashMap<Passes, Program>,
+    /// Of the last interval.
+    dispatches: usize,
     bodies: u32,
     /// Bodies of the interval before, unless all were forgotten.
     old_bodies: u32,
@@ -114,7 +117,8 @@ impl GpuSolver {
             kernels,
             handed,
             lists,
-            program: None,
+            programs: HashMap::new(),
+            dispatches: 0,
             bodies: 0,
             old_bodies: 0,
             renumbered: false,
@@ -128,7 +132,7 @@ impl GpuSolver {
 
     /// Dispatches of the last interval.
     pub fn dispatches(&self) -> usize {
-        self.program.as_ref().map_or(0, |(_, program)| program.len(STAGE))
+        self.dispatches
     }
 
     /// Puts bodies onto the device, poses, velocities, forces and all. Unless [`GpuSolver::renumber`] says otherwise they
@@ -261,22 +265,22 @@ impl GpuSolver {
             kernels,
             handed,
             lists,
-            program,
+            programs,
+            dispatches,
             ..
         } = self;
         device(scoped(gpu, || {
-            if program.as_ref().is_none_or(|(made, _)| *made != passes) {
+            let program = programs.entry(passes).or_insert_with(|| {
                 let mut builder = Builder::new(gpu, kernels);
                 builder.stage(STAGE);
                 record(&mut builder, &handed.inputs(), lists, passes);
-                *program = Some((passes, builder.finish()));
-            }
+                builder.finish()
+            });
+            *dispatches = program.len(STAGE);
             gpu.queue.write_buffer(&lists.interval, 0, bytemuck::bytes_of(&told));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            if let Some((_, program)) = program {
-                program.record(STAGE, &mut encoder, told.bodies, &handed.arguments, None);
-            }
+            program.record(STAGE, &mut encoder, told.bodies, &handed.arguments, None);
             gpu.queue.submit([encoder.finish()]);
         }))?;
         self.read(&self.lists.counters, COUNTERS)
@@ -300,7 +304,7 @@ impl GpuSolver {
                 Ok::<_, TooLarge>(larger)
             });
             self.lists = device(larger)??;
-            self.program = None;
+            self.programs.clear();
         }
         let bodies = Room {
             bodies: needed.bodies,
@@ -330,7 +334,7 @@ impl GpuSolver {
             Ok::<_, TooLarge>(larger)
         });
         self.handed = device(larger)??;
-        self.program = None;
+        self.programs.clear();
         Ok(())
     }
 
