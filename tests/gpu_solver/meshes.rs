@@ -120,8 +120,8 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
         other.bodies.motions = on_device.motions().unwrap();
         other.place();
         if step == 31 {
-            // All have met something, and nothing has had time to grow.
-            Apart::between(&one.bodies, &other.bodies).check("half a second", all(1.0e-3));
+            // The lower ones have met, and nothing has had time to grow.
+            Apart::between(&one.bodies, &other.bodies).check("half a second", all(1.0e-4));
         }
     }
     let motions = &other.bodies.motions;
@@ -135,5 +135,6 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
         .fold(f32::MIN, f32::max);
     println!("at most {most} points, in the end {deepest} m deep");
     assert!(deepest < 0.02, "{deepest}");
-    Apart::between(&one.bodies, &other.bodies).check("two seconds", all(f64::INFINITY));
+    let speed = |bodies: &SolverBodies| bodies.motions.iter().map(|m| m.linear_velocity.length()).sum::<f32>();
+    println!("sums of speeds {} and {} m/s", speed(&one.bodies), speed(&other.bodies));
 }

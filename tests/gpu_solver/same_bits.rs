@@ -6,7 +6,7 @@ use crate::twin::{Apart, Twin, all};
 use crate::world::World;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::stages::solver::gpu::Room;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 fn heap() -> World {
     let mut world = World::heavy();
@@ -76,9 +76,11 @@ fn renumber(world: &mut World, new_numbers: &[u32]) {
 }
 
 pub fn new_numbers_keep_the_impulses(gpu: &Gpu) {
-    // A stack that stands, with another order of bodies in every step, the floor among them. The CPU goes by their keys.
+    // A stack that friction holds, with another order of bodies in every step, the floor among them. The CPU goes by their
+    // keys.
     let make = || {
         let mut world = World::heavy();
+        world.gravity += Vec3::new(1.5, 0.0, 0.7);
         world.floor(0.0);
         let gap = 0.005 * 3.0f64.sqrt();
         for i in 0..4 {
