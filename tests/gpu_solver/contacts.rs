@@ -88,6 +88,23 @@ pub fn impulses_are_those_that_hold_a_box(gpu: &Gpu) {
     check("newton seconds per step", sum as f64, 3.0 * 9.81 / 64.0, 0.005);
 }
 
+/// Levers turn with the body until the moment it bounces.
+pub fn a_brick_tumbles_and_bounces(gpu: &Gpu) {
+    let make = || {
+        let mut world = World::heavy();
+        world.floor(0.0);
+        let brick = world.dynamic(Shape::Box(DVec3::new(0.6, 0.3, 0.2)), 2.0, DVec3::Y * 1.2);
+        world.motion(brick).rotation = DQuat::from_scaled_axis(DVec3::new(0.4, 0.7, -0.3));
+        world.motion(brick).angular_velocity = Vec3::new(5.0, -8.0, 6.0);
+        for i in [0, brick] {
+            world.bodies.bodies[i].restitution = 0.7;
+        }
+        world
+    };
+    let (cpu, twin) = both(gpu, make, 0.75);
+    Apart::of(&cpu, &twin.world).check("brick", all(1.0e-3));
+}
+
 /// Bodies that cannot move or turn as they like, do not push at all, or are moved by what they lie on.
 pub fn bodies_of_all_kinds_touch(gpu: &Gpu) {
     let make = || {

@@ -37,6 +37,7 @@ fn main() {
         ("a_ball_rolls", contacts::a_ball_rolls),
         ("a_box_slides_down_a_slope", contacts::a_box_slides_down_a_slope),
         ("balls_bounce", contacts::balls_bounce),
+        ("a_brick_tumbles_and_bounces", contacts::a_brick_tumbles_and_bounces),
         ("bodies_of_all_kinds_touch", contacts::bodies_of_all_kinds_touch),
         ("substeps_of_changing_length", contacts::substeps_of_changing_length),
         ("overlapping_balls_part", overlap::overlapping_balls_part),
@@ -69,6 +70,7 @@ fn main() {
             sleeping::a_hit_wakes_the_whole_stack_and_nothing_else,
         ),
         ("what_else_wakes", sleeping::what_else_wakes),
+        ("islands_are_those_of_the_cpu", sleeping::islands_are_those_of_the_cpu),
         (
             "a_kinematic_body_wakes_what_lies_on_it",
             sleeping::a_kinematic_body_wakes_what_lies_on_it,

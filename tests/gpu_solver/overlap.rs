@@ -30,7 +30,9 @@ pub fn a_box_sunk_into_the_floor_comes_up(gpu: &Gpu) {
         let make = || {
             let mut world = World::heavy();
             world.floor(0.0);
-            let cube = world.dynamic(Shape::Box(DVec3::splat(0.5)), 1.0, DVec3::Y * (0.5 - depth));
+            // Aside from where the half-space has its centre: that is not the way out.
+            let at = DVec3::new(2.0, 0.5 - depth, 1.0);
+            let cube = world.dynamic(Shape::Box(DVec3::splat(0.5)), 1.0, at);
             world.motion(cube).rotation = DQuat::from_rotation_y(0.3);
             world
         };

@@ -1,11 +1,12 @@
 //! Which bodies the device freezes, and what wakes them.
 
 use crate::shapes::Shape;
-use crate::twin::Twin;
+use crate::twin::{Twin, solve_on_cpu};
 use crate::world::World;
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::ExternalForces;
+use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint};
+use bevy_faceoff::stages::solver::{ExternalForces, Interval};
 use glam::{DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
@@ -105,6 +106,74 @@ pub fn what_else_wakes(gpu: &Gpu) {
     twin.world.settings.sleeping = false;
     twin.step(1);
     assert_eq!(asleep(&twin.world), [0; 0], "switched off");
+}
+
+/// Bodies that touch at random, some of which are kept awake.
+fn web() -> World {
+    let mut world = World::new();
+    world.settings.sleeping = true;
+    world.settings.sleep_time = 0.0;
+    world.detections = Some(1);
+    let mut random = fastrand::Rng::with_seed(6);
+    for i in 0..3000 {
+        world.dynamic(CUBE, 1.0, DVec3::X * f64::from(i));
+        if random.u32(0..100) == 0 {
+            world.bodies.forces[i as usize].torque = Vec3::X * 1.0e-6;
+        }
+    }
+    let mut pairs: Vec<[u32; 2]> = (0..2800)
+        .map(|_| [random.u32(0..3000), random.u32(0..3000)])
+        .filter(|[a, b]| a < b)
+        .collect();
+    // A chain, from the last to the first.
+    pairs.extend((100..400).map(|i| [i, i + 1]));
+    pairs.sort_unstable();
+    pairs.dedup();
+    for (i, &bodies) in (0..).zip(&pairs) {
+        world.manifolds.pairs.push(Manifold {
+            bodies,
+            first_point: i,
+            point_count: 1,
+        });
+        // Near enough to touch, and too far away to push.
+        world.manifolds.points.push(ManifoldPoint {
+            arms: [Vec3::Y, Vec3::Y],
+            normal: Vec3::Y,
+            separation: 0.015,
+            roundness: [0.0; 2],
+            faces: [0; 2],
+        });
+    }
+    world
+}
+
+pub fn islands_are_those_of_the_cpu(gpu: &Gpu) {
+    let mut cpu = web();
+    let mut twin = Twin::new(gpu, web());
+    let interval = Interval {
+        dt: cpu.dt,
+        substeps: 1,
+        gravity: Vec3::ZERO,
+    };
+    for round in 0..4 {
+        cpu.sleeper
+            .wake(&mut cpu.bodies, &cpu.manifolds, &cpu.settings, &interval);
+        solve_on_cpu(&mut cpu, &interval);
+        cpu.sleeper
+            .settle(&mut cpu.bodies, &cpu.manifolds, &cpu.settings, interval.dt);
+        twin.solve(&interval);
+        let sleepers = asleep(&twin.world);
+        println!("round {round}: {} of 3000 asleep", sleepers.len());
+        assert_eq!(sleepers, asleep(&cpu));
+        assert!((200..2900).contains(&sleepers.len()));
+        // One in the chain, and others as it comes.
+        for i in (250..3000).step_by(700) {
+            for world in [&mut cpu, &mut twin.world] {
+                world.bodies.forces[i].torque = Vec3::X * 1.0e-6 * (round % 2) as f32;
+            }
+        }
+        twin.put();
+    }
 }
 
 pub fn a_kinematic_body_wakes_what_lies_on_it(gpu: &Gpu) {

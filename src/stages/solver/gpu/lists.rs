@@ -129,7 +129,7 @@ pub struct Inputs<'b> {
     pub counter_of: [u32; 2],
     /// Whether a list was too small so far (`OVERFLOW`); nothing is solved then.
     pub status: &'b Buffer,
-    /// Arguments of indirect dispatches.
+    /// Arguments of indirect dispatches: the buffer that the program is recorded with.
     pub arguments: &'b Buffer,
     /// The first of [`SLOTS`] slots there.
     pub first_slot: u32,
