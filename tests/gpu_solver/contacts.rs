@@ -102,7 +102,7 @@ pub fn a_brick_tumbles_and_bounces(gpu: &Gpu) {
         world
     };
     let (cpu, twin) = both(gpu, make, 0.75);
-    Apart::of(&cpu, &twin.world).check("brick", all(1.0e-3));
+    Apart::of(&cpu, &twin.world).check("brick", all(1.0e-4));
 }
 
 /// Bodies that cannot move or turn as they like, do not push at all, or are moved by what they lie on.
