@@ -1,9 +1,10 @@
 //! What Rust declares of every kernel, struct and constant is what the WGSL says. Needs no graphics card.
 
 use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, MAX_ROW, MODULES, composer, read, uniform, write};
-use bevy_faceoff::gpu::layout::{CONSTANTS, STRUCTS, Struct};
+use bevy_faceoff::gpu::layout::{self, Struct};
 use bevy_faceoff::gpu::{mesh_features, radix_sort, scan, step};
 use bevy_faceoff::stages::manifolds;
+use bevy_faceoff::stages::solver::gpu as solver;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgpu::naga::{
@@ -11,16 +12,21 @@ use wgpu::naga::{
     VectorSize, front,
 };
 
-/// Every kernel there is, those of the step and those that it does not run yet.
-fn kernels() -> impl Iterator<Item = &'static Kernel> {
-    step::kernels().chain(manifolds::gpu::KERNELS)
-}
-
 /// Storage buffers that every device lets a kernel have.
 const MOST_STORAGE: usize = 8;
 
 /// Bytes of workgroup memory that every device has.
 const MOST_WORKGROUP: u32 = 16 << 10;
+
+/// Every kernel there is: those of the step, and those that it does not run yet.
+fn kernels() -> impl Iterator<Item = &'static Kernel> {
+    step::kernels().chain(manifolds::gpu::KERNELS).chain(solver::KERNELS)
+}
+
+/// Every struct that passes between host and kernels.
+fn structs() -> impl Iterator<Item = &'static Struct> {
+    layout::STRUCTS.iter().chain(solver::layout::STRUCTS)
+}
 
 /// The name in the source of what naga_oil renamed when it was imported.
 fn plain(name: &Option<String>) -> &str {
@@ -128,7 +134,7 @@ fn complaints(kernel: &Kernel) -> Vec<String> {
         wrong.push(format!("{shared} bytes of workgroup memory"));
     }
     wrong.extend(structs_of(&module).filter_map(|(name, found)| {
-        let expected = STRUCTS.iter().find(|s| s.name == name)?;
+        let expected = structs().find(|s| s.name == name)?;
         (found != laid_out(expected)).then(|| format!("{name} is {found:?}"))
     }));
     wrong
@@ -199,7 +205,7 @@ fn every_struct_is_laid_out_as_in_wgsl() {
             .map_err(|e| e.emit_to_string(&composer))
             .unwrap();
         for (name, found) in structs_of(&module) {
-            if let Some(expected) = STRUCTS.iter().find(|s| s.name == name) {
+            if let Some(expected) = structs().find(|s| s.name == name) {
                 assert_eq!(found, laid_out(expected), "{name} in {}", kernel.name);
                 seen.insert(expected.name);
             }
@@ -208,14 +214,14 @@ fn every_struct_is_laid_out_as_in_wgsl() {
         for binding in kernel.bindings {
             let known = ["u32", "vec2<u32>", "vec4<u32>"].contains(&binding.element);
             assert!(
-                known || STRUCTS.iter().any(|s| s.name == binding.element),
+                known || structs().any(|s| s.name == binding.element),
                 "{} in {}",
                 binding.element,
                 kernel.name
             );
         }
     }
-    let all: BTreeSet<&str> = STRUCTS.iter().map(|s| s.name).collect();
+    let all: BTreeSet<&str> = structs().map(|s| s.name).collect();
     assert_eq!(seen, all, "structs that no kernel uses");
 }
 
@@ -239,9 +245,15 @@ fn elements_of_buffers_have_no_gaps_between_them() {
 
 #[test]
 fn every_constant_is_the_same_in_wgsl() {
-    let in_source = constants("types.wgsl");
-    for &(name, value) in CONSTANTS {
-        assert_eq!(in_source.get(name), Some(&value), "{name}");
+    let files = [
+        ("types.wgsl", layout::CONSTANTS),
+        ("solver_types.wgsl", solver::layout::CONSTANTS),
+    ];
+    for (file, in_rust) in files {
+        let in_source = constants(file);
+        for &(name, value) in in_rust {
+            assert_eq!(in_source.get(name), Some(&value), "{name} in {file}");
+        }
     }
 }
 

@@ -148,7 +148,7 @@ buffers! {
 }
 
 /// The size of a buffer that the device can bind, at least one element of any kind.
-fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
+pub(crate) fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
     let limits = gpu.device.limits();
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     if bytes > limit {
@@ -157,7 +157,8 @@ fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
     Ok(bytes.max(256))
 }
 
-fn make(gpu: &Gpu, what: &str, size: u64, usage: BufferUsages) -> Buffer {
+/// A buffer of so many bytes.
+pub(crate) fn make(gpu: &Gpu, what: &str, size: u64, usage: BufferUsages) -> Buffer {
     gpu.device.create_buffer(&BufferDescriptor {
         label: Some(what),
         size,

@@ -96,6 +96,13 @@ pub const MODULES: &[(&str, &str)] = &[
     ("sides.wgsl", include_str!("../../shaders/sides.wgsl")),
     ("features.wgsl", include_str!("../../shaders/features.wgsl")),
     ("contact_slots.wgsl", include_str!("../../shaders/contact_slots.wgsl")),
+    ("solver_types.wgsl", include_str!("../../shaders/solver_types.wgsl")),
+    ("solver_math.wgsl", include_str!("../../shaders/solver_math.wgsl")),
+    ("tensor.wgsl", include_str!("../../shaders/tensor.wgsl")),
+    ("solver_mover.wgsl", include_str!("../../shaders/solver_mover.wgsl")),
+    ("solver_overlap.wgsl", include_str!("../../shaders/solver_overlap.wgsl")),
+    ("solver_contact.wgsl", include_str!("../../shaders/solver_contact.wgsl")),
+    ("solver_islands.wgsl", include_str!("../../shaders/solver_islands.wgsl")),
 ];
 
 /// A composer that knows [`MODULES`].

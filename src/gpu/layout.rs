@@ -192,10 +192,13 @@ macro_rules! constants {
     ($($name:ident = $value:expr;)*) => {
         $(#[allow(missing_docs)] pub const $name: u32 = $value;)*
 
-        /// Every constant here by name, for the test that compares them with `types.wgsl`.
+        /// Every constant here by name, for the test that compares them with the WGSL.
         pub const CONSTANTS: &[(&str, u32)] = &[$((stringify!($name), $name)),*];
     };
 }
+
+// The solver has structs of its own.
+pub(crate) use {constants, layout};
 
 constants! {
     DYNAMIC = 0;

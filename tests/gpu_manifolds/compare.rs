@@ -55,6 +55,7 @@ pub fn on_cpu(state: &StepState, pairs: &[MarginPair]) -> Manifolds {
         &state.meshes,
         &state.planes,
         &state.config,
+        |_| true,
         &mut scratch,
         &mut found,
     );

@@ -16,6 +16,7 @@ fn plane(normal: Vec3, distance: f32) -> Plane {
         normal: normal.normalize(),
         distance,
         restitution: 0.0,
+        ..Plane::default()
     }
 }
 

@@ -24,6 +24,7 @@ fn heap() -> (StepState, Vec<MarginPair>) {
         normal: Vec3::Y,
         distance: -1.0,
         restitution: 0.0,
+        ..Plane::default()
     });
     let all = (0..40).flat_map(|a| (a + 1..40).map(move |b| [a, b]));
     let pairs = all.map(|bodies| MarginPair { bodies, margin: 0.01 });

@@ -25,6 +25,7 @@
 //! | `overlap` | what is made of points that disagree |
 //! | [`warm_start`] | what is kept from one interval to the next |
 //! | [`sleep`] | which bodies are frozen |
+//! | `gpu` | the same on a device, with the feature `gpu` |
 //!
 //! Nothing here knows of the ECS. Half-spaces take part as static bodies.
 
@@ -32,6 +33,8 @@ mod adapter;
 pub mod bodies;
 mod constraints;
 mod ends;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod motion;
 mod overlap;
 mod pairs;

@@ -236,7 +236,7 @@ fn speed(body: &SolverBody, motion: &SolverMotion) -> f32 {
 
 /// Mixes the bits of a key (the finaliser of SplitMix64: Steele et al., "Fast Splittable Pseudorandom Number Generators",
 /// 2014), so that sums of them tell sets apart.
-fn hash(key: u64) -> u64 {
+pub(super) fn hash(key: u64) -> u64 {
     let x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -1,0 +1,111 @@
+#define_import_path faceoff::islands
+
+// Which bodies are frozen: islands of bodies at rest. `stages/solver/sleep.rs` explains it. All kernels run twice an
+// interval: before it they wake, after it they put to sleep.
+
+#import faceoff::solver_math::{finite, finite_vector}
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+// A body's place in its island.
+struct Island {
+    // A body nearer to the island's root, which has the smallest number; the root's own.
+    parent: atomic<u32>,
+    // What the body touches, as a sum of keys.
+    neighbours: atomic<u32>,
+    // Of a root, not 0: something in the island is awake, or must wake.
+    restless: atomic<u32>,
+    padding: u32,
+}
+
+@group(0) @binding(0) var<uniform> interval: s::Interval;
+// Which half of the work it is.
+@group(0) @binding(1) var<uniform> constants: vec4<u32>;
+@group(0) @binding(2) var<storage, read> counters: array<u32>;
+@group(0) @binding(3) var<storage, read> contact_pairs: array<t::ContactPair>;
+@group(0) @binding(4) var<storage, read> contact_points: array<t::ContactPoint>;
+@group(0) @binding(5) var<storage, read> bodies: array<s::SolverBody>;
+@group(0) @binding(6) var<storage, read_write> states: array<s::BodyState>;
+@group(0) @binding(7) var<storage, read> forces: array<s::BodyForces>;
+@group(0) @binding(8) var<storage, read_write> islands: array<Island>;
+
+// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
+const TOUCH: f32 = 2.0;
+
+// The root of a body's island. Parents have smaller numbers, so there is an end to it; the way is halved.
+fn root_of(body: u32) -> u32 {
+    var at = body;
+    var above = atomicLoad(&islands[at].parent);
+    while above < at {
+        let next = atomicLoad(&islands[above].parent);
+        atomicMin(&islands[at].parent, next);
+        at = above;
+        above = next;
+    }
+    return at;
+}
+
+// Makes two islands one (Komura, "GPU-based cluster-labeling algorithm without the use of conventional iteration", 2015).
+// Whoever comes first, the smallest number is the root in the end.
+fn join(a: u32, b: u32) {
+    var one = root_of(a);
+    var other = root_of(b);
+    while one != other {
+        let high = max(one, other);
+        let low = min(one, other);
+        let before = atomicMin(&islands[high].parent, low);
+        if before == high {
+            return;
+        }
+        // It had been joined to another root meanwhile.
+        one = before;
+        other = low;
+    }
+}
+
+fn disturb(body: u32) {
+    atomicStore(&islands[root_of(body)].restless, 1u);
+}
+
+// Whether forces and contacts can move it.
+fn has_mass(body: s::SolverBody) -> bool {
+    return (body.flags & t::KIND_MASK) == t::DYNAMIC
+        && body.inverse_mass > 0.0
+        && finite(body.inverse_mass)
+        && finite_vector(body.inverse_inertia)
+        && finite_vector(body.inverse_inertia_mixed);
+}
+
+// How fast the fastest point of the body's bounding sphere moves.
+fn speed_of(i: u32) -> f32 {
+    let v = states[i].linear_velocity;
+    let w = states[i].angular_velocity;
+    return sqrt(dot(v, v)) + sqrt(dot(w, w)) * bodies[i].radius;
+}
+
+// Whether both bodies are there and solid, and so are all points.
+fn is_pair(pair: t::ContactPair) -> bool {
+    let points = counters[s::POINTS];
+    if pair.a >= interval.bodies || pair.b >= interval.bodies || pair.a == pair.b {
+        return false;
+    }
+    return ((bodies[pair.a].flags | bodies[pair.b].flags) & t::SENSOR) == 0u
+        && pair.first_point <= points
+        && pair.point_count <= points - pair.first_point;
+}
+
+// Up to which separation a pair touches.
+fn nearness(pair: t::ContactPair) -> f32 {
+    return TOUCH * interval.rest_offset * 2.0 * min(bodies[pair.a].radius, bodies[pair.b].radius);
+}
+
+// Whether some point is as near as at rest.
+fn touches(pair: t::ContactPair) -> bool {
+    let near = nearness(pair);
+    for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
+        if contact_points[k].separation <= near {
+            return true;
+        }
+    }
+    return false;
+}

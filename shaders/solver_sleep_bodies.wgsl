@@ -1,0 +1,39 @@
+// Solver, sleep: bodies that keep their island awake, or wake it.
+#import faceoff::dispatch::group_index
+#import faceoff::islands as l
+#import faceoff::islands::{bodies, constants, forces, interval, islands, states}
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= interval.bodies {
+        return;
+    }
+    let asleep = states[i].asleep != 0u;
+    let kind = bodies[i].flags & t::KIND_MASK;
+    let speed = l::speed_of(i);
+    let forced = is_forced(i);
+    var disturbed = kind == t::DYNAMIC;
+    if constants.x == s::WAKE {
+        if asleep {
+            let others = states[i].neighbours != atomicLoad(&islands[i].neighbours);
+            disturbed = speed != 0.0 || forced || kind != t::DYNAMIC || others;
+        }
+    } else {
+        let rest_time = select(0.0, states[i].rest_time + interval.dt, speed < interval.sleep_speed);
+        states[i].rest_time = rest_time;
+        let ready = asleep || (rest_time >= interval.sleep_time && !forced);
+        disturbed = disturbed && !ready;
+    }
+    if disturbed {
+        l::disturb(i);
+    }
+}
+
+fn is_forced(i: u32) -> bool {
+    let f = forces[i];
+    let none = vec3(0.0);
+    return any(f.force != none) || any(f.torque != none) || any(f.impulse != none) || any(f.angular_impulse != none);
+}

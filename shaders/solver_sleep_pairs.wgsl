@@ -1,0 +1,58 @@
+// Solver, sleep: bodies that move wake those that they will have reached at the end of the interval; kinematic ones keep
+// those awake that they touch.
+#import faceoff::dispatch::group_index
+#import faceoff::islands as l
+#import faceoff::islands::{bodies, constants, contact_pairs, contact_points, counters, interval, states}
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= counters[s::PAIRS] {
+        return;
+    }
+    let pair = contact_pairs[i];
+    if !l::is_pair(pair) || !meets(pair) {
+        return;
+    }
+    if visits(pair.a) {
+        l::disturb(pair.b);
+    }
+    if visits(pair.b) {
+        l::disturb(pair.a);
+    }
+}
+
+// Whether the two touch, now or at the end of the interval.
+fn meets(pair: t::ContactPair) -> bool {
+    if constants.x != s::WAKE {
+        return l::touches(pair);
+    }
+    let near = l::nearness(pair);
+    let fall = sqrt(dot(interval.gravity, interval.gravity)) * interval.dt;
+    for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
+        let point = contact_points[k];
+        let closing = dot(velocity_at(pair.a, point.arm_a) - velocity_at(pair.b, point.arm_b), point.normal);
+        if point.separation - (max(closing, 0.0) + fall) * interval.dt <= near {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn velocity_at(i: u32, arm: vec3<f32>) -> vec3<f32> {
+    return states[i].linear_velocity + cross(states[i].angular_velocity, arm);
+}
+
+// Whether a body moves and nothing stops it from waking others.
+fn visits(i: u32) -> bool {
+    let kind = bodies[i].flags & t::KIND_MASK;
+    if l::speed_of(i) == 0.0 {
+        return false;
+    }
+    if constants.x == s::WAKE {
+        return kind != t::STATIC && states[i].asleep == 0u;
+    }
+    return kind == t::KINEMATIC;
+}

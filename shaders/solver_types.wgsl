@@ -1,0 +1,297 @@
+#define_import_path faceoff::solver_types
+
+// What passes between the solver's kernels, and between them and the host. `src/stages/solver/gpu/layout.rs` holds the
+// same structs; a test compares every offset. Symmetric tensors are six numbers: the diagonal xx, yy, zz and, mixed, xy,
+// xz, yz.
+
+// A detection interval, and how contacts are solved in it; `settings.rs` explains what is not explained here.
+struct Interval {
+    gravity: vec3<f32>,
+    // Length of a substep, seconds.
+    h: f32,
+    bodies: u32,
+    // How many bodies there were when the memory of impulses was written.
+    old_bodies: u32,
+    // How many pairs and points the solver's own lists hold.
+    pair_capacity: u32,
+    point_capacity: u32,
+    // The contact spring.
+    bias_rate: f32,
+    mass_scale: f32,
+    impulse_scale: f32,
+    relaxation: f32,
+    sweeps: u32,
+    push_speed: f32,
+    untangle_speed: f32,
+    untangle_depth: f32,
+    rest_offset: f32,
+    restitution_threshold: f32,
+    match_distance: f32,
+    match_normal: f32,
+    // Length of the interval, seconds.
+    dt: f32,
+    sleep_speed: f32,
+    sleep_time: f32,
+    padding: u32,
+}
+
+// What a body is.
+struct SolverBody {
+    // In the body's own axes.
+    inverse_inertia: vec3<f32>,
+    inverse_mass: f32,
+    inverse_inertia_mixed: vec3<f32>,
+    // Kind and sensor as in `Body`; the rules of combination, and the locked axes, at the shifts below.
+    flags: u32,
+    radius: f32,
+    restitution: f32,
+    friction: f32,
+    gravity_scale: f32,
+    linear_damping: f32,
+    angular_damping: f32,
+    // Squares of limits are finite numbers.
+    max_linear_speed: f32,
+    max_angular_speed: f32,
+}
+
+const RESTITUTION_RULE: u32 = 8u;
+const FRICTION_RULE: u32 = 12u;
+const LOCKED_AXES: u32 = 16u;
+
+// Lengths from here on count as infinite.
+const ENDLESS: f32 = 1.0e29;
+
+// Where a body is and how it moves. What is in two parts is their sum: a coarse one, and a small one that holds what the
+// coarse one is too coarse for.
+struct BodyState {
+    center: vec3<f32>,
+    // Not 0: frozen.
+    asleep: u32,
+    center_low: vec3<f32>,
+    // For how long it has been slow, seconds.
+    rest_time: f32,
+    rotation: vec4<f32>,
+    rotation_low: vec4<f32>,
+    linear_velocity: vec3<f32>,
+    // What it touched when it fell asleep, as a sum of keys.
+    neighbours: u32,
+    angular_velocity: vec3<f32>,
+    // A hash of what tells it from other bodies.
+    key: u32,
+}
+
+// What acts on a body from outside.
+struct BodyForces {
+    force: vec3<f32>,
+    padding_a: f32,
+    torque: vec3<f32>,
+    padding_b: f32,
+    impulse: vec3<f32>,
+    padding_c: f32,
+    angular_impulse: vec3<f32>,
+    padding_d: f32,
+}
+
+// What about a body holds for an interval.
+struct Mover {
+    // At the start of the interval.
+    rotation: vec4<f32>,
+    // In the body's own axes; zero if it has no inverse.
+    inertia: vec3<f32>,
+    // What is left of the velocities after a substep.
+    linear_decay: f32,
+    inertia_mixed: vec3<f32>,
+    angular_decay: f32,
+    inverse_inertia: vec3<f32>,
+    max_linear_speed: f32,
+    inverse_inertia_mixed: vec3<f32>,
+    max_angular_speed: f32,
+    // By gravity.
+    acceleration: vec3<f32>,
+    // See the constants.
+    flags: u32,
+    force: vec3<f32>,
+    padding_a: f32,
+    torque: vec3<f32>,
+    padding_b: f32,
+}
+
+// It changes its place.
+const MOVES: u32 = 1u;
+// Contacts push it.
+const HAS_MASS: u32 = 2u;
+// Its inertia is the same about all axes.
+const ISOTROPIC: u32 = 4u;
+// Its numbers are finite.
+const SOUND: u32 = 8u;
+// Above them the locked axes: x, y, z of translation, then of rotation.
+const LOCKED: u32 = 8u;
+
+// How a body moves.
+struct Velocity {
+    linear: vec3<f32>,
+    padding_a: f32,
+    angular: vec3<f32>,
+    padding_b: f32,
+}
+
+// How a body gives way.
+struct Mass {
+    // Along each world axis.
+    inverse_mass: vec3<f32>,
+    // Into how many bodies it is split in this substep.
+    share: f32,
+    // In world axes.
+    inverse_inertia: vec3<f32>,
+    // Those of the mover.
+    flags: u32,
+    inverse_inertia_mixed: vec3<f32>,
+    padding: f32,
+}
+
+// How far a body has come since the start of the interval.
+struct Shift {
+    moved: vec3<f32>,
+    padding: f32,
+    turned: vec4<f32>,
+}
+
+// Two bodies and what holds for all their points.
+struct SolverPair {
+    a: u32,
+    b: u32,
+    first: u32,
+    count: u32,
+    friction: f32,
+    restitution: f32,
+    rest_offset: f32,
+    flags: u32,
+    // The way out of an overlap whose points disagree; zero for other pairs.
+    direction: vec3<f32>,
+    // Which of the remembered pairs it is.
+    kept: u32,
+    // From the first body's centre of mass to the second's.
+    between: vec3<f32>,
+    // The smaller bounding diameter.
+    diameter: f32,
+}
+
+// Its points are to be solved, or at least kept.
+const VALID: u32 = 1u;
+// Neither end moves.
+const FROZEN: u32 = 2u;
+// Some point pushes, or may, in this substep.
+const ACTIVE: u32 = 4u;
+const UNTANGLING: u32 = 8u;
+// The first body was the second of the remembered pair.
+const SWAPPED: u32 = 16u;
+// Whether contacts push the ends.
+const FIRST_HAS_MASS: u32 = 32u;
+const SECOND_HAS_MASS: u32 = 64u;
+
+const NOT_KEPT: u32 = 0xffffffffu;
+
+// What of a point stays as it is for an interval.
+struct PointShape {
+    // From the centres of mass to the points on the surfaces, at the start of the interval.
+    arm_a: vec3<f32>,
+    // Beyond the rest offset, at the start of the interval.
+    first_separation: f32,
+    arm_b: vec3<f32>,
+    // How far from the first body's point to the second's impulses act.
+    along: f32,
+    // To the centres of curvature.
+    round_a: vec3<f32>,
+    padding_a: f32,
+    round_b: vec3<f32>,
+    padding_b: f32,
+    // From the first body's point to the second's.
+    offset: vec3<f32>,
+    padding_c: f32,
+}
+
+// What of a point changes.
+struct PointState {
+    normal: vec3<f32>,
+    separation: f32,
+    // Where impulses act, from the centres of mass.
+    lever_a: vec3<f32>,
+    flags: u32,
+    lever_b: vec3<f32>,
+    // How fast the bodies parted at the point just before it first pushed.
+    impact: f32,
+    // Change of velocity that a unit impulse causes: along the normal and across it, of the first body, then the second.
+    give: vec4<f32>,
+    // Of this substep.
+    friction: vec2<f32>,
+    impulse: f32,
+    // The largest normal impulse.
+    largest: f32,
+    // Impulses that made it bounce.
+    bounce_friction: vec2<f32>,
+    bounce: f32,
+    // The sum of the normal impulses of the substeps so far, less what is in `impulse`.
+    total: f32,
+}
+
+// Not left out.
+const POINT_USABLE: u32 = 1u;
+// Pushes, or may, in this substep.
+const POINT_ACTIVE: u32 = 2u;
+
+// What is kept of a pair until the next interval, by the numbers that its bodies had.
+struct KeptPair {
+    a: u32,
+    b: u32,
+    first: u32,
+    count: u32,
+    direction: vec3<f32>,
+    untangling: u32,
+    // From each body's axes to the world's.
+    rotation_a: vec4<f32>,
+    rotation_b: vec4<f32>,
+}
+
+// What is kept of a point, as the world was then.
+struct KeptPoint {
+    arm_a: vec3<f32>,
+    impulse: f32,
+    arm_b: vec3<f32>,
+    padding_a: f32,
+    normal: vec3<f32>,
+    padding_b: f32,
+    friction: vec3<f32>,
+    padding_c: f32,
+}
+
+// Indices into `counters`, which outlive an interval: they hold what the memory of impulses holds.
+const PAIRS: u32 = 0u;
+const POINTS: u32 = 1u;
+const ENTRIES: u32 = 2u;
+const SKIPPED: u32 = 3u; // not 0: nothing was solved, since a list was too small
+const KEPT_PAIRS: u32 = 4u;
+const SUBSTEP: u32 = 5u; // the bits of its length in seconds
+const KEPT_SUBSTEP: u32 = 6u;
+const PAIRS_FOUND: u32 = 7u; // as many as there are, even if the lists hold fewer
+const POINTS_FOUND: u32 = 8u;
+const COUNTERS: u32 = 16u;
+
+// Slots of the arguments of indirect dispatches, from a first one that the host chooses.
+const GROUPS_PER_64_PAIRS: u32 = 0u;
+const GROUPS_PER_SORT_BLOCK: u32 = 1u;
+const GROUPS_PER_DIGIT_BLOCK: u32 = 2u;
+const GROUPS_PER_64_BODIES: u32 = 3u;
+const GROUPS_PER_64_OLD_BODIES: u32 = 4u;
+const SLOTS: u32 = 5u;
+
+// What a pass does beside solving: it lets overlaps push; it measures the points first.
+const PASS_BIASED: u32 = 1u;
+const PASS_MEASURES: u32 = 2u;
+
+// What follows when bodies have taken their impulses.
+const THEN_ADVANCE: u32 = 1u;
+const THEN_ACCELERATE: u32 = 2u;
+
+// What the kernels of sleep are about.
+const WAKE: u32 = 0u;
+const SETTLE: u32 = 1u;

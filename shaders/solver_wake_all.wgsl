@@ -1,0 +1,16 @@
+// Solver, sleep: nobody sleeps where sleep is switched off.
+#import faceoff::dispatch::group_index
+#import faceoff::solver_types as s
+
+@group(0) @binding(0) var<uniform> interval: s::Interval;
+@group(0) @binding(1) var<storage, read_write> states: array<s::BodyState>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i < interval.bodies {
+        states[i].asleep = 0u;
+        states[i].rest_time = 0.0;
+        states[i].neighbours = 0u;
+    }
+}

@@ -1,0 +1,64 @@
+#define_import_path faceoff::tensor
+
+// Symmetric tensors of second rank, for inertia.
+
+#import faceoff::math::{largest, matrix}
+
+struct Tensor {
+    // xx, yy, zz.
+    diagonal: vec3<f32>,
+    // xy, xz, yz.
+    mixed: vec3<f32>,
+}
+
+fn no_tensor() -> Tensor {
+    return Tensor(vec3(0.0), vec3(0.0));
+}
+
+fn is_zero(s: Tensor) -> bool {
+    return all(s.diagonal == vec3(0.0)) && all(s.mixed == vec3(0.0));
+}
+
+fn apply_tensor(s: Tensor, v: vec3<f32>) -> vec3<f32> {
+    let d = s.diagonal;
+    let m = s.mixed;
+    return vec3(
+        d.x * v.x + m.x * v.y + m.y * v.z,
+        m.x * v.x + d.y * v.y + m.z * v.z,
+        m.y * v.x + m.z * v.y + d.z * v.z,
+    );
+}
+
+// In the axes that see the tensor's own turned by the unit quaternion q.
+fn turned_tensor(s: Tensor, q: vec4<f32>) -> Tensor {
+    let axes = matrix(q);
+    let d = s.diagonal;
+    let m = s.mixed;
+    let own = mat3x3(vec3(d.x, m.x, m.y), vec3(m.x, d.y, m.z), vec3(m.y, m.z, d.z));
+    let turned = axes * own * transpose(axes);
+    return Tensor(vec3(turned[0].x, turned[1].y, turned[2].z), vec3(turned[1].x, turned[2].x, turned[2].y));
+}
+
+// Zero if there is none.
+fn inverse_tensor(s: Tensor) -> Tensor {
+    // As a part of the largest entry: the determinant of a small body's would leave f32's range.
+    let size = max(largest(abs(s.diagonal)), largest(abs(s.mixed)));
+    if !(size > 0.0) {
+        return no_tensor();
+    }
+    let d = s.diagonal / size;
+    let m = s.mixed / size;
+    let diagonal = d.yxx * d.zzy - m.zyx * m.zyx;
+    let mixed = vec3(m.y * m.z - m.x * d.z, m.x * m.z - m.y * d.y, m.x * m.y - m.z * d.x);
+    let determinant = d.x * diagonal.x + m.x * mixed.x + m.y * mixed.y;
+    let scale = determinant * size;
+    if !(abs(scale) > 0.0) {
+        return no_tensor();
+    }
+    return Tensor(diagonal / scale, mixed / scale);
+}
+
+// Without the axes at which the mask is 0.
+fn masked_tensor(s: Tensor, mask: vec3<f32>) -> Tensor {
+    return Tensor(s.diagonal * mask, s.mixed * mask.xxy * mask.yzz);
+}
