@@ -49,8 +49,8 @@ fn report(
         let Ok([one, other]) = names.get_many([entity1, entity2]) else {
             continue;
         };
-        let faces = collisions.get(entity1, entity2).map_or(0, |hit| hit.faces.len());
-        println!("{seconds:.2} s: {one} and {other} touch, with {faces} pairs of faces");
+        let points = collisions.get(entity1, entity2).map_or(0, |hit| hit.points.len());
+        println!("{seconds:.2} s: {one} and {other} touch, at {points} points");
     }
     for &CollisionEnd { entity1, entity2 } in ended.read() {
         if let Ok([one, other]) = names.get_many([entity1, entity2]) {

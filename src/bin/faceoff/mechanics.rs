@@ -46,7 +46,7 @@ impl Mechanics {
 
 /// How deep each pair with contact points overlaps.
 fn penetrations(world: &World) -> Option<Vec<f64>> {
-    if *world.resource::<Response>() != Response::Contacts {
+    if *world.resource::<Response>() == Response::Impulse {
         return None;
     }
     let manifolds = world.resource::<Collisions>().manifolds();

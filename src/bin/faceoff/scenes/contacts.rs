@@ -34,7 +34,7 @@ pub fn chain(world: &mut World, rings: usize) -> Framing {
     let length = LINK * rings as f32;
     Framing {
         center: Vec3::NEG_Y * (0.5 * length),
-        side: length + 1.5,
+        side: 0.7 * length + 1.5,
         edges: false,
     }
 }
@@ -98,28 +98,28 @@ pub fn pour(world: &mut World, scene: &Scene, mesh: &CollisionMesh) -> Framing {
     }
 }
 
-/// Cubes of edge 0.5 side by side, and a ball beside them.
+/// Cubes of edge 1 side by side, and a ball beside them.
 pub fn incline(world: &mut World) -> Framing {
     let slope = Quat::from_rotation_z(-25.0f32.to_radians());
-    let ground = block(world, Vec3::ZERO, Vec3::new(30.0, 1.0, 8.0));
+    let ground = block(world, Vec3::ZERO, Vec3::new(24.0, 1.0, 11.0));
     // What lies on it has its own friction.
     let rule = Friction::new(1.0).with_combine(CombineRule::Multiply);
     world.entity_mut(ground).insert((rule, Restitution::default()));
     if let Some(mut pose) = world.get_mut::<Transform>(ground) {
         pose.rotation = slope;
     }
-    let cube = add(world, &shapes::cube(0.5));
+    let cube = add(world, &shapes::cube(1.0));
     let on_slope = |z: f32, height: f32| {
-        let at = slope * Vec3::new(-6.0, 0.5 + height, z);
+        let at = slope * Vec3::new(-9.0, 0.5 + height, z);
         Transform::from_translation(at).with_rotation(slope)
     };
     for i in 0..5 {
-        let pose = on_slope(-3.0 + 1.2 * i as f32, 0.253);
+        let pose = on_slope(-4.2 + 1.6 * i as f32, 0.509);
         let friction = Friction::new(0.1 + 0.2 * i as f32);
         world.spawn((RigidBody::Dynamic, cube.clone(), pose, friction));
     }
-    let ball = add(world, &shapes::ball(0.3, 4));
-    world.spawn((RigidBody::Dynamic, ball, on_slope(3.0, 0.303), Friction::new(0.9)));
+    let ball = add(world, &shapes::ball(0.6, 4));
+    world.spawn((RigidBody::Dynamic, ball, on_slope(4.2, 0.606), Friction::new(0.9)));
     Framing {
         center: Vec3::ZERO,
         side: 15.0,

@@ -9,9 +9,9 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_6, TAU};
 /// Mean radius of the thread, metres.
 const RADIUS: f32 = 0.5;
 /// From the mean radius to crest and root.
-const DEPTH: f32 = 0.08;
-/// What the nut is wider by.
-const CLEARANCE: f32 = 0.025;
+const DEPTH: f32 = 0.1;
+/// What the nut is wider by: more than twice the gap that bodies at rest keep, or both flanks would hold it fast.
+const CLEARANCE: f32 = 0.06;
 /// Advance per turn.
 const PITCH: f32 = 0.4;
 /// Segments around.
@@ -82,7 +82,7 @@ fn nut(floor: usize) -> Option<TriMesh> {
     TriMesh::new(points, faces).ok()
 }
 
-/// The bolt stands fixed; the nut begins near its top, and is turned the way that takes it down.
+/// The bolt stands fixed; the nut begins near its top, turning the way that takes it down. Its weight drives it on.
 pub fn spawn(world: &mut World) -> Framing {
     let mut meshes = world.resource_mut::<Assets<CollisionMesh>>();
     let mut add = |mesh: Option<TriMesh>| mesh.map(|mesh| MeshCollider(meshes.add(CollisionMesh::new(&mesh))));
@@ -93,7 +93,7 @@ pub fn spawn(world: &mut World) -> Framing {
             RigidBody::Dynamic,
             nut,
             Transform::default(),
-            AngularVelocity(Vec3::Y * FRAC_PI_2),
+            AngularVelocity(Vec3::NEG_Y * FRAC_PI_2),
             smooth,
         ));
     }
