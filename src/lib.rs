@@ -1,7 +1,7 @@
 //! Collisions between thousands of moving, concave triangle meshes, triangle by triangle, inside Bevy.
 //!
 //! The method is height projection (Aly & Elawady, "A New Narrow Phase Collision Detection Algorithm Using Height
-//! Projection", EDERC 2010), made exact: meshes are baked once ([`projection`], [`asset`]); every fixed step runs five
+//! Projection", EDERC 2010), made exact: meshes are baked once ([`projection`], [`asset`]); every fixed step runs
 //! ordered [`stages`]; results are components, messages and resources.
 //!
 //! * Add [`FaceoffPlugins`](plugin::FaceoffPlugins) after `DefaultPlugins`, or

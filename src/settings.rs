@@ -137,7 +137,7 @@ pub enum Response {
     /// Several points per pair, with friction, restitution, resting, stacking, interlocking and sleeping: see
     /// [`stages::solver`](crate::stages::solver), and [`SolverSettings`] for what can be set. All triangles take part, whatever the [`Culling`].
     ///
-    /// **Runs on the CPU**, also where the [`Backend`] is a GPU, on which the kernels for it are not there yet.
+    /// **Runs on the CPU**, also where the [`Backend`] is a GPU, whose step the kernels for it are not part of yet.
     #[default]
     Contacts,
 }

@@ -415,7 +415,7 @@ fn program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
             Stage::BroadPhase => broad_phase::gpu::record(&mut builder, buffers),
             Stage::Angles => angles::gpu::record(&mut builder, buffers),
             Stage::TriangleTest => triangle_test::gpu::record(&mut builder, buffers),
-            // Its kernels are not there yet: `Response::Contacts` runs on the CPU.
+            // Its kernels are not part of the step yet: `Response::Contacts` runs on the CPU.
             Stage::Manifolds => {}
             Stage::ForceScan => force_scan::gpu::record(&mut builder, buffers),
             Stage::Integrate => integrate::gpu::record(&mut builder, buffers),
