@@ -95,6 +95,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("response.wgsl", include_str!("../../shaders/response.wgsl")),
     ("sides.wgsl", include_str!("../../shaders/sides.wgsl")),
     ("features.wgsl", include_str!("../../shaders/features.wgsl")),
+    ("smooth.wgsl", include_str!("../../shaders/smooth.wgsl")),
     ("contact_slots.wgsl", include_str!("../../shaders/contact_slots.wgsl")),
     ("solver_types.wgsl", include_str!("../../shaders/solver_types.wgsl")),
     ("solver_math.wgsl", include_str!("../../shaders/solver_math.wgsl")),
