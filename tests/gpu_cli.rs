@@ -47,10 +47,11 @@ fn simulate(_: &Gpu) {
         let [cpu, gpu] = [cpu, gpu].map(|record| record["steps"].as_array().unwrap().clone());
         assert_eq!((cpu.len(), gpu.len()), (4, 4));
         for (a, b) in cpu.iter().zip(&gpu) {
-            for count in ["sphere_pairs", "touching_pairs"] {
-                assert!(a[count].as_u64().unwrap() > 0);
-                assert_eq!(a[count], b[count], "{shape}: {count}");
-            }
+            let count = |step: &Value, name: &str| step[name].as_u64().unwrap();
+            assert!(count(b, "touching_pairs") > 0);
+            assert_eq!(a["touching_pairs"], b["touching_pairs"], "{shape}");
+            // The CPU looks for contact points, and farther for them.
+            assert!(count(a, "sphere_pairs") >= count(b, "sphere_pairs"), "{shape}");
             assert!(b["stages_ms"]["triangle_test"].is_number());
         }
     }

@@ -144,7 +144,11 @@ fn without_response_bodies_are_counted_and_not_pushed() {
     assert_eq!(none["meta"]["response"], "none");
     assert!(faces(&none) > 0);
     // Spheres are larger by the margin within which points are looked for.
-    assert_eq!(counts(&none)[0][1..], counts(&impulse)[0][1..], "the first step starts alike");
+    assert_eq!(
+        counts(&none)[0][1..],
+        counts(&impulse)[0][1..],
+        "the first step starts alike"
+    );
     assert_ne!(counts(&none), counts(&impulse));
 }
 

@@ -5,6 +5,7 @@ use super::{Scratch, Sweep, meeting, rounded_down};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::per_thread::PerThread;
 use crate::stages::state::Bodies;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Memory kept between intervals.
@@ -20,10 +21,10 @@ pub struct ClampScratch {
 /// that, too, the search ends at its first look.
 const CLOSER: u32 = 12;
 
-/// Writes into `fractions` which part of its motion, 0 to 1, each body may make: for those that are `continuous` the smallest
-/// [`time_of_impact`](super::time_of_impact) of all their `pairs`, for all others 1. Pairs that start nearer than `slack` are
-/// looked at with half of it, up to 12 times; if they are as near as that, or overlap, they stay. Place a stopped body at [`Sweep::at`] that time; the rest of its motion is
-/// lost.
+/// Writes into `fractions` which part of its motion, 0 to 1, each body may make: for those that are `continuous` and move the
+/// smallest [`time_of_impact`](super::time_of_impact) of all their `pairs`, for all others 1. Pairs that start nearer than
+/// `slack` are looked at with half of it, up to 12 times; if they are as near as that, or overlap, they stay. Place a stopped
+/// body at [`Sweep::at`] that time; the rest of its motion is lost.
 ///
 /// `sweeps` and `continuous` have an entry for each of `bodies`; what is missing counts as not continuous. `pairs` must hold those
 /// whose bounding spheres overlap anywhere on their ways; `slack` tells how near each may come, metres. Both ends are clamped if
@@ -49,12 +50,16 @@ pub fn clamp(
 ) {
     let ClampScratch { workers, times } = scratch;
     let workers = workers.ready();
-    let is_continuous = |i: u32| continuous.get(i as usize) == Some(&true) && (i as usize) < bodies.len();
+    let asks = |i: u32| {
+        let i = i as usize;
+        let moves = |sweep: &Sweep| sweep.travel != DVec3::ZERO || sweep.turn != DVec3::ZERO;
+        continuous.get(i) == Some(&true) && i < bodies.len() && sweeps.get(i).is_some_and(moves)
+    };
     pairs
         .par_iter()
         .map(|&pair| {
             let [a, b] = pair.map(|i| sweeps.get(i as usize));
-            let (Some(a), Some(b), true) = (a, b, pair.into_iter().any(is_continuous)) else {
+            let (Some(a), Some(b), true) = (a, b, pair.into_iter().any(asks)) else {
                 return f32::INFINITY;
             };
             let mut scratch = workers.lock();
@@ -73,7 +78,7 @@ pub fn clamp(
     fractions.clear();
     fractions.resize(bodies.len(), 1.0);
     for (pair, &time) in pairs.iter().zip(&*times) {
-        for i in pair.iter().filter(|i| time < 1.0 && is_continuous(**i)) {
+        for i in pair.iter().filter(|i| time < 1.0 && asks(**i)) {
             let fraction = &mut fractions[*i as usize];
             *fraction = fraction.min(time);
         }
