@@ -5,6 +5,7 @@
 
 use crate::scene::{Scene, Shape};
 use crate::{avian, ours, rapier};
+use bevy_faceoff::settings::Response;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -29,8 +30,10 @@ pub trait Engine {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// bevy_faceoff.
+    /// bevy_faceoff, with one impulse per pair.
     Ours,
+    /// bevy_faceoff, with contacts: what the others do.
+    Contacts,
     /// rapier3d.
     Rapier,
     /// avian3d.
@@ -49,7 +52,8 @@ pub struct Step {
 /// Runs an engine in this process: one step for each line of standard input, one line of JSON for each step.
 pub fn serve(kind: Kind, scene: &Scene) {
     let mut engine: Box<dyn Engine> = match kind {
-        Kind::Ours => Box::new(ours::Faceoff::new(scene)),
+        Kind::Ours => Box::new(ours::Faceoff::new(scene, Response::Impulse)),
+        Kind::Contacts => Box::new(ours::Faceoff::new(scene, Response::Contacts)),
         Kind::Rapier => Box::new(rapier::Rapier::new(scene)),
         Kind::Avian => Box::new(avian::Avian::new(scene)),
     };
@@ -154,6 +158,7 @@ impl Drop for Process {
 fn name(kind: Kind) -> &'static str {
     match kind {
         Kind::Ours => "ours",
+        Kind::Contacts => "contacts",
         Kind::Rapier => "rapier",
         Kind::Avian => "avian",
     }

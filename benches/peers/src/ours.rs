@@ -84,7 +84,7 @@ pub struct Faceoff {
 
 impl Faceoff {
     /// An app that is ready for its first step.
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene, response: Response) -> Self {
         let mut app = App::new();
         app.add_plugins((
             MinimalPlugins,
@@ -98,7 +98,8 @@ impl Faceoff {
         ))
         .insert_resource(Time::<Fixed>::from_duration(STEP))
         .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
-        .insert_resource(Gravity(Vec3::ZERO));
+        .insert_resource(Gravity(Vec3::ZERO))
+        .insert_resource(response);
         let mesh = app
             .world_mut()
             .resource_mut::<Assets<CollisionMesh>>()

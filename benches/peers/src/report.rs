@@ -255,6 +255,7 @@ impl Report {
             for run in runs {
                 let name = match run.engine {
                     Kind::Ours => "ours",
+                    Kind::Contacts => "ours, contacts",
                     Kind::Rapier => "rapier3d",
                     Kind::Avian => "avian3d",
                 };

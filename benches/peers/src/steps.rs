@@ -32,7 +32,7 @@ pub fn measure(
     limit: Duration,
 ) -> std::io::Result<Vec<Run>> {
     let mut runs = Vec::new();
-    for &engine in [Kind::Ours].iter().chain(peers) {
+    for &engine in [Kind::Ours, Kind::Contacts].iter().chain(peers) {
         let run = Run {
             engine,
             seconds: Vec::new(),
