@@ -217,6 +217,7 @@ fn touching(sim: &mut Sim, bodies: &[Entity], steps: usize) -> Vec<Vec<[usize; 2
 
 fn same_collisions(_: &Gpu) {
     let mut cpu = Sim::new();
+    cpu.world().insert_resource(Response::Impulse);
     let bodies = crowd(&mut cpu);
     let on_cpu = touching(&mut cpu, &bodies, 8);
     assert!(on_cpu.iter().all(|pairs| !pairs.is_empty()));
