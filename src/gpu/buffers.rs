@@ -25,6 +25,16 @@ pub struct Sizes {
     pub words: u32,
 }
 
+/// Room for at least so many things: as it is, or with some to spare where it does not suffice, so that growing lists are made
+/// anew a few times and not every step.
+pub(crate) fn grow(has: u32, needs: u32) -> u32 {
+    if needs > has {
+        needs.saturating_add(needs / 4).saturating_add(64)
+    } else {
+        has
+    }
+}
+
 /// A list that the device cannot hold.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the list of {what} takes {bytes} bytes, and the device binds at most {limit}")]
@@ -38,16 +48,8 @@ pub struct TooLarge {
 }
 
 impl Sizes {
-    /// At least `needed` of each, with room to spare where these sizes do not suffice, so that growing lists are made anew
-    /// a few times and not every step.
+    /// At least `needed` of each, with room to spare where these sizes do not suffice.
     pub fn grown(self, needed: Self) -> Self {
-        let grow = |has: u32, needs: u32| {
-            if needs > has {
-                needs.saturating_add(needs / 4).saturating_add(64)
-            } else {
-                has
-            }
-        };
         Self {
             bodies: grow(self.bodies, needed.bodies),
             planes: grow(self.planes, needed.planes),

@@ -1,13 +1,13 @@
 //! Every buffer of contact generation, and how large it is.
 
-use crate::gpu::buffers::TooLarge;
+use crate::gpu::buffers::{TooLarge, check, grow, make};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{
     CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint,
     ContactSetting, FEATURES, Feature, MarginPair, NEAR_TRIANGLES, Patch, SEGMENTS, STAGED_POINTS, Segment,
 };
 use crate::gpu::scan;
-use wgpu::{Buffer, BufferDescriptor, BufferUsages};
+use wgpu::{Buffer, BufferUsages};
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,13 +33,6 @@ pub struct ContactSizes {
 impl ContactSizes {
     /// At least `needed` of each, with room to spare where these sizes do not suffice.
     pub fn grown(self, needed: Self) -> Self {
-        let grow = |has: u32, needs: u32| {
-            if needs > has {
-                needs.saturating_add(needs / 4).saturating_add(64)
-            } else {
-                has
-            }
-        };
         Self {
             margin_pairs: grow(self.margin_pairs, needed.margin_pairs),
             slots: grow(self.slots, needed.slots),
@@ -150,23 +143,4 @@ buffers! {
     contact_pairs: "contact pairs", ContactPair, NONE, |s| s.pairs;
     /// Result.
     contact_points: "contact points", ContactPoint, NONE, |s| s.points;
-}
-
-/// The size of a buffer that the device can bind, at least one element of any kind.
-fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
-    let limits = gpu.device.limits();
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    if bytes > limit {
-        return Err(TooLarge { what, bytes, limit });
-    }
-    Ok(bytes.max(256))
-}
-
-fn make(gpu: &Gpu, what: &str, size: u64, usage: BufferUsages) -> Buffer {
-    gpu.device.create_buffer(&BufferDescriptor {
-        label: Some(what),
-        size,
-        usage: usage | BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    })
 }

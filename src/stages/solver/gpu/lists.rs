@@ -1,7 +1,7 @@
 //! The solver's buffers: what it works on by itself, and what others hand to it.
 
 use super::layout::*;
-use crate::gpu::buffers::{TooLarge, check, make};
+use crate::gpu::buffers::{TooLarge, check, grow, make};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::Impulse;
 use crate::gpu::{radix_sort, scan};
@@ -21,13 +21,6 @@ pub struct Room {
 impl Room {
     /// At least `needed` of each, with some to spare where this does not suffice.
     pub fn grown(self, needed: Self) -> Self {
-        let grow = |has: u32, needs: u32| {
-            if needs > has {
-                needs.saturating_add(needs / 4).saturating_add(64)
-            } else {
-                has
-            }
-        };
         Self {
             bodies: grow(self.bodies, needed.bodies),
             pairs: grow(self.pairs, needed.pairs),
