@@ -2,6 +2,7 @@
 // thread a pair.
 #import faceoff::arena::{meshes, words, support}
 #import faceoff::dispatch::group_index
+#import faceoff::margins::margin_of
 #import faceoff::math::{angle_of, compose, conjugate, direction, matrix, norm1, rotate}
 #import faceoff::types as t
 
@@ -9,6 +10,7 @@
 @group(0) @binding(3) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(4) var<storage, read> sphere_pairs: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read_write> near_pairs: array<t::NearPair>;
+@group(0) @binding(6) var<uniform> step: t::Step;
 
 // Axes tried, as on the CPU.
 const AXES: u32 = 8u;
@@ -25,7 +27,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let pair = near(sphere_pairs[i]);
     near_pairs[i] = pair;
-    if pair.near != 0u && (pair.view_a != t::VIEW_ALL || pair.view_b != t::VIEW_ALL) {
+    if pair.near != t::FAR && (pair.view_a != t::VIEW_ALL || pair.view_b != t::VIEW_ALL) {
         atomicAdd(&counters[t::APPROXIMATE], 1u);
     }
 }
@@ -53,11 +55,12 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let apart = rotate(back, ((b.position - a.position) + (arm_b - arm_a)) * unit);
     let error = ERROR + 1.0e-6 * unit * (norm1(arm_a) + norm1(arm_b));
     let pad = 2.0 * error;
+    let margin = unit * margin_of(step, a, b);
 
     var best: t::NearPair;
     best.a = bodies_of_pair.x;
     best.b = bodies_of_pair.y;
-    best.near = 1u;
+    best.near = t::OVERLAPPING;
     best.unit = unit;
     best.x = rotation[0];
     best.y = rotation[1];
@@ -85,8 +88,11 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
         let b_above = dot(pb, u);
         let overlap = a_below - b_above;
         if overlap < -2.0 * pad {
-            best.near = 0u;
-            return best;
+            best.near = t::NEAR;
+            if overlap < -2.0 * pad - margin {
+                best.near = t::FAR;
+                return best;
+            }
         }
         if overlap < best_overlap {
             best_overlap = overlap;

@@ -1,6 +1,7 @@
 // BroadPhase, before all else: where each body is as the step begins. Bodies may go on from where the last step left them,
 // which the host need not know yet.
 #import faceoff::dispatch::group_index
+#import faceoff::margins::with_reach
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -28,4 +29,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     // The sphere grows by what rounding its centre costs, four units in the last place.
     let place = abs(bodies[i].position);
     bodies[i].radius += 4.8e-7 * max(place.x, max(place.y, place.z));
+    bodies[i] = with_reach(step, bodies[i]);
 }

@@ -1,5 +1,5 @@
 // Solver, sleep: bodies that move wake those that they will have reached at the end of the interval; kinematic ones keep
-// those awake that they touch.
+// those awake that they touch. A ground that is not as it was wakes those on it.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{bodies, constants, contact_pairs, contact_points, counters, interval, states}
@@ -48,11 +48,11 @@ fn velocity_at(i: u32, arm: vec3<f32>) -> vec3<f32> {
 // Whether a body moves and nothing stops it from waking others.
 fn visits(i: u32) -> bool {
     let kind = bodies[i].flags & t::KIND_MASK;
+    if kind == t::STATIC {
+        return constants.x == s::WAKE && states[i].asleep == s::CHANGED;
+    }
     if l::speed_of(i) == 0.0 {
         return false;
     }
-    if constants.x == s::WAKE {
-        return kind != t::STATIC && states[i].asleep == 0u;
-    }
-    return kind == t::KINEMATIC;
+    return select(kind == t::KINEMATIC, states[i].asleep == 0u, constants.x == s::WAKE);
 }

@@ -65,7 +65,7 @@ const ENDLESS: f32 = 1.0e29;
 // coarse one is too coarse for.
 struct BodyState {
     center: vec3<f32>,
-    // Not 0: frozen.
+    // Not 0: frozen. Of a static body: `CHANGED`, until others have woken from it.
     asleep: u32,
     center_low: vec3<f32>,
     // For how long it has been slow, seconds.
@@ -79,6 +79,9 @@ struct BodyState {
     // A hash of what tells it from other bodies.
     key: u32,
 }
+
+// A static body is not where it was in the step before, or not as it was.
+const CHANGED: u32 = 2u;
 
 // What acts on a body from outside.
 struct BodyForces {

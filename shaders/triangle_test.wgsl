@@ -54,7 +54,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let near = near_pairs[index];
-    if near.near == 0u {
+    if near.near != t::OVERLAPPING {
         if thread == 0u {
             results[index].touching = 0u;
         }

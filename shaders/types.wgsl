@@ -16,7 +16,13 @@ struct Step {
     pair_capacity: u32,
     hit_capacity: u32,
     plane_contact_capacity: u32,
-    padding: u32,
+    touch_capacity: u32,
+    // How near bodies must come for contact points to be found, as a part of the smaller diameter; 0 if none are wanted.
+    contact_margin: f32,
+    // Bodies look as far as they move in this many seconds.
+    look_ahead: f32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // A body's input and state. A slot without a body has a radius of zero.
@@ -45,12 +51,24 @@ struct Body {
     // Which body of the step before this is, and what of its state comes from there; see the constants.
     source: u32,
     carried: u32,
+    // Of the sphere in which it looks for others; follows from the next, the radius and the margin.
+    reach: f32,
+    // How far a point of it may move until it is looked at again, metres.
+    travel: f32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // The pose is that of `moved[source]`; without it that which the host wrote.
 const CARRIED_POSE: u32 = 1u;
 // The velocities are those of `moved[source]`, and what the host wrote is added to them.
 const CARRIED_VELOCITY: u32 = 2u;
+// It was there in that step: if the host wrote the pose of `moved[source]`, it is where it was.
+const CONTINUES: u32 = 4u;
+// If it is where it was it goes on sleeping, or is a ground on which others sleep.
+const CARRIED_SLEEP: u32 = 8u;
+// It is to be awake.
+const WOKEN: u32 = 16u;
 
 const KIND_MASK: u32 = 3u;
 const DYNAMIC: u32 = 0u;
@@ -116,6 +134,7 @@ const OPEN: u32 = 6u;
 // A body in the order of grid buckets.
 struct GridEntry {
     center: vec3<f32>,
+    // How far it looks.
     radius: f32,
     body: u32,
     level: i32,
@@ -128,7 +147,7 @@ struct GridEntry {
 struct NearPair {
     a: u32,
     b: u32,
-    // 0: a support plane separates the two.
+    // `FAR`, `NEAR` or `OVERLAPPING`.
     near: u32,
     unit: f32,
     // The columns of the rotation that turns b's axes into a's.
@@ -148,6 +167,13 @@ struct NearPair {
     axis: vec3<f32>,
     view_b: u32,
 }
+
+// A support plane separates the two by more than the margin.
+const FAR: u32 = 0u;
+// Less than the margin separates them.
+const NEAR: u32 = 1u;
+// No support plane was found that separates them.
+const OVERLAPPING: u32 = 2u;
 
 const VIEW_ALL: u32 = 0u;
 const VIEW_ALONG: u32 = 1u;
@@ -227,12 +253,13 @@ struct BodyContacts {
 // Where a body is after the step. It stays here until the next one moves it.
 struct Moved {
     position: vec3<f32>,
-    padding_a: u32,
+    // Not 0: frozen.
+    asleep: u32,
     rotation: vec4<f32>,
     linear_velocity: vec3<f32>,
-    padding_b: u32,
+    padding_a: u32,
     angular_velocity: vec3<f32>,
-    padding_c: u32,
+    padding_b: u32,
 }
 
 // A change of velocity.
@@ -256,6 +283,7 @@ const ENTRIES: u32 = 9u;
 const SKIPPED: u32 = 10u; // not 0: bodies were not moved, since a list was too small
 const PAIRS: u32 = 11u; // sphere pairs in the list: all, or none if they do not fit
 const CUT_SHORT: u32 = 12u; // not 0: the device left a loop before its end
+const SELECTED: u32 = 13u; // pairs whose contact points are wanted
 const COUNTERS: u32 = 16u;
 
 // Slots of the arguments of indirect dispatches: a workgroup for 64 pairs, for each pair, for each block of a sort of
@@ -423,6 +451,31 @@ struct ContactPair {
 }
 
 const FLAT_ROUNDNESS: f32 = 1.0e30;
+
+// Two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
+struct Touch {
+    // The nearest point, in the world.
+    point: vec3<f32>,
+    a: u32,
+    // Unit vector from a to b.
+    normal: vec3<f32>,
+    // Half-spaces have the numbers after those of the bodies.
+    b: u32,
+    separation: f32,
+    // Along the normals of all points, newton seconds.
+    impulse: f32,
+    // In which of the step's intervals.
+    interval: u32,
+    padding: u32,
+}
+
+// Indices into `tally`, which counts over all intervals of a step. The first are the largest that the counters of contact
+// generation came to, under the same indices.
+const INTERVALS: u32 = 16u; // so far
+const TOUCHES: u32 = 17u; // as many as there are, even if the list holds fewer
+const TOUCHING_NOW: u32 = 18u; // of two meshes, in the last interval
+const FASTEST: u32 = 19u; // the bits of the largest speed of any point of a body after the step, m/s
+const TALLIES: u32 = 32u;
 
 // How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
 const DEEP: f32 = 0.04;

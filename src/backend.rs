@@ -270,7 +270,7 @@ impl Engine {
     /// Whether steps run on the CPU from now on, although there may be a device, and whether that is new.
     pub fn keep_on_cpu(&mut self, on_cpu: bool) -> bool {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
-            info_once!("Response::Contacts runs on the CPU: the GPU's step has the other responses");
+            info_once!("there are bodies with ContinuousCollision, and steps run on the CPU: a GPU does not stop fast bodies");
         }
         std::mem::replace(&mut self.on_cpu, on_cpu) != on_cpu
     }

@@ -1,6 +1,6 @@
 //! The state of a simulation, to go back to.
 
-use crate::components::{AngularVelocity, LinearVelocity, MeshCollider};
+use crate::components::{AngularVelocity, LinearVelocity, MeshCollider, Sleeping};
 use crate::stages::manifolds::Manifolds;
 use crate::stages::solver::step::Memory;
 use crate::stages::state::Motion;
@@ -20,6 +20,8 @@ pub struct Snapshot {
     /// What the solver keeps from step to step.
     memory: Memory,
     manifolds: Manifolds,
+    /// Those that slept, ascending.
+    asleep: Vec<Entity>,
 }
 
 impl Snapshot {
@@ -48,12 +50,19 @@ impl Snapshot {
             return Self::default();
         };
         step.catch_up(&mut bodies);
-        Self {
+        let snapshot = Self {
             bodies,
             touching: step.touching.clone(),
             memory: step.state.dynamics.memory.clone(),
             manifolds: step.state.manifolds.clone(),
-        }
+            asleep: Vec::new(),
+        };
+        let mut sleepers = world.query::<(Entity, &Sleeping)>();
+        let mut asleep: Vec<_> = (sleepers.iter(world))
+            .filter_map(|(entity, sleeping)| sleeping.0.then_some(entity))
+            .collect();
+        asleep.sort_unstable();
+        Self { asleep, ..snapshot }
     }
 
     /// Puts all bodies where they were. What is on its way of later steps is dropped. Bodies that were spawned since stay
@@ -73,6 +82,10 @@ impl Snapshot {
             }
             if let Some(mut angular) = body.get_mut::<AngularVelocity>() {
                 angular.0 = motion.angular_velocity;
+            }
+            if let Some(mut sleeping) = body.get_mut::<Sleeping>() {
+                // One that says otherwise than the memory is taken as woken.
+                sleeping.0 = self.asleep.binary_search(&entity).is_ok();
             }
         }
         if let Some(mut step) = world.get_resource_mut::<Step>() {

@@ -2,7 +2,8 @@
 
 use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, MAX_ROW, MODULES, composer, read, uniform, write};
 use bevy_faceoff::gpu::layout::{self, Struct};
-use bevy_faceoff::gpu::{mesh_features, radix_sort, scan, step};
+use bevy_faceoff::gpu::step::kernels;
+use bevy_faceoff::gpu::{mesh_features, radix_sort, scan};
 use bevy_faceoff::stages::manifolds;
 use bevy_faceoff::stages::solver::gpu as solver;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
@@ -17,11 +18,6 @@ const MOST_STORAGE: usize = 8;
 
 /// Bytes of workgroup memory that every device has.
 const MOST_WORKGROUP: u32 = 16 << 10;
-
-/// Every kernel there is: those of the step, and those that it does not run yet.
-fn kernels() -> impl Iterator<Item = &'static Kernel> {
-    step::kernels().chain(manifolds::gpu::KERNELS).chain(solver::KERNELS)
-}
 
 /// Every struct that passes between host and kernels.
 fn structs() -> impl Iterator<Item = &'static Struct> {

@@ -127,6 +127,7 @@ const NONE: BufferUsages = BufferUsages::empty();
 buffers! {
     step: "step", Step, BufferUsages::UNIFORM, |_s| 1u32;
     bodies: "bodies", Body, NONE, |s| s.bodies;
+    before: "bodies before the step", Body, NONE, |s| s.bodies;
     planes: "half-spaces", Plane, NONE, |s| s.planes;
     meshes: "meshes", Mesh, NONE, |s| s.meshes;
     words: "mesh data", u32, NONE, |s| s.words;

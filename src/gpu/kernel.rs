@@ -89,6 +89,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("scan.wgsl", include_str!("../../shaders/scan.wgsl")),
     ("grid.wgsl", include_str!("../../shaders/grid.wgsl")),
     ("arena.wgsl", include_str!("../../shaders/arena.wgsl")),
+    ("margins.wgsl", include_str!("../../shaders/margins.wgsl")),
     ("tree.wgsl", include_str!("../../shaders/tree.wgsl")),
     ("containment.wgsl", include_str!("../../shaders/containment.wgsl")),
     ("triangles.wgsl", include_str!("../../shaders/triangles.wgsl")),
@@ -103,6 +104,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("solver_mover.wgsl", include_str!("../../shaders/solver_mover.wgsl")),
     ("solver_overlap.wgsl", include_str!("../../shaders/solver_overlap.wgsl")),
     ("solver_contact.wgsl", include_str!("../../shaders/solver_contact.wgsl")),
+    ("placed.wgsl", include_str!("../../shaders/placed.wgsl")),
     ("solver_islands.wgsl", include_str!("../../shaders/solver_islands.wgsl")),
 ];
 
@@ -214,10 +216,23 @@ impl Kernels {
     /// # Errors
     /// The compiler's message.
     pub fn new<'k>(gpu: &Gpu, kernels: impl IntoIterator<Item = &'k Kernel>) -> Result<Self, String> {
+        let mut compiled = Self {
+            compiled: HashMap::new(),
+        };
+        compiled.add(gpu, kernels)?;
+        Ok(compiled)
+    }
+
+    /// Compiles some more.
+    ///
+    /// # Errors
+    /// The compiler's message.
+    pub fn add<'k>(&mut self, gpu: &Gpu, kernels: impl IntoIterator<Item = &'k Kernel>) -> Result<(), String> {
         let mut composer = composer().map_err(|e| e.to_string())?;
-        let compile = |kernel: &Kernel| Ok((kernel.name, kernel.compile(gpu, &mut composer)?));
-        let compiled = kernels.into_iter().map(compile).collect::<Result<_, String>>()?;
-        Ok(Self { compiled })
+        for kernel in kernels {
+            self.compiled.insert(kernel.name, kernel.compile(gpu, &mut composer)?);
+        }
+        Ok(())
     }
 }
 

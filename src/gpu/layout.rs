@@ -44,7 +44,8 @@ layout! {
     Step {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
-        pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, padding: u32,
+        pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
+        contact_margin: f32, look_ahead: f32, padding_a: u32, padding_b: u32,
     }
     /// A body's input and state.
     Body {
@@ -56,6 +57,7 @@ layout! {
         inverse_inertia: Vec3, gravity_scale: f32,
         inverse_inertia_mixed: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
+        reach: f32, travel: f32, padding_a: u32, padding_b: u32,
     }
     /// A half-space.
     Plane {
@@ -117,10 +119,10 @@ layout! {
     }
     /// Where a body is after the step.
     Moved {
-        position: Vec3, padding_a: u32,
+        position: Vec3, asleep: u32,
         rotation: [f32; 4],
-        linear_velocity: Vec3, padding_b: u32,
-        angular_velocity: Vec3, padding_c: u32,
+        linear_velocity: Vec3, padding_a: u32,
+        angular_velocity: Vec3, padding_b: u32,
     }
     /// A change of velocity.
     Impulse {
@@ -186,6 +188,12 @@ layout! {
     ContactPair {
         a: u32, b: u32, first_point: u32, point_count: u32,
     }
+    /// Two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
+    Touch {
+        point: Vec3, a: u32,
+        normal: Vec3, b: u32,
+        separation: f32, impulse: f32, interval: u32, padding: u32,
+    }
 }
 
 macro_rules! constants {
@@ -210,6 +218,13 @@ constants! {
 
     CARRIED_POSE = 1;
     CARRIED_VELOCITY = 2;
+    CONTINUES = 4;
+    CARRIED_SLEEP = 8;
+    WOKEN = 16;
+
+    FAR = 0;
+    NEAR = 1;
+    OVERLAPPING = 2;
 
     CLOSED = 1;
     OUTWARD = 0;
@@ -229,6 +244,7 @@ constants! {
     SKIPPED = 10;
     PAIRS = 11;
     CUT_SHORT = 12;
+    SELECTED = 13;
     COUNTERS = 16;
 
     GROUPS_PER_64_PAIRS = 0;
@@ -255,4 +271,10 @@ constants! {
     GROUPS_PER_64_MARGIN_PAIRS = 1;
     GROUPS_PER_64_SLOTS = 2;
     GROUPS_PER_SLOT_BLOCK = 3;
+
+    INTERVALS = 16;
+    TOUCHES = 17;
+    TOUCHING_NOW = 18;
+    FASTEST = 19;
+    TALLIES = 32;
 }

@@ -10,6 +10,7 @@
 
 pub mod arena;
 pub mod buffers;
+pub mod contacts;
 pub mod device;
 mod flight;
 pub mod kernel;

@@ -1,13 +1,18 @@
 //! What a step found, brought back into the host's arrays, in an order that does not depend on which workgroup was first.
 
 use super::buffers::{Buffers, Sizes};
+use super::contacts::Contacts as ContactStep;
 use super::layout::{
-    APPROXIMATE, COUNTERS, HITS, Hit, Moved, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TOUCHING,
-    TRIANGLE_TESTS, Touching,
+    APPROXIMATE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, FASTEST, HITS, Hit, Moved,
+    PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch,
+    Touching,
 };
 use super::timer::{self, Timer};
 use super::upload::Input;
+use crate::settings::Response;
 use crate::stages::Stage;
+use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
+use crate::stages::solver::touches::Touches;
 use crate::stages::state::{self, Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
 use bytemuck::Pod;
 use glam::{Quat, Vec3};
@@ -34,6 +39,14 @@ pub struct Output {
     pub sphere_pairs: Vec<[u32; 2]>,
     /// What touches; empty but for the number of tests with [`Detail::Counts`].
     pub contacts: Contacts,
+    /// Where bodies push each other, with [`Response::None`] and [`Response::Contacts`]; empty with [`Detail::Counts`].
+    pub manifolds: Manifolds,
+    /// Of each body whether it sleeps; empty with [`Detail::Counts`].
+    pub asleep: Vec<bool>,
+    /// Into how many detection intervals the step was cut.
+    pub intervals: u32,
+    /// How fast any point of a body moves after the step, m/s, with [`Response::Contacts`].
+    pub fastest: f32,
     /// How many there are.
     pub counts: Counts,
     /// How long each stage took on the device; zero where it cannot tell.
@@ -49,13 +62,18 @@ pub(super) struct Parts {
     touching: Range<u64>,
     hits: Range<u64>,
     planes: Range<u64>,
+    tally: Range<u64>,
+    found: Range<u64>,
+    contact_pairs: Range<u64>,
+    contact_points: Range<u64>,
+    touches: Range<u64>,
     /// Bytes of all.
     pub total: u64,
 }
 
 impl Parts {
     /// Room for as much as the lists hold: how much there will be is not known when the copy is recorded.
-    pub fn new(sizes: &Sizes, bodies: u32, detail: Detail) -> Self {
+    pub fn new(sizes: &Sizes, contacts: Option<&ContactStep>, input: &Input, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
@@ -64,13 +82,20 @@ impl Parts {
             start..total
         };
         let counters = part(COUNTERS, 4);
-        let times = part(timer::BYTES as u32, 1);
+        let times = part(timer::BYTES * input.intervals(), 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
-        let moved = part(lists(bodies), size_of::<Moved>());
+        let moved = part(lists(input.len()), size_of::<Moved>());
         let sphere_pairs = part(lists(sizes.pairs), 8);
         let touching = part(lists(sizes.pairs), size_of::<Touching>());
         let hits = part(lists(sizes.hits), size_of::<Hit>());
         let planes = part(lists(sizes.plane_contacts), size_of::<PlaneContact>());
+        let room = contacts.map(|contacts| contacts.room);
+        let [pairs, points, touched] = room.map_or([0; 3], |room| [room.contacts.pairs, room.contacts.points, room.touches]);
+        let tally = part(if room.is_some() { TALLIES } else { 0 }, 4);
+        let found = part(if room.is_some() { CONTACT_COUNTERS } else { 0 }, 4);
+        let contact_pairs = part(lists(pairs), size_of::<ContactPair>());
+        let contact_points = part(lists(points), size_of::<ContactPoint>());
+        let touches = part(lists(touched), size_of::<Touch>());
         Self {
             counters,
             times,
@@ -79,12 +104,24 @@ impl Parts {
             touching,
             hits,
             planes,
+            tally,
+            found,
+            contact_pairs,
+            contact_points,
+            touches,
             total,
         }
     }
 
     /// To be recorded after the stages.
-    pub fn copy(&self, buffers: &Buffers, timer: Option<&Timer>, encoder: &mut CommandEncoder, to: &Buffer) {
+    pub fn copy(
+        &self,
+        buffers: &Buffers,
+        contacts: Option<&ContactStep>,
+        timer: Option<&Timer>,
+        encoder: &mut CommandEncoder,
+        to: &Buffer,
+    ) {
         let times = timer.map(|timer| (timer.resolved(), &self.times));
         let lists = [
             (&buffers.counters, &self.counters),
@@ -94,7 +131,16 @@ impl Parts {
             (&buffers.hits, &self.hits),
             (&buffers.plane_contacts, &self.planes),
         ];
-        for (from, range) in lists.into_iter().chain(times) {
+        let found = contacts.map(|contacts| {
+            [
+                (&contacts.lists.tally, &self.tally),
+                (&contacts.contacts.counters, &self.found),
+                (&contacts.contacts.contact_pairs, &self.contact_pairs),
+                (&contacts.contacts.contact_points, &self.contact_points),
+                (&contacts.lists.touches, &self.touches),
+            ]
+        });
+        for (from, range) in lists.into_iter().chain(found.into_iter().flatten()).chain(times) {
             if !range.is_empty() {
                 encoder.copy_buffer_to_buffer(from, 0, to, range.start, range.end - range.start);
             }
@@ -113,8 +159,19 @@ impl Parts {
                 counters[counter as usize] as usize
             }
         };
+        let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
+        tally.resize(TALLIES as usize, 0);
+        // Of the last interval.
+        let mut found: Vec<u32> = list(bytes, &self.found, CONTACT_COUNTERS as usize);
+        found.resize(CONTACT_COUNTERS as usize, 0);
+        let all = |many: u32| if skipped { 0 } else { many as usize };
         Raw {
-            stamps: list(bytes, &self.times, timer::COUNT as usize),
+            contact_pairs: list(bytes, &self.contact_pairs, all(found[CONTACT_PAIRS as usize])),
+            contact_points: list(bytes, &self.contact_points, all(found[CONTACT_POINTS as usize])),
+            touches: list(bytes, &self.touches, all(tally[TOUCHES as usize])),
+            found: found[CONTACT_POINTS as usize] as usize,
+            tally,
+            stamps: list(bytes, &self.times, usize::MAX),
             moved: list(bytes, &self.moved, usize::MAX),
             sphere_pairs: list(bytes, &self.sphere_pairs, count(SPHERE_PAIRS)),
             touching: list(bytes, &self.touching, count(TOUCHING)),
@@ -129,6 +186,13 @@ impl Parts {
 pub(super) struct Raw {
     /// The counters.
     pub counters: Vec<u32>,
+    /// What counts over all intervals.
+    pub tally: Vec<u32>,
+    /// Contact points of the last one.
+    found: usize,
+    contact_pairs: Vec<ContactPair>,
+    contact_points: Vec<ContactPoint>,
+    touches: Vec<Touch>,
     stamps: Vec<u64>,
     moved: Vec<Moved>,
     sphere_pairs: Vec<[u32; 2]>,
@@ -148,8 +212,11 @@ impl Raw {
                 touching_pairs: count(TOUCHING),
                 triangle_tests: count(TRIANGLE_TESTS) as u64,
                 face_pairs: count(HITS),
+                contact_points: self.found,
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
+            intervals: input.intervals(),
+            fastest: f32::from_bits(self.tally[FASTEST as usize]),
             ..Default::default()
         };
         output.contacts.triangle_tests = output.counts.triangle_tests;
@@ -158,6 +225,21 @@ impl Raw {
         put_contacts(&mut output.contacts, input, self.touching, &self.hits);
         put_planes(&mut output.contacts, self.planes);
         output.motions = self.moved.iter().map(Motion::from).collect();
+        output.asleep = self.moved.iter().map(|moved| moved.asleep != 0).collect();
+        output.manifolds = Manifolds {
+            pairs: self.contact_pairs.iter().map(Manifold::from).collect(),
+            points: self.contact_points.iter().map(ManifoldPoint::from).collect(),
+        };
+        if input.response == Response::Contacts {
+            if output.motions.is_empty() {
+                // Nobody asked who touched whom.
+                let now = self.tally[TOUCHING_NOW as usize] as usize;
+                output.counts.touching_pairs = output.counts.touching_pairs.max(now);
+            } else {
+                Touches::from_device(self.touches).tell(input.len(), &mut output.contacts);
+                output.counts.touching_pairs = output.contacts.pairs.len();
+            }
+        }
         output
     }
 }
@@ -176,6 +258,9 @@ impl Output {
         state.near_pairs.clear();
         state.approximate_pairs = self.counts.approximate_pairs;
         state.contacts = self.contacts;
+        state.manifolds = self.manifolds;
+        state.asleep = self.asleep;
+        state.intervals = self.intervals;
         state.times = self.times;
         self.motions
     }

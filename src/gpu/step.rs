@@ -6,15 +6,21 @@
 
 use super::arena::{Arena, Change};
 use super::buffers::{Buffers, Sizes, TooLarge};
+use super::contacts::input::SolverInput;
+use super::contacts::lineage::Lineage;
+use super::contacts::lists::StepRoom;
+use super::contacts::{self, Contacts};
 use super::device::{Gpu, NoGpu};
 use super::flight::Flight;
 use super::kernel::{Builder, Kernel, Kernels, Program};
-use super::layout::{self, CUT_SHORT, HITS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS};
+use super::layout::{self, CONTACTS_CUT_SHORT, CUT_SHORT, HITS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES};
 use super::readback::{read_words, scoped, staging};
 use super::results::{Detail, Output, Parts};
 use super::timer::Timer;
 use super::upload::{Carried, Input};
 use super::{radix_sort, scan};
+use crate::settings::Response;
+use crate::stages::manifolds::gpu::ContactSizes;
 use crate::stages::state::{Motion, StepState};
 use crate::stages::{Stage, angles, broad_phase, force_scan, integrate, triangle_test};
 use std::collections::VecDeque;
@@ -37,6 +43,11 @@ pub enum StepError {
 
 /// Every kernel there is.
 pub fn kernels() -> impl Iterator<Item = &'static Kernel> {
+    own_kernels().chain(contacts::all_kernels())
+}
+
+/// Those of a step without contact points.
+fn own_kernels() -> impl Iterator<Item = &'static Kernel> {
     (scan::KERNELS.into_iter())
         .chain(radix_sort::KERNELS)
         .chain(broad_phase::gpu::KERNELS)
@@ -46,13 +57,19 @@ pub fn kernels() -> impl Iterator<Item = &'static Kernel> {
         .chain(integrate::gpu::KERNELS)
 }
 
-/// The five stages on a device.
+/// The stages on a device.
 pub struct GpuStep {
     gpu: Gpu,
     kernels: Kernels,
     arena: Arena,
     buffers: Buffers,
     program: Program,
+    /// What finds contact points and moves bodies by them, once somebody has asked for it.
+    contacts: Option<Contacts>,
+    /// Which body was which in the last step, if it had contacts.
+    lineage: Lineage,
+    /// How fast anything moved after the last step whose results were taken, m/s.
+    fastest: f32,
     timer: Option<Timer>,
     /// Submitted, oldest first.
     flights: VecDeque<Flight>,
@@ -94,7 +111,7 @@ impl GpuStep {
     /// If the device cannot run the stages.
     pub fn with_room(gpu: Gpu, sizes: Sizes) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
-            let kernels = Kernels::new(&gpu, kernels())?;
+            let kernels = Kernels::new(&gpu, own_kernels())?;
             let buffers = Buffers::new(&gpu, sizes).map_err(|error| error.to_string())?;
             let program = program(&gpu, &kernels, &buffers);
             let timer = Timer::new(&gpu);
@@ -107,6 +124,9 @@ impl GpuStep {
                 arena: Arena::default(),
                 buffers,
                 program,
+                contacts: None,
+                lineage: Lineage::default(),
+                fastest: 0.0,
                 timer,
                 flights: VecDeque::new(),
                 landed: VecDeque::new(),
@@ -133,20 +153,28 @@ impl GpuStep {
 
     /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
-        self.buffers.bytes()
+        self.buffers.bytes() + self.contacts.as_ref().map_or(0, Contacts::bytes)
     }
 
-    /// Dispatches of each stage, in order.
+    /// Dispatches of each stage, in order; of a step with contacts those of one interval, once there was one.
     pub fn dispatches(&self) -> [usize; Stage::COUNT] {
-        Stage::ALL.map(|stage| self.program.len(stage))
+        match &self.contacts {
+            Some(contacts) => contacts.dispatches(),
+            None => Stage::ALL.map(|stage| self.program.len(stage)),
+        }
     }
 
-    /// Runs all five stages on `state` and waits for the results. Steps in flight are given up.
+    /// Runs all stages on `state` and waits for the results. Steps in flight are given up.
+    ///
+    /// With [`Response::Contacts`] bodies of the same keys, or numbers, go on sleeping and pushing each other as they did in the
+    /// step before: call [`GpuStep::forget`] before that of another world.
     ///
     /// # Errors
     /// If the device cannot hold the lists, or fails. `state` is then as it was.
     pub fn run(&mut self, state: &mut StepState) -> Result<(), StepError> {
-        self.forget();
+        if self.in_flight() > 0 {
+            self.forget();
+        }
         self.submit(state, &[], Detail::All)?;
         if let Some(output) = self.take() {
             output?.put(state);
@@ -182,15 +210,15 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot hold the lists, or fails: all steps in flight are given up then.
     pub fn take(&mut self) -> Option<Result<Output, StepError>> {
-        if let Some(output) = self.landed.pop_front() {
-            return Some(Ok(output));
-        }
-        if self.flights.is_empty() {
-            return None;
-        }
-        let result = self.land();
-        if result.is_err() {
-            self.fail();
+        let result = match self.landed.pop_front() {
+            Some(output) => Ok(output),
+            None if self.flights.is_empty() => return None,
+            None => self.land(),
+        };
+        match &result {
+            // Now and not when it landed, which depends on how fast the device is.
+            Ok(output) => self.fastest = output.fastest,
+            Err(_) => self.fail(),
         }
         Some(result)
     }
@@ -199,6 +227,7 @@ impl GpuStep {
     pub fn forget(&mut self) {
         self.flights.clear();
         self.landed.clear();
+        self.lineage.forget();
     }
 
     fn fail(&mut self) {
@@ -225,7 +254,11 @@ impl GpuStep {
     /// The poses on the device, to draw from.
     pub fn poses(&self) -> Poses<'_> {
         Poses {
-            previous: &self.buffers.bodies,
+            previous: if self.lineage.is_empty() {
+                &self.buffers.bodies
+            } else {
+                &self.buffers.before
+            },
             current: &self.buffers.moved,
             bodies: self.bodies,
         }
@@ -237,7 +270,18 @@ impl GpuStep {
         carried: &[Option<Carried>],
         detail: Detail,
     ) -> Result<(), StepError> {
-        let input = Input::new(state, carried);
+        if state.config.response != Response::Impulse {
+            self.want_contacts()?;
+        }
+        let mut input = Input::new(state, carried);
+        if state.config.response == Response::Contacts {
+            let descent = self.lineage.follow(state);
+            // What may fall on while the results come.
+            let later = self.in_flight() as f32 * state.config.dt * state.config.gravity.length();
+            input = input.with_solver(SolverInput::new(state, carried, self.fastest + later, descent));
+        } else {
+            self.lineage.forget();
+        }
         let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {
             // Steps that must run again find their meshes where they were.
@@ -251,10 +295,14 @@ impl GpuStep {
             words: self.arena.words(),
             ..Sizes::default()
         };
-        if self.buffers.sizes.grown(needed) != self.buffers.sizes {
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
+            bodies: input.old_bodies(),
+            ..contacts.room
+        });
+        if self.lacks(needed, for_contacts) {
             self.settle()?;
         }
-        if !self.make_room(needed)? {
+        if !self.make_room(needed, for_contacts)? {
             self.write(changes)?;
         }
         self.bodies = input.len();
@@ -277,7 +325,7 @@ impl GpuStep {
             let results = scoped(&self.gpu, || flight.wait(&self.gpu));
             let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
             self.waits += u64::from(waited);
-            if raw.counters[CUT_SHORT as usize] != 0 {
+            if raw.counters[CUT_SHORT as usize] != 0 || raw.tally[CONTACTS_CUT_SHORT as usize] != 0 {
                 return Err(StepError::CutShort);
             }
             if raw.counters[SKIPPED as usize] == 0
@@ -286,7 +334,7 @@ impl GpuStep {
                 self.spare.push(flight.staging);
                 return Ok(raw.sort(&flight.input, self.timer.as_ref()));
             }
-            self.repeat(&raw.counters)?;
+            self.repeat(&raw.counters, &raw.tally)?;
         }
         Err(StepError::Device(
             "lists stay too short however long they are made".into(),
@@ -295,39 +343,90 @@ impl GpuStep {
 
     /// Runs all steps in flight again, with longer lists. Nothing has moved: the first one found a list too short, and
     /// that made the others do nothing.
-    fn repeat(&mut self, counters: &[u32]) -> Result<(), StepError> {
-        self.make_room(Sizes {
+    fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<(), StepError> {
+        let needed = Sizes {
             pairs: counters[SPHERE_PAIRS as usize],
             hits: counters[HITS as usize],
             plane_contacts: counters[PLANE_CONTACTS as usize],
             ..Sizes::default()
-        })?;
+        };
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
+            contacts: ContactSizes::needed(tally),
+            touches: tally[TOUCHES as usize],
+            ..contacts.room
+        });
+        self.make_room(needed, for_contacts)?;
         for flight in std::mem::take(&mut self.flights) {
             self.launch(flight.input, flight.detail)?;
         }
         Ok(())
     }
 
-    /// Makes lists longer where they do not suffice, and tells whether it did; the meshes are written anew then.
-    fn make_room(&mut self, needed: Sizes) -> Result<bool, StepError> {
-        let grown = self.buffers.sizes.grown(needed);
-        if grown == self.buffers.sizes {
+    /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
+    fn want_contacts(&mut self) -> Result<(), StepError> {
+        if self.contacts.is_some() {
+            return Ok(());
+        }
+        self.settle()?;
+        let Self {
+            gpu, kernels, buffers, ..
+        } = self;
+        let made = scoped(gpu, || {
+            kernels.add(gpu, contacts::all_kernels())?;
+            Ok::<_, String>(Contacts::new(gpu, kernels, buffers, contacts::START))
+        });
+        self.contacts = Some(made.and_then(|made| made).map_err(StepError::Device)??);
+        self.arena = Arena::with_features();
+        Ok(())
+    }
+
+    /// Whether some list does not suffice.
+    fn lacks(&self, needed: Sizes, for_contacts: Option<StepRoom>) -> bool {
+        let room = self.contacts.as_ref().map(|contacts| contacts.room);
+        self.buffers.sizes.grown(needed) != self.buffers.sizes
+            || room.zip(for_contacts).is_some_and(|(room, needed)| room.grown(needed) != room)
+    }
+
+    /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
+    fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepRoom>) -> Result<bool, StepError> {
+        if !self.lacks(needed, for_contacts) {
             return Ok(false);
         }
+        let grown = self.buffers.sizes.grown(needed);
+        let longer = grown != self.buffers.sizes;
         let made = scoped(&self.gpu, || {
-            let buffers = Buffers::new(&self.gpu, grown)?;
-            let program = program(&self.gpu, &self.kernels, &buffers);
-            // The only thing that outlives a step.
-            let (from, to) = (&self.buffers.moved, &buffers.moved);
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+            let buffers = if longer {
+                let buffers = Buffers::new(&self.gpu, grown)?;
+                // The only thing here that outlives a step.
+                let (from, to) = (&self.buffers.moved, &buffers.moved);
+                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+                Some((program(&self.gpu, &self.kernels, &buffers), buffers))
+            } else {
+                None
+            };
+            let contacts = match (&self.contacts, for_contacts) {
+                (Some(old), Some(needed)) => {
+                    let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
+                    let contacts = Contacts::new(&self.gpu, &self.kernels, buffers, old.room.grown(needed))?;
+                    contacts.take_memory(old, &mut encoder);
+                    Some(contacts)
+                }
+                _ => None,
+            };
             self.gpu.queue.submit([encoder.finish()]);
-            Ok::<_, TooLarge>((buffers, program))
+            Ok::<_, TooLarge>((buffers, contacts))
         });
-        (self.buffers, self.program) = made.map_err(StepError::Device)??;
+        let (buffers, contacts) = made.map_err(StepError::Device)??;
+        if let Some((program, buffers)) = buffers {
+            (self.program, self.buffers) = (program, buffers);
+        }
+        self.contacts = contacts;
         self.spare.clear();
-        self.write(self.arena.contents())?;
-        Ok(true)
+        if longer {
+            self.write(self.arena.contents())?;
+        }
+        Ok(longer)
     }
 
     fn write(&self, changes: Vec<Change>) -> Result<(), StepError> {
@@ -354,6 +453,8 @@ impl GpuStep {
     fn launch(&mut self, input: Input, detail: Detail) -> Result<(), StepError> {
         let Self {
             gpu,
+            kernels,
+            contacts,
             buffers,
             program,
             timer,
@@ -361,9 +462,15 @@ impl GpuStep {
             spare,
             ..
         } = self;
-        let parts = Parts::new(&buffers.sizes, input.len(), detail);
+        let wanted = input.response != Response::Impulse;
+        let mut contacts = contacts.as_mut().filter(|_| wanted);
         let flight = scoped(gpu, || {
-            input.write(gpu, buffers);
+            if let (Some(contacts), Some(solver)) = (&mut contacts, &input.solver) {
+                contacts.prepare(gpu, kernels, buffers, solver.passes());
+            }
+            let contacts = contacts.as_deref();
+            let parts = Parts::new(&buffers.sizes, contacts, &input, detail);
+            input.write(gpu, buffers, contacts);
             if flights.is_empty() {
                 // No list is known to be too short.
                 gpu.queue.write_buffer(&buffers.status, 0, &[0; 16]);
@@ -373,19 +480,25 @@ impl GpuStep {
             });
             encoder.clear_buffer(&buffers.buckets, 0, None);
             encoder.clear_buffer(&buffers.body_contacts, 0, None);
-            for stage in Stage::ALL {
-                let timestamps = timer.as_ref().map(|timer| timer.around(stage));
-                program.record(stage, &mut encoder, input.len(), &buffers.arguments, timestamps);
+            match (contacts, &input.solver) {
+                (Some(contacts), Some(solver)) => contacts.record(&mut encoder, buffers, solver, timer.as_ref()),
+                (Some(contacts), None) => contacts.record_detection(&mut encoder, buffers, input.len(), timer.as_ref()),
+                (None, _) => {
+                    for stage in Stage::ALL {
+                        let timestamps = timer.as_ref().map(|timer| timer.around(stage, 0));
+                        program.record(stage, &mut encoder, input.len(), &buffers.arguments, timestamps);
+                    }
+                }
             }
             if let Some(timer) = timer {
-                timer.resolve(&mut encoder);
+                timer.resolve(&mut encoder, input.intervals());
             }
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
                 None => staging(gpu, parts.total),
             };
-            parts.copy(buffers, timer.as_ref(), &mut encoder, &staging);
+            parts.copy(buffers, contacts, timer.as_ref(), &mut encoder, &staging);
             let submission = gpu.queue.submit([encoder.finish()]);
             Flight::new(input, detail, parts, staging, submission)
         });
@@ -415,7 +528,7 @@ fn program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
             Stage::BroadPhase => broad_phase::gpu::record(&mut builder, buffers),
             Stage::Angles => angles::gpu::record(&mut builder, buffers),
             Stage::TriangleTest => triangle_test::gpu::record(&mut builder, buffers),
-            // Its kernels are not part of the step yet: `Response::Contacts` runs on the CPU.
+            // Impulses need no contact points.
             Stage::Manifolds => {}
             Stage::ForceScan => force_scan::gpu::record(&mut builder, buffers),
             Stage::Integrate => integrate::gpu::record(&mut builder, buffers),

@@ -8,7 +8,7 @@ use wgpu::{
     QuerySetDescriptor, QueryType,
 };
 
-/// Two time stamps a stage.
+/// Two time stamps for each stage of each interval.
 pub struct Timer {
     queries: QuerySet,
     resolved: Buffer,
@@ -16,10 +16,12 @@ pub struct Timer {
     period: f64,
 }
 
-/// Stamps of a step.
-pub const COUNT: u32 = 2 * Stage::ALL.len() as u32;
+/// Stamps of an interval.
+const COUNT: u32 = 2 * Stage::ALL.len() as u32;
 /// Bytes that they take.
-pub const BYTES: u64 = 8 * COUNT as u64;
+pub const BYTES: u32 = 8 * COUNT;
+/// The most intervals there can be.
+const LAPS: u32 = crate::stages::solver::settings::MOST_DETECTIONS;
 
 impl Timer {
     /// `None` if the device has no time stamps.
@@ -28,11 +30,11 @@ impl Timer {
             queries: gpu.device.create_query_set(&QuerySetDescriptor {
                 label: Some("stage times"),
                 ty: QueryType::Timestamp,
-                count: COUNT,
+                count: LAPS * COUNT,
             }),
             resolved: gpu.device.create_buffer(&BufferDescriptor {
                 label: Some("stage times"),
-                size: BYTES,
+                size: u64::from(LAPS * BYTES),
                 usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
@@ -40,30 +42,33 @@ impl Timer {
         })
     }
 
-    /// Stamps the beginning and the end of a stage.
-    pub fn around(&self, stage: Stage) -> ComputePassTimestampWrites<'_> {
+    /// Stamps the beginning and the end of a stage in an interval. Each stage must be recorded in each of them.
+    pub fn around(&self, stage: Stage, interval: u32) -> ComputePassTimestampWrites<'_> {
+        let first = interval * COUNT + 2 * stage as u32;
         ComputePassTimestampWrites {
             query_set: &self.queries,
-            beginning_of_pass_write_index: Some(2 * stage as u32),
-            end_of_pass_write_index: Some(2 * stage as u32 + 1),
+            beginning_of_pass_write_index: Some(first),
+            end_of_pass_write_index: Some(first + 1),
         }
     }
 
-    /// To be recorded after the stages.
-    pub fn resolve(&self, encoder: &mut CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..COUNT, &self.resolved, 0);
+    /// To be recorded after the stages of so many intervals.
+    pub fn resolve(&self, encoder: &mut CommandEncoder, intervals: u32) {
+        encoder.resolve_query_set(&self.queries, 0..intervals * COUNT, &self.resolved, 0);
     }
 
-    /// Where the stamps then are, as many as [`COUNT`].
+    /// Where the stamps then are, [`BYTES`] for each interval.
     pub fn resolved(&self) -> &Buffer {
         &self.resolved
     }
 
-    /// What the stamps mean.
+    /// What the stamps of all intervals mean: sums over them.
     pub fn times(&self, stamps: &[u64]) -> [Duration; Stage::COUNT] {
         Stage::ALL.map(|stage| {
-            let [start, end] = [0, 1].map(|k| stamps[2 * stage as usize + k]);
-            Duration::from_nanos((end.saturating_sub(start) as f64 * self.period) as u64)
+            let at = 2 * stage as usize;
+            let intervals = stamps.chunks_exact(COUNT as usize);
+            let ticks: u64 = intervals.map(|lap| lap[at + 1].saturating_sub(lap[at])).sum();
+            Duration::from_nanos((ticks as f64 * self.period) as u64)
         })
     }
 }

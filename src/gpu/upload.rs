@@ -1,6 +1,8 @@
 //! From the host's arrays to the device's.
 
 use super::buffers::{Buffers, Sizes};
+use super::contacts::Contacts;
+use super::contacts::input::SolverInput;
 use super::device::Gpu;
 use super::layout::{
     self, BODIES, CARRIED_POSE, CARRIED_VELOCITY, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KINEMATIC, SENSOR,
@@ -30,6 +32,10 @@ pub struct Input {
     bodies: Vec<layout::Body>,
     planes: Vec<layout::Plane>,
     meshes: Vec<Option<CollisionMesh>>,
+    /// What happens to bodies that touch.
+    pub(super) response: Response,
+    /// With [`Response::Contacts`].
+    pub(super) solver: Option<SolverInput>,
 }
 
 impl Input {
@@ -47,6 +53,10 @@ impl Input {
                 bodies: count as u32,
                 planes: planes.len() as u32,
                 response: u32::from(config.response != Response::None),
+                contact_margin: match config.response {
+                    Response::Impulse => 0.0,
+                    Response::None | Response::Contacts => config.solver.margin(),
+                },
                 ..Default::default()
             },
             bodies: (0..count).map(body).collect(),
@@ -54,7 +64,33 @@ impl Input {
             meshes: (0..state.meshes.len() as u32)
                 .map(|slot| state.meshes.get(slot).map(|slot| slot.mesh.clone()))
                 .collect(),
+            response: config.response,
+            solver: None,
         }
+    }
+
+    /// Adds what the solver is told, with [`Response::Contacts`].
+    pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
+        self.step.dt = solver.dt();
+        self.step.look_ahead = solver.look_ahead();
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            let (source, carried) = solver.source(i);
+            // Whoever continues has the same number there.
+            body.source = if carried == 0 { body.source } else { source };
+            body.carried |= carried;
+        }
+        self.solver = Some(solver);
+        self
+    }
+
+    /// How many detection intervals the step has.
+    pub(super) fn intervals(&self) -> u32 {
+        self.solver.as_ref().map_or(1, |solver| solver.intervals)
+    }
+
+    /// How many bodies and half-spaces there were in the step before, as far as the solver knows.
+    pub(super) fn old_bodies(&self) -> u32 {
+        self.solver.as_ref().map_or(0, SolverInput::old_bodies)
     }
 
     /// How many bodies there are.
@@ -88,7 +124,7 @@ impl Input {
     }
 
     /// Writes everything.
-    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers) {
+    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&Contacts>) {
         let sizes = &buffers.sizes;
         let held = Sizes {
             bodies: self.step.bodies,
@@ -100,6 +136,7 @@ impl Input {
             pair_capacity: sizes.pairs,
             hit_capacity: sizes.hits,
             plane_contact_capacity: sizes.plane_contacts,
+            touch_capacity: contacts.map_or(0, |contacts| contacts.room.touches),
             ..self.step
         };
         let mut counters = [0u32; COUNTERS as usize];
@@ -108,6 +145,12 @@ impl Input {
         gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
         gpu.queue.write_buffer(&buffers.bodies, 0, cast_slice(&self.bodies));
         gpu.queue.write_buffer(&buffers.planes, 0, cast_slice(&self.planes));
+        if let Some(contacts) = contacts {
+            contacts.write_limits(gpu, step.bodies, step.planes);
+            if let Some(solver) = &self.solver {
+                solver.write(gpu, &contacts.lists, contacts.solver_room());
+            }
+        }
     }
 }
 
@@ -142,6 +185,7 @@ fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) 
             let pose = if carried.pose { CARRIED_POSE } else { 0 };
             pose | if carried.push.is_some() { CARRIED_VELOCITY } else { 0 }
         }),
+        ..Default::default()
     }
 }
 

@@ -34,6 +34,10 @@ pub struct StepState {
     pub impulses: Vec<Impulse>,
     /// What the solver works on, and keeps from step to step.
     pub dynamics: Dynamics,
+    /// With [`Response::Contacts`], of each body whether it was asleep at the end of the step; else empty.
+    pub asleep: Vec<bool>,
+    /// Into how many detection intervals the step was cut.
+    pub intervals: u32,
     /// Scratch that stages keep between steps.
     pub(crate) angles_scratch: super::angles::cpu::Scratch,
     pub(crate) grid_scratch: super::broad_phase::cpu::Scratch,
@@ -57,6 +61,8 @@ pub struct Counts {
     pub triangle_tests: u64,
     /// Pairs of faces that intersect.
     pub face_pairs: usize,
+    /// Points at which bodies push each other, or may.
+    pub contact_points: usize,
 }
 
 /// What holds for all bodies in a step.
@@ -380,6 +386,7 @@ impl StepState {
             touching_pairs: self.contacts.pairs.len(),
             triangle_tests: self.contacts.triangle_tests,
             face_pairs: self.contacts.faces.len(),
+            contact_points: self.manifolds.points.len(),
         }
     }
 }

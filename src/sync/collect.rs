@@ -238,8 +238,8 @@ impl Rules<'_> {
             None => *self.solver,
             Some(name) => {
                 error_once!(
-                    "SolverSettings::{name} is negative or not finite: all settings of the solver count as their defaults \
-                     until it is set to a finite number of 0 or more"
+                    "SolverSettings::{name} is negative, not finite or too large: all settings of the solver count as their \
+                     defaults until it is set to a finite number of 0 or more, and a count to no more than its documentation says"
                 );
                 SolverSettings::default()
             }

@@ -24,6 +24,8 @@ pub(crate) struct Latent {
     shadows: Vec<(Entity, Shadow)>,
     /// One per body of the last step.
     pub carried: Vec<Option<Carried>>,
+    /// One per body of the last step: whether a user woke it.
+    pub woken: Vec<bool>,
     /// The step whose results are at hand, and where its bodies are.
     arrived: (u64, Vec<Motion>),
 }
@@ -38,12 +40,17 @@ struct Shadow {
     launched: u64,
     /// What was added to its velocities in the last steps, by step number.
     pushes: [[Vec3; 2]; LATENCY],
+    /// Whether the component said that it sleeps.
+    asleep: bool,
+    /// The last step that was told to wake it. Results of earlier ones say that it would have slept.
+    woken: u64,
 }
 
 /// What is to be written to a body's components.
 pub(crate) struct Written {
     pub pose: Option<(Vec3, Quat)>,
     pub velocities: Option<[Vec3; 2]>,
+    pub asleep: Option<bool>,
 }
 
 impl Latent {
@@ -55,6 +62,7 @@ impl Latent {
         let mut before = (0..).zip(&before).peekable();
         let mut bodies = bodies.iter();
         self.carried.clear();
+        self.woken.clear();
         for &entity in entities {
             let Some((_, body)) = bodies.find(|&&(other, _)| other == entity) else {
                 break;
@@ -66,12 +74,20 @@ impl Latent {
                 angular_velocity: body.angular_velocity,
             };
             while before.next_if(|&(_, &(other, _))| other < entity).is_some() {}
-            let (shadow, carried) = match before.next_if(|&(_, &(other, _))| other == entity) {
+            let (mut shadow, carried) = match before.next_if(|&(_, &(other, _))| other == entity) {
                 Some((source, (_, shadow))) => shadow.next(source, seen, body.kind, self.now),
                 None => (Shadow::new(seen, self.now), None),
             };
+            // Components of those that fall asleep do not say so before their results are there.
+            let says_asleep = !body.handling.woken;
+            let woken = shadow.asleep && !says_asleep;
+            if woken {
+                shadow.woken = self.now;
+            }
+            shadow.asleep = says_asleep;
             self.shadows.push((entity, shadow));
             self.carried.push(carried);
+            self.woken.push(woken);
         }
     }
 
@@ -85,6 +101,7 @@ impl Latent {
         self.flights.clear();
         self.shadows.clear();
         self.carried.clear();
+        self.woken.clear();
     }
 
     /// Nothing of what is in flight will come, and the step that was linked last begins where the components say.
@@ -92,7 +109,10 @@ impl Latent {
         self.flights.clear();
         self.carried.clear();
         for (_, shadow) in &mut self.shadows {
-            *shadow = Shadow::new(shadow.motion, self.now);
+            *shadow = Shadow {
+                asleep: shadow.asleep,
+                ..Shadow::new(shadow.motion, self.now)
+            };
         }
     }
 
@@ -109,13 +129,14 @@ impl Latent {
     }
 
     /// Tells for each body of the step whose results are at hand what to write to its components.
-    pub fn write(&mut self, of: &Collected, mut write: impl FnMut(Entity, Written)) {
+    pub fn write(&mut self, of: &Collected, asleep: &[bool], mut write: impl FnMut(Entity, Written)) {
         let (step, motions) = &self.arrived;
         let mut shadows = self.shadows.iter_mut().peekable();
-        for ((&entity, &kind), motion) in of.entities.iter().zip(&of.kinds).zip(motions) {
+        for (i, ((&entity, &kind), motion)) in of.entities.iter().zip(&of.kinds).zip(motions).enumerate() {
             while shadows.next_if(|(other, _)| *other < entity).is_some() {}
             if let Some((_, shadow)) = shadows.next_if(|(other, _)| *other == entity) {
-                write(entity, shadow.receive(*step, self.now, kind, motion));
+                let asleep = asleep.get(i) == Some(&true);
+                write(entity, shadow.receive(*step, self.now, kind, motion, asleep));
             }
         }
     }
@@ -142,6 +163,8 @@ impl Shadow {
             placed: now,
             launched: now,
             pushes: [[NO_PUSH; 2]; LATENCY],
+            asleep: false,
+            woken: now,
         }
     }
 
@@ -166,7 +189,7 @@ impl Shadow {
     }
 
     /// What the results of `step` mean for the components, now that step `now` was told what it was told.
-    fn receive(&mut self, step: u64, now: u64, kind: RigidBody, motion: &Motion) -> Written {
+    fn receive(&mut self, step: u64, now: u64, kind: RigidBody, motion: &Motion, asleep: bool) -> Written {
         let pose = kind != RigidBody::Static && step >= self.placed;
         if pose {
             (self.motion.position, self.motion.rotation) = (motion.position, motion.rotation);
@@ -180,7 +203,12 @@ impl Shadow {
             }
             [self.motion.linear_velocity, self.motion.angular_velocity] = sums;
         }
+        let sleep_known = step >= self.woken;
+        if sleep_known {
+            self.asleep = asleep;
+        }
         Written {
+            asleep: sleep_known.then_some(asleep),
             pose: pose.then_some((self.motion.position, self.motion.rotation)),
             velocities: velocities.then_some([self.motion.linear_velocity, self.motion.angular_velocity]),
         }

@@ -15,7 +15,7 @@ use crate::settings::Response;
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
 use crate::stages::manifolds::Manifolds;
-use crate::stages::solver::step::Dynamics;
+use crate::stages::solver::step::Memory;
 use crate::stages::state::{Body, Counts, Motion, Plane, StepState};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
@@ -90,16 +90,12 @@ impl Step {
         }
     }
 
-    /// What the response asks for may not be there on a GPU: then the step runs on the CPU, from where the components say.
+    /// The GPU does not stop fast bodies: with such ones the step runs on the CPU, from where the components say.
     pub fn choose_place(&mut self) {
-        let on_cpu = self.state.config.response == Response::Contacts;
-        if !self.engine.keep_on_cpu(on_cpu) {
-            return;
-        }
-        if on_cpu {
+        let stops = self.state.bodies.handling.iter().any(|handling| handling.continuous);
+        if self.engine.keep_on_cpu(stops && self.state.config.response == Response::Contacts) {
             self.forget();
-        } else {
-            self.state.dynamics = Dynamics::default();
+            self.state.dynamics.memory = Memory::default();
             self.state.manifolds = Manifolds::default();
         }
     }
@@ -126,6 +122,10 @@ impl Step {
         }
         if self.engine.latent().is_some() {
             self.latent.link(&self.collected.entities, &self.bodies);
+            let handling = &mut self.state.bodies.handling;
+            for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
+                handling.woken = woken;
+            }
         }
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;

@@ -14,16 +14,27 @@ pub(crate) fn write_back(
         &mut Transform,
         Option<&mut LinearVelocity>,
         Option<&mut AngularVelocity>,
+        Option<&mut Sleeping>,
     )>,
     mut acted_on: Query<&mut ExternalForces>,
-    mut sleepers: Query<&mut Sleeping>,
 ) {
     let step = &mut *step;
+    if step.engine.runs() {
+        // Whenever the results come: the step was told.
+        for mut forces in &mut acted_on {
+            if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
+                (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
+            }
+        }
+    }
     let Some(results) = &step.results else { return };
-    let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>| {
-        let Ok((mut transform, linear, angular)) = moving.get_mut(entity) else {
+    let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>, asleep: Option<bool>| {
+        let Ok((mut transform, linear, angular, sleeping)) = moving.get_mut(entity) else {
             return;
         };
+        if let Some((mut sleeping, asleep)) = sleeping.zip(asleep) {
+            sleeping.set_if_neq(Sleeping(asleep));
+        }
         if let Some((translation, rotation)) = pose {
             let scale = transform.scale;
             transform.set_if_neq(Transform {
@@ -43,20 +54,10 @@ pub(crate) fn write_back(
     };
     #[cfg(feature = "gpu")]
     if step.engine.latent().is_some() {
-        step.latent.write(results, |entity, written| {
-            write(entity, written.pose, written.velocities)
+        step.latent.write(results, &step.state.asleep, |entity, written| {
+            write(entity, written.pose, written.velocities, written.asleep)
         });
         return;
-    }
-    for mut forces in &mut acted_on {
-        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
-            (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
-        }
-    }
-    for (i, &entity) in results.entities.iter().enumerate() {
-        if let Ok(mut sleeping) = sleepers.get_mut(entity) {
-            sleeping.set_if_neq(Sleeping(step.state.dynamics.is_asleep(i)));
-        }
     }
     for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
         let motion = step.state.bodies.motion(i);
@@ -64,6 +65,7 @@ pub(crate) fn write_back(
             entity,
             (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
             (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
+            Some(step.state.asleep.get(i) == Some(&true)),
         );
     }
 }
@@ -105,9 +107,9 @@ pub(crate) fn publish(
         approximate_pairs: counts.approximate_pairs,
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: counts.touching_pairs,
-        contact_points: step.state.manifolds.points.len(),
-        intervals: step.state.dynamics.intervals(),
-        sleeping: step.state.dynamics.sleeping(),
+        contact_points: counts.contact_points,
+        intervals: step.state.intervals,
+        sleeping: step.state.asleep.iter().filter(|&&asleep| asleep).count(),
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         ..*report

@@ -60,8 +60,8 @@ fn the_linking_number_tells_links_from_neighbours() {
     assert_eq!(linking(&world, 0, 1), 0, "just out of it");
 }
 
-/// Hangs for so many seconds, is shaken for 5 s and hangs for another 10 s.
-fn hangs_and_is_shaken(count: usize, seconds: usize) {
+/// Hangs for so many seconds, is shaken, and hangs again.
+pub fn hangs_and_is_shaken(count: usize, [seconds, shaken, afterwards]: [usize; 3]) {
     let mut world = chain(count);
     let watched = |world: &mut World, when: &str| {
         world.step();
@@ -79,7 +79,7 @@ fn hangs_and_is_shaken(count: usize, seconds: usize) {
 
     world.state.bodies.kind[0] = RigidBody::Kinematic;
     let start = world.center(0);
-    for k in 0..64 * 5 {
+    for k in 0..64 * shaken {
         // 0.3 m to both sides, once a second.
         let at = |k: usize| 0.3 * (TAU * k as f32 / 64.0).sin();
         world.state.bodies.linear_velocity[0] = Vec3::X * 64.0 * (at(k + 1) - at(k));
@@ -87,7 +87,7 @@ fn hangs_and_is_shaken(count: usize, seconds: usize) {
     }
     assert!(world.center(0).distance(start) < 1.0e-3, "back where it was");
     world.state.bodies.linear_velocity[0] = Vec3::ZERO;
-    for _ in 0..64 * 10 {
+    for _ in 0..64 * afterwards {
         deepest[2] = deepest[2].max(watched(&mut world, "afterwards"));
     }
     println!(
@@ -104,7 +104,7 @@ fn hangs_and_is_shaken(count: usize, seconds: usize) {
 
 #[test]
 fn a_chain_of_ten_hangs_is_shaken_and_holds() {
-    hangs_and_is_shaken(10, 10);
+    hangs_and_is_shaken(10, [10, 5, 10]);
 }
 
 /// `cargo test --release --test dynamics -- --ignored --nocapture chain_of_fifty`
@@ -112,5 +112,5 @@ fn a_chain_of_ten_hangs_is_shaken_and_holds() {
 #[test]
 #[ignore = "takes a minute"]
 fn a_chain_of_fifty_hangs_is_shaken_and_holds() {
-    hangs_and_is_shaken(50, 60);
+    hangs_and_is_shaken(50, [60, 5, 10]);
 }

@@ -35,7 +35,7 @@ fn cloud(count: usize, mixed: bool) -> World {
     world
 }
 
-fn keeps_momentum(count: usize, steps: usize, mixed: bool) {
+pub fn keeps_momentum(count: usize, steps: usize, mixed: bool) {
     let mut world = cloud(count, mixed);
     let before = Motion::of(&world);
     let (mut linear, mut angular, mut kinetic, mut pairs) = (0.0f64, 0.0f64, 0.0f64, 0);

@@ -37,7 +37,7 @@ impl Depths {
 }
 
 /// Pours `count` knots into a bin `width` wide, and watches for so many seconds.
-fn pour(count: usize, width: f32, seconds: usize) {
+pub fn pour(count: usize, width: f32, seconds: usize) {
     let mut world = World::new();
     let cube = world.mesh(&shapes::cube(1.0));
     let knot = world.mesh(&shapes::knot_1120());
@@ -96,7 +96,7 @@ fn forty_knots_poured_into_a_bin_come_to_rest() {
 }
 
 /// `cargo test --release --test dynamics -- --ignored --nocapture a_thousand_knots`
-/// (more than five minutes on a busy pair of cores; no figures yet).
+/// (mean overlap 0.0034 % of the diameter at rest, most 0.44 %; on the way 3.2 %; 5 minutes on a busy pair of cores).
 #[test]
 #[ignore = "takes minutes"]
 fn a_thousand_knots_poured_into_a_bin_come_to_rest() {

@@ -7,7 +7,7 @@ use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
 /// How far bodies have moved, and sunk, at most.
-struct Moved {
+pub struct Moved {
     far: f64,
     sunk: f64,
 }
@@ -27,7 +27,7 @@ fn watch(world: &mut World, bodies: &[usize], seconds: usize) -> Moved {
     most
 }
 
-fn check(name: &str, moved: &Moved, far: f64, sunk: f64) {
+pub fn check(name: &str, moved: &Moved, far: f64, sunk: f64) {
     println!("{name}: moved {:.6} m at most, sank {:.6} m", moved.far, moved.sunk);
     assert!(moved.far < far, "{name} moved {}", moved.far);
     assert!(moved.sunk < sunk, "{name} sank {}", moved.sunk);
@@ -36,24 +36,34 @@ fn check(name: &str, moved: &Moved, far: f64, sunk: f64) {
 #[test]
 fn a_cube_rests_on_a_mesh_for_a_minute() {
     for edge in [0.1f32, 1.0, 5.0] {
-        let mut world = World::new();
-        let cube = world.mesh(&shapes::cube(1.0));
-        world.floor(cube);
-        let at = Vec3::new(0.3, 0.5 + GAP, 0.2) * edge;
-        let turn = Quat::from_rotation_y(0.4);
-        let body = world.add(RigidBody::Dynamic, cube, Vec3::splat(edge), at, turn);
-        let moved = watch(&mut world, &[body], 60);
-        let edge = f64::from(edge);
-        check(&format!("cube of {edge} m"), &moved, 1.0e-3 * edge, 0.01 * edge);
+        cube(edge, 60);
     }
+}
+
+/// A cube on a floor.
+pub fn cube(edge: f32, seconds: usize) {
+    let mut world = World::new();
+    let cube = world.mesh(&shapes::cube(1.0));
+    world.floor(cube);
+    let at = Vec3::new(0.3, 0.5 + GAP, 0.2) * edge;
+    let turn = Quat::from_rotation_y(0.4);
+    let body = world.add(RigidBody::Dynamic, cube, Vec3::splat(edge), at, turn);
+    let moved = watch(&mut world, &[body], seconds);
+    let edge = f64::from(edge);
+    check(&format!("cube of {edge} m"), &moved, 1.0e-3 * edge, 0.01 * edge);
 }
 
 #[test]
 fn ten_cubes_stand_on_each_other() {
+    stack(10, 30);
+}
+
+/// Cubes on each other.
+pub fn stack(count: usize, seconds: usize) {
     let mut world = World::new();
     let cube = world.mesh(&shapes::cube(1.0));
     world.floor(cube);
-    let stack: Vec<usize> = (0..10)
+    let stack: Vec<usize> = (0..count)
         .map(|i| {
             let at = Vec3::Y * (0.5 + GAP + (1.0 + GAP) * i as f32);
             world.add(
@@ -65,12 +75,12 @@ fn ten_cubes_stand_on_each_other() {
             )
         })
         .collect();
-    let moved = watch(&mut world, &stack, 30);
-    check("stack of 10", &moved, 0.02, 0.02);
+    let moved = watch(&mut world, &stack, seconds);
+    check(&format!("stack of {count}"), &moved, 0.02, 0.02);
 }
 
 /// Rows of cubes in a plane, each one shorter than that below.
-fn pyramid(rows: usize) {
+pub fn pyramid(rows: usize, seconds: usize) {
     let mut world = World::new();
     let cube = world.mesh(&shapes::cube(1.0));
     world.floor(cube);
@@ -89,13 +99,13 @@ fn pyramid(rows: usize) {
             ));
         }
     }
-    let moved = watch(&mut world, &cubes, 30);
+    let moved = watch(&mut world, &cubes, seconds);
     check(&format!("pyramid of {}", cubes.len()), &moved, 0.02, 0.02);
 }
 
 #[test]
 fn a_pyramid_of_fifteen_cubes_stands() {
-    pyramid(5);
+    pyramid(5, 30);
 }
 
 /// `cargo test --release --test dynamics -- --ignored --nocapture fifty_five`
@@ -103,11 +113,11 @@ fn a_pyramid_of_fifteen_cubes_stands() {
 #[test]
 #[ignore = "takes a quarter of a minute"]
 fn a_pyramid_of_fifty_five_cubes_stands() {
-    pyramid(10);
+    pyramid(10, 30);
 }
 
-/// Rings that lie on each other, each shifted by `shift` against that below, to and fro.
-fn rings(shift: f32, seconds_to_settle: u32) -> Moved {
+/// Five rings that lie on each other, each shifted by `shift` against that below, to and fro.
+pub fn rings(shift: f32, seconds_to_settle: u32, seconds: usize) -> Moved {
     let mut world = World::new();
     let cube = world.mesh(&shapes::cube(1.0));
     let ring = world.mesh(&shapes::ring());
@@ -122,11 +132,11 @@ fn rings(shift: f32, seconds_to_settle: u32) -> Moved {
         })
         .collect();
     world.seconds(seconds_to_settle);
-    watch(&mut world, &pile, 30)
+    watch(&mut world, &pile, seconds)
 }
 
 #[test]
 fn five_rings_lie_on_each_other() {
-    check("rings on one axis", &rings(0.0, 0), 0.02, 0.02);
-    check("rings across each other", &rings(0.25, 2), 0.02, 0.02);
+    check("rings on one axis", &rings(0.0, 0, 30), 0.02, 0.02);
+    check("rings across each other", &rings(0.25, 2, 30), 0.02, 0.02);
 }

@@ -6,7 +6,7 @@ use bevy_faceoff::geometry::shapes;
 use glam::Vec3;
 
 /// Twenty bodies that fall onto each other.
-fn pile() -> World {
+pub fn pile() -> World {
     let mut world = World::new();
     world.state.config.solver.sleeping = true;
     let cube = world.mesh(&shapes::cube(1.0));
@@ -28,12 +28,12 @@ fn pile() -> World {
     world
 }
 
-/// All that the bodies do over 200 steps.
-fn bits(threads: usize) -> Vec<u32> {
+/// All that the bodies do over so many steps, by so many threads.
+pub fn bits(threads: usize, steps: usize) -> Vec<u32> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let mut world = pile();
     let (mut bits, mut pairs) = (vec![], 0);
-    for _ in 0..200 {
+    for _ in 0..steps {
         pool.install(|| world.step());
         let bodies = &world.state.bodies;
         for i in 0..bodies.len() {
@@ -53,9 +53,9 @@ fn bits(threads: usize) -> Vec<u32> {
 
 #[test]
 fn a_pile_of_twenty_moves_by_the_same_bits() {
-    let first = bits(1);
+    let first = bits(1, 200);
     for threads in [1, 2, 2] {
-        let again = bits(threads);
+        let again = bits(threads, 200);
         let differing = first.iter().zip(&again).position(|(a, b)| a != b);
         println!(
             "{threads} threads: {} numbers, first that differs: {differing:?}",

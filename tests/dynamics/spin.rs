@@ -42,47 +42,58 @@ fn a_squeezed_knot_keeps_angular_momentum_and_energy_for_a_minute() {
         Vec3::new(6.0, 0.5, 6.0),
         Vec3::new(0.1, 12.0, 0.3),
     ] {
-        let (mut world, body) = knot(spin);
-        let moments = moments(&world, body);
-        assert!(moments.max_element() > 1.2 * moments.min_element());
-        let before = Motion::of(&world);
-        let own = |motion: &Motion, world: &World| motion.angular - world.center(body).cross(motion.linear);
-        let start = own(&before, &world);
-        let (mut drift, mut low, mut high) = (0.0f64, f64::INFINITY, 0.0f64);
-        for _ in 0..64 * 60 {
-            world.step();
-            let now = Motion::of(&world);
-            drift = drift.max(own(&now, &world).distance(start) / start.length());
-            low = low.min(now.kinetic / before.kinetic);
-            high = high.max(now.kinetic / before.kinetic);
-        }
-        println!("{spin}: angular momentum drifts by {drift:.2e}, energy {low:.5} to {high:.5} of the start");
-        assert!(drift < 1.0e-3, "{drift}");
-        assert!(low > 0.995 && high < 1.005, "{low} {high}");
+        keeps_turning(spin, 60);
     }
+}
+
+/// What a knot keeps that turns with `spin`.
+pub fn keeps_turning(spin: Vec3, seconds: usize) {
+    let (mut world, body) = knot(spin);
+    let moments = moments(&world, body);
+    assert!(moments.max_element() > 1.2 * moments.min_element());
+    let before = Motion::of(&world);
+    let own = |motion: &Motion, world: &World| motion.angular - world.center(body).cross(motion.linear);
+    let start = own(&before, &world);
+    let (mut drift, mut low, mut high) = (0.0f64, f64::INFINITY, 0.0f64);
+    for _ in 0..64 * seconds {
+        world.step();
+        let now = Motion::of(&world);
+        drift = drift.max(own(&now, &world).distance(start) / start.length());
+        low = low.min(now.kinetic / before.kinetic);
+        high = high.max(now.kinetic / before.kinetic);
+    }
+    println!("{spin}: angular momentum drifts by {drift:.2e}, energy {low:.5} to {high:.5} of the start");
+    assert!(drift < 1.0e-3, "{drift}");
+    assert!(low > 0.995 && high < 1.005, "{low} {high}");
 }
 
 #[test]
 fn a_knot_that_spins_about_its_middle_axis_flips() {
+    let counts = axes().map(|axis| flips(axis, 60));
+    println!("flips in a minute about the axes of the smallest, the middle and the largest moment: {counts:?}");
+    assert!(counts[1] >= 4 && counts[0] == 0 && counts[2] == 0, "{counts:?}");
+}
+
+/// The body's axes, that of the smallest moment of inertia first.
+pub fn axes() -> [usize; 3] {
     let (world, body) = knot(Vec3::ZERO);
     let moments = moments(&world, body).to_array();
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| moments[i].total_cmp(&moments[j]));
-    // Times at which the spin about an axis has turned round, as the body sees it.
-    let flips = |axis: usize| {
-        let (mut world, body) = knot(Vec3::AXES[axis] * 5.0 + Vec3::splat(0.02));
-        let (mut flips, mut up) = (0, true);
-        for _ in 0..64 * 60 {
-            world.step();
-            let bodies = &world.state.bodies;
-            let spin = bodies.rotation[body].conjugate() * bodies.angular_velocity[body];
-            if spin[axis].abs() > 2.5 && up != (spin[axis] > 0.0) {
-                (flips, up) = (flips + 1, spin[axis] > 0.0);
-            }
+    order
+}
+
+/// How often the spin about an axis of the body turns round, as the body sees it.
+pub fn flips(axis: usize, seconds: usize) -> usize {
+    let (mut world, body) = knot(Vec3::AXES[axis] * 5.0 + Vec3::splat(0.02));
+    let (mut flips, mut up) = (0, true);
+    for _ in 0..64 * seconds {
+        world.step();
+        let bodies = &world.state.bodies;
+        let spin = bodies.rotation[body].conjugate() * bodies.angular_velocity[body];
+        if spin[axis].abs() > 2.5 && up != (spin[axis] > 0.0) {
+            (flips, up) = (flips + 1, spin[axis] > 0.0);
         }
-        flips
-    };
-    let counts = order.map(flips);
-    println!("flips in a minute about the axes of the smallest, the middle and the largest moment: {counts:?}");
-    assert!(counts[1] >= 4 && counts[0] == 0 && counts[2] == 0, "{counts:?}");
+    }
+    flips
 }

@@ -8,8 +8,14 @@ use bevy_faceoff::stages::Stage;
 use bevy_faceoff::stages::state::{Body, StepConfig, StepState};
 use glam::{DVec3, Quat, Vec3};
 
+/// Where worlds move, if not on the CPU: a device for all of them in turn.
+#[cfg(feature = "gpu")]
+pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::gpu::step::GpuStep>> = std::sync::Mutex::new(None);
+
 pub struct World {
     pub state: StepState,
+    /// Whether it moves on the CPU, also if there is a device.
+    pub on_cpu: bool,
 }
 
 impl World {
@@ -25,7 +31,11 @@ impl World {
             },
             ..state.config
         };
-        Self { state }
+        #[cfg(feature = "gpu")]
+        if let Some(device) = DEVICE.lock().unwrap().as_mut() {
+            device.forget();
+        }
+        Self { state, on_cpu: false }
     }
 
     /// The same without gravity.
@@ -52,8 +62,28 @@ impl World {
     }
 
     pub fn step(&mut self) {
+        #[cfg(feature = "gpu")]
+        if let Some(device) = DEVICE.lock().unwrap().as_mut().filter(|_| !self.on_cpu) {
+            device.run(&mut self.state).unwrap();
+            self.place_frames();
+            return;
+        }
         for stage in Stage::ALL {
             stage.run_on_cpu(&mut self.state);
+        }
+    }
+
+    /// What the plugin does between steps: poses in double precision follow from those in single.
+    #[cfg(feature = "gpu")]
+    pub fn place_frames(&mut self) {
+        let StepState { bodies, meshes, .. } = &mut self.state;
+        for i in 0..bodies.len() {
+            let arm = (bodies.scale[i] * meshes[bodies.mesh[i]].mesh.mass.center).as_dvec3();
+            let frame = &mut bodies.frame[i];
+            frame.rotation = glam::DMat3::from_quat(bodies.rotation[i].as_dquat().normalize());
+            frame.position = bodies.position[i].as_dvec3();
+            frame.center = frame.position + frame.rotation * arm;
+            bodies.center[i] = frame.center.as_vec3();
         }
     }
 

@@ -2,7 +2,7 @@
 //! closing the gaps.
 
 use crate::gpu::buffers::Buffers;
-use crate::gpu::kernel::{Builder, Groups, Kernel, read, write};
+use crate::gpu::kernel::{Builder, Groups, Kernel, read, uniform, write};
 use crate::gpu::layout::GROUPS_PER_64_PAIRS;
 
 /// Relative poses, support planes, views.
@@ -18,6 +18,7 @@ pub const ANGLES: Kernel = Kernel {
         read(3, "bodies", "Body"),
         read(4, "sphere_pairs", "vec2<u32>"),
         write(5, "near_pairs", "NearPair"),
+        uniform(6, "step", "Step"),
     ],
 };
 
@@ -35,6 +36,7 @@ pub fn record(builder: &mut Builder, b: &Buffers) {
             &b.bodies,
             &b.sphere_pairs,
             &b.near_pairs,
+            &b.step,
         ],
         Groups::Indirect(GROUPS_PER_64_PAIRS),
     );

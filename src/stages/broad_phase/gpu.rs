@@ -106,8 +106,13 @@ pub const KERNELS: [&Kernel; 6] = [&PLACE, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARG
 
 /// Adds this stage's calls.
 pub fn record(builder: &mut Builder, b: &Buffers) {
+    builder.call(&PLACE, &[&b.step, &b.moved, &b.bodies], Groups::PerBodies(64));
+    record_search(builder, b);
+}
+
+/// Adds those that follow when the bodies are where they are.
+pub fn record_search(builder: &mut Builder, b: &Buffers) {
     let per_body = Groups::PerBodies(64);
-    builder.call(&PLACE, &[&b.step, &b.moved, &b.bodies], per_body);
     builder.call(
         &CELLS,
         &[&b.step, &b.bodies, &b.meshes, &b.counters, &b.keys[0], &b.values[0]],

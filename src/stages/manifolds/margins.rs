@@ -4,7 +4,7 @@ use crate::components::RigidBody;
 use crate::stages::state::{Bodies, StepConfig};
 
 /// What bodies may move by, as a factor on what their velocities say: contacts turn and push them meanwhile.
-const SAFETY: f32 = 1.5;
+pub(crate) const SAFETY: f32 = 1.5;
 
 /// How far bodies look for each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

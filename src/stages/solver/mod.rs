@@ -42,7 +42,7 @@ pub mod settings;
 pub mod sleep;
 pub mod step;
 mod stops;
-mod touches;
+pub(crate) mod touches;
 pub mod warm_start;
 
 pub use bodies::{CombineRule, ExternalForces, LockedAxes, SleepState, SolverBodies, SolverBody, SolverMotion};

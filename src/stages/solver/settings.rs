@@ -4,6 +4,12 @@ use super::bodies::SolverBodies;
 use bevy::prelude::{Reflect, ReflectDefault, ReflectResource, Resource};
 use std::f32::consts::TAU;
 
+/// The largest [`SolverSettings::max_detections`].
+pub const MOST_DETECTIONS: u32 = 64;
+
+/// The largest [`SolverSettings::substeps`], and numbers of iterations and sweeps.
+pub const MOST_PASSES: u32 = 256;
+
 /// How contacts are solved; a resource, with what holds for all bodies.
 ///
 /// A step of the world is cut into *detection intervals*, each with contact points of its own (see
@@ -102,6 +108,12 @@ impl SolverSettings {
     /// Into how many detection intervals a step of `dt` seconds must be cut so that nothing moves further in one than
     /// [`SolverSettings::detection_travel`] of the thinnest body; 1 to [`SolverSettings::max_detections`].
     pub fn detections(&self, bodies: &SolverBodies, dt: f32) -> u32 {
+        let (fastest, thinnest) = Self::fastest_and_thinnest(bodies);
+        self.intervals(fastest, thinnest, dt)
+    }
+
+    /// How fast any point of a body moves, m/s, and how thin the thinnest is, metres.
+    pub(crate) fn fastest_and_thinnest(bodies: &SolverBodies) -> (f32, f32) {
         let mut fastest = 0.0f32;
         let mut thinnest = f32::INFINITY;
         for ((body, motion), sleep) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep) {
@@ -111,9 +123,14 @@ impl SolverSettings {
                 fastest = fastest.max(speed);
             }
         }
+        (fastest, thinnest)
+    }
+
+    /// Into how many intervals these need a step to be cut.
+    pub(crate) fn intervals(&self, fastest: f32, thinnest: f32, dt: f32) -> u32 {
         let wanted = (fastest * dt / (self.detection_travel * thinnest)).ceil();
         // A float becomes the nearest integer, and NaN zero.
-        (wanted as u32).clamp(1, self.max_detections.max(1))
+        (wanted as u32).clamp(1, self.max_detections.clamp(1, MOST_DETECTIONS))
     }
 
     /// How many substeps each of `detections` intervals has.
@@ -126,13 +143,14 @@ impl SolverSettings {
         self.contact_margin.max(2.0 * self.rest_offset)
     }
 
-    /// What is wrong with these, if anything: the name of a setting that is negative or not finite.
+    /// What is wrong with these, if anything: the name of a setting that is negative or not finite, or a number of passes
+    /// that would keep the step busy for ever: more than [`MOST_PASSES`], or [`MOST_DETECTIONS`].
     pub fn fault(&self) -> Option<&'static str> {
         let Self {
-            substeps: _,
-            bias_iterations: _,
-            relax_iterations: _,
-            sweeps: _,
+            substeps,
+            bias_iterations,
+            relax_iterations,
+            sweeps,
             relaxation,
             frequency,
             damping_ratio,
@@ -142,15 +160,26 @@ impl SolverSettings {
             contact_margin,
             rest_offset,
             restitution_threshold,
-            restitution_iterations: _,
+            restitution_iterations,
             match_distance,
             match_normal,
             detection_travel,
-            max_detections: _,
+            max_detections,
             sleeping: _,
             sleep_speed,
             sleep_time,
         } = *self;
+        let counts = [
+            ("substeps", substeps, MOST_PASSES),
+            ("bias_iterations", bias_iterations, MOST_PASSES),
+            ("relax_iterations", relax_iterations, MOST_PASSES),
+            ("sweeps", sweeps, MOST_PASSES),
+            ("restitution_iterations", restitution_iterations, MOST_PASSES),
+            ("max_detections", max_detections, MOST_DETECTIONS),
+        ];
+        if let Some((name, ..)) = counts.into_iter().find(|&(_, count, most)| count > most) {
+            return Some(name);
+        }
         [
             ("relaxation", relaxation),
             ("frequency", frequency),

@@ -75,16 +75,6 @@ impl Dynamics {
         self.intervals.max(1)
     }
 
-    /// Whether body `i` was asleep at the end of the step.
-    pub fn is_asleep(&self, i: usize) -> bool {
-        self.bodies.sleep.get(i).is_some_and(|sleep| sleep.asleep)
-    }
-
-    /// How many bodies were asleep at the end of the step.
-    pub fn sleeping(&self) -> usize {
-        self.bodies.sleep.iter().filter(|sleep| sleep.asleep).count()
-    }
-
     /// Whether nothing about a pair can have changed since the last interval: both sleep, or one does and the other is
     /// fixed.
     pub(crate) fn is_still(&self, [a, b]: [u32; 2]) -> bool {
@@ -219,9 +209,15 @@ pub(crate) fn end(state: &mut StepState) {
         planes,
         contacts,
         dynamics,
+        asleep,
+        intervals,
         ..
     } = state;
+    *intervals = dynamics.intervals();
+    asleep.clear();
     if config.response == Response::Contacts {
+        let placed = &dynamics.bodies.sleep[..bodies.len()];
+        asleep.extend(placed.iter().map(|sleep| sleep.asleep));
         dynamics.touches.tell(bodies.len() as u32, contacts);
         dynamics.keep(bodies, meshes, planes, config.gravity);
     } else {

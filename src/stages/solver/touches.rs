@@ -8,7 +8,7 @@ use crate::stages::state::{Bodies, Contact, Contacts, PlaneContact, TouchingPair
 
 /// The pairs that touched so far in a step: that pushed each other, or lay nearer than bodies at rest do.
 #[derive(Default)]
-pub(super) struct Touches {
+pub(crate) struct Touches {
     all: Vec<Touch>,
     /// Memory for merging.
     pairs: Vec<TouchingPair>,
@@ -60,6 +60,25 @@ impl Touches {
                     impulse,
                 });
             }
+        }
+    }
+
+    /// Those that a device found, in any order.
+    #[cfg(feature = "gpu")]
+    pub fn from_device(mut found: Vec<crate::gpu::layout::Touch>) -> Self {
+        found.sort_unstable_by_key(|touch| (touch.interval, touch.a, touch.b));
+        let touch = |touch: &crate::gpu::layout::Touch| Touch {
+            bodies: [touch.a, touch.b],
+            contact: Contact {
+                point: touch.point.into(),
+                normal: touch.normal.into(),
+            },
+            separation: touch.separation,
+            impulse: touch.impulse,
+        };
+        Self {
+            all: found.iter().map(touch).collect(),
+            ..Self::default()
         }
     }
 

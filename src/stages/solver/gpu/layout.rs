@@ -112,6 +112,8 @@ layout! {
 }
 
 constants! {
+    CHANGED = 2;
+
     RESTITUTION_RULE = 8;
     FRICTION_RULE = 12;
     LOCKED_AXES = 16;

@@ -1,0 +1,24 @@
+// Contact generation, after all else: notes how long its lists would have to be, and whether some list of the step so far is
+// too short, which turns the rest of the step into nothing.
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> step: t::Step;
+@group(0) @binding(1) var<storage, read> contact_counters: array<u32>;
+@group(0) @binding(2) var<storage, read_write> tally: array<u32>;
+@group(0) @binding(3) var<storage, read_write> status: array<u32>;
+@group(0) @binding(4) var<storage, read_write> counters: array<u32>;
+
+@compute @workgroup_size(1)
+fn main() {
+    for (var k = 0u; k < t::CONTACT_COUNTERS; k += 1u) {
+        tally[k] = max(tally[k], contact_counters[k]);
+    }
+    tally[t::INTERVALS] += 1u;
+    tally[t::TOUCHING_NOW] = 0u;
+    if contact_counters[t::CONTACTS_SKIPPED] != 0u
+        || counters[t::HITS] > step.hit_capacity
+        || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity {
+        status[t::OVERFLOW] = 1u;
+        counters[t::SKIPPED] = 1u;
+    }
+}

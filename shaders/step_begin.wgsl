@@ -1,0 +1,70 @@
+// BroadPhase of a step with contacts, before all else: where each body is as the step begins, and whether it sleeps. Bodies
+// go on from where the last step left them, in all the digits it had, unless the host has put them elsewhere.
+#import faceoff::arena::meshes
+#import faceoff::dispatch::group_index
+#import faceoff::margins::with_reach
+#import faceoff::math::rotate
+#import faceoff::solver_math::carried_rotation
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> step: t::Step;
+@group(0) @binding(3) var<storage, read> moved: array<t::Moved>;
+@group(0) @binding(4) var<storage, read> settled: array<s::BodyState>;
+// What the host knows of bodies and half-spaces.
+@group(0) @binding(5) var<storage, read> arrivals: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read_write> bodies: array<t::Body>;
+@group(0) @binding(7) var<storage, read_write> states: array<s::BodyState>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= step.bodies + step.planes {
+        return;
+    }
+    var state = arrivals[i];
+    if i >= step.bodies {
+        states[i] = state;
+        return;
+    }
+    var body = bodies[i];
+    let last = moved[body.source];
+    let known = settled[body.source];
+    let continues = (body.carried & t::CONTINUES) != 0u;
+    let same_place = all(body.position == last.position) && all(body.rotation == last.rotation);
+    let carried = (body.carried & t::CARRIED_POSE) != 0u;
+    let stays = continues && (carried || same_place);
+    if carried {
+        body.position = last.position;
+        body.rotation = last.rotation;
+        state.center = last.position + rotate(last.rotation, body.scale * meshes[body.mesh].center);
+        state.center_low = vec3(0.0);
+        state.rotation = carried_rotation(last.rotation);
+        state.rotation_low = last.rotation - state.rotation;
+    }
+    if stays {
+        state.center = known.center;
+        state.center_low = known.center_low;
+        state.rotation = known.rotation;
+        state.rotation_low = known.rotation_low;
+    }
+    if (body.carried & t::CARRIED_VELOCITY) != 0u {
+        body.linear_velocity += last.linear_velocity;
+        body.angular_velocity += last.angular_velocity;
+        state.linear_velocity = body.linear_velocity;
+        state.angular_velocity = body.angular_velocity;
+    }
+    let goes_on = stays && (body.carried & t::CARRIED_SLEEP) != 0u;
+    if (body.flags & t::KIND_MASK) == t::STATIC {
+        state.asleep = select(s::CHANGED, 0u, goes_on);
+    } else if goes_on && (known.asleep == 0u || (body.carried & t::WOKEN) == 0u) {
+        state.asleep = known.asleep;
+        state.rest_time = known.rest_time;
+        state.neighbours = known.neighbours;
+    }
+    // The sphere grows by what rounding its centre costs, four units in the last place.
+    let place = abs(body.position);
+    body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
+    bodies[i] = with_reach(step, body);
+    states[i] = state;
+}

@@ -1,0 +1,47 @@
+// Integrate of a step with contacts: where the solver has left the bodies. If a list was too small nothing has moved, and
+// the host runs the step again.
+#import faceoff::arena::meshes
+#import faceoff::dispatch::group_index
+#import faceoff::placed::{position_of, rotation_of}
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> step: t::Step;
+@group(0) @binding(3) var<storage, read> counters: array<u32>;
+@group(0) @binding(4) var<storage, read_write> tally: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read> bodies: array<t::Body>;
+@group(0) @binding(6) var<storage, read> movers: array<s::Mover>;
+@group(0) @binding(7) var<storage, read> states: array<s::BodyState>;
+@group(0) @binding(8) var<storage, read_write> moved: array<t::Moved>;
+@group(0) @binding(9) var<storage, read_write> settled: array<s::BodyState>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i >= step.bodies || counters[t::SKIPPED] != 0u {
+        return;
+    }
+    let state = states[i];
+    let body = bodies[i];
+    var after: t::Moved;
+    after.position = body.position;
+    after.rotation = body.rotation;
+    // What rests keeps its place to the bit.
+    if (movers[i].flags & s::MOVES) != 0u {
+        after.position = position_of(state, body.scale * meshes[body.mesh].center);
+        after.rotation = rotation_of(state);
+    }
+    after.linear_velocity = state.linear_velocity;
+    after.angular_velocity = state.angular_velocity;
+    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
+    after.asleep = select(state.asleep, 0u, is_static);
+    moved[i] = after;
+    settled[i] = state;
+    if !is_static {
+        let v = state.linear_velocity;
+        let w = state.angular_velocity;
+        let speed = sqrt(dot(v, v)) + sqrt(dot(w, w)) * body.radius;
+        // The bits of positive numbers are in their order.
+        atomicMax(&tally[t::FASTEST], bitcast<u32>(speed));
+    }
+}

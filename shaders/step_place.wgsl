@@ -1,0 +1,38 @@
+// BroadPhase of every other interval of a step with contacts: where the solver has put the bodies meanwhile.
+#import faceoff::arena::meshes
+#import faceoff::dispatch::group_index
+#import faceoff::margins::with_reach
+#import faceoff::placed::{position_of, rotation_of}
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(2) var<uniform> step: t::Step;
+@group(0) @binding(3) var<storage, read> states: array<s::BodyState>;
+@group(0) @binding(4) var<storage, read> movers: array<s::Mover>;
+@group(0) @binding(5) var<storage, read_write> bodies: array<t::Body>;
+@group(0) @binding(6) var<storage, read_write> counters: array<u32>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if i == 0u {
+        // What the triangle test found is meant for the beginning of the step, and stays.
+        counters[t::LEVELS] = 0u;
+        counters[t::LEVELS + 1u] = 0u;
+        counters[t::SPHERE_PAIRS] = 0u;
+        counters[t::APPROXIMATE] = 0u;
+        counters[t::SELECTED] = 0u;
+    }
+    if i >= step.bodies {
+        return;
+    }
+    var body = bodies[i];
+    let state = states[i];
+    if (movers[i].flags & s::MOVES) != 0u {
+        body.position = position_of(state, body.scale * meshes[body.mesh].center);
+        body.rotation = rotation_of(state);
+    }
+    body.linear_velocity = state.linear_velocity;
+    body.angular_velocity = state.angular_velocity;
+    bodies[i] = with_reach(step, body);
+}

@@ -1,0 +1,55 @@
+// ForceScan of a step with contacts, last: who touched whom. `stages/solver/touches.rs` explains it. A thread a pair.
+#import faceoff::dispatch::group_index
+#import faceoff::islands::TOUCH
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> step: t::Step;
+@group(0) @binding(1) var<storage, read> counters: array<u32>;
+@group(0) @binding(2) var<storage, read> pairs: array<s::SolverPair>;
+@group(0) @binding(3) var<storage, read> contact_points: array<t::ContactPoint>;
+@group(0) @binding(4) var<storage, read> points: array<s::PointState>;
+@group(0) @binding(5) var<storage, read> states: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read> shifts: array<s::Shift>;
+@group(0) @binding(7) var<storage, read_write> tally: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> touches: array<t::Touch>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if 2u * i >= counters[s::ENTRIES] {
+        return;
+    }
+    let pair = pairs[i];
+    if (pair.flags & s::VALID) == 0u || pair.count == 0u {
+        return;
+    }
+    var nearest = pair.first;
+    var impulse = 0.0;
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        if contact_points[k].separation < contact_points[nearest].separation {
+            nearest = k;
+        }
+        impulse += points[k].total + points[k].impulse + points[k].bounce;
+    }
+    let point = contact_points[nearest];
+    // What sleeps pushes unseen.
+    let asleep = states[pair.a].asleep != 0u || states[pair.b].asleep != 0u;
+    let near = pair.rest_offset * select(1.0, TOUCH, asleep);
+    if !(impulse > 0.0 || point.separation <= near) {
+        return;
+    }
+    if pair.b < step.bodies {
+        atomicAdd(&tally[t::TOUCHING_NOW], 1u);
+    }
+    let at = atomicAdd(&tally[t::TOUCHES], 1u);
+    if at >= step.touch_capacity {
+        return;
+    }
+    // As the interval began.
+    let center = states[pair.a].center + (states[pair.a].center_low - shifts[pair.a].moved);
+    let middle = center + (point.arm_a + point.normal * (0.5 * point.separation));
+    touches[at] = t::Touch(
+        middle, pair.a, point.normal, pair.b, point.separation, impulse, atomicLoad(&tally[t::INTERVALS]), 0u
+    );
+}

@@ -1,0 +1,115 @@
+//! Which body of a step was which in the step before.
+
+use crate::components::RigidBody;
+use crate::gpu::layout::{CARRIED_SLEEP, CONTINUES, WOKEN};
+use crate::stages::state::{Plane, StepState};
+use glam::Vec3;
+
+/// The bodies of the last step that was sent off, as far as others, or they themselves, sleep by it.
+#[derive(Clone, Debug, Default)]
+pub struct Lineage {
+    /// Ascending.
+    keys: Vec<u64>,
+    seen: Vec<Seen>,
+    planes: Vec<Plane>,
+    gravity: Vec3,
+}
+
+/// What of a body is not on the device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    mesh: u64,
+    kind: RigidBody,
+    scale: Vec3,
+    layers: [u32; 2],
+    sensor: bool,
+}
+
+/// How the bodies of a step follow from those of the step before.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Descent {
+    /// Of each body its number then, and what goes on, as `Body::carried` has it.
+    pub bodies: Vec<(u32, u32)>,
+    /// Of each body then, and each half-space after them, its number now; `u32::MAX` if it is gone.
+    pub renumbered: Vec<u32>,
+    /// Whether half-spaces are others.
+    pub new_ground: bool,
+}
+
+impl Lineage {
+    /// Nothing goes on into the next step.
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Whether nothing goes on.
+    pub fn is_empty(&self) -> bool {
+        self.keys.is_empty()
+    }
+
+    /// How the bodies of `state` follow from those of the last call.
+    pub fn follow(&mut self, state: &StepState) -> Descent {
+        let StepState {
+            bodies,
+            planes,
+            dynamics,
+            config,
+            ..
+        } = state;
+        let count = bodies.len();
+        let numbers: Vec<u64>;
+        let keys = if dynamics.keys.len() == count {
+            &dynamics.keys
+        } else {
+            numbers = (0..count as u64).collect();
+            &numbers
+        };
+        let seen: Vec<Seen> = (0..count).map(|i| Seen::new(state, i)).collect();
+        let mut descent = Descent {
+            bodies: vec![(0, 0); count],
+            renumbered: vec![u32::MAX; self.keys.len()],
+            new_ground: self.planes != *planes,
+        };
+        let (mut before, same_gravity) = (0, self.gravity == config.gravity);
+        for (i, &key) in keys.iter().enumerate() {
+            while self.keys.get(before).is_some_and(|&old| old < key) {
+                before += 1;
+            }
+            if self.keys.get(before) != Some(&key) {
+                continue;
+            }
+            descent.renumbered[before] = i as u32;
+            let handling = &bodies.handling[i];
+            let sleeps = handling.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
+            let mut carried = CONTINUES;
+            carried |= if sleeps && seen[i] == self.seen[before] { CARRIED_SLEEP } else { 0 };
+            carried |= if handling.woken { WOKEN } else { 0 };
+            descent.bodies[i] = (before as u32, carried);
+        }
+        if !self.keys.is_empty() {
+            let planes_then = self.planes.len() as u32;
+            let plane_now = |k| if k < planes.len() as u32 { count as u32 + k } else { u32::MAX };
+            descent.renumbered.extend((0..planes_then).map(plane_now));
+        }
+        *self = Self {
+            keys: keys.clone(),
+            seen,
+            planes: planes.clone(),
+            gravity: config.gravity,
+        };
+        descent
+    }
+}
+
+impl Seen {
+    fn new(state: &StepState, i: usize) -> Self {
+        let StepState { bodies, meshes, .. } = state;
+        Self {
+            mesh: meshes[bodies.mesh[i]].version,
+            kind: bodies.kind[i],
+            scale: bodies.scale[i],
+            layers: [bodies.layers[i].memberships, bodies.layers[i].filters],
+            sensor: bodies.sensor[i],
+        }
+    }
+}

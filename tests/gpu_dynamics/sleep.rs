@@ -1,0 +1,106 @@
+//! Who sleeps, and what goes on from step to step.
+
+use crate::world::{GAP, World};
+use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::geometry::shapes;
+use glam::{Quat, Vec3};
+
+/// Three cubes on each other, on a floor; they may sleep. Body 0 is the floor.
+fn stack() -> World {
+    let mut world = World::new();
+    world.state.config.solver.sleeping = true;
+    let cube = world.mesh(&shapes::cube(1.0));
+    world.floor(cube);
+    for i in 0..3 {
+        let at = Vec3::Y * (0.5 + GAP + (1.0 + GAP) * i as f32);
+        world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, Quat::IDENTITY);
+    }
+    world
+}
+
+fn asleep(world: &World) -> usize {
+    world.state.asleep.iter().filter(|&&asleep| asleep).count()
+}
+
+/// Lets all fall asleep; tells after how many steps.
+fn fall_asleep(world: &mut World) -> usize {
+    for step in 0..200 {
+        world.step();
+        if asleep(world) == 3 {
+            return step;
+        }
+    }
+    panic!("{} of 3 sleep", asleep(world));
+}
+
+pub fn falls_asleep_and_wakes() {
+    let mut world = stack();
+    let steps = fall_asleep(&mut world);
+    println!("asleep after {steps} steps");
+    assert!(steps > 30, "it takes half a second");
+    let before: Vec<_> = (1..4).map(|i| world.state.bodies.motion(i)).collect();
+    for _ in 0..20 {
+        world.step();
+        assert_eq!(asleep(&world), 3);
+    }
+    let after: Vec<_> = (1..4).map(|i| world.state.bodies.motion(i)).collect();
+    assert_eq!(before, after, "what sleeps does not move by a bit");
+
+    world.state.bodies.handling[3].forces.impulse = Vec3::X * 0.5;
+    world.step();
+    world.state.bodies.handling[3].forces.impulse = Vec3::ZERO;
+    assert_eq!(asleep(&world), 0, "a push wakes the island");
+    assert!(world.velocity(3).x > 0.01);
+
+    fall_asleep(&mut world);
+    world.state.bodies.handling[2].woken = true;
+    world.step();
+    world.state.bodies.handling[2].woken = false;
+    assert_eq!(asleep(&world), 0, "who is woken wakes the others");
+
+    fall_asleep(&mut world);
+    world.state.config.gravity = Vec3::NEG_Y * 5.0;
+    world.step();
+    assert_eq!(asleep(&world), 0, "another gravity wakes all");
+}
+
+pub fn wakes_when_ground_goes() {
+    let mut world = stack();
+    fall_asleep(&mut world);
+    // The floor stays where it touches, and is another one all the same.
+    world.state.bodies.position[0].x += 0.5;
+    world.place_frames();
+    world.step();
+    assert_eq!(asleep(&world), 0, "a ground that is elsewhere wakes those on it");
+    fall_asleep(&mut world);
+    world.state.bodies.position[0].y -= 5.0;
+    world.place_frames();
+    for _ in 0..10 {
+        world.step();
+    }
+    assert_eq!(asleep(&world), 0);
+    assert!(world.velocity(1).y < -1.0, "they fall");
+}
+
+/// Bodies in the middle go, others come: those that stay go on as they were.
+pub fn numbers_change() {
+    let mut world = stack();
+    world.state.dynamics.keys = vec![10, 20, 30, 40];
+    fall_asleep(&mut world);
+    // A body far away gets number 1, and all others a higher one.
+    let cube = world.state.bodies.mesh[0];
+    let old = std::mem::take(&mut world.state.bodies);
+    let kinds = [RigidBody::Static, RigidBody::Dynamic, RigidBody::Dynamic, RigidBody::Dynamic, RigidBody::Dynamic];
+    for (number, kind) in kinds.into_iter().enumerate() {
+        let was = [Some(0), None, Some(1), Some(2), Some(3)][number];
+        let (at, turn, scale) = was.map_or((Vec3::X * 9.0 + Vec3::Y * 9.0, Quat::IDENTITY, Vec3::ONE), |i| {
+            (old.position[i], old.rotation[i], old.scale[i])
+        });
+        world.add(kind, cube, scale, at, turn);
+    }
+    world.state.dynamics.keys = vec![10, 15, 20, 30, 40];
+    world.step();
+    assert_eq!(world.state.asleep, [false, false, true, true, true]);
+    assert!(world.velocity(1).y < 0.0, "the new one falls");
+    assert_eq!(world.state.bodies.position[4], old.position[3]);
+}
