@@ -1,6 +1,8 @@
 //! The state of a simulation, to go back to.
 
 use crate::components::{AngularVelocity, LinearVelocity, MeshCollider, Sleeping};
+#[cfg(feature = "gpu")]
+use crate::gpu::contacts::memory::DeviceMemory;
 use crate::stages::manifolds::Manifolds;
 use crate::stages::solver::step::Memory;
 use crate::stages::state::Motion;
@@ -22,6 +24,9 @@ pub struct Snapshot {
     manifolds: Manifolds,
     /// Those that slept, ascending.
     asleep: Vec<Entity>,
+    /// What a GPU keeps.
+    #[cfg(feature = "gpu")]
+    device: DeviceMemory,
 }
 
 impl Snapshot {
@@ -56,6 +61,8 @@ impl Snapshot {
             memory: step.state.dynamics.memory.clone(),
             manifolds: step.state.manifolds.clone(),
             asleep: Vec::new(),
+            #[cfg(feature = "gpu")]
+            device: step.device_memory(),
         };
         let mut sleepers = world.query::<(Entity, &Sleeping)>();
         let mut asleep: Vec<_> = (sleepers.iter(world))
@@ -89,6 +96,9 @@ impl Snapshot {
             }
         }
         if let Some(mut step) = world.get_resource_mut::<Step>() {
+            #[cfg(feature = "gpu")]
+            step.remember(&self.device);
+            #[cfg(not(feature = "gpu"))]
             step.forget();
             step.touching.clone_from(&self.touching);
             step.state.dynamics.memory.clone_from(&self.memory);

@@ -9,6 +9,7 @@ use super::buffers::{Buffers, Sizes, TooLarge};
 use super::contacts::input::SolverInput;
 use super::contacts::lineage::Lineage;
 use super::contacts::lists::StepRoom;
+use super::contacts::memory::DeviceMemory;
 use super::contacts::{self, Contacts};
 use super::device::{Gpu, NoGpu};
 use super::flight::Flight;
@@ -249,6 +250,40 @@ impl GpuStep {
         let words = read.inspect_err(|_| self.fail())?;
         let moved: &[layout::Moved] = bytemuck::cast_slice(&words);
         Ok(moved.iter().map(Motion::from).collect())
+    }
+
+    /// What the device remembers of the last step that was submitted, for which it waits; empty but with
+    /// [`Response::Contacts`].
+    ///
+    /// # Errors
+    /// As [`GpuStep::take`].
+    pub fn memory(&mut self) -> Result<DeviceMemory, StepError> {
+        let read = self.settle().and_then(|()| match &self.contacts {
+            Some(contacts) => {
+                let read = DeviceMemory::read(&self.gpu, &self.buffers, contacts, &self.lineage);
+                read.map_err(StepError::Device)
+            }
+            None => Ok(DeviceMemory::default()),
+        });
+        read.inspect_err(|_| self.fail())
+    }
+
+    /// Gives up all steps in flight and lets the next one go on from `memory`, or from nothing if that does not fit, as on
+    /// another device.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn remember(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
+        self.forget();
+        if let Some(contacts) = &self.contacts
+            && memory
+                .write(&self.gpu, &self.buffers, contacts)
+                .map_err(StepError::Device)
+                .inspect_err(|_| self.arena = Arena::default())?
+        {
+            self.lineage = memory.lineage.clone();
+        }
+        Ok(())
     }
 
     /// The poses on the device, to draw from.

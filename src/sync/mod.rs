@@ -10,6 +10,8 @@ use crate::asset::CollisionMesh;
 use crate::backend::Engine;
 use crate::components::RigidBody;
 #[cfg(feature = "gpu")]
+use crate::gpu::contacts::memory::DeviceMemory;
+#[cfg(feature = "gpu")]
 use crate::settings::LATENCY;
 use crate::settings::Response;
 use crate::stages::Stage;
@@ -158,6 +160,30 @@ impl Step {
                 self.engine.replace(&error);
                 self.latent.forget();
             }
+        }
+    }
+
+    /// What a device remembers of the last step.
+    #[cfg(feature = "gpu")]
+    pub fn device_memory(&mut self) -> DeviceMemory {
+        let Some(gpu) = self.engine.gpu_step() else {
+            return DeviceMemory::default();
+        };
+        gpu.memory().unwrap_or_else(|error| {
+            self.engine.replace(&error);
+            self.latent.forget();
+            DeviceMemory::default()
+        })
+    }
+
+    /// Drops what is on its way: bodies go on from where the components say, and a device from what it is to remember.
+    #[cfg(feature = "gpu")]
+    pub fn remember(&mut self, memory: &DeviceMemory) {
+        self.forget();
+        if let Some(gpu) = self.engine.gpu_step()
+            && let Err(error) = gpu.remember(memory)
+        {
+            self.engine.replace(&error);
         }
     }
 

@@ -7,7 +7,11 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+
+/// Whether apps that ask for nothing else run on a GPU.
+pub static ON_GPU: AtomicBool = AtomicBool::new(false);
 
 /// One fixed step, in seconds a power of two, so that times add up exactly.
 pub const STEP: Duration = Duration::from_nanos(15_625_000);
@@ -28,9 +32,10 @@ impl Sim {
     }
 
     pub fn with_threads(threads: usize) -> Self {
-        // What these tests expect to the last bit is the CPU's; a GPU has tests of its own.
+        // What most of these tests expect to the last bit is the CPU's.
+        let backend = if ON_GPU.load(Ordering::Relaxed) { Backend::Gpu } else { Backend::Cpu };
         Self::with_step(StepPlugin {
-            backend: Backend::Cpu,
+            backend,
             threads,
             ..default()
         })

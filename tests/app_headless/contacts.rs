@@ -24,8 +24,7 @@ fn asleep() -> (Sim, MeshCollider, Entity) {
     (sim, cube, body)
 }
 
-#[test]
-fn what_lies_still_falls_asleep_and_does_not_move_at_all() {
+pub fn what_lies_still_falls_asleep_and_does_not_move_at_all() {
     let (mut sim, _, body) = asleep();
     let before = sim.get::<Transform>(body);
     sim.step(100);
@@ -39,8 +38,7 @@ fn what_lies_still_falls_asleep_and_does_not_move_at_all() {
     );
 }
 
-#[test]
-fn a_sleeper_wakes_by_whatever_disturbs_it() {
+pub fn a_sleeper_wakes_by_whatever_disturbs_it() {
     let disturb: [(&str, fn(&mut Sim, &MeshCollider, Entity)); 9] = [
         ("an impulse", |sim, _, body| {
             let push = ExternalForces {
@@ -84,8 +82,7 @@ fn a_sleeper_wakes_by_whatever_disturbs_it() {
     }
 }
 
-#[test]
-fn a_sleeper_wakes_when_the_mesh_under_it_goes() {
+pub fn a_sleeper_wakes_when_the_mesh_under_it_goes() {
     let mut sim = Sim::new();
     sim.world().insert_resource(Gravity::default());
     let cube = sim.mesh(&shapes::cube(1.0));
@@ -108,8 +105,7 @@ fn a_sleeper_wakes_when_the_mesh_under_it_goes() {
     assert!(sim.velocity(above).y < -1.0 && sim.velocity(below).y < -1.0);
 }
 
-#[test]
-fn who_may_not_sleep_does_not() {
+pub fn who_may_not_sleep_does_not() {
     let (mut sim, cube) = on_the_ground();
     let body = sim.spawn((resting(&cube, Vec3::Y * 0.51), SleepingDisabled));
     sim.step(120);
@@ -122,8 +118,7 @@ fn who_may_not_sleep_does_not() {
     assert!(!sim.get::<Sleeping>(body).0);
 }
 
-#[test]
-fn collisions_hold_points_and_the_weight_on_them() {
+pub fn collisions_hold_points_and_the_weight_on_them() {
     let mut sim = Sim::new();
     sim.world().insert_resource(Gravity(Vec3::NEG_Y * 10.0));
     let cube = sim.mesh(&shapes::cube(1.0));
@@ -154,8 +149,7 @@ fn collisions_hold_points_and_the_weight_on_them() {
     assert!(manifolds.next().is_none());
 }
 
-#[test]
-fn without_response_there_are_points_too() {
+pub fn without_response_there_are_points_too() {
     let mut sim = Sim::new();
     sim.world().insert_resource(Response::None);
     let cube = sim.mesh(&shapes::cube(1.0));
@@ -176,8 +170,7 @@ fn without_response_there_are_points_too() {
     assert_eq!(sim.position(near), Vec3::X * 1.005);
 }
 
-#[test]
-fn friction_holds_or_lets_slide_by_the_rule_of_the_pair() {
+pub fn friction_holds_or_lets_slide_by_the_rule_of_the_pair() {
     for (coefficient, rule, slides) in [
         (0.0, CombineRule::Average, false),
         (0.0, CombineRule::Min, true),
@@ -205,8 +198,7 @@ fn friction_holds_or_lets_slide_by_the_rule_of_the_pair() {
     }
 }
 
-#[test]
-fn damping_limits_and_locks_hold() {
+pub fn damping_limits_and_locks_hold() {
     let mut sim = Sim::new();
     let cube = sim.mesh(&shapes::cube(1.0));
     let moving = |x: f32| {
@@ -229,8 +221,7 @@ fn damping_limits_and_locks_hold() {
     assert!(sim.get::<Transform>(locked).rotation.angle_between(Quat::IDENTITY) < 1e-6);
 }
 
-#[test]
-fn forces_go_on_and_impulses_act_once() {
+pub fn forces_go_on_and_impulses_act_once() {
     let mut sim = Sim::new();
     let cube = sim.mesh(&shapes::cube(1.0));
     let pushed = sim.spawn((resting(&cube, Vec3::ZERO), Mass(2.0)));
@@ -253,8 +244,7 @@ fn forces_go_on_and_impulses_act_once() {
     assert_near(sim.spin(turned), Vec3::Z * 3.0, 1e-3);
 }
 
-#[test]
-fn density_mass_and_inertia_decide_how_an_impulse_answers() {
+pub fn density_mass_and_inertia_decide_how_an_impulse_answers() {
     let mut sim = Sim::new();
     let cube = sim.mesh(&shapes::cube(2.0));
     let push = ExternalForces {
@@ -286,8 +276,7 @@ fn density_mass_and_inertia_decide_how_an_impulse_answers() {
     }
 }
 
-#[test]
-fn a_platform_that_moves_carries_what_stands_on_it() {
+pub fn a_platform_that_moves_carries_what_stands_on_it() {
     let (mut sim, cube) = on_the_ground();
     let platform = sim.spawn((
         RigidBody::Kinematic,
@@ -303,8 +292,7 @@ fn a_platform_that_moves_carries_what_stands_on_it() {
     assert!(!sim.get::<Sleeping>(rider).0, "what moves keeps awake");
 }
 
-#[test]
-fn a_bullet_flagged_so_does_not_pass_a_sheet() {
+pub fn a_bullet_flagged_so_does_not_pass_a_sheet() {
     for flagged in [true, false] {
         let mut sim = Sim::new();
         let (ball, cube) = (sim.mesh(&shapes::ball(0.05, 2)), sim.mesh(&shapes::cube(1.0)));
@@ -318,8 +306,7 @@ fn a_bullet_flagged_so_does_not_pass_a_sheet() {
     }
 }
 
-#[test]
-fn a_snapshot_of_a_pile_goes_on_to_the_bit() {
+pub fn a_snapshot_of_a_pile_goes_on_to_the_bit() {
     let (mut sim, cube) = on_the_ground();
     let bodies: Vec<_> = (0..8)
         .map(|i| {
@@ -350,8 +337,7 @@ fn a_snapshot_of_a_pile_goes_on_to_the_bit() {
     }
 }
 
-#[test]
-fn settings_and_components_that_cannot_be_used_are_told() {
+pub fn settings_and_components_that_cannot_be_used_are_told() {
     let (mut sim, cube) = on_the_ground();
     let body = sim.spawn(resting(&cube, Vec3::Y * 0.51));
     sim.world().resource_mut::<SolverSettings>().relaxation = f32::NAN;

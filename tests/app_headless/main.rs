@@ -11,3 +11,32 @@ mod meshes;
 mod motion;
 mod reports;
 mod response;
+
+/// `contacts` has no tests but functions: some of them are tests on a GPU too.
+macro_rules! tests_of_contacts {
+    ($($name:ident)*) => {
+        mod contacts_on_the_cpu {
+            $(#[test]
+            fn $name() {
+                super::contacts::$name();
+            })*
+        }
+    };
+}
+
+tests_of_contacts! {
+    what_lies_still_falls_asleep_and_does_not_move_at_all
+    a_sleeper_wakes_by_whatever_disturbs_it
+    a_sleeper_wakes_when_the_mesh_under_it_goes
+    who_may_not_sleep_does_not
+    collisions_hold_points_and_the_weight_on_them
+    without_response_there_are_points_too
+    friction_holds_or_lets_slide_by_the_rule_of_the_pair
+    damping_limits_and_locks_hold
+    forces_go_on_and_impulses_act_once
+    density_mass_and_inertia_decide_how_an_impulse_answers
+    a_platform_that_moves_carries_what_stands_on_it
+    a_bullet_flagged_so_does_not_pass_a_sheet
+    a_snapshot_of_a_pile_goes_on_to_the_bit
+    settings_and_components_that_cannot_be_used_are_told
+}

@@ -54,7 +54,7 @@ fn main() {
         what_bounces_once_bounces_as_on_the_cpu: parity::single_contact();
         a_pile_comes_to_rest_as_on_the_cpu: parity::pile();
         the_same_pairs_points_and_touches_are_told: parity::reports();
-        a_pile_moves_by_the_same_bits: assert!(same_bits::bits(1, 60) == same_bits::bits(1, 60));
+        a_pile_moves_by_the_same_bits: assert!(same_bits::bits(1, 90, 10) == same_bits::bits(1, 90, 10));
         a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
         what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
         nothing_is_carried_to_bodies_that_are_new: sleep::numbers_change();
@@ -65,10 +65,10 @@ fn main() {
         a_box_sticks_below_the_angle_of_friction: incline::sticks(3);
         a_box_slides_above_the_angle_of_friction: incline::slides(35.0);
         a_ball_rolls_down_a_mesh: assert!(incline::rolling_error(10.0, false, 1).abs() < 0.03);
-        a_squeezed_knot_keeps_angular_momentum_and_energy: spin::keeps_turning(Vec3::new(6.0, 0.5, 6.0), 10);
-        a_knot_that_spins_about_its_middle_axis_flips: assert!(spin::flips(spin::axes()[1], 20) >= 1);
+        a_squeezed_knot_keeps_angular_momentum_and_energy: spin::keeps_turning(Vec3::new(6.0, 0.5, 6.0), 5);
+        a_knot_that_spins_about_its_middle_axis_flips: assert!(spin::flips(spin::axes()[1], 12) >= 1);
         a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);
-        twenty_mixed_knots_keep_momentum_and_gain_no_energy: cloud::keeps_momentum(20, 100, true);
-        eight_knots_poured_into_a_bin_come_to_rest: pour::pour(8, 2.3, 4);
+        thirty_mixed_knots_keep_momentum_and_gain_no_energy: cloud::keeps_momentum(30, 120, true);
+        five_knots_poured_into_a_bin_come_to_rest: pour::pour(5, 2.3, 3);
     })
 }

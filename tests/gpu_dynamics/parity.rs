@@ -1,7 +1,6 @@
 //! The same scene on both sides.
 
 use crate::motion::Motion;
-use crate::same_bits;
 use crate::world::{World, any_turn, any_vector};
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
@@ -87,35 +86,48 @@ pub fn single_contact() {
             let mut world = World::weightless();
             let ball = world.mesh(&shapes::ball_320());
             bouncing(&mut world, ball, Vec3::ZERO, Vec3::X);
-            bouncing(&mut world, ball, Vec3::new(1.5, 0.2, 0.1), Vec3::NEG_X);
+            let other = bouncing(&mut world, ball, Vec3::new(1.5, 0.2, 0.1), Vec3::NEG_X);
+            // Turned as the first one their points would be equally deep, and the order of such is anybody's.
+            world.state.bodies.rotation[other] = Quat::from_rotation_z(1.1);
             world
         }),
     ];
     for (name, scene) in scenes {
         let mut worlds = both(scene);
         let (place, velocity) = second(&mut worlds);
-        let turned = worlds.each_ref().map(|world| world.velocity(0).to_string());
-        println!("{name}: {place:.1e} of the radius apart, {velocity:.1e} m/s; {turned:?}");
+        println!("{name}: {place:.1e} of the radius apart, {velocity:.1e} m/s");
         assert!(place < 1.0e-3, "{name}: {place}");
     }
 }
 
-fn bouncing(world: &mut World, mesh: u32, at: Vec3, velocity: Vec3) {
+fn bouncing(world: &mut World, mesh: u32, at: Vec3, velocity: Vec3) -> usize {
     world.put(&Body {
         linear_velocity: velocity,
         restitution: 0.5,
         ..Body::at_rest(mesh, at, Quat::from_rotation_x(0.3), Vec3::ONE)
-    });
+    })
 }
 
 /// Chaos parts the two; energy, momentum and heights stay alike.
 pub fn pile() {
     let mut worlds = both(|| {
-        let mut world = same_bits::pile();
-        world.state.bodies.restitution.fill(0.0);
+        let mut world = World::new();
+        let meshes = [
+            &shapes::cube(1.0),
+            &shapes::torus_240(),
+            &shapes::ring(),
+            &shapes::ball_320(),
+        ];
+        let meshes = meshes.map(|mesh| world.mesh(mesh));
+        world.floor(meshes[0]);
+        let mut random = fastrand::Rng::with_seed(21);
+        for i in 0..8 {
+            let at = Vec3::new(0.4 * (i % 2) as f32, 0.8 + 0.8 * (i / 2) as f32, 0.4 * (i % 3) as f32);
+            world.add(RigidBody::Dynamic, meshes[i % 4], Vec3::splat(0.7), at, any_turn(&mut random));
+        }
         world
     });
-    for _ in 0..64 * 5 {
+    for _ in 0..64 * 4 {
         worlds.iter_mut().for_each(World::step);
     }
     let [cpu, gpu] = worlds.each_ref().map(|world| {
@@ -134,7 +146,7 @@ pub fn pile() {
     });
     assert!((cpu.0 - gpu.0).abs() < 0.25 * cpu.0, "the pile is as high");
     for side in [cpu, gpu] {
-        assert!(side.1 > 0.05, "nothing sinks into the floor");
+        assert!(side.1 > 0.04, "nothing sinks into the floor");
         assert!(side.2 < 0.5, "it comes to rest");
         assert!(side.3 < 0.05, "little overlap");
     }
@@ -146,22 +158,18 @@ pub fn reports() {
         let mut world = World::new();
         let cube = world.mesh(&shapes::cube(1.0));
         let knot = world.mesh(&shapes::knot_1120());
-        world.floor(cube);
-        world.state.planes.push(Plane {
-            normal: Vec3::X,
-            distance: -1.0,
-            ..Plane::default()
-        });
+        world.add(RigidBody::Static, cube, Vec3::new(1.0, 4.0, 4.0), Vec3::X * 1.1, Quat::IDENTITY);
+        world.state.planes.push(Plane::default());
         let mut random = fastrand::Rng::with_seed(5);
         for i in 0..5 {
-            let at = Vec3::new(-0.35 + 0.1 * i as f32, 0.6 + 0.8 * i as f32, 0.0);
+            let at = Vec3::new(0.1 * i as f32 - 0.2, 0.6 + 0.8 * i as f32, 0.0);
             world.add(RigidBody::Dynamic, knot, Vec3::ONE, at, any_turn(&mut random));
         }
         world
     });
     let (mut pairs, mut planes, mut points) = (0, 0, 0);
     let (mut missed, mut impulses) = (0, [0.0f32; 2]);
-    for _ in 0..60 {
+    for _ in 0..80 {
         worlds.iter_mut().for_each(World::step);
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
         assert_eq!(cpu.intervals, gpu.intervals);
@@ -191,7 +199,7 @@ pub fn reports() {
     println!(
         "{pairs} pairs and {planes} on planes, {missed} on one side only; {points} points; impulses sum to {impulses:?} N s"
     );
-    assert!(pairs > 60 && planes > 10 && points > 500);
+    assert!(pairs > 40 && planes > 20 && points > 500);
     assert!(missed <= (pairs + planes) / 50, "{missed}");
     assert!((impulses[0] - impulses[1]).abs() < 0.02 * impulses[0]);
 }

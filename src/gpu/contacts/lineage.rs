@@ -6,7 +6,7 @@ use crate::stages::state::{Plane, StepState};
 use glam::Vec3;
 
 /// The bodies of the last step that was sent off, as far as others, or they themselves, sleep by it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lineage {
     /// Ascending.
     keys: Vec<u64>,
@@ -40,6 +40,11 @@ impl Lineage {
     /// Nothing goes on into the next step.
     pub fn forget(&mut self) {
         *self = Self::default();
+    }
+
+    /// How many bodies there were.
+    pub fn len(&self) -> usize {
+        self.keys.len()
     }
 
     /// Whether nothing goes on.

@@ -10,11 +10,13 @@
 //! | [`lists`] | the buffers between them |
 //! | [`lineage`] | which body of a step was which in the step before |
 //! | [`input`] | what a step is told |
+//! | [`memory`] | what outlives a step, for snapshots |
 
 pub mod input;
 pub mod kernels;
 pub mod lineage;
 pub mod lists;
+pub mod memory;
 
 use super::buffers::{Buffers, TooLarge};
 use super::device::Gpu;
