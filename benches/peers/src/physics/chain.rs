@@ -8,16 +8,17 @@ use std::f32::consts::FRAC_PI_2;
 
 const SECONDS: usize = 10;
 
-/// `count` rings, each through the next.
-pub fn cases(count: usize) -> Vec<Case> {
-    vec![Case {
+/// `count` rings, at least two, each through the next.
+pub fn case(count: usize) -> Case {
+    let count = count.max(2);
+    Case {
         name: format!("chain of {count} rings, {SECONDS} s"),
         quantity: "links that open; error of the length, mean over the last s",
         steps: SECONDS * HZ,
         other: Some(Engine::Parts),
         scenes: Box::new(move |_| vec![chain(count)]),
         judge: Box::new(judge),
-    }]
+    }
 }
 
 fn chain(count: usize) -> Scene {
@@ -74,4 +75,22 @@ fn linking(a: &State, b: &State) -> i32 {
     };
     // Above the plane between the two, below it elsewhere.
     passes(middle - half) - passes(middle + half)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_linking_number_tells_links_from_neighbours() {
+        let place = |i: usize, y: f64| State {
+            center: DVec3::Y * y,
+            rotation: chain(3).bodies[i].rotation.as_dquat(),
+            velocity: DVec3::ZERO,
+            spin: DVec3::ZERO,
+        };
+        assert_eq!(linking(&place(0, 0.0), &place(1, -0.74)).abs(), 1);
+        assert_eq!(linking(&place(0, 0.0), &place(2, -1.48)), 0);
+        assert_eq!(linking(&place(0, 0.0), &place(1, -0.89)), 0, "just out of it");
+    }
 }

@@ -31,8 +31,8 @@ const HZ: usize = 64;
 /// Sizes of the comparison of physics.
 #[derive(Args)]
 pub struct Options {
-    /// Compare how well bodies behave, in ours and in rapier3d, instead of times on the paper's scenes; a quarter of an hour,
-    /// or a few minutes with --quick. Of the other options --limit and --quick hold: --limit is for each case and engine.
+    /// Compare how well bodies behave, in ours and in rapier3d, instead of times on the paper's scenes; a few minutes,
+    /// or half a minute with --quick. Of the other options --limit and --quick hold: --limit is for each case and engine.
     #[arg(long)]
     pub physics: bool,
     /// Only cases whose names contain this.
@@ -44,12 +44,12 @@ pub struct Options {
     /// Knots in flight [default: 60, or 20 with --quick].
     #[arg(long)]
     flying: Option<usize>,
-    /// Rings of the chain [default: 10].
-    #[arg(long)]
-    rings: Option<usize>,
-    /// Knots poured into the bin [default: 40, or 12 with --quick].
-    #[arg(long)]
-    poured: Option<usize>,
+    /// Rings of each chain [default: 10,50, or 10 with --quick].
+    #[arg(long, value_delimiter = ',')]
+    rings: Option<Vec<usize>>,
+    /// Knots poured into each bin [default: 40,100, or 12 with --quick].
+    #[arg(long, value_delimiter = ',')]
+    poured: Option<Vec<usize>>,
 }
 
 /// A row of the table.
@@ -80,14 +80,18 @@ pub fn compare(options: &Options, quick: bool, limit: Duration) {
     let default = |long, short| if quick { short } else { long };
     let turns = options.turns.unwrap_or(default(12, 3)).max(1);
     let flying = options.flying.unwrap_or(default(60, 20)).max(2);
-    let poured = options.poured.unwrap_or(default(40, 12)).max(1);
+    let list = |given: &Option<Vec<usize>>, long: &[usize], short: usize| match given {
+        Some(given) => given.clone(),
+        None if quick => vec![short],
+        None => long.to_vec(),
+    };
     let mut cases = bounce::cases(turns);
     cases.extend(cloud::cases(flying));
     cases.extend(rest::cases());
     cases.extend(incline::cases(turns.div_ceil(2)));
     cases.extend(spin::cases());
-    cases.extend(chain::cases(options.rings.unwrap_or(10).max(2)));
-    cases.extend(pour::cases(poured));
+    cases.extend(list(&options.rings, &[10, 50], 10).into_iter().map(chain::case));
+    cases.extend(list(&options.poured, &[40, 100], 12).into_iter().map(pour::case));
     cases.retain(|case| case.name.contains(&options.case));
 
     let mut machine = Machine::here();

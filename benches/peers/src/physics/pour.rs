@@ -17,17 +17,17 @@ const SECONDS: usize = 8;
 const LOOK: usize = HZ;
 
 /// `count` knots.
-pub fn cases(count: usize) -> Vec<Case> {
+pub fn case(count: usize) -> Case {
     let name = format!("{count} knots poured into a bin, {SECONDS} s");
-    vec![Case {
+    Case {
         name,
-        quantity: "leave the bin; fastest at the end; pairs that overlap at the end, mean and deepest of them; deepest once a \
-                   second; depths in parts of the diameter",
+        quantity: "leave the bin; fastest at the end; pairs that overlap at the end, their mean depth and the deepest; the deepest \
+                   seen once a second on the way; depths in parts of the diameter",
         steps: SECONDS * HZ,
         other: Some(Engine::Parts),
         scenes: Box::new(move |_| vec![pour(count)]),
         judge: Box::new(judge),
-    }]
+    }
 }
 
 /// Room for all before they fall.
