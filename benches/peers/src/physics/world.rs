@@ -89,8 +89,8 @@ struct Runner {
     news: Receiver<Result<News, String>>,
 }
 
-/// Has each engine do so many steps of its own form of a scene, in turns. Each may take `limits` seconds, and what it took is
-/// taken from there.
+/// Has each engine do so many steps of its own form of a scene, in turns. Each may take as long as its limit says, which
+/// becomes shorter by what it took.
 pub fn run(contest: Vec<(Engine, Scene)>, steps: usize, limits: &mut [Duration]) -> Vec<Run> {
     let mut runners: Vec<Runner> = contest.into_iter().map(|(e, scene)| Runner::start(e, scene)).collect();
     // The one to build its shapes does so alone, too.
