@@ -51,7 +51,8 @@ impl Dispute {
     }
 }
 
-type Triangle = [DVec3; 3];
+/// Its corners.
+pub type Triangle = [DVec3; 3];
 
 fn triangles(scene: &Scene, body: usize) -> Vec<Triangle> {
     let pose = &scene.bodies[body].pose;
@@ -66,7 +67,7 @@ fn triangles(scene: &Scene, body: usize) -> Vec<Triangle> {
 }
 
 /// Whether an edge of one triangle pierces another, with `b` moved by `offset`.
-fn intersect(a: &[Triangle], b: &[Triangle], offset: DVec3) -> bool {
+pub fn intersect(a: &[Triangle], b: &[Triangle], offset: DVec3) -> bool {
     let bounds = |t: &Triangle| (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
     let a: Vec<_> = a.iter().map(|t| (*t, bounds(t))).collect();
     b.iter().any(|t| {
@@ -98,7 +99,7 @@ fn distance(a: &[Triangle], b: &[Triangle]) -> f64 {
 }
 
 /// The distance of a point from the inside of a triangle; infinite beside it.
-fn above(p: DVec3, t: &Triangle) -> f64 {
+pub fn above(p: DVec3, t: &Triangle) -> f64 {
     let normal = (t[1] - t[0]).cross(t[2] - t[0]);
     let inside = edges(t).all(|[u, v]| (v - u).cross(p - u).dot(normal) >= 0.0);
     if inside {
@@ -127,7 +128,8 @@ fn between([p, q]: [DVec3; 2], [u, v]: [DVec3; 2]) -> f64 {
     (p + d * s).distance(u + e * t)
 }
 
-fn edges(t: &Triangle) -> impl Iterator<Item = [DVec3; 2]> + use<> {
+/// From each corner to the next.
+pub fn edges(t: &Triangle) -> impl Iterator<Item = [DVec3; 2]> + use<> {
     let t = *t;
     (0..3).map(move |k| [t[k], t[(k + 1) % 3]])
 }

@@ -1,6 +1,8 @@
 //! bevy_faceoff beside parry3d, rapier3d and avian3d, on the paper's scenes:
 //! `cargo run --release --manifest-path benches/peers/Cargo.toml`.
 //!
+//! With `--physics` it compares how well bodies behave, in bevy_faceoff and in rapier3d.
+//!
 //! No first hit's time is printed unless the answers are the same, or a slow and independent test finds ours right
 //! where they differ; each difference is printed.
 
@@ -10,6 +12,7 @@ mod judge;
 mod narrow;
 mod ours;
 mod parry;
+mod physics;
 mod rapier;
 mod report;
 mod scene;
@@ -54,6 +57,8 @@ struct Options {
     /// Write all times and counts as JSON to this file.
     #[arg(long)]
     json: Option<PathBuf>,
+    #[command(flatten)]
+    physics: physics::Options,
     /// Be the process of an engine.
     #[arg(long, value_enum, hide = true)]
     serve: Option<Kind>,
@@ -80,6 +85,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rounds = options.rounds.unwrap_or(default(15, 3));
     let steps = options.steps.unwrap_or(default(64, 8));
     let limit = Duration::from_secs(options.limit.unwrap_or(default(180, 20) as u64));
+    if options.physics.physics {
+        physics::compare(&options.physics, options.quick, limit);
+        return Ok(());
+    }
     let engines: Vec<Kind> = [(Peer::Rapier, Kind::Rapier), (Peer::Avian, Kind::Avian)]
         .into_iter()
         .filter(|(peer, _)| options.only.contains(peer))

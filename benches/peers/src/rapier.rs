@@ -58,6 +58,7 @@ impl Engine for Rapier {
     }
 }
 
-fn vector(v: Vec3) -> Vector {
+/// The same in rapier's own kind.
+pub fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())
 }

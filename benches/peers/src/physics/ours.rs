@@ -1,0 +1,70 @@
+//! bevy_faceoff: contacts between meshes, on the CPU, by default settings but for sleep.
+
+use super::scene::Scene;
+use super::world::{State, World};
+use crate::scene::STEP;
+use bevy_faceoff::components::{Friction, RigidBody};
+use bevy_faceoff::settings::{Response, SolverSettings};
+use bevy_faceoff::stages::Stage;
+use bevy_faceoff::stages::state::{Body, Handling, StepConfig, StepState};
+
+/// The stages without an app.
+pub struct Faceoff(StepState);
+
+impl Faceoff {
+    /// A world that is ready for its first step.
+    pub fn new(scene: &Scene) -> Self {
+        let mut state = StepState::default();
+        state.config = StepConfig {
+            dt: STEP.as_secs_f32(),
+            gravity: scene.gravity,
+            response: Response::Contacts,
+            solver: SolverSettings {
+                sleeping: false,
+                ..SolverSettings::default()
+            },
+        };
+        for body in &scene.bodies {
+            let mesh = state.meshes.add(body.shape.mesh().clone());
+            let mass = body.mass();
+            let body = Body {
+                kind: if body.fixed {
+                    RigidBody::Static
+                } else {
+                    RigidBody::Dynamic
+                },
+                linear_velocity: body.velocity,
+                angular_velocity: body.spin,
+                mass: Some(mass.mass as f32),
+                inertia: Some(mass.inertia.as_mat3()),
+                restitution: body.restitution,
+                handling: Handling {
+                    friction: Friction::new(body.friction),
+                    ..Handling::default()
+                },
+                ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
+            };
+            state.bodies.push(&body, &state.meshes).expect("a usable body");
+        }
+        Self(state)
+    }
+}
+
+impl World for Faceoff {
+    fn step(&mut self) {
+        for stage in Stage::ALL {
+            stage.run_on_cpu(&mut self.0);
+        }
+    }
+
+    fn states(&self) -> Vec<State> {
+        let bodies = &self.0.bodies;
+        let states = (0..bodies.len()).map(|i| State {
+            center: bodies.frame[i].center,
+            rotation: bodies.rotation[i].as_dquat().normalize(),
+            velocity: bodies.linear_velocity[i].as_dvec3(),
+            spin: bodies.angular_velocity[i].as_dvec3(),
+        });
+        states.collect()
+    }
+}
