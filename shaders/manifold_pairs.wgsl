@@ -23,5 +23,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         contact_counters[t::MARGIN_PAIRS] = count;
     }
     let pair = near_pairs[values[i]];
-    margin_pairs[i] = t::MarginPair(pair.a, pair.b, margin_of(step, bodies[pair.a], bodies[pair.b]), 0u);
+    let a = bodies[pair.a];
+    let b = bodies[pair.b];
+    margin_pairs[i] = t::MarginPair(pair.a, pair.b, margin_of(step, a, b), a.still & b.still);
 }

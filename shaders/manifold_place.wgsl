@@ -34,7 +34,7 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     result.a = pair.a;
     result.b = pair.b;
     result.valid = 0u;
-    if pair.a == pair.b || max(pair.a, pair.b) >= limits.bodies {
+    if pair.still != 0u || pair.a == pair.b || max(pair.a, pair.b) >= limits.bodies {
         return result;
     }
     let a = bodies[pair.a];

@@ -34,7 +34,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let before = pairs_up_to(index, atomicLoad(&counters[t::MARGIN_PAIRS]));
     for (var k = 0u; k < limits.planes; k += 1u) {
         let slot = slot_of_plane(index, k, before, limits.planes);
-        let count = find(bodies[index], planes[k], thread);
+        var count = 0u;
+        if bodies[index].still == 0u || step.new_ground != 0u {
+            count = find(bodies[index], planes[k], thread);
+        }
         if thread == 0u {
             base = atomicAdd(&counters[t::STAGED_POINTS], count);
             let fits = base <= limits.staged_points && count <= limits.staged_points - base;

@@ -54,14 +54,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         state.linear_velocity = body.linear_velocity;
         state.angular_velocity = body.angular_velocity;
     }
+    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
     let goes_on = stays && (body.carried & t::CARRIED_SLEEP) != 0u;
-    if (body.flags & t::KIND_MASK) == t::STATIC {
+    if is_static {
         state.asleep = select(s::CHANGED, 0u, goes_on);
     } else if goes_on && (known.asleep == 0u || (body.carried & t::WOKEN) == 0u) {
         state.asleep = known.asleep;
         state.rest_time = known.rest_time;
         state.neighbours = known.neighbours;
     }
+    let rests = all(body.linear_velocity == vec3(0.0)) && all(body.angular_velocity == vec3(0.0));
+    body.still = u32(goes_on && (is_static || (state.asleep != 0u && rests)));
     // The sphere grows by what rounding its centre costs, four units in the last place.
     let place = abs(body.position);
     body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));

@@ -34,5 +34,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     body.linear_velocity = state.linear_velocity;
     body.angular_velocity = state.angular_velocity;
+    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
+    body.still &= u32(is_static || state.asleep != 0u);
+    body.source = i;
     bodies[i] = with_reach(step, body);
 }

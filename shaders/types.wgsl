@@ -21,8 +21,9 @@ struct Step {
     contact_margin: f32,
     // Bodies look as far as they move in this many seconds.
     look_ahead: f32,
-    padding_a: u32,
-    padding_b: u32,
+    // Not 0: half-spaces are not those of the last step.
+    new_ground: u32,
+    padding: u32,
 }
 
 // A body's input and state. A slot without a body has a radius of zero.
@@ -55,8 +56,10 @@ struct Body {
     reach: f32,
     // How far a point of it may move until it is looked at again, metres.
     travel: f32,
-    padding_a: u32,
-    padding_b: u32,
+    // Not 0: nothing about it has changed since it was last looked at, in which `source` was its number: it sleeps, or is
+    // static.
+    still: u32,
+    padding: u32,
 }
 
 // The pose is that of `moved[source]`; without it that which the host wrote.
@@ -318,7 +321,8 @@ struct MarginPair {
     b: u32,
     // Metres.
     margin: f32,
-    padding: u32,
+    // Not 0: both are still, and what was found last holds.
+    still: u32,
 }
 
 // How the bodies of such a pair lie to each other, and where in the lists its share is.

@@ -194,7 +194,8 @@ impl Engine {
         } else {
             let (thread, to_open) = (std::thread::Builder::new(), source.clone());
             let opening = thread.name("faceoff kernels".into());
-            match opening.spawn(move || to_open.open(software)) {
+            // What contacts need would hold up the first step if it were compiled then.
+            match opening.spawn(move || to_open.open(software).and_then(GpuStep::with_contacts)) {
                 Ok(opening) => self.opening = Some(opening),
                 Err(_) => self.opened(source.open(software)),
             }
@@ -270,7 +271,9 @@ impl Engine {
     /// Whether steps run on the CPU from now on, although there may be a device, and whether that is new.
     pub fn keep_on_cpu(&mut self, on_cpu: bool) -> bool {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
-            info_once!("there are bodies with ContinuousCollision, and steps run on the CPU: a GPU does not stop fast bodies");
+            info_once!(
+                "there are bodies with ContinuousCollision, and steps run on the CPU: a GPU does not stop fast bodies"
+            );
         }
         std::mem::replace(&mut self.on_cpu, on_cpu) != on_cpu
     }

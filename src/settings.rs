@@ -101,7 +101,8 @@ pub enum Reading {
     /// Every step waits for its results. For tests, tools and servers.
     Lockstep,
     /// Results are published [`LATENCY`] steps later, so that the GPU works while the app goes on; the same results, to the
-    /// bit, as those of `Lockstep` for the same input. Steps are never skipped: if results are late the step waits, which
+    /// bit, as those of `Lockstep` for the same input (with [`Response::Contacts`] if the steps have as many detection
+    /// intervals). Steps are never skipped: if results are late the step waits, which
     /// [`StepReport::waits`](crate::collisions::StepReport::waits) counts. How many steps a slow frame makes up for is
     /// limited by Bevy's `Time<Virtual>::max_delta`.
     ///
@@ -127,8 +128,8 @@ pub const LATENCY: usize = 2;
 #[reflect(Resource, Default, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Response {
-    /// Collisions are found and reported, with contact points on the CPU; nothing is pushed. Bodies move by their
-    /// velocities and gravity.
+    /// Collisions are found and reported, with contact points; nothing is pushed. Bodies move by their velocities and
+    /// gravity.
     None,
     /// One impulse per touching pair and step, against the closing speed, with the mean
     /// [`Restitution`](crate::components::Restitution): for swarms of thousands that bounce off each other, on CPU and GPU.
@@ -137,7 +138,9 @@ pub enum Response {
     /// Several points per pair, with friction, restitution, resting, stacking, interlocking and sleeping: see
     /// [`stages::solver`](crate::stages::solver), and [`SolverSettings`] for what can be set. All triangles take part, whatever the [`Culling`].
     ///
-    /// **Runs on the CPU**, also where the [`Backend`] is a GPU, whose step the kernels for it are not part of yet.
+    /// On a GPU too, but for steps with a [`ContinuousCollision`](crate::components::ContinuousCollision) body in the world,
+    /// which run on the CPU. With [`Reading::Latent`] and [`Reading::Resident`] the number of detection intervals of a step
+    /// follows from speeds of [`LATENCY`] steps before.
     #[default]
     Contacts,
 }

@@ -381,7 +381,7 @@ fn resident(_: &Gpu) {
     let (buffers, entities) = bevy_faceoff::plugin::poses(world).unwrap();
     let entities: Vec<Entity> = entities.collect();
     let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(words[k])));
-    let [stride_before, stride_after] = [32, 16];
+    let [stride_before, stride_after] = [36, 16];
     let before = read_words(gpu, buffers.previous, stride_before * entities.len()).unwrap();
     let after = read_words(gpu, buffers.current, stride_after * entities.len()).unwrap();
     assert_eq!(buffers.bodies as usize, entities.len());

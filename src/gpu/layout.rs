@@ -45,7 +45,7 @@ layout! {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
-        contact_margin: f32, look_ahead: f32, padding_a: u32, padding_b: u32,
+        contact_margin: f32, look_ahead: f32, new_ground: u32, padding: u32,
     }
     /// A body's input and state.
     Body {
@@ -57,7 +57,7 @@ layout! {
         inverse_inertia: Vec3, gravity_scale: f32,
         inverse_inertia_mixed: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
-        reach: f32, travel: f32, padding_a: u32, padding_b: u32,
+        reach: f32, travel: f32, still: u32, padding: u32,
     }
     /// A half-space.
     Plane {
@@ -136,7 +136,7 @@ layout! {
     }
     /// A pair of bodies whose contact points are wanted.
     MarginPair {
-        a: u32, b: u32, margin: f32, padding: u32,
+        a: u32, b: u32, margin: f32, still: u32,
     }
     /// How its bodies lie to each other, and where in the lists its share is.
     ContactSetting {

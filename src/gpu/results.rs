@@ -3,9 +3,9 @@
 use super::buffers::{Buffers, Sizes};
 use super::contacts::Contacts as ContactStep;
 use super::layout::{
-    APPROXIMATE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, FASTEST, HITS, Hit, Moved,
-    PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch,
-    Touching,
+    APPROXIMATE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, FASTEST, HITS,
+    Hit, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING,
+    TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use super::timer::{self, Timer};
 use super::upload::Input;
@@ -43,6 +43,8 @@ pub struct Output {
     pub manifolds: Manifolds,
     /// Of each body whether it sleeps; empty with [`Detail::Counts`].
     pub asleep: Vec<bool>,
+    /// Pairs of triangles near each other, in the interval that had most: what contact generation had to look at.
+    pub near_triangles: usize,
     /// Into how many detection intervals the step was cut.
     pub intervals: u32,
     /// How fast any point of a body moves after the step, m/s, with [`Response::Contacts`].
@@ -90,7 +92,8 @@ impl Parts {
         let hits = part(lists(sizes.hits), size_of::<Hit>());
         let planes = part(lists(sizes.plane_contacts), size_of::<PlaneContact>());
         let room = contacts.map(|contacts| contacts.room);
-        let [pairs, points, touched] = room.map_or([0; 3], |room| [room.contacts.pairs, room.contacts.points, room.touches]);
+        let [pairs, points, touched] =
+            room.map_or([0; 3], |room| [room.contacts.pairs, room.contacts.points, room.touches]);
         let tally = part(if room.is_some() { TALLIES } else { 0 }, 4);
         let found = part(if room.is_some() { CONTACT_COUNTERS } else { 0 }, 4);
         let contact_pairs = part(lists(pairs), size_of::<ContactPair>());
@@ -215,6 +218,7 @@ impl Raw {
                 contact_points: self.found,
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
+            near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
             intervals: input.intervals(),
             fastest: f32::from_bits(self.tally[FASTEST as usize]),
             ..Default::default()

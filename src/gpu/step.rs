@@ -142,6 +142,20 @@ impl GpuStep {
         }
     }
 
+    /// Compiles what only steps with contact points need, which takes some seconds, before the first one asks for it.
+    ///
+    /// # Errors
+    /// If the device cannot run it.
+    pub fn with_contacts(mut self) -> Result<Self, NoGpu> {
+        match self.want_contacts() {
+            Ok(()) => Ok(self),
+            Err(error) => Err(NoGpu::Failed {
+                adapter: self.gpu.info.name.clone(),
+                reason: error.to_string(),
+            }),
+        }
+    }
+
     /// Where it runs.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
@@ -419,7 +433,9 @@ impl GpuStep {
     fn lacks(&self, needed: Sizes, for_contacts: Option<StepRoom>) -> bool {
         let room = self.contacts.as_ref().map(|contacts| contacts.room);
         self.buffers.sizes.grown(needed) != self.buffers.sizes
-            || room.zip(for_contacts).is_some_and(|(room, needed)| room.grown(needed) != room)
+            || room
+                .zip(for_contacts)
+                .is_some_and(|(room, needed)| room.grown(needed) != room)
     }
 
     /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
@@ -545,7 +561,7 @@ impl GpuStep {
 /// Two poses of every body, in the order of the last step that was submitted; its results may not be known yet.
 #[derive(Clone, Copy, Debug)]
 pub struct Poses<'a> {
-    /// Before that step: an array of `Body` of `shaders/types.wgsl`, 128 bytes each, which begins with position, mesh and
+    /// Before that step: an array of `Body` of `shaders/types.wgsl`, 144 bytes each, which begins with position, mesh and
     /// rotation.
     pub previous: &'a Buffer,
     /// After it: an array of `Moved`, 64 bytes each, which begins with position, a word of padding and rotation.

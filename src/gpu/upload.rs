@@ -73,6 +73,7 @@ impl Input {
     pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
         self.step.dt = solver.dt();
         self.step.look_ahead = solver.look_ahead();
+        self.step.new_ground = solver.new_ground().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
             // Whoever continues has the same number there.

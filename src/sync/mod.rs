@@ -95,7 +95,10 @@ impl Step {
     /// The GPU does not stop fast bodies: with such ones the step runs on the CPU, from where the components say.
     pub fn choose_place(&mut self) {
         let stops = self.state.bodies.handling.iter().any(|handling| handling.continuous);
-        if self.engine.keep_on_cpu(stops && self.state.config.response == Response::Contacts) {
+        if self
+            .engine
+            .keep_on_cpu(stops && self.state.config.response == Response::Contacts)
+        {
             self.forget();
             self.state.dynamics.memory = Memory::default();
             self.state.manifolds = Manifolds::default();

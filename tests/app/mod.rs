@@ -33,7 +33,11 @@ impl Sim {
 
     pub fn with_threads(threads: usize) -> Self {
         // What most of these tests expect to the last bit is the CPU's.
-        let backend = if ON_GPU.load(Ordering::Relaxed) { Backend::Gpu } else { Backend::Cpu };
+        let backend = if ON_GPU.load(Ordering::Relaxed) {
+            Backend::Gpu
+        } else {
+            Backend::Cpu
+        };
         Self::with_step(StepPlugin {
             backend,
             threads,

@@ -59,7 +59,10 @@ pub fn sticks(seconds: u32) {
     let start = slope.world.center(cube);
     slope.world.seconds(seconds);
     let moved = slope.world.center(cube).distance(start);
-    println!("at {:.2} degrees: moved {moved:.6} m in {seconds} s", angle.to_degrees());
+    println!(
+        "at {:.2} degrees: moved {moved:.6} m in {seconds} s",
+        angle.to_degrees()
+    );
     assert!(moved < 0.01, "{moved}");
 }
 

@@ -123,7 +123,13 @@ pub fn pile() {
         let mut random = fastrand::Rng::with_seed(21);
         for i in 0..8 {
             let at = Vec3::new(0.4 * (i % 2) as f32, 0.8 + 0.8 * (i / 2) as f32, 0.4 * (i % 3) as f32);
-            world.add(RigidBody::Dynamic, meshes[i % 4], Vec3::splat(0.7), at, any_turn(&mut random));
+            world.add(
+                RigidBody::Dynamic,
+                meshes[i % 4],
+                Vec3::splat(0.7),
+                at,
+                any_turn(&mut random),
+            );
         }
         world
     });
@@ -158,7 +164,13 @@ pub fn reports() {
         let mut world = World::new();
         let cube = world.mesh(&shapes::cube(1.0));
         let knot = world.mesh(&shapes::knot_1120());
-        world.add(RigidBody::Static, cube, Vec3::new(1.0, 4.0, 4.0), Vec3::X * 1.1, Quat::IDENTITY);
+        world.add(
+            RigidBody::Static,
+            cube,
+            Vec3::new(1.0, 4.0, 4.0),
+            Vec3::X * 1.1,
+            Quat::IDENTITY,
+        );
         world.state.planes.push(Plane::default());
         let mut random = fastrand::Rng::with_seed(5);
         for i in 0..5 {

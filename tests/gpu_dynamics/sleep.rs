@@ -1,8 +1,9 @@
 //! Who sleeps, and what goes on from step to step.
 
-use crate::world::{GAP, World};
+use crate::world::{DEVICE, GAP, World};
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::gpu::results::Detail;
 use glam::{Quat, Vec3};
 
 /// Three cubes on each other, on a floor; they may sleep. Body 0 is the floor.
@@ -45,6 +46,16 @@ pub fn falls_asleep_and_wakes() {
     }
     let after: Vec<_> = (1..4).map(|i| world.state.bodies.motion(i)).collect();
     assert_eq!(before, after, "what sleeps does not move by a bit");
+    let points = world.state.manifolds.points.len();
+    assert!(points >= 12, "{points} points");
+    {
+        let mut device = DEVICE.lock().unwrap();
+        let device = device.as_mut().unwrap();
+        device.submit(&world.state, &[], Detail::All).unwrap();
+        let output = device.take().unwrap().unwrap();
+        assert_eq!(output.near_triangles, 0, "nobody looks at what sleeps");
+        assert_eq!(output.manifolds.points.len(), points, "which keeps its points");
+    }
 
     world.state.bodies.handling[3].forces.impulse = Vec3::X * 0.5;
     world.step();
@@ -90,7 +101,13 @@ pub fn numbers_change() {
     // A body far away gets number 1, and all others a higher one.
     let cube = world.state.bodies.mesh[0];
     let old = std::mem::take(&mut world.state.bodies);
-    let kinds = [RigidBody::Static, RigidBody::Dynamic, RigidBody::Dynamic, RigidBody::Dynamic, RigidBody::Dynamic];
+    let kinds = [
+        RigidBody::Static,
+        RigidBody::Dynamic,
+        RigidBody::Dynamic,
+        RigidBody::Dynamic,
+        RigidBody::Dynamic,
+    ];
     for (number, kind) in kinds.into_iter().enumerate() {
         let was = [Some(0), None, Some(1), Some(2), Some(3)][number];
         let (at, turn, scale) = was.map_or((Vec3::X * 9.0 + Vec3::Y * 9.0, Quat::IDENTITY, Vec3::ONE), |i| {

@@ -99,6 +99,11 @@ impl SolverInput {
         self.bodies.len() as u32
     }
 
+    /// Whether half-spaces are others.
+    pub fn new_ground(&self) -> bool {
+        self.descent.new_ground
+    }
+
     /// How many there were.
     pub fn old_bodies(&self) -> u32 {
         self.descent.renumbered.len() as u32

@@ -83,6 +83,25 @@ pub const PAIRS: Kernel = Kernel {
     ],
 };
 
+/// The points of pairs about which nothing has changed.
+pub const RECALL: Kernel = Kernel {
+    name: "manifolds/recall",
+    source: include_str!("../../../shaders/manifold_recall.wgsl"),
+    emit: false,
+    workgroup: 64,
+    bindings: &[
+        uniform(0, "step", "Step"),
+        uniform(1, "interval", "Interval"),
+        read(2, "bodies", "Body"),
+        write(3, "counters", "u32"),
+        write(4, "slots", "ContactPair"),
+        write(5, "staged", "ContactPoint"),
+        read(6, "contact_pairs", "ContactPair"),
+        read(7, "contact_points", "ContactPoint"),
+        read(8, "solver_counters", "u32"),
+    ],
+};
+
 /// How much there is.
 pub const TALLY: Kernel = Kernel {
     name: "manifolds/tally",
@@ -166,6 +185,6 @@ pub const KEEP: Kernel = Kernel {
 };
 
 /// All of them.
-pub const KERNELS: [&Kernel; 10] = [
-    &BEGIN, &PLACE, &KEYS, &ORDER, &PAIRS, &TALLY, &TOUCHES, &VERDICT, &FINISH, &KEEP,
+pub const KERNELS: [&Kernel; 11] = [
+    &BEGIN, &PLACE, &KEYS, &ORDER, &PAIRS, &RECALL, &TALLY, &TOUCHES, &VERDICT, &FINISH, &KEEP,
 ];

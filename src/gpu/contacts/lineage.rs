@@ -87,13 +87,23 @@ impl Lineage {
             let handling = &bodies.handling[i];
             let sleeps = handling.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
             let mut carried = CONTINUES;
-            carried |= if sleeps && seen[i] == self.seen[before] { CARRIED_SLEEP } else { 0 };
+            carried |= if sleeps && seen[i] == self.seen[before] {
+                CARRIED_SLEEP
+            } else {
+                0
+            };
             carried |= if handling.woken { WOKEN } else { 0 };
             descent.bodies[i] = (before as u32, carried);
         }
         if !self.keys.is_empty() {
             let planes_then = self.planes.len() as u32;
-            let plane_now = |k| if k < planes.len() as u32 { count as u32 + k } else { u32::MAX };
+            let plane_now = |k| {
+                if k < planes.len() as u32 {
+                    count as u32 + k
+                } else {
+                    u32::MAX
+                }
+            };
             descent.renumbered.extend((0..planes_then).map(plane_now));
         }
         *self = Self {

@@ -2,7 +2,7 @@
 
 use crate::gpu::buffers::{TooLarge, check, grow, make};
 use crate::gpu::device::Gpu;
-use crate::gpu::layout::{TALLIES, Touch};
+use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
 use crate::stages::manifolds::gpu::ContactSizes;
 use crate::stages::solver::gpu::layout::{
     BodyForces, BodyState, COUNTERS, Interval, KeptPair, KeptPoint, SLOTS, SolverBody,
@@ -95,11 +95,22 @@ lists! {
     kept_pairs: "pairs kept between steps", KeptPair, NONE, |r| r.contacts.pairs;
     /// Of points.
     kept_points: "points kept between steps", KeptPoint, NONE, |r| r.contacts.points;
+    /// What contact generation found last.
+    last_pairs: "contact pairs of the last step", ContactPair, NONE, |r| r.contacts.pairs;
+    /// The points.
+    last_points: "contact points of the last step", ContactPoint, NONE, |r| r.contacts.points;
 }
 
 impl StepLists {
     /// What outlives a step.
-    pub fn memory(&self) -> [&Buffer; 4] {
-        [&self.settled, &self.kept_counters, &self.kept_pairs, &self.kept_points]
+    pub fn memory(&self) -> [&Buffer; 6] {
+        [
+            &self.settled,
+            &self.kept_counters,
+            &self.kept_pairs,
+            &self.kept_points,
+            &self.last_pairs,
+            &self.last_points,
+        ]
     }
 }

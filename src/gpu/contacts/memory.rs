@@ -4,7 +4,7 @@ use super::Contacts;
 use super::lineage::Lineage;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::device::Gpu;
-use crate::gpu::layout::Moved;
+use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::gpu::readback::{read_words, scoped};
 use crate::stages::solver::gpu::layout::{BodyState, COUNTERS, KeptPair, KeptPoint, PAIRS, POINTS};
 use bytemuck::cast_slice;
@@ -19,6 +19,8 @@ pub struct DeviceMemory {
     counters: Vec<u32>,
     pairs: Vec<u32>,
     points: Vec<u32>,
+    last_pairs: Vec<u32>,
+    last_points: Vec<u32>,
 }
 
 impl DeviceMemory {
@@ -41,6 +43,8 @@ impl DeviceMemory {
             settled: read(&lists.settled, bodies, size_of::<BodyState>())?,
             pairs: read(&lists.kept_pairs, pairs, size_of::<KeptPair>())?,
             points: read(&lists.kept_points, points, size_of::<KeptPoint>())?,
+            last_pairs: read(&lists.last_pairs, pairs, size_of::<ContactPair>())?,
+            last_points: read(&lists.last_points, points, size_of::<ContactPoint>())?,
             counters,
         })
     }
@@ -57,8 +61,13 @@ impl DeviceMemory {
             (&lists.kept_counters, &self.counters),
             (&lists.kept_pairs, &self.pairs),
             (&lists.kept_points, &self.points),
+            (&lists.last_pairs, &self.last_pairs),
+            (&lists.last_points, &self.last_points),
         ];
-        if parts.iter().any(|(buffer, words)| buffer.size() < 4 * words.len() as u64) {
+        if parts
+            .iter()
+            .any(|(buffer, words)| buffer.size() < 4 * words.len() as u64)
+        {
             return Ok(false);
         }
         scoped(gpu, || {

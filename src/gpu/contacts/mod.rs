@@ -21,12 +21,13 @@ pub mod memory;
 use super::buffers::{Buffers, TooLarge};
 use super::device::Gpu;
 use super::kernel::{Builder, Groups, Kernel, Kernels, Program};
+use super::layout;
 use super::layout::{
-    GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_SORT_BLOCK, NOTHING, PAIRS as PAIR_COUNT, ContactLimits,
+    ContactLimits, GROUPS_PER_64_PAIRS, GROUPS_PER_64_SLOTS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_SORT_BLOCK, NOTHING,
+    PAIRS as PAIR_COUNT,
 };
 use super::radix_sort::Sort;
 use super::timer::Timer;
-use super::layout;
 use crate::settings::Response;
 use crate::stages::manifolds::gpu::{self as manifolds, ContactBuffers, ContactSizes, Shared};
 use crate::stages::solver::gpu::layout::{self as solver_layout, GROUPS_PER_64_PAIRS as SOLVER_PAIRS};
@@ -150,9 +151,7 @@ impl Contacts {
     /// Calls of all stages for one interval, with contacts.
     pub fn dispatches(&self) -> [usize; Stage::COUNT] {
         let solve = self.solve.values().next();
-        Stage::ALL.map(|stage| {
-            self.first.len(stage) + solve.map_or(0, |solve| solve.len(stage)) + self.last.len(stage)
-        })
+        Stage::ALL.map(|stage| self.first.len(stage) + solve.map_or(0, |solve| solve.len(stage)) + self.last.len(stage))
     }
 
     /// Writes how long the lists are, for so many bodies and half-spaces.
@@ -163,7 +162,13 @@ impl Contacts {
     }
 
     /// Records a step without contacts' response, whose contact points are wanted all the same.
-    pub fn record_detection(&self, encoder: &mut CommandEncoder, buffers: &Buffers, bodies: u32, timer: Option<&Timer>) {
+    pub fn record_detection(
+        &self,
+        encoder: &mut CommandEncoder,
+        buffers: &Buffers,
+        bodies: u32,
+        timer: Option<&Timer>,
+    ) {
         encoder.clear_buffer(&self.lists.tally, 0, None);
         encoder.clear_buffer(&self.contacts.counters, 0, None);
         for stage in Stage::ALL {
@@ -204,6 +209,8 @@ impl Contacts {
             (&lists.kept_counters, &solver.counters),
             (&lists.kept_pairs, &solver.kept_pairs),
             (&lists.kept_points, &solver.kept_points),
+            (&lists.last_pairs, &self.contacts.contact_pairs),
+            (&lists.last_points, &self.contacts.contact_points),
         ] {
             copy_all(encoder, from, to);
         }
@@ -262,7 +269,7 @@ impl Recorder<'_> {
         let b = self.buffers;
         builder.stage(Stage::BroadPhase);
         broad_phase::gpu::record(builder, b);
-        self.find(builder, true);
+        self.find(builder, true, false);
         builder.stage(Stage::ForceScan);
         force_scan::gpu::record(builder, b);
         builder.stage(Stage::Integrate);
@@ -275,18 +282,33 @@ impl Recorder<'_> {
         let per_body = Groups::PerBodies(64);
         builder.stage(Stage::BroadPhase);
         if first {
-            let begin = [&b.meshes, &b.step, &b.moved, &l.settled, &l.arrivals, &b.bodies, &l.states];
+            let begin = [
+                &b.meshes,
+                &b.step,
+                &b.moved,
+                &l.settled,
+                &l.arrivals,
+                &b.bodies,
+                &l.states,
+            ];
             builder.call(&BEGIN, &begin, per_body);
         } else {
-            let place = [&b.meshes, &b.step, &l.states, &self.solver.movers, &b.bodies, &b.counters];
+            let place = [
+                &b.meshes,
+                &b.step,
+                &l.states,
+                &self.solver.movers,
+                &b.bodies,
+                &b.counters,
+            ];
             builder.call(&PLACE, &place, per_body);
         }
         broad_phase::gpu::record_search(builder, b);
-        self.find(builder, first);
+        self.find(builder, first, true);
     }
 
     /// From pairs of spheres to contact points.
-    fn find(&self, builder: &mut Builder, with_triangles: bool) {
+    fn find(&self, builder: &mut Builder, with_triangles: bool, some_are_still: bool) {
         let (b, c) = (self.buffers, self.contacts);
         builder.stage(Stage::Angles);
         angles::gpu::record(builder, b);
@@ -303,7 +325,23 @@ impl Recorder<'_> {
             meshes: &b.meshes,
             words: &b.words,
         };
-        manifolds::record(builder, shared, c);
+        manifolds::record_points(builder, shared, c);
+        if some_are_still {
+            let s = self.solver;
+            let recall = [
+                &b.step,
+                &s.interval,
+                &b.bodies,
+                &c.counters,
+                &c.slots,
+                &c.staged,
+                &c.contact_pairs,
+                &c.contact_points,
+                &s.counters,
+            ];
+            builder.call(&RECALL, &recall, Groups::Indirect(GROUPS_PER_64_SLOTS));
+        }
+        manifolds::record_lists(builder, c);
         let tally = [&b.step, &c.counters, &self.lists.tally, &b.status, &b.counters];
         builder.call(&TALLY, &tally, Groups::Exactly(1));
     }
@@ -338,7 +376,15 @@ impl Recorder<'_> {
             at = 1 - at;
         }
         let [_, values] = sides[at];
-        let pairs = [&b.step, &b.counters, &b.bodies, &b.near_pairs, values, &c.margin_pairs, &c.counters];
+        let pairs = [
+            &b.step,
+            &b.counters,
+            &b.bodies,
+            &b.near_pairs,
+            values,
+            &c.margin_pairs,
+            &c.counters,
+        ];
         builder.call(&PAIRS, &pairs, per_pair);
     }
 
@@ -374,7 +420,7 @@ impl Recorder<'_> {
     }
 
     fn last(&self, builder: &mut Builder) {
-        let (b, l, s) = (self.buffers, self.lists, self.solver);
+        let (b, c, l, s) = (self.buffers, self.contacts, self.lists, self.solver);
         builder.stage(Stage::Integrate);
         let verdict = [&b.step, &l.tally, &b.status, &b.counters];
         builder.call(&VERDICT, &verdict, Groups::Exactly(1));
@@ -392,7 +438,13 @@ impl Recorder<'_> {
         builder.call(&FINISH, &finish, Groups::PerBodies(64));
         let room = &s.room;
         for (counter, count, bytes, from, to) in [
-            (NOTHING, 1, 4 * solver_layout::COUNTERS as usize, &s.counters, &l.kept_counters),
+            (
+                NOTHING,
+                1,
+                4 * solver_layout::COUNTERS as usize,
+                &s.counters,
+                &l.kept_counters,
+            ),
             (
                 solver_layout::PAIRS,
                 room.pairs,
@@ -406,6 +458,20 @@ impl Recorder<'_> {
                 size_of::<solver_layout::KeptPoint>(),
                 &s.kept_points,
                 &l.kept_points,
+            ),
+            (
+                solver_layout::PAIRS,
+                room.pairs,
+                size_of::<layout::ContactPair>(),
+                &c.contact_pairs,
+                &l.last_pairs,
+            ),
+            (
+                solver_layout::POINTS,
+                room.points,
+                size_of::<layout::ContactPoint>(),
+                &c.contact_points,
+                &l.last_points,
             ),
         ] {
             let quads = bytes as u32 / 16;

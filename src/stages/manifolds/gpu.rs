@@ -31,5 +31,5 @@ mod kernels;
 mod run;
 
 pub use buffers::{ContactBuffers, ContactSizes};
-pub use kernels::{KERNELS, Shared, record};
+pub use kernels::{KERNELS, Shared, record, record_lists, record_points};
 pub use run::GpuManifolds;

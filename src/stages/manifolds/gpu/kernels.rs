@@ -229,6 +229,12 @@ pub struct Shared<'b> {
 
 /// Adds the calls. They must run with the arguments of `b`, for as many bodies as `b.limits` says.
 pub fn record(builder: &mut Builder, shared: Shared, b: &ContactBuffers) {
+    record_points(builder, shared, b);
+    record_lists(builder, b);
+}
+
+/// Adds those that find points, in any order.
+pub fn record_points(builder: &mut Builder, shared: Shared, b: &ContactBuffers) {
     let Shared {
         step,
         bodies,
@@ -238,7 +244,6 @@ pub fn record(builder: &mut Builder, shared: Shared, b: &ContactBuffers) {
     } = shared;
     let (limits, counters, settings, features) = (&b.limits, &b.counters, &b.settings, &b.features);
     let per_pair = Groups::Indirect(GROUPS_PER_MARGIN_PAIR);
-    let per_slots = Groups::Indirect(GROUPS_PER_64_SLOTS);
     builder.call(&ARGUMENTS, &[limits, counters, &b.arguments], Groups::Exactly(1));
     builder.call(
         &PLACE,
@@ -303,6 +308,12 @@ pub fn record(builder: &mut Builder, shared: Shared, b: &ContactBuffers) {
         ],
         Groups::PerBodies(1),
     );
+}
+
+/// Adds those that put them in order.
+pub fn record_lists(builder: &mut Builder, b: &ContactBuffers) {
+    let (limits, counters) = (&b.limits, &b.counters);
+    let per_slots = Groups::Indirect(GROUPS_PER_64_SLOTS);
     builder.call(
         &COUNTS,
         &[counters, &b.slots, &b.pair_places, &b.point_places],

@@ -98,7 +98,7 @@ impl GpuManifolds {
             a: pair.bodies[0],
             b: pair.bodies[1],
             margin: pair.margin,
-            padding: 0,
+            still: 0,
         };
         let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
         let count = pairs.len() as u32;
