@@ -1,7 +1,7 @@
 //! Results of the last step, to read.
 
 use crate::stages::Stage;
-use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{ManifoldPoint, Manifolds};
 use crate::stages::state::{Contact, Contacts, FacePair, TouchingPair};
 use bevy::prelude::*;
 use std::time::Duration;
@@ -40,7 +40,7 @@ pub struct Collision<'a> {
     /// Empty where the two only lie on each other, with the gap that bodies at rest keep, or sleep.
     pub faces: &'a [FacePair],
     /// The points at which they pushed each other last in the step. Empty with
-    /// [`Response::Impulse`](crate::settings::Response), for sensors, and on a GPU.
+    /// [`Response::Impulse`](crate::settings::Response), and for sensors.
     pub points: &'a [ManifoldPoint],
     /// How strongly they pushed each other along the normals of their points, over the whole step, newton seconds: a weight at
     /// rest gives its weight times the length of the step. 0 unless the response is
@@ -93,15 +93,13 @@ impl Collisions {
     }
 
     fn points(&self, bodies: [u32; 2]) -> &[ManifoldPoint] {
-        let place = |pair: &Manifold| (pair.bodies[1] >= self.entities.len() as u32, pair.bodies);
-        let found = self.manifolds.pairs.binary_search_by_key(&(false, bodies), place);
-        found.map_or(&[], |at| self.manifolds.points_of(&self.manifolds.pairs[at]))
+        self.manifolds.find(bodies, self.entities.len() as u32)
     }
 
     /// The contact points of all pairs whose surfaces came nearer than the contact margin
     /// ([`SolverSettings::contact_margin`](crate::settings::SolverSettings::contact_margin)), whether they touch or not: what
     /// a solver of your own needs. Ascending, pairs of bodies first, then bodies, as the first, with planes. Sensors have
-    /// none, and there are none with [`Response::Impulse`](crate::settings::Response) and on a GPU.
+    /// none, and there are none with [`Response::Impulse`](crate::settings::Response).
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {
             let bodies = self.entities.len();

@@ -11,7 +11,7 @@ use super::timer::{self, Timer};
 use super::upload::Input;
 use crate::settings::Response;
 use crate::stages::Stage;
-use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds, place};
 use crate::stages::solver::touches::Touches;
 use crate::stages::state::{self, Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
 use bytemuck::Pod;
@@ -230,8 +230,10 @@ impl Raw {
         put_planes(&mut output.contacts, self.planes);
         output.motions = self.moved.iter().map(Motion::from).collect();
         output.asleep = self.moved.iter().map(|moved| moved.asleep != 0).collect();
+        let mut pairs: Vec<_> = self.contact_pairs.iter().map(Manifold::from).collect();
+        pairs.sort_by_key(|pair| place(pair.bodies, input.len()));
         output.manifolds = Manifolds {
-            pairs: self.contact_pairs.iter().map(Manifold::from).collect(),
+            pairs,
             points: self.contact_points.iter().map(ManifoldPoint::from).collect(),
         };
         if input.response == Response::Contacts {

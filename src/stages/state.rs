@@ -287,6 +287,8 @@ pub struct NearPair {
     pub a_below: f32,
     /// Which triangles of `a` and of `b` take part.
     pub views: [View; 2],
+    /// How near the surfaces must come for contact points to be found, metres.
+    pub margin: f32,
 }
 
 /// Which triangles of one end of a pair take part in the test.

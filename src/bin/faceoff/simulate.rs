@@ -70,7 +70,7 @@ enum ResponseChoice {
     None,
     /// An impulse for each touching pair.
     Impulse,
-    /// Contact points with friction, on which bodies rest; on the CPU.
+    /// Contact points with friction, on which bodies rest.
     Contacts,
 }
 

@@ -57,6 +57,7 @@ fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f32) -> Opt
         b_above: f32::NEG_INFINITY,
         a_below: f32::INFINITY,
         views: [View::All; 2],
+        margin,
     };
     let mut best_overlap = f32::INFINITY;
     // The nearest point known of `a` minus `b`, at first from centre to centre.

@@ -34,7 +34,7 @@ pub struct ManifoldPoint {
 /// The contact points of all pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Manifolds {
-    /// Ascending by bodies.
+    /// Ascending by bodies; those with half-spaces come last.
     pub pairs: Vec<Manifold>,
     /// One pair's after the other's.
     pub points: Vec<ManifoldPoint>,
@@ -47,9 +47,29 @@ impl Manifolds {
         self.points.clone_from(&others.points);
     }
 
+    /// The points of these bodies, which are in order; none if there are none. Half-spaces have the numbers from
+    /// `planes_from` on.
+    pub(crate) fn find(&self, bodies: [u32; 2], planes_from: u32) -> &[ManifoldPoint] {
+        let wanted = place(bodies, planes_from);
+        let found = self
+            .pairs
+            .binary_search_by_key(&wanted, |pair| place(pair.bodies, planes_from));
+        found.map_or(&[], |at| self.points_of(&self.pairs[at]))
+    }
+
     /// The points of one of [`Manifolds::pairs`].
     pub fn points_of(&self, pair: &Manifold) -> &[ManifoldPoint] {
         let first = pair.first_point as usize;
         &self.points[first..first + pair.point_count as usize]
     }
+}
+
+/// Where a pair stands in the order of pairs: those with half-spaces, which are numbered from `planes_from` on, come last.
+pub(crate) fn place(bodies: [u32; 2], planes_from: u32) -> (bool, [u32; 2]) {
+    (bodies[1] >= planes_from, bodies)
+}
+
+/// Where the surfaces are nearest to each other, or overlap most.
+pub(crate) fn nearest(points: &[ManifoldPoint]) -> Option<&ManifoldPoint> {
+    points.iter().min_by(|p, q| p.separation.total_cmp(&q.separation))
 }

@@ -31,6 +31,7 @@ pub mod margins;
 pub(super) mod step;
 
 pub use manifold::{Manifold, ManifoldPoint, Manifolds};
+pub(crate) use manifold::{nearest, place};
 
 /// How many points a pair has at most. With four a stack creeps by centimetres, with eight rings get into each other by
 /// some percent of their size.

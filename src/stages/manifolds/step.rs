@@ -1,9 +1,9 @@
 //! Contact generation as a stage of a step.
 
 use super::cpu::{self, planes};
-use super::{Manifolds, MarginPair};
+use super::{Manifolds, MarginPair, place};
 use crate::settings::Response;
-use crate::stages::state::{Bodies, StepConfig, StepState};
+use crate::stages::state::{Bodies, NearPair, StepState};
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -34,18 +34,17 @@ pub fn run(state: &mut StepState) {
     }
     let is_awake = |pair| !dynamics.is_still(pair);
     scratch.pairs.clear();
-    for pair in near_pairs.iter().map(|pair| pair.bodies) {
+    for &NearPair {
+        bodies: pair, margin, ..
+    } in near_pairs.iter()
+    {
         if push_each_other(bodies, pair) && is_awake(pair) {
-            let margin = dynamics.margins.of_pair(bodies, config, pair);
             scratch.pairs.push(MarginPair { bodies: pair, margin });
         }
     }
     let found = &mut scratch.found;
     cpu::run(bodies, meshes, &scratch.pairs, &mut scratch.meshes, found);
-    let interval = StepConfig {
-        dt: config.dt / dynamics.intervals() as f32,
-        ..*config
-    };
+    let interval = dynamics.interval(config);
     planes::find(bodies, meshes, planes, &interval, is_awake, &mut scratch.planes, found);
     if dynamics.has_still() {
         std::mem::swap(manifolds, &mut scratch.before);
@@ -81,7 +80,7 @@ fn join(
         .iter()
         .map(|pair| (pair.bodies, found.points_of(pair)))
         .peekable();
-    let place = |[a, b]: [u32; 2]| (b >= planes_from, a, b);
+    let place = |bodies| place(bodies, planes_from);
     loop {
         let kept_first = match (kept.peek(), found.peek()) {
             (Some((kept, _)), Some((found, _))) => place(*kept) < place(*found),

@@ -75,6 +75,14 @@ impl Dynamics {
         self.intervals.max(1)
     }
 
+    /// What holds for all bodies in a detection interval.
+    pub(crate) fn interval(&self, config: &StepConfig) -> StepConfig {
+        StepConfig {
+            dt: config.dt / self.intervals() as f32,
+            ..*config
+        }
+    }
+
     /// Whether nothing about a pair can have changed since the last interval: both sleep, or one does and the other is
     /// fixed.
     pub(crate) fn is_still(&self, [a, b]: [u32; 2]) -> bool {
@@ -117,7 +125,7 @@ pub(crate) fn begin(state: &mut StepState) {
             dynamics.read(bodies, meshes, planes, config.gravity);
             dynamics.intervals = config.solver.detections(&dynamics.bodies, config.dt);
             Margins::Moving {
-                interval: config.dt / dynamics.intervals as f32,
+                interval: dynamics.interval(config).dt,
             }
         }
     };
@@ -134,10 +142,9 @@ pub(crate) fn solve(state: &mut StepState) {
         dynamics,
         ..
     } = state;
-    let intervals = dynamics.intervals();
     let interval = Interval {
-        dt: config.dt / intervals as f32,
-        substeps: config.solver.substeps_per_detection(intervals),
+        dt: dynamics.interval(config).dt,
+        substeps: config.solver.substeps_per_detection(dynamics.intervals()),
         gravity: config.gravity,
     };
     let settings = &config.solver;
@@ -188,10 +195,7 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         dynamics,
         ..
     } = state;
-    let interval = StepConfig {
-        dt: config.dt / dynamics.intervals() as f32,
-        ..*config
-    };
+    let interval = dynamics.interval(config);
     let Dynamics {
         bodies: moved, stops, ..
     } = dynamics;

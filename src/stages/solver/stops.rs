@@ -2,7 +2,7 @@
 
 use super::SolverBodies;
 use crate::stages::continuous::{ClampScratch, Pose, Sweep, clamp};
-use crate::stages::manifolds::{ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{Manifolds, nearest};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, StepConfig};
 use std::f64::consts::TAU;
@@ -68,7 +68,7 @@ impl Stops {
             SLACK * interval.solver.rest_offset * 2.0 * a.min(b)
         };
         let overlap = |pair: [u32; 2]| {
-            nearest(manifolds, bodies.len() as u32, pair).is_some_and(|point| point.separation < -slack(pair))
+            nearest(manifolds.find(pair, bodies.len() as u32)).is_some_and(|point| point.separation < -slack(pair))
         };
         solid_pairs.extend(pairs.iter().copied().filter(matters).filter(|&pair| !overlap(pair)));
         if solid_pairs.is_empty() {
@@ -97,7 +97,13 @@ impl Stops {
         }
         // Who cannot move at all has been stopped ever nearer, and gets the room back without which it could never be.
         for &pair in solid_pairs.iter() {
-            let Some(point) = nearest(manifolds, bodies.len() as u32, pair) else {
+            if !pair
+                .iter()
+                .any(|&i| continuous[i as usize] && fractions[i as usize] == 0.0)
+            {
+                continue;
+            }
+            let Some(point) = nearest(manifolds.find(pair, bodies.len() as u32)) else {
                 continue;
             };
             let room = (slack(pair) - point.separation).max(0.0) * point.normal;
@@ -108,17 +114,6 @@ impl Stops {
             }
         }
     }
-}
-
-/// Where two of so many bodies are nearest to each other, or overlap most.
-fn nearest(manifolds: &Manifolds, bodies: u32, pair: [u32; 2]) -> Option<&ManifoldPoint> {
-    // Pairs with planes, which are none of these, come after all others.
-    let meshes_end = manifolds.pairs.partition_point(|manifold| manifold.bodies[1] < bodies);
-    let at = manifolds.pairs[..meshes_end]
-        .binary_search_by_key(&pair, |manifold| manifold.bodies)
-        .ok()?;
-    let points = manifolds.points_of(&manifolds.pairs[at]).iter();
-    points.min_by(|p, q| p.separation.total_cmp(&q.separation))
 }
 
 /// How a body went from where it was to where it is now.

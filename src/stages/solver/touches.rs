@@ -3,7 +3,7 @@
 use super::SolverBodies;
 use super::settings::SolverSettings;
 use super::sleep::TOUCH;
-use crate::stages::manifolds::{ManifoldPoint, Manifolds};
+use crate::stages::manifolds::{ManifoldPoint, Manifolds, nearest, place};
 use crate::stages::state::{Bodies, Contact, Contacts, PlaneContact, TouchingPair};
 
 /// The pairs that touched so far in a step: that pushed each other, or lay nearer than bodies at rest do.
@@ -43,8 +43,7 @@ impl Touches {
         for pair in &manifolds.pairs {
             let first = pair.first_point as usize;
             let impulse = (first..first + pair.point_count as usize).map(&impulse_of).sum();
-            let points = manifolds.points_of(pair).iter();
-            let Some(nearest) = points.min_by(|p, q| p.separation.total_cmp(&q.separation)) else {
+            let Some(nearest) = nearest(manifolds.points_of(pair)) else {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
@@ -87,7 +86,7 @@ impl Touches {
     pub fn tell(&mut self, planes_from: u32, contacts: &mut Contacts) {
         let Self { all, pairs, planes } = self;
         // Stable: each pair's stay in the order of intervals.
-        all.sort_by_key(|touch| (touch.bodies[1] >= planes_from, touch.bodies));
+        all.sort_by_key(|touch| place(touch.bodies, planes_from));
         let meshes_end = all.partition_point(|touch| touch.bodies[1] < planes_from);
 
         pairs.clear();
