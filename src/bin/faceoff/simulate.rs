@@ -126,8 +126,9 @@ struct StepRecord {
     contact_points: usize,
     intervals: u32,
     sleeping: usize,
+    /// Only where it is written: it costs a look at every body.
     #[serde(flatten)]
-    mechanics: Mechanics,
+    mechanics: Option<Mechanics>,
 }
 
 #[derive(Serialize)]
@@ -215,7 +216,7 @@ pub fn run(options: &Options) -> Outcome {
         {
             frames::save(app.world_mut(), &framing, step, folder)?;
         }
-        let mechanics = Mechanics::of(app.world_mut());
+        let mechanics = options.json.is_some().then(|| Mechanics::of(app.world_mut()));
         steps.push(StepRecord::new(app.world().resource::<StepReport>(), mechanics));
         progress.inc(1);
     }
@@ -282,7 +283,7 @@ fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
 }
 
 impl StepRecord {
-    fn new(report: &StepReport, mechanics: Mechanics) -> Self {
+    fn new(report: &StepReport, mechanics: Option<Mechanics>) -> Self {
         let ms = |stage| report.time(stage).as_secs_f64() * 1e3;
         Self {
             step: report.step,
