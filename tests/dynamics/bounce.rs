@@ -79,15 +79,12 @@ fn balls_leave_each_other_by_their_restitution() {
                     split((world.velocity(1) - world.velocity(0)).as_dvec3(), normal)
                 })
                 .collect();
-            // 3 % is wanted for all. Normals stand still for an interval, in which balls that meet off their centres turn
-            // about each other by up to 0.03 radians. With six intervals per step it is 2.3 % at most.
-            let bound = if sideways == 0.0 { 0.03 } else { 0.06 };
             check(
                 &format!("ball on ball, {sideways} m off"),
                 restitution,
                 incoming,
                 &outgoing,
-                bound,
+                0.03,
             );
         }
     }
