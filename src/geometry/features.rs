@@ -311,6 +311,31 @@ mod tests {
     }
 
     #[test]
+    fn what_is_round_all_ways_has_normals_from_its_centre() {
+        let ball = MeshFeatures::of(&shapes::ball(2.0, 4));
+        for (p, normal) in ball.vertices.iter().zip(&ball.round_normals) {
+            assert!(p.normalize().distance(*normal) < 0.01, "{p} {normal}");
+        }
+        assert!(ball.curvature.iter().all(|c| (0.43..0.56).contains(c)));
+        assert!(ball.vertex_roundness.iter().all(|r| (1.7..2.2).contains(r)));
+        // Facets, creases, and the inside of a ring are not.
+        let none = |mesh: &TriMesh| MeshFeatures::of(mesh).curvature.iter().all(|c| *c == 0.0);
+        assert!(none(&shapes::ball(2.0, 2)) && none(&shapes::cube(1.0)));
+        let ring = shapes::torus(96, 48, 0.7, 0.3);
+        let features = MeshFeatures::of(&ring);
+        for (t, &curvature) in features.curvature.iter().enumerate() {
+            let outside = ring.corners(t).iter().all(|p| p.truncate().length() > 0.75);
+            assert_eq!(curvature > 0.0, outside, "{t}: {curvature}");
+        }
+        assert!(
+            MeshFeatures::of(&shapes::cube(1.0))
+                .vertex_roundness
+                .iter()
+                .all(|r| *r == 0.0)
+        );
+    }
+
+    #[test]
     fn an_edge_of_three_triangles_has_no_owner() {
         let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Y];
         let fins = TriMesh::new(points.to_vec(), vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]]).unwrap();
