@@ -86,7 +86,10 @@ fn measured(pair: s::SolverPair, k: u32) -> s::PointState {
         // of touching.
         if shape.turn > 0.0 && point.largest == 0.0 && point.impulse == 0.0 {
             let way = shape.normal + shape.turn * shifted;
-            point.normal = way / sqrt(dot(way, way));
+            let square = dot(way, way);
+            if square > 0.0 {
+                point.normal = way / sqrt(square);
+            }
         }
         point.separation = shape.first_separation + dot(point.normal, shifted);
         if shape.turn > 0.0 {

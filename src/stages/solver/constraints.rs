@@ -303,12 +303,13 @@ impl Point {
         }
     }
 
-    /// Turns the normal of round surfaces that have not touched yet, as balls do that pass each other: it is that at the
-    /// moment of touching along which they push. `offset` is how far the second one's centre of curvature has moved, seen from the
+    /// Turns the normal of round surfaces that have not touched yet as that of balls that pass each other: they push along
+    /// that at the moment of touching. `offset` is how far the second one's centre of curvature has moved, seen from the
     /// first one's.
     pub fn turn_with(&mut self, offset: Vec3A) {
         if self.turn > 0.0 && self.largest == 0.0 && self.impulse == 0.0 {
-            self.rows = rows((self.first_normal + self.turn * offset).normalize().into());
+            let way = self.first_normal + self.turn * offset;
+            self.rows = rows(way.normalize_or(self.first_normal).into());
         }
     }
 

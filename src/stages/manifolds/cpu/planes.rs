@@ -181,9 +181,8 @@ fn manifold(
     })
 }
 
-/// Picks vertices: the lowest one, then always that farthest from those picked. The first half
-/// comes from those as low as the lowest, on which the body stands; the others tell what it will roll onto. Ends with
-/// `usize::MAX` if there are fewer.
+/// Picks vertices: the lowest one, then always that farthest from those picked. The first half comes from those as low as the
+/// lowest, on which the body stands; the others tell what it will roll onto. Ends with `usize::MAX` if there are fewer.
 fn choose(vertices: &[Low], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
     let lowest = vertices

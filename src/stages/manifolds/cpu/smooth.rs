@@ -2,7 +2,7 @@
 //!
 //! A finely cut ball that rolls touches with one corner after the other, and each pushes ahead of the centre until the next
 //! detection: the ball would be slowed down by as much as if it had facets of the length of its way in an interval. And balls
-//! that meet off their centres would be thrown along the normal of that facet which comes first, which is not any.
+//! that meet off their centres would be thrown along the normals of the facets that lie most across their way, which come first.
 
 use super::feature::Feature;
 use super::side::Side;
@@ -22,7 +22,7 @@ pub struct Touch {
     pub turn: f64,
 }
 
-/// `roundness` is that of the surfaces.
+/// How they touch at a feature where they are as round as `roundness` says.
 pub fn touch(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Touch {
     as_balls(sides, feature, roundness).unwrap_or_else(|| {
         let slide = feature.vertex.and_then(|(side, vertex)| {
@@ -67,8 +67,8 @@ fn as_balls(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Option
     })
 }
 
-/// From a vertex at `arm` from the centre of mass to where the smooth surface around it has the normal `out`; nothing if there is no
-/// such surface. At the vertex it lies along `normal`, which may be zero.
+/// From a vertex at `arm` from the centre of mass to where the smooth surface around it has the normal `out`; nothing if there
+/// is no such surface. At the vertex its normal lies along `normal`, which may be zero.
 pub fn slide_of_vertex(normal: DVec3, arm: DVec3, out: DVec3, roundness: f64) -> Option<DVec3> {
     let normal = normal.try_normalize()?;
     let is_near = normal.dot(out) > 0.0 && normal.cross(out).length_squared() <= SMOOTH * SMOOTH;
