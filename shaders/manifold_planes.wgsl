@@ -3,7 +3,9 @@
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::contact_slots::slot_of_plane
 #import faceoff::dispatch::group_index
-#import faceoff::math::{conjugate, rotate}
+#import faceoff::math::{conjugate, direction, norm1, rotate}
+#import faceoff::sides
+#import faceoff::smooth
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
@@ -23,6 +25,7 @@ const MARGIN: f32 = 0.01;
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_vertex: array<u32, 64>;
 var<workgroup> chosen: array<vec3<f32>, 8>;
+var<workgroup> chosen_numbers: array<u32, 8>;
 var<workgroup> base: u32;
 
 @compute @workgroup_size(64)
@@ -46,7 +49,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         workgroupBarrier();
         if base != t::NOTHING && thread < count {
-            staged[base + thread] = point(bodies[index], planes[k], chosen[thread]);
+            staged[base + thread] = point(bodies[index], planes[k], chosen[thread], chosen_numbers[thread]);
         }
         workgroupBarrier();
     }
@@ -106,6 +109,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     }
     if thread == 0u {
         chosen[0] = vector(vertices + 3u * last);
+        chosen_numbers[0] = last;
     }
     workgroupBarrier();
     let level = 2.0 * LEVEL * body.radius;
@@ -137,6 +141,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
             }
             if thread == 0u {
                 chosen[count] = vector(vertices + 3u * last);
+                chosen_numbers[count] = last;
             }
             workgroupBarrier();
             count += 1u;
@@ -172,18 +177,31 @@ fn greatest(value: f32, number: u32, thread: u32) {
     }
 }
 
-fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>) -> t::ContactPoint {
+fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>, number: u32) -> t::ContactPoint {
     let height = height_of(body, plane);
     let own = rotate(body.rotation, body.scale * meshes[body.mesh].center);
-    let arm = rotate(body.rotation, body.scale * vertex);
     let separation = dot(vertex, body.scale * rotate(conjugate(body.rotation), plane.normal)) + height;
+    // Not the vertex touches but the smooth surface around it.
+    let round = sides::round_of(meshes[body.mesh].features, number);
+    let own_normal = rotate(body.rotation, direction(vector(round) / body.scale));
+    var roundness = bitcast<f32>(words[round + 3u]);
+    if roundness < t::FLAT_ROUNDNESS {
+        roundness *= norm1(body.scale) / 3.0;
+    }
+    var arm = rotate(body.rotation, body.scale * vertex);
+    if smooth::is_smooth(own_normal, -plane.normal, roundness) {
+        arm += smooth::slide(own_normal, arm, -plane.normal, roundness);
+    } else {
+        // A corner turns with the body until it touches.
+        roundness = 0.0;
+    }
     var result: t::ContactPoint;
     result.arm_a = arm;
     // From the plane's point nearest to the world's origin.
     result.arm_b = (body.position - plane.normal * plane.distance) + (own + arm - plane.normal * separation);
     result.normal = -plane.normal;
     result.separation = separation;
-    result.roundness_a = 0.0;
+    result.roundness_a = roundness;
     result.roundness_b = t::FLAT_ROUNDNESS;
     result.face_a = t::NOTHING;
     result.face_b = t::NOTHING;

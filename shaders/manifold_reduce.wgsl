@@ -5,7 +5,7 @@
 #import faceoff::dispatch::group_index
 #import faceoff::math::{norm1, rotate}
 #import faceoff::sides
-#import faceoff::smooth::slide
+#import faceoff::smooth
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
@@ -148,28 +148,17 @@ fn greatest(value: f32, place: u32, thread: u32) {
 fn point(setting: t::ContactSetting, feature: t::Feature) -> t::ContactPoint {
     let a = sides::first(setting);
     let b = sides::second(setting);
-    let normal = rotate(setting.rotation, feature.normal);
     var result: t::ContactPoint;
-    result.normal = normal / sqrt(dot(normal, normal));
     result.separation = feature.separation / setting.unit;
     result.roundness_a = roundness_of(a, feature.a, feature.vertex, setting.unit);
     result.roundness_b = roundness_of(b, feature.b, feature.vertex, setting.unit);
-    var way = vec3(0.0);
-    if feature.vertex != t::NOTHING {
-        let of_second = (feature.vertex & t::OF_SECOND) != 0u;
-        let round = select(result.roundness_a, result.roundness_b, of_second);
-        if round > 0.0 && round < t::FLAT_ROUNDNESS {
-            var own = a;
-            var out = feature.normal;
-            if of_second {
-                own = b;
-                out = -out;
-            }
-            way = slide(own, feature.vertex & ~t::OF_SECOND, out, round * setting.unit);
-        }
-    }
-    result.arm_a = rotate(setting.rotation, feature.point_a + way - a.center) / setting.unit;
-    result.arm_b = rotate(setting.rotation, feature.point_b + way - b.center) / setting.unit;
+    let roundness = vec2(result.roundness_a, result.roundness_b) * setting.unit;
+    let touch = smooth::touch_of(a, b, feature, roundness);
+    let normal = rotate(setting.rotation, touch.normal);
+    result.normal = normal / sqrt(dot(normal, normal));
+    result.arm_a = rotate(setting.rotation, feature.point_a + touch.slide_a - a.center) / setting.unit;
+    result.arm_b = rotate(setting.rotation, feature.point_b + touch.slide_b - b.center) / setting.unit;
+    result.turn = touch.turn * setting.unit;
     result.face_a = sides::face(a, feature.a);
     result.face_b = sides::face(b, feature.b);
     return result;

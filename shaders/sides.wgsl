@@ -103,6 +103,16 @@ fn vertex(side: Side, number: u32) -> vec3<f32> {
     return place(side, vector(side.features + words[side.features + 1u] + 3u * number));
 }
 
+// The normal of the smooth surface at a vertex; zero if it has none.
+fn round_normal(side: Side, number: u32) -> vec3<f32> {
+    return side.rotation * direction(vector(round_of(side.features, number)) / side.scale);
+}
+
+// Where normal and roundness of a vertex lie among the words of a mesh whose features start there.
+fn round_of(features: u32, number: u32) -> u32 {
+    return features + words[features + 6u] + 4u * number;
+}
+
 // Where the vertices' neighbours start among the words, and where they end.
 fn neighbors(side: Side, number: u32) -> vec2<u32> {
     let at = side.features + words[side.features + 2u] + number;
@@ -140,6 +150,20 @@ fn owned(side: Side, number: u32) -> u32 {
 
 fn roundness(side: Side, number: u32) -> f32 {
     return bitcast<f32>(words[record(side, number) + 13u]);
+}
+
+// The largest radius of curvature that the surface has in any direction at a triangle; `FLAT_ROUNDNESS` or more if it is not
+// round all ways.
+fn flattest(side: Side, number: u32) -> f32 {
+    let curvature = bitcast<f32>(words[record(side, number) + 15u]);
+    if !(curvature > 0.0) {
+        return t::FLAT_ROUNDNESS;
+    }
+    let scale = abs(side.scale);
+    let longest = max(scale.x, max(scale.y, scale.z));
+    let shortest = min(scale.x, min(scale.y, scale.z));
+    // Of a ball squeezed to an ellipsoid the flattest place has the radius `longest^2 / shortest`.
+    return longest * (longest / shortest) / curvature;
 }
 
 fn face(side: Side, number: u32) -> u32 {

@@ -1,54 +1,92 @@
 #define_import_path faceoff::smooth
 
-// Where a round surface touches of which a mesh has only corners. `src/stages/manifolds/cpu/smooth.rs` says why.
+// How round surfaces touch of which a mesh has only corners and facets. `src/stages/manifolds/cpu/smooth.rs` says why.
 
-#import faceoff::arena::words
+#import faceoff::math::direction
 #import faceoff::sides
 #import faceoff::types as t
 
 // How far, as a sine, the normal at a vertex may differ from a contact's.
 const SMOOTH: f32 = 0.1;
 
-// From where a feature with a vertex of `side` touches to where the smooth surface around the vertex does. `out` is the
-// feature's normal away from the side, `roundness` the surface's.
-fn slide(side: sides::Side, number: u32, out: vec3<f32>, roundness: f32) -> vec3<f32> {
-    let corner = sides::vertex(side, number);
-    let inward = toward_center(side, number, corner);
-    let square = dot(inward, inward);
-    let along = -dot(inward, out);
-    if !(square > 0.0 && along > 0.0) {
-        return vec3(0.0);
-    }
-    let across = (-inward - out * along) / sqrt(square);
-    if dot(across, across) > SMOOTH * SMOOTH {
-        return vec3(0.0);
-    }
-    // No farther round than to beside the centre of mass, as the solver takes it.
-    let inside = max(dot(corner - side.center, out), 0.0);
-    return -across * min(roundness, inside);
+// How the smooth surfaces touch at a feature.
+struct Touch {
+    // From the first body to the second.
+    normal: vec3<f32>,
+    // How fast it turns as the surfaces slide along each other: radians by length.
+    turn: f32,
+    // From where each body touches to where its smooth surface does, across the normal.
+    slide_a: vec3<f32>,
+    slide_b: vec3<f32>,
 }
 
-// Along the way from a vertex to the centre of the sphere that fits it and its neighbours best; zero if none does.
-fn toward_center(side: sides::Side, number: u32, corner: vec3<f32>) -> vec3<f32> {
-    var x = vec3(0.0);
-    var y = vec3(0.0);
-    var z = vec3(0.0);
-    var sum = vec3(0.0);
-    let range = sides::neighbors(side, number);
-    for (var n = range.x; n < range.y; n++) {
-        // From a point of a sphere to its centre `c` and another point `e`: 2 c . e = e . e.
-        let edge = sides::vertex(side, words[n]) - corner;
-        let square = dot(edge, edge);
-        if square > 0.0 {
-            x += edge * (edge.x / square);
-            y += edge * (edge.y / square);
-            z += edge * (edge.z / square);
+// With the roundness of the first body's surface and of the second's.
+fn touch_of(a: sides::Side, b: sides::Side, feature: t::Feature, roundness: vec2<f32>) -> Touch {
+    var result: Touch;
+    result.normal = feature.normal;
+    let radius_a = sides::flattest(a, feature.a);
+    let radius_b = sides::flattest(b, feature.b);
+    if radius_a < t::FLAT_ROUNDNESS && radius_b < t::FLAT_ROUNDNESS {
+        // Round all ways: they touch between the centres of the balls that they are there.
+        let normal_a = normal_at(a, feature.a, feature.point_a);
+        let normal_b = normal_at(b, feature.b, feature.point_b);
+        // Two facets lie between the normals at two points.
+        let least = 1.0 - 2.0 * SMOOTH * SMOOTH;
+        if dot(normal_a, feature.normal) >= least && -dot(normal_b, feature.normal) >= least {
+            let gap = max(feature.separation, 0.0);
+            result.normal = direction(normal_a * radius_a - normal_b * radius_b + feature.normal * gap);
+            result.turn = 1.0 / (radius_a + radius_b + gap);
+            result.slide_a = slide(normal_a, feature.point_a - a.center, result.normal, roundness.x);
+            result.slide_b = slide(normal_b, feature.point_b - b.center, -result.normal, roundness.y);
+            return result;
         }
-        sum += edge;
     }
-    // The inverse of a symmetric matrix but for its determinant, which is positive.
-    if dot(x, cross(y, z)) <= 0.0 {
-        return vec3(0.0);
+    if feature.vertex == t::NOTHING {
+        return result;
     }
-    return vec3(dot(cross(y, z), sum), dot(cross(z, x), sum), dot(cross(x, y), sum));
+    let number = feature.vertex & ~t::OF_SECOND;
+    var way = vec3(0.0);
+    if (feature.vertex & t::OF_SECOND) == 0u {
+        let normal = sides::round_normal(a, number);
+        if is_smooth(normal, feature.normal, roundness.x) {
+            way = slide(normal, feature.point_a - a.center, feature.normal, roundness.x);
+        }
+    } else {
+        let normal = sides::round_normal(b, number);
+        if is_smooth(normal, -feature.normal, roundness.y) {
+            way = slide(normal, feature.point_b - b.center, -feature.normal, roundness.y);
+        }
+    }
+    // Along the other body's face.
+    result.slide_a = way;
+    result.slide_b = way;
+    return result;
+}
+
+// Whether there is a smooth surface of this roundness around a vertex, where it has this normal or none, that has the normal
+// `out` near it.
+fn is_smooth(normal: vec3<f32>, out: vec3<f32>, roundness: f32) -> bool {
+    let across = cross(normal, out);
+    let near = dot(normal, out) > 0.0 && dot(across, across) <= SMOOTH * SMOOTH;
+    return near && roundness > 0.0 && roundness < t::FLAT_ROUNDNESS;
+}
+
+// From a point with this normal, at `arm` from the centre of mass, to where it is `out`.
+fn slide(normal: vec3<f32>, arm: vec3<f32>, out: vec3<f32>, roundness: f32) -> vec3<f32> {
+    // No farther round than to beside the centre of mass, as the solver takes it.
+    return (out * dot(normal, out) - normal) * min(roundness, max(dot(arm, out), 0.0));
+}
+
+// The smooth surface's normal at a point of a triangle: between those at its corners, by the areas over against them.
+fn normal_at(side: sides::Side, triangle: u32, at: vec3<f32>) -> vec3<f32> {
+    let numbers = sides::vertices(side, triangle);
+    let p = sides::vertex(side, numbers.x) - at;
+    let q = sides::vertex(side, numbers.y) - at;
+    let r = sides::vertex(side, numbers.z) - at;
+    let whole = direction(cross(q - p, r - p));
+    return direction(
+        sides::round_normal(side, numbers.x) * max(dot(cross(q, r), whole), 0.0)
+            + sides::round_normal(side, numbers.y) * max(dot(cross(r, p), whole), 0.0)
+            + sides::round_normal(side, numbers.z) * max(dot(cross(p, q), whole), 0.0),
+    );
 }

@@ -82,7 +82,21 @@ fn measured(pair: s::SolverPair, k: u32) -> s::PointState {
         let turn_a = change(shifts[pair.a].turned, shape.round_a);
         let turn_b = change(shifts[pair.b].turned, shape.round_b);
         let shifted = (shifts[pair.b].moved - shifts[pair.a].moved) + turn_b - turn_a;
+        // Round surfaces that have not touched yet pass each other as balls do: they push along the normal at the moment
+        // of touching.
+        if shape.turn > 0.0 && point.largest == 0.0 && point.impulse == 0.0 {
+            let way = shape.normal + shape.turn * shifted;
+            let square = dot(way, way);
+            if square > 0.0 {
+                point.normal = way / sqrt(square);
+            }
+        }
         point.separation = shape.first_separation + dot(point.normal, shifted);
+        if shape.turn > 0.0 {
+            // By how much the way between the centres of curvature is shorter along the new normal.
+            let change_of_normal = point.normal - shape.normal;
+            point.separation -= 0.5 * dot(change_of_normal, change_of_normal) / shape.turn;
+        }
         // One place for both, or the two impulses would turn the pair.
         let offset = shape.offset + shifted;
         point.lever_a = shape.arm_a + turn_a + shape.along * offset;

@@ -125,6 +125,7 @@ fn is_sound(contact: t::ContactPoint) -> bool {
     return finite_vector(contact.normal)
         && abs(square - 1.0) <= 2.0e-4
         && finite(contact.separation)
+        && finite(contact.turn)
         && finite_vector(contact.arm_a)
         && finite_vector(contact.arm_b);
 }
@@ -136,6 +137,8 @@ fn shape_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::PointShape {
     shape.round_a = curvature_center(contact.arm_a, contact.normal, contact.roundness_a);
     shape.round_b = curvature_center(contact.arm_b, -contact.normal, contact.roundness_b);
     shape.offset = pair.between + (contact.arm_b - contact.arm_a);
+    shape.normal = contact.normal;
+    shape.turn = contact.turn;
     shape.first_separation = contact.separation - pair.rest_offset;
     // 0 if the first surface is the sharper by far, 1 if the second is.
     let sum = contact.roundness_a + contact.roundness_b;

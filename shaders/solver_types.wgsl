@@ -211,6 +211,10 @@ struct PointShape {
     // From the first body's point to the second's.
     offset: vec3<f32>,
     padding_c: f32,
+    // At the start of the interval.
+    normal: vec3<f32>,
+    // How fast it turns as the surfaces slide, radians per metre.
+    turn: f32,
 }
 
 // What of a point changes.

@@ -443,7 +443,9 @@ struct ContactPoint {
     // By the numbers of the input meshes; `NOTHING` on half-spaces.
     face_a: u32,
     face_b: u32,
-    padding: vec2<u32>,
+    // How fast the normal turns as the surfaces slide along each other, radians per metre.
+    turn: f32,
+    padding: u32,
 }
 
 // All points of a pair of bodies; half-spaces have the numbers after those of the bodies.

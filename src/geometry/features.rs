@@ -1,7 +1,7 @@
 //! The corners and edges of a mesh with all that lies around them: what contact points between surfaces are made of.
 
 use crate::geometry::{Orientation, TriMesh};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use std::collections::HashMap;
 
 /// No triangle.
@@ -14,13 +14,17 @@ const LEAST_FOLD: f64 = 1.0e-6;
 /// Edges at which the surface turns further than this are creases, radians: about what a round of twelve faces has.
 const CREASE: f64 = 0.6;
 
+/// Where faces turn further than this at an edge, radians, they are facets and no surface that is round all ways: about what a
+/// round of 32 has.
+const FACET: f64 = 0.2;
+
 /// Vertices and edges of a mesh, each once, in flat arrays.
 ///
 /// Connectivity is found on positions, as for all of [`TriMesh`]. Every vertex and every edge is owned by one triangle, the
 /// first that has it: whoever visits pairs of triangles meets each pair of features once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFeatures {
-    /// Positions that triangles use, each once, in mesh space.
+    /// Positions that triangles use, each once, in mesh space and in the order in which the mesh's triangles first use them.
     pub vertices: Vec<Vec3>,
     /// Corners of the mesh's triangles, in its order, as indices of [`MeshFeatures::vertices`]. They run
     /// counter-clockwise seen from outside if [`MeshFeatures::sided`], else as in the mesh.
@@ -37,10 +41,18 @@ pub struct MeshFeatures {
     /// Radius of curvature of the surface around each triangle, mesh units: the least one that an edge of it shows, 0 beside
     /// a crease or a rim, infinite if all edges are flat or concave.
     pub roundness: Vec<f32>,
+    /// The least curvature that an edge of each triangle shows, one over mesh units: that of a ball, but 0 where the surface is
+    /// flat or concave in some direction, or cut so coarsely that faces are facets.
+    pub curvature: Vec<f32>,
     /// Where each vertex's neighbours start in [`MeshFeatures::neighbors`], and where the last one's end.
     pub neighbor_starts: Vec<u32>,
     /// The vertices to which edges lead, one vertex's after the other's.
     pub neighbors: Vec<u32>,
+    /// Unit normals at the vertices: each of the sphere that fits the vertex and its neighbours best, which does not depend on
+    /// how the surface is cut, and away from its centre; zero if none fits.
+    pub round_normals: Vec<Vec3>,
+    /// Radius of curvature around each vertex: the least of its triangles'.
+    pub vertex_roundness: Vec<f32>,
     /// Whether the mesh is closed and its faces agree about the outside. The triangles of one that is not have two sides.
     pub sided: bool,
 }
@@ -56,6 +68,7 @@ impl MeshFeatures {
         features.add_triangles(mesh, inward);
         let ends = features.add_edges();
         features.add_neighbors(&ends);
+        features.add_rounds();
         features
     }
 
@@ -69,21 +82,18 @@ impl MeshFeatures {
     fn add_triangles(&mut self, mesh: &TriMesh, inward: bool) {
         let mut numbers: HashMap<[u32; 3], u32> = HashMap::with_capacity(mesh.vertices().len());
         for (t, corners) in mesh.triangles().iter().enumerate() {
-            let mut order = *corners;
-            if inward {
-                order.swap(1, 2);
-            }
-            let mut owned = 0;
-            let triangle = [0, 1, 2].map(|k| {
-                let position = mesh.vertices()[order[k] as usize];
+            let order = if inward { [0, 2, 1] } else { [0, 1, 2] };
+            let (mut triangle, mut owned) = ([0; 3], 0);
+            for (&corner, k) in corners.iter().zip(order) {
+                let position = mesh.vertices()[corner as usize];
                 // Adding zero turns -0 into 0.
                 let key = (position + Vec3::ZERO).to_array().map(f32::to_bits);
-                *numbers.entry(key).or_insert_with(|| {
+                triangle[k] = *numbers.entry(key).or_insert_with(|| {
                     owned |= 1 << k;
                     self.vertices.push(position);
                     self.vertices.len() as u32 - 1
-                })
-            });
+                });
+            }
             let [p, q, r] = mesh.corners(t).map(|p| p.as_dvec3());
             // Never zero: a mesh has no triangles without area.
             let normal = (q - p).cross(r - p).normalize_or(DVec3::Z).as_vec3();
@@ -118,16 +128,23 @@ impl MeshFeatures {
         }
         let vertex_normals = self.vertex_normals();
         self.roundness = vec![f32::INFINITY; self.triangles.len()];
+        self.curvature = vec![f32::INFINITY; self.triangles.len()];
         for (edge, (owner, k, count)) in owners.into_iter().enumerate() {
-            let roundness = if count == 2 {
+            let (mut roundness, mut curvature) = (0.0, 0.0);
+            if count == 2 {
                 let triangles = [owner, self.across[edge] as usize];
-                self.roundness_along(ends[edge], triangles, &vertex_normals)
-            } else {
-                0.0
-            };
+                let angle = self.angle_between(triangles);
+                if angle <= CREASE {
+                    roundness = self.roundness_along(ends[edge], &vertex_normals);
+                }
+                if angle <= FACET {
+                    curvature = roundness.recip();
+                }
+            }
             let beside = [Some(owner), (count == 2).then_some(self.across[edge] as usize)];
             for t in beside.into_iter().flatten() {
                 self.roundness[t] = self.roundness[t].min(roundness);
+                self.curvature[t] = self.curvature[t].min(curvature);
             }
             if count <= 2 && !(self.sided && self.is_concave(owner, self.across[edge])) {
                 self.owned[owner] |= 8 << k;
@@ -136,13 +153,15 @@ impl MeshFeatures {
         ends
     }
 
-    /// How round the surface is along an edge between two triangles: the radius of the circle that has the normals of both
-    /// ends there.
-    fn roundness_along(&self, [u, v]: [u32; 2], triangles: [usize; 2], vertex_normals: &[DVec3]) -> f32 {
+    /// How far the surface turns from one triangle to another, radians.
+    fn angle_between(&self, triangles: [usize; 2]) -> f64 {
         let [n, m] = triangles.map(|t| self.normals[t].as_dvec3());
-        if n.cross(m).length().atan2(n.dot(m)) > CREASE {
-            return 0.0;
-        }
+        n.cross(m).length().atan2(n.dot(m))
+    }
+
+    /// How round the surface is along an edge that is no crease: the radius of the circle that has the normals of both ends
+    /// there.
+    fn roundness_along(&self, [u, v]: [u32; 2], vertex_normals: &[DVec3]) -> f32 {
         let way = self.vertices[v as usize].as_dvec3() - self.vertices[u as usize].as_dvec3();
         let turn = vertex_normals[v as usize] - vertex_normals[u as usize];
         let curvature = turn.dot(way) / way.length_squared();
@@ -196,6 +215,32 @@ impl MeshFeatures {
             }
         }
         self.neighbor_starts = counts;
+    }
+
+    /// Normals and roundness at the vertices.
+    fn add_rounds(&mut self) {
+        let count = self.vertices.len() as u32;
+        self.round_normals = (0..count).map(|vertex| self.round_normal(vertex).as_vec3()).collect();
+        self.vertex_roundness = vec![f32::INFINITY; self.vertices.len()];
+        for (corners, &roundness) in self.triangles.iter().zip(&self.roundness) {
+            for &v in corners {
+                let least = &mut self.vertex_roundness[v as usize];
+                *least = least.min(roundness);
+            }
+        }
+    }
+
+    fn round_normal(&self, vertex: u32) -> DVec3 {
+        let at = self.vertices[vertex as usize].as_dvec3();
+        let (mut squares, mut sum) = (DMat3::ZERO, DVec3::ZERO);
+        for &neighbor in self.neighbors_of(vertex) {
+            // From a point of a sphere to its centre `c` and another point `e`: 2 c . e = e . e.
+            let edge = self.vertices[neighbor as usize].as_dvec3() - at;
+            let way = edge.normalize_or_zero();
+            squares += DMat3::from_cols(way * way.x, way * way.y, way * way.z);
+            sum += edge;
+        }
+        (squares.inverse() * -sum).normalize_or_zero()
     }
 }
 
@@ -263,6 +308,28 @@ mod tests {
         let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE - Vec3::Z];
         let sheet = TriMesh::new(flat.to_vec(), vec![[0, 1, 2], [1, 3, 2]]).unwrap();
         assert_eq!(range(&sheet), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn what_is_round_all_ways_has_normals_from_its_centre() {
+        let ball = MeshFeatures::of(&shapes::ball(2.0, 4));
+        for (p, normal) in ball.vertices.iter().zip(&ball.round_normals) {
+            assert!(p.normalize().distance(*normal) < 0.01, "{p} {normal}");
+        }
+        assert!(ball.curvature.iter().all(|c| (0.43..0.56).contains(c)));
+        assert!(ball.vertex_roundness.iter().all(|r| (1.7..2.2).contains(r)));
+        // Facets, creases, and the inside of a ring are not.
+        let none = |mesh: &TriMesh| MeshFeatures::of(mesh).curvature.iter().all(|c| *c == 0.0);
+        assert!(none(&shapes::ball(2.0, 1)) && none(&shapes::cube(1.0)));
+        let ring = shapes::torus(96, 48, 0.7, 0.3);
+        let features = MeshFeatures::of(&ring);
+        for (t, &curvature) in features.curvature.iter().enumerate() {
+            let reach = ring.corners(t).map(|p| p.truncate().length());
+            assert!(curvature > 0.0 || reach.iter().any(|r| *r < 0.8), "{t}");
+            assert!(curvature == 0.0 || reach.iter().all(|r| *r > 0.69), "{t}: {curvature}");
+        }
+        let cube = MeshFeatures::of(&shapes::cube(1.0));
+        assert!(cube.vertex_roundness.iter().all(|r| *r == 0.0));
     }
 
     #[test]

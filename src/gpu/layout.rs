@@ -182,7 +182,7 @@ layout! {
         arm_a: Vec3, separation: f32,
         arm_b: Vec3, roundness_a: f32,
         normal: Vec3, roundness_b: f32,
-        face_a: u32, face_b: u32, padding: [u32; 2],
+        face_a: u32, face_b: u32, turn: f32, padding: u32,
     }
     /// All points of a pair of bodies.
     ContactPair {

@@ -6,12 +6,13 @@ use crate::stages::mesh_arena::MeshSlot;
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Words before the triangles' records, of which six are in use: how many vertices there are, and where their places, the
-/// starts of their lists of neighbours, these lists, the numbers of their components, and the far ends of these begin.
+/// Words before the triangles' records, of which seven are in use: how many vertices there are, and where their places, the
+/// starts of their lists of neighbours, these lists, the numbers of their components, the far ends of these, and the normals of
+/// the vertices, each with the roundness there, begin.
 pub const HEADER: usize = 8;
 
 /// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns,
-/// how round it is, its number in the input mesh, and one unused.
+/// how round it is, its number in the input mesh, and how curved it is at least.
 pub const RECORD: usize = 16;
 
 /// What stands for an infinite radius: WGSL need not know infinity.
@@ -27,8 +28,9 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     let neighbors = starts + vertices + 1;
     let components = neighbors + features.neighbors.len();
     let far_ends = components + vertices;
-    let mut words = Vec::with_capacity(far_ends + 3 * slot.mesh.mesh.component_vertices().len());
-    words.extend([vertices, positions, starts, neighbors, components, far_ends, 0, 0].map(|word| word as u32));
+    let rounds = far_ends + 3 * slot.mesh.mesh.component_vertices().len();
+    let mut words = Vec::with_capacity(rounds + 4 * vertices);
+    words.extend([vertices, positions, starts, neighbors, components, far_ends, rounds, 0].map(|word| word as u32));
     for t in 0..triangles {
         record(slot, features, t, &mut words);
     }
@@ -40,6 +42,10 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     let numbers = component_of_each(slot, features);
     words.extend(&numbers);
     words.extend(far_ends_of(slot, features, &numbers).iter().flat_map(place));
+    for (normal, roundness) in features.round_normals.iter().zip(&features.vertex_roundness) {
+        let [x, y, z] = normal.to_array();
+        words.extend([x, y, z, roundness.min(FLAT_ROUNDNESS)].map(f32::to_bits));
+    }
     words
 }
 
@@ -79,7 +85,7 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
     words.push(features.owned[t]);
     words.push(features.roundness[t].min(FLAT_ROUNDNESS).to_bits());
     words.push(slot.mesh.mesh.face_ids()[t]);
-    words.push(0);
+    words.push(features.curvature[t].to_bits());
 }
 
 /// For each vertex which of the mesh's components it belongs to, in the order of
@@ -131,7 +137,7 @@ mod tests {
         let words = words(&slot);
         assert_eq!(words[0], 16);
         let components = &words[words[4] as usize..words[5] as usize];
-        assert_eq!((components.len(), words.len() - words[5] as usize), (16, 2 * 3));
+        assert_eq!((components.len(), (words[6] - words[5]) as usize), (16, 2 * 3));
         let features = slot.features();
         // One number on each side.
         let right = |p: &Vec3| p.x > 1.5;
@@ -151,7 +157,7 @@ mod tests {
         let words = words(&slot);
         let features = slot.features();
         assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
-        assert_eq!(words.len(), words[4] as usize + features.vertices.len() + 3);
+        assert_eq!(words.len(), words[4] as usize + 5 * features.vertices.len() + 3);
         assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);
     }
 }

@@ -58,7 +58,8 @@ impl MeshSlot {
 pub struct MeshLanes {
     /// Triangles in clusters of eight.
     pub clusters: Vec<Cluster>,
-    /// The corners of all triangles, each position once, and one bit for each lane that holds one.
+    /// The corners of all triangles, each position once, and one bit for each lane that holds one. In the order of
+    /// [`MeshFeatures::vertices`].
     pub vertices: Vec<(Points, u32)>,
     /// Boxes of the vertices' eights, in the same kind of groups as `levels`.
     pub vertex_levels: Vec<Vec<BoxGroup>>,
@@ -260,4 +261,28 @@ pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
         [*x, *y, *z] = at(lane).to_array();
     }
     [x, y, z].map(f32x8::new)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{TriMesh, shapes};
+    use crate::stages::triangle_test::cpu::lanes::lane_of;
+
+    #[test]
+    fn lanes_hold_vertices_in_the_order_of_features() {
+        let torus = shapes::torus_240();
+        let turned = torus.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let inward = TriMesh::new(torus.vertices().to_vec(), turned).unwrap();
+        for mesh in [torus, inward] {
+            let slot = MeshSlot::new(CollisionMesh::new(&mesh));
+            let held = slot.lanes.vertices.iter().flat_map(|(points, lanes)| {
+                let held = (0..CLUSTER).filter(move |lane| lanes >> lane & 1 == 1);
+                held.map(move |lane| lane_of(points, lane))
+            });
+            let center = slot.mesh.mass.center;
+            let wanted = slot.features().vertices.iter().map(|p| *p - center);
+            assert!(held.eq(wanted));
+        }
+    }
 }

@@ -111,6 +111,7 @@ fn the_order_of_bodies_only_turns_normals() {
                 normal: -p.normal,
                 separation: p.separation,
                 roundness: [p.roundness[1], p.roundness[0]],
+                turn: p.turn,
                 faces: [p.faces[1], p.faces[0]],
             })
             .collect();

@@ -134,7 +134,6 @@ fn balls_roll_down_a_mesh() {
 #[test]
 fn balls_roll_down_a_half_space() {
     for degrees in [5.0, 10.0, 20.0] {
-        // 3 % is wanted. Contacts with half-spaces know nothing of roundness: the ball rolls from corner to corner.
-        assert!(rolling_error(degrees, true, 6).abs() < 0.12);
+        assert!(rolling_error(degrees, true, 6).abs() < 0.03);
     }
 }

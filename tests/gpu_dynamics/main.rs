@@ -1,6 +1,8 @@
 //! What bodies do that lie on, hang on and fall onto each other, on the device: the scenes of `tests/dynamics`, smaller, and
 //! the same scenes on both sides.
 
+#[path = "../dynamics/bounce.rs"]
+mod bounce;
 #[path = "../dynamics/chain.rs"]
 mod chain;
 #[path = "../dynamics/cloud.rs"]
@@ -58,6 +60,8 @@ fn main() {
         a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
         what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
         nothing_is_carried_to_bodies_that_are_new: sleep::numbers_change();
+        balls_leave_a_wall_by_their_restitution: bounce::ball_on_wall(1.0, 30.0, 2, &mut fastrand::Rng::with_seed(8));
+        balls_leave_each_other_by_their_restitution: bounce::ball_on_ball(0.5, 0.5, 2, &mut fastrand::Rng::with_seed(7));
         a_cube_rests_on_a_mesh: rest::cube(1.0, 4);
         four_cubes_stand_on_each_other: rest::stack(4, 4);
         a_pyramid_of_six_stands: rest::pyramid(3, 4);
@@ -65,6 +69,7 @@ fn main() {
         a_box_sticks_below_the_angle_of_friction: incline::sticks(3);
         a_box_slides_above_the_angle_of_friction: incline::slides(35.0);
         a_ball_rolls_down_a_mesh: assert!(incline::rolling_error(10.0, false, 1).abs() < 0.03);
+        a_ball_rolls_down_a_half_space: assert!(incline::rolling_error(10.0, true, 1).abs() < 0.03);
         a_squeezed_knot_keeps_angular_momentum_and_energy: spin::keeps_turning(Vec3::new(6.0, 0.5, 6.0), 5);
         a_knot_that_spins_about_its_middle_axis_flips: assert!(spin::flips(spin::axes()[1], 12) >= 1);
         a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);

@@ -131,6 +131,7 @@ pub fn agreement(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair])
                     && p.normal.distance(q.normal) < SAME_WAY
                     && (p.separation - q.separation).abs() < SAME_PLACE * size
                     && (0..2).all(|i| same_roundness(p.roundness[i], q.roundness[i]))
+                    && same_roundness(p.turn, q.turn)
             };
             let named = |p: &&ManifoldPoint| others.iter().any(|q| like(p, q) && p.faces == q.faces);
             result.named += points.iter().filter(named).count();

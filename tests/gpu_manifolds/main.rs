@@ -37,6 +37,7 @@ fn main() {
         ("far_from_the_origin", convex::far_from_the_origin),
         ("one_inside_the_other", inside::one_inside_the_other),
         ("half_spaces", planes::half_spaces),
+        ("half_spaces_under_round_ones", planes::round_ones),
         ("half_spaces_among_pairs", planes::among_pairs),
         ("bad_pairs", bad::bad_pairs),
         ("a_margin_around_everything", bad::a_margin_around_everything),

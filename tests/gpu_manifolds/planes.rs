@@ -2,11 +2,13 @@
 
 use crate::approach::scene;
 use crate::compare::{on_cpu, on_gpu, require};
+use crate::oracle::body::Body;
 use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
-use crate::scene::{body, state};
+use crate::scene::{body, oracle_mesh, state};
 use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::stages::state::{Plane, StepState};
 use glam::{DVec3, Quat, Vec3};
@@ -51,6 +53,35 @@ fn bodies_on_planes(rng: &mut Rng, count: usize) -> StepState {
 pub fn half_spaces(gpu: &Gpu) {
     let state = bodies_on_planes(&mut Rng::new(30, 0), 200);
     require("half-spaces", gpu, &state, &[], 0, 0.01);
+}
+
+/// Finely cut surfaces, scaled alike and not, touch where the smooth ones would.
+pub fn round_ones(gpu: &Gpu) {
+    let meshes = [
+        ("ball", shapes::ball(0.5, 4)),
+        ("coarse ball", shapes::ball(0.5, 2)),
+        ("torus", shapes::torus(96, 48, 0.35, 0.15)),
+    ];
+    let meshes = meshes.map(|(name, mesh)| oracle_mesh(name, &mesh));
+    let mut rng = Rng::new(32, 0);
+    let bodies: Vec<_> = (0..60)
+        .map(|i| {
+            let mut at = rng.in_ball(5.0);
+            at.z = rng.range(0.4, 0.5);
+            Body {
+                scale: [Vec3::ONE, Vec3::new(1.0, -1.2, 0.9)][i % 2],
+                ..body(&meshes[i % 3], at, rng.rotation())
+            }
+        })
+        .collect();
+    let mut state = state(&Product::default(), &bodies.iter().collect::<Vec<_>>());
+    for velocity in &mut state.bodies.linear_velocity {
+        *velocity = rng.in_ball(3.0).as_vec3();
+    }
+    state.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::new(0.1, 0.2, 1.0), 0.0)];
+    require("round ones", gpu, &state, &[], 0, 0.01);
+    let found = on_cpu(&state, &[]);
+    assert!(found.points.iter().any(|p| p.roundness[0] > 0.0));
 }
 
 /// Pairs of bodies and bodies on half-spaces are one ascending list.

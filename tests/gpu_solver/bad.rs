@@ -18,6 +18,7 @@ fn point(normal: Vec3, separation: f32) -> ManifoldPoint {
         normal,
         separation,
         roundness: [0.0, f32::INFINITY],
+        turn: 0.0,
         faces: [0, 0],
     }
 }

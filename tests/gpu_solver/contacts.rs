@@ -77,6 +77,25 @@ pub fn balls_bounce(gpu: &Gpu) {
     }
 }
 
+/// Their normal turns until they touch.
+pub fn balls_meet_off_their_centres(gpu: &Gpu) {
+    for (restitution, sideways) in [(0.0, 0.7), (0.5, 0.3), (1.0, 0.5)] {
+        let make = || {
+            let mut world = World::new();
+            let a = world.dynamic(BALL, 1.0, DVec3::X * -1.0);
+            let b = world.dynamic(BALL, 4.0, DVec3::new(1.0, sideways, 0.0));
+            world.motion(a).linear_velocity = Vec3::X * 2.0;
+            world.motion(b).linear_velocity = Vec3::X * -1.0;
+            for i in [a, b] {
+                world.bodies.bodies[i].restitution = restitution;
+            }
+            world
+        };
+        let (cpu, twin) = both(gpu, make, 1.0);
+        Apart::of(&cpu, &twin.world).check(&format!("{sideways} off"), all(1.0e-4));
+    }
+}
+
 pub fn impulses_are_those_that_hold_a_box(gpu: &Gpu) {
     let mut world = World::heavy();
     world.detections = Some(1);

@@ -37,6 +37,7 @@ fn main() {
         ("a_ball_rolls", contacts::a_ball_rolls),
         ("a_box_slides_down_a_slope", contacts::a_box_slides_down_a_slope),
         ("balls_bounce", contacts::balls_bounce),
+        ("balls_meet_off_their_centres", contacts::balls_meet_off_their_centres),
         ("a_brick_tumbles_and_bounces", contacts::a_brick_tumbles_and_bounces),
         ("bodies_of_all_kinds_touch", contacts::bodies_of_all_kinds_touch),
         ("substeps_of_changing_length", contacts::substeps_of_changing_length),

@@ -141,6 +141,7 @@ fn web() -> World {
             normal: Vec3::Y,
             separation: 0.015,
             roundness: [0.0; 2],
+            turn: 0.0,
             faces: [0; 2],
         });
     }

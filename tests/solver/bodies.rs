@@ -182,6 +182,7 @@ fn input_that_makes_no_sense_is_left_out() {
         normal,
         separation,
         roundness: [0.0, f32::INFINITY],
+        turn: 0.0,
         faces: [0, 0],
     };
     for _ in 0..64 {

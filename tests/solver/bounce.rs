@@ -11,8 +11,6 @@ const BALL: Shape = Shape::Sphere(0.5);
 /// Two balls of these masses meet along x at 3 m/s, `sideways` off the line of centres, without friction.
 fn meet(masses: [f32; 2], restitution: f32, sideways: f64) -> (World, Vec3) {
     let mut world = World::new();
-    // Between detections normals stand still, and the balls would meet with one that is a few hundredths of a second old.
-    world.detections = Some(4);
     let a = world.dynamic(BALL, masses[0], DVec3::new(-1.0, 0.0, 0.0));
     let b = world.dynamic(BALL, masses[1], DVec3::new(1.0, sideways, 0.0));
     world.motion(a).linear_velocity = Vec3::X * 2.0;

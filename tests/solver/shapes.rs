@@ -70,6 +70,7 @@ pub fn contact(shapes: [Shape; 2], motions: [&SolverMotion; 2], margin: f64) -> 
             normal: t.normal.as_vec3().normalize(),
             separation: (t.on_b - t.on_a).dot(t.normal) as f32,
             roundness: round(shapes),
+            turn: turn(shapes, t),
             faces: [0, 0],
         })
         .filter(|p| (p.separation as f64) < margin)
@@ -85,6 +86,14 @@ fn round(shapes: [Shape; 2]) -> [f32; 2] {
         (Shape::Box(_), _) => 0.0,
     };
     [of(a, b), of(b, a)]
+}
+
+/// Of two balls the normal turns with the way over the distance of their centres.
+fn turn(shapes: [Shape; 2], touch: &Touch) -> f32 {
+    match shapes {
+        [Shape::Sphere(a), Shape::Sphere(b)] => (a + b + (touch.on_b - touch.on_a).dot(touch.normal)).recip() as f32,
+        _ => 0.0,
+    }
 }
 
 type Pose = (DVec3, DQuat);

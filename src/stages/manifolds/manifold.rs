@@ -19,7 +19,8 @@ pub struct ManifoldPoint {
     /// The point on each body's surface, from its centre of mass, turned with the world, metres. Where a corner of a finely
     /// cut round surface touches, the point is where the round surface would touch.
     pub arms: [Vec3; 2],
-    /// Unit vector from the first body to the second.
+    /// Unit vector from the first body to the second. Between finely cut surfaces that are round all ways it lies between the
+    /// centres of the balls that they are at the point.
     pub normal: Vec3,
     /// How far the second body's point lies from the first's along the normal, metres; negative where they overlap.
     pub separation: f32,
@@ -27,6 +28,9 @@ pub struct ManifoldPoint {
     /// The solver lets the point lie under the centre of curvature, which turns with the body: so that of a ball that rolls
     /// stays below its centre, and that of a corner goes with the corner.
     pub roundness: [f32; 2],
+    /// How fast the normal turns as such surfaces slide along each other, radians per metre: as that of balls with the radii
+    /// that they have where they are least round. 0 for others. The solver lets the normal turn until the point pushes.
+    pub turn: f32,
     /// The faces the points lie on, by the numbers of the input meshes.
     pub faces: [u32; 2],
 }

@@ -16,6 +16,7 @@
 //!    feature gets its points by rays along its normal, from five points in it to where they leave the bodies.
 //! 4. One closed body inside the other without a crossing is pushed out the short way.
 //! 5. At most [`MOST_POINTS`] are kept: the deepest, then always the one farthest from those kept, in position and normal.
+//! 6. Finely cut round surfaces touch where the smooth ones would, and if they are round all ways along the normals of these.
 //!
 //! All of it follows from the surfaces alone, without a convex decomposition or a distance field, and finds nothing twice:
 //! each vertex and edge is owned by one triangle.

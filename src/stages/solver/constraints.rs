@@ -53,7 +53,7 @@ pub(super) struct Pair {
 /// A direction in which a point pushes, and what a unit impulse along it does to the two bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// From the first body to the second; stays as it is for the interval.
+    /// From the first body to the second; stays as it is once the point pushes.
     pub direction: Vec3A,
     /// Its moment about each centre of mass.
     pub moments: [Vec3A; 2],
@@ -72,6 +72,9 @@ pub(super) struct Point {
     pub along: f32,
     /// From the first body's point to the second's, at the start of the interval.
     pub offset: Vec3A,
+    /// The normal at the start of the interval, and how fast it turns as the surfaces slide, radians per metre.
+    pub first_normal: Vec3A,
+    pub turn: f32,
     /// What impulses do along the normal and the tangents.
     pub rows: [Row; 3],
     /// Change of velocity that a unit impulse causes at each end, along the normal and across it.
@@ -238,6 +241,8 @@ impl Point {
         rounds: [Vec3A::ZERO; 2],
         along: 0.5,
         offset: Vec3A::ZERO,
+        first_normal: Vec3A::X,
+        turn: 0.0,
         rows: [Row::along(Vec3A::X), Row::along(Vec3A::Y), Row::along(Vec3A::Z)],
         give: [[0.0; 2]; 2],
         first_separation: 0.0,
@@ -256,11 +261,11 @@ impl Point {
     fn new(manifold: &ManifoldPoint, between: DVec3, rest_offset: f32) -> Self {
         let sound = manifold.normal.is_normalized()
             && manifold.separation.is_finite()
+            && manifold.turn.is_finite()
             && manifold.arms.iter().all(|arm| arm.is_finite());
         if !sound {
             return Self::NONE;
         }
-        let (t, u) = manifold.normal.any_orthonormal_pair();
         let [a, b] = manifold.arms;
         let out = [manifold.normal, -manifold.normal];
         let rounds = [0, 1].map(|end| {
@@ -279,7 +284,9 @@ impl Point {
             rounds,
             along: along(manifold.roundness),
             offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
-            rows: [manifold.normal, t, u].map(|d| Row::along(d.into())),
+            first_normal: manifold.normal.into(),
+            turn: manifold.turn,
+            rows: rows(manifold.normal),
             first_separation: manifold.separation - rest_offset,
             usable: true,
             ..Self::NONE
@@ -288,12 +295,32 @@ impl Point {
 
     /// The one point of a pair that is being untangled: pushes the centres themselves apart.
     fn untangling(normal: Vec3, depth: f32) -> Self {
-        let (t, u) = normal.any_orthonormal_pair();
         Self {
-            rows: [normal, t, u].map(|d| Row::along(d.into())),
+            rows: rows(normal),
             first_separation: -depth,
             usable: true,
             ..Self::NONE
+        }
+    }
+
+    /// Turns the normal of round surfaces that have not touched yet as that of balls that pass each other: they push along
+    /// that at the moment of touching. `offset` is how far the second one's centre of curvature has moved, seen from the
+    /// first one's.
+    pub fn turn_with(&mut self, offset: Vec3A) {
+        if self.turn > 0.0 && self.largest == 0.0 && self.impulse == 0.0 {
+            let way = self.first_normal + self.turn * offset;
+            self.rows = rows(way.normalize_or(self.first_normal).into());
+        }
+    }
+
+    /// How far apart the surfaces are, beyond the rest offset.
+    pub fn separation_after(&self, offset: Vec3A) -> f32 {
+        let along = self.first_separation + self.normal().dot(offset);
+        if self.turn > 0.0 {
+            // By how much the way between the centres of curvature is shorter along the new normal.
+            along - 0.5 * self.normal().distance_squared(self.first_normal) / self.turn
+        } else {
+            along
         }
     }
 
@@ -388,6 +415,12 @@ impl Source<'_> {
             }
         }
     }
+}
+
+/// A point's rows, whose moments are found when it is measured.
+fn rows(normal: Vec3) -> [Row; 3] {
+    let (t, u) = normal.any_orthonormal_pair();
+    [normal, t, u].map(|d| Row::along(d.into()))
 }
 
 /// 0 if the first surface is the sharper by far, 1 if the second is.

@@ -71,7 +71,8 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
         } else {
             let turns = [change(a.turned, point.rounds[0]), change(b.turned, point.rounds[1])];
             let offset = moved + turns[1] - turns[0];
-            point.separation = point.first_separation + point.normal().dot(offset);
+            point.turn_with(offset);
+            point.separation = point.separation_after(offset);
             // One place for both, or the two impulses would turn the pair.
             let offset = point.offset + offset;
             levers = [

@@ -183,14 +183,14 @@ struct World<'a> {
 impl World<'_> {
     fn point(&self, feature: &Feature, faces: [u32; 2]) -> ManifoldPoint {
         let roundness = [0, 1].map(|side| self.roundness(feature, side));
-        let touching = feature.vertex.map_or(0.0, |(side, _)| roundness[usize::from(side)]);
-        let slide = smooth::slide(self.sides, feature, f64::from(touching));
-        let [a, b] = feature.points.map(|p| p + slide);
+        let touch = smooth::touch(self.sides, feature, roundness.map(f64::from));
+        let [a, b] = [0, 1].map(|i| feature.points[i] + touch.slides[i]);
         ManifoldPoint {
             arms: [a, b - self.center_b].map(|arm| (self.rotation * arm).as_vec3()),
-            normal: (self.rotation * feature.normal).normalize().as_vec3(),
+            normal: (self.rotation * touch.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
             roundness,
+            turn: touch.turn as f32,
             faces,
         }
     }

@@ -1,6 +1,9 @@
-//! Where bodies lie on half-spaces: a few vertices each, the lowest and spread wide.
+//! Where bodies lie on half-spaces: a few vertices each, the lowest and spread wide. Of a finely cut round surface not the
+//! vertices touch but the surface around them.
 
+use super::smooth;
 use crate::components::RigidBody;
+use crate::geometry::cluster::CLUSTER;
 use crate::stages::angles::PAD;
 use crate::stages::in_order::InOrder;
 use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
@@ -26,7 +29,15 @@ const MARGIN: f32 = 0.01;
 pub struct Scratch {
     lists: InOrder<Found>,
     found: Vec<Found>,
-    vertices: PerThread<Vec<(f32, Vec3)>>,
+    vertices: PerThread<Vec<Low>>,
+}
+
+/// A vertex that may reach a plane.
+struct Low {
+    separation: f32,
+    /// Relative to the centre of mass, in the mesh's axes.
+    place: Vec3,
+    number: u32,
 }
 
 /// Bodies per task.
@@ -82,7 +93,7 @@ fn manifold(
     index: usize,
     plane: &Plane,
     config: &StepConfig,
-    vertices: &mut Vec<(f32, Vec3)>,
+    vertices: &mut Vec<Low>,
 ) -> Option<Found> {
     if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
         return None;
@@ -113,67 +124,88 @@ fn manifold(
         for lane in bits(*held) {
             let separation = heights.as_array()[lane] + height;
             if separation < margin {
-                vertices.push((
+                vertices.push(Low {
                     separation,
-                    Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
-                ));
+                    place: Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
+                    number: group * CLUSTER as u32 + lane as u32,
+                });
             }
         }
         true
     });
     let scale = frame.scale.as_vec3();
     let chosen = choose(vertices, scale, 2.0 * LEVEL * radius);
+    if chosen[0] == usize::MAX {
+        return None;
+    }
+    let features = meshes[bodies.mesh[body]].features();
+    let size = f64::from(scale.abs().element_sum() / 3.0);
     let center = normal * plane.distance as f64;
     let none = ManifoldPoint {
         arms: [Vec3::ZERO; 2],
         normal: -plane.normal,
         separation: 0.0,
         roundness: [0.0, f32::INFINITY],
+        turn: 0.0,
         faces: [NO_FACE; 2],
     };
     let mut points = [none; MAX_POINTS];
     let mut count = 0;
     for &i in chosen.iter().take_while(|&&i| i != usize::MAX) {
-        let (separation, vertex) = vertices[i];
-        let arm = frame.rotation * (frame.scale * vertex.as_dvec3());
+        let Low {
+            separation,
+            place,
+            number,
+        } = vertices[i];
+        let arm = frame.rotation * (frame.scale * place.as_dvec3());
+        let roundness = f64::from(features.vertex_roundness[number as usize]) * size;
+        let own_normal = frame.rotation * (features.round_normals[number as usize].as_dvec3() / frame.scale);
+        // Others are corners, which turn with the body until they touch.
+        let (arm, roundness) = match smooth::slide_of_vertex(own_normal, arm, -normal, roundness) {
+            Some(slide) => (arm + slide, roundness),
+            None => (arm, 0.0),
+        };
         let foot = frame.center + arm - normal * separation as f64;
         points[count] = ManifoldPoint {
             arms: [arm.as_vec3(), (foot - center).as_vec3()],
             separation,
+            roundness: [roundness as f32, f32::INFINITY],
             ..none
         };
         count += 1;
     }
-    (count > 0).then_some(Found {
+    Some(Found {
         bodies: [body as u32, (bodies.len() + index) as u32],
         points,
         count,
     })
 }
 
-/// Picks vertices, given with their heights: the lowest one, then always that farthest from those picked. The first half
-/// comes from those as low as the lowest, on which the body stands; the others tell what it will roll onto. Ends with
-/// `usize::MAX` if there are fewer.
-fn choose(vertices: &[(f32, Vec3)], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
+/// Picks vertices: the lowest one, then always that farthest from those picked. The first half comes from those as low as the
+/// lowest, on which the body stands; the others tell what it will roll onto. Ends with `usize::MAX` if there are fewer.
+fn choose(vertices: &[Low], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
-    let lowest = vertices.iter().enumerate().min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
-    let Some((lowest, &(floor, _))) = lowest else {
+    let lowest = vertices
+        .iter()
+        .enumerate()
+        .min_by(|(_, a), (_, b)| a.separation.total_cmp(&b.separation));
+    let Some((lowest, &Low { separation: floor, .. })) = lowest else {
         return chosen;
     };
     chosen[0] = lowest;
     let mut count = 1;
     for (limit, ceiling) in [(MAX_POINTS / 2, floor + level), (MAX_POINTS, f32::INFINITY)] {
         while count < limit {
-            let apart = |&(_, p): &(f32, Vec3)| {
+            let apart = |low: &Low| {
                 let distances = chosen[..count]
                     .iter()
-                    .map(|&c| (scale * (p - vertices[c].1)).length_squared());
+                    .map(|&c| (scale * (low.place - vertices[c].place)).length_squared());
                 distances.fold(f32::INFINITY, f32::min)
             };
             let farthest = vertices
                 .iter()
                 .enumerate()
-                .filter(|(_, vertex)| vertex.0 <= ceiling)
+                .filter(|(_, vertex)| vertex.separation <= ceiling)
                 .map(|(i, vertex)| (i, apart(vertex)))
                 // The first of equals, so that the order of vertices decides.
                 .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });

@@ -152,6 +152,19 @@ impl Side<'_> {
         (number != NONE).then(|| self.normal(number))
     }
 
+    /// Along the normal of the smooth surface at a vertex, of any length; zero if it has none.
+    pub fn round_normal(&self, vertex: u32) -> DVec3 {
+        self.normal_matrix * self.features.round_normals[vertex as usize].as_dvec3()
+    }
+
+    /// A curvature that the surface has at least in every direction at a triangle, 1/m; 0 if it is none or not finely cut.
+    pub fn curvature(&self, triangle: u32) -> f64 {
+        let scale = self.scale.as_dvec3().abs();
+        // Of a ball squeezed to an ellipsoid the flattest place has the radius `longest^2 / shortest`.
+        let flattest = scale.max_element() * scale.max_element() / scale.min_element();
+        f64::from(self.features.curvature[triangle as usize]) / flattest
+    }
+
     /// The longest side of its box along its own axes.
     pub fn diameter(&self) -> f64 {
         let aabb = self.slot.lanes.aabb;

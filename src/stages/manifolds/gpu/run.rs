@@ -265,6 +265,7 @@ impl From<&ContactPoint> for ManifoldPoint {
             normal: Vec3::from(point.normal),
             separation: point.separation,
             roundness: [roundness(point.roundness_a), roundness(point.roundness_b)],
+            turn: point.turn,
             faces: [point.face_a, point.face_b],
         }
     }

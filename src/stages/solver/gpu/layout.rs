@@ -81,6 +81,7 @@ layout! {
         round_a: Vec3, padding_a: f32,
         round_b: Vec3, padding_b: f32,
         offset: Vec3, padding_c: f32,
+        normal: Vec3, turn: f32,
     }
     /// What of a point changes.
     PointState {

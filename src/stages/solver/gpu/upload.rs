@@ -181,6 +181,7 @@ pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
         roundness_b: length(point.roundness[1]),
         face_a: point.faces[0],
         face_b: point.faces[1],
+        turn: point.turn,
         ..Default::default()
     }
 }
