@@ -153,12 +153,12 @@ fn point(setting: t::ContactSetting, feature: t::Feature) -> t::ContactPoint {
     result.roundness_a = roundness_of(a, feature.a, feature.vertex, setting.unit);
     result.roundness_b = roundness_of(b, feature.b, feature.vertex, setting.unit);
     let roundness = vec2(result.roundness_a, result.roundness_b) * setting.unit;
-    let touch = smooth::touch_of(a, b, feature, roundness);
-    let normal = rotate(setting.rotation, touch.normal);
+    let smoothed = smooth::smoothed(a, b, feature, roundness);
+    let normal = rotate(setting.rotation, smoothed.normal);
     result.normal = normal / sqrt(dot(normal, normal));
-    result.arm_a = rotate(setting.rotation, feature.point_a + touch.slide_a - a.center) / setting.unit;
-    result.arm_b = rotate(setting.rotation, feature.point_b + touch.slide_b - b.center) / setting.unit;
-    result.turn = touch.turn * setting.unit;
+    result.arm_a = rotate(setting.rotation, feature.point_a + smoothed.slide_a - a.center) / setting.unit;
+    result.arm_b = rotate(setting.rotation, feature.point_b + smoothed.slide_b - b.center) / setting.unit;
+    result.turn = smoothed.turn * setting.unit;
     result.face_a = sides::face(a, feature.a);
     result.face_b = sides::face(b, feature.b);
     return result;

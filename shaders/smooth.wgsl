@@ -10,7 +10,7 @@
 const SMOOTH: f32 = 0.1;
 
 // How the smooth surfaces touch at a feature.
-struct Touch {
+struct Smoothed {
     // From the first body to the second.
     normal: vec3<f32>,
     // How fast it turns as the surfaces slide along each other: radians by length.
@@ -21,8 +21,8 @@ struct Touch {
 }
 
 // With the roundness of the first body's surface and of the second's.
-fn touch_of(a: sides::Side, b: sides::Side, feature: t::Feature, roundness: vec2<f32>) -> Touch {
-    var result: Touch;
+fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, roundness: vec2<f32>) -> Smoothed {
+    var result: Smoothed;
     result.normal = feature.normal;
     let radius_a = sides::flattest(a, feature.a);
     let radius_b = sides::flattest(b, feature.b);

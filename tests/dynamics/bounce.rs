@@ -9,7 +9,6 @@ use bevy_faceoff::stages::state::{Body, Handling};
 use glam::{DVec3, Quat, Vec3};
 
 const RADIUS: f32 = 0.5;
-const TURNS: usize = 12;
 
 fn ball() -> CollisionMesh {
     let ball = shapes::ball(f64::from(RADIUS), 4);
@@ -57,7 +56,7 @@ fn balls_leave_each_other_by_their_restitution() {
     let mut random = fastrand::Rng::with_seed(7);
     for restitution in [0.0, 0.5, 1.0] {
         for sideways in [0.0, 0.3, 0.5, 0.7] {
-            ball_on_ball(restitution, sideways, TURNS, &mut random);
+            ball_on_ball(restitution, sideways, 12, &mut random);
         }
     }
 }
@@ -96,7 +95,7 @@ fn balls_leave_a_wall_by_their_restitution() {
     let mut random = fastrand::Rng::with_seed(8);
     for restitution in [0.0, 0.5, 1.0] {
         for angle in [0.0, 30.0, 60.0] {
-            ball_on_wall(restitution, angle, TURNS, &mut random);
+            ball_on_wall(restitution, angle, 12, &mut random);
         }
     }
 }

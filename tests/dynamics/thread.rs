@@ -1,6 +1,6 @@
 //! A nut on a bolt: meshes that others made, if they lie beside the checkout. At 64 Hz with default settings, 8 substeps: the
-//! thread is so thin that steps are cut into five or six intervals, of two substeps each. A step takes about a second: both
-//! tests are for those who have the time.
+//! thread is so thin that steps are cut into five or six intervals, of two substeps each. A step takes about a second: the longer
+//! of the tests is for those who have the time.
 
 use crate::world::World;
 use bevy_faceoff::asset::{CollisionMesh, import_file};
@@ -108,13 +108,11 @@ fn a_smooth_nut_goes_down_its_thread() {
     spun(0.0, SolverSettings::default().rest_offset, 1.0);
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture rough_nut`
-/// (1.986 mm per turn, never farther than 0.0042 mm from the thread's line; 46 s).
+/// 1.986 mm per turn, never farther than 0.0042 mm from the thread's line; 46 s.
 ///
 /// With the default rest offset the nut jams: that is 0.15 mm on both flanks, more than their play of 0.17 to 0.25 mm has
 /// room for, so that they squeeze the nut and friction holds it.
 #[test]
-#[ignore = "takes minutes"]
 fn a_rough_nut_goes_down_its_thread() {
     spun(0.1, 0.0005, 0.25);
 }

@@ -54,6 +54,7 @@ fn main() {
     gpu::run(&tests! {
         what_moves_freely_moves_as_on_the_cpu: parity::free();
         what_bounces_once_bounces_as_on_the_cpu: parity::single_contact();
+        a_stack_settles_as_on_the_cpu: parity::stack();
         a_pile_comes_to_rest_as_on_the_cpu: parity::pile();
         the_same_pairs_points_and_touches_are_told: parity::reports();
         a_pile_moves_by_the_same_bits: assert!(same_bits::bits(1, 90, 10) == same_bits::bits(1, 90, 10));

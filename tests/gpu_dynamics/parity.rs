@@ -108,6 +108,34 @@ fn bouncing(world: &mut World, mesh: u32, at: Vec3, velocity: Vec3) -> usize {
     })
 }
 
+/// Cubes on each other, askew, that sink into place.
+pub fn stack() {
+    let mut worlds = both(|| {
+        let mut world = World::new();
+        let cube = world.mesh(&shapes::cube(1.0));
+        world.floor(cube);
+        for i in 0..3 {
+            let at = Vec3::new(0.1 * i as f32, 0.53 + 1.03 * i as f32, 0.07 * i as f32);
+            let turn = Quat::from_rotation_y(0.3 * i as f32);
+            world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, turn);
+        }
+        world
+    });
+    let mut first = (0.0, 0.0);
+    for second_number in 0..3 {
+        let now = second(&mut worlds);
+        if second_number == 0 {
+            first = now;
+        }
+    }
+    let rest = apart(&worlds);
+    println!(
+        "stack: {:.1e} of the radius apart in the first second, {:.1e} at rest",
+        first.0, rest.0
+    );
+    assert!(first.0 < 1.0e-3 && rest.0 < 1.0e-3);
+}
+
 /// Chaos parts the two; energy, momentum and heights stay alike.
 pub fn pile() {
     let mut worlds = both(|| {

@@ -183,14 +183,14 @@ struct World<'a> {
 impl World<'_> {
     fn point(&self, feature: &Feature, faces: [u32; 2]) -> ManifoldPoint {
         let roundness = [0, 1].map(|side| self.roundness(feature, side));
-        let touch = smooth::touch(self.sides, feature, roundness.map(f64::from));
-        let [a, b] = [0, 1].map(|i| feature.points[i] + touch.slides[i]);
+        let smoothed = smooth::smoothed(self.sides, feature, roundness.map(f64::from));
+        let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
         ManifoldPoint {
             arms: [a, b - self.center_b].map(|arm| (self.rotation * arm).as_vec3()),
-            normal: (self.rotation * touch.normal).normalize().as_vec3(),
+            normal: (self.rotation * smoothed.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
             roundness,
-            turn: touch.turn as f32,
+            turn: smoothed.turn as f32,
             faces,
         }
     }

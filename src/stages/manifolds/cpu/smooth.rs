@@ -13,7 +13,7 @@ use glam::DVec3;
 const SMOOTH: f64 = 0.1;
 
 /// How the smooth surfaces touch at a feature.
-pub struct Touch {
+pub struct Smoothed {
     /// Unit vector from the first body to the second.
     pub normal: DVec3,
     /// From where each body touches to where its smooth surface does, across the normal.
@@ -23,7 +23,7 @@ pub struct Touch {
 }
 
 /// How they touch at a feature where they are as round as `roundness` says.
-pub fn touch(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Touch {
+pub fn smoothed(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Smoothed {
     as_balls(sides, feature, roundness).unwrap_or_else(|| {
         let slide = feature.vertex.and_then(|(side, vertex)| {
             let i = usize::from(side);
@@ -31,7 +31,7 @@ pub fn touch(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Touch
             let out = [feature.normal, -feature.normal][i];
             slide_of_vertex(sides[i].round_normal(vertex), arm, out, roundness[i])
         });
-        Touch {
+        Smoothed {
             normal: feature.normal,
             // Along the other body's face.
             slides: [slide.unwrap_or(DVec3::ZERO); 2],
@@ -41,7 +41,7 @@ pub fn touch(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Touch
 }
 
 /// Of surfaces that are round all ways: they touch between the centres of the balls that they are there.
-fn as_balls(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Option<Touch> {
+fn as_balls(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Option<Smoothed> {
     let curvature = [0, 1].map(|i| sides[i].curvature(feature.triangles[i]));
     if curvature.contains(&0.0) {
         return None;
@@ -57,7 +57,7 @@ fn as_balls(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Option
     let gap = feature.separation.max(0.0);
     let normal = (a * radius_a - b * radius_b + feature.normal * gap).try_normalize()?;
     let arms = [0, 1].map(|i| feature.points[i] - sides[i].center);
-    Some(Touch {
+    Some(Smoothed {
         normal,
         slides: [
             slide(a, arms[0], normal, roundness[0]),
