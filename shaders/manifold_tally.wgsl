@@ -13,6 +13,7 @@ fn main() {
     for (var k = 0u; k < t::CONTACT_COUNTERS; k += 1u) {
         tally[k] = max(tally[k], contact_counters[k]);
     }
+    tally[t::MOST_PAIRS] = max(tally[t::MOST_PAIRS], counters[t::SPHERE_PAIRS]);
     tally[t::INTERVALS] += 1u;
     tally[t::TOUCHING_NOW] = 0u;
     if contact_counters[t::CONTACTS_SKIPPED] != 0u

@@ -1,4 +1,4 @@
-// ForceScan of a step with contacts, last: who touched whom. `stages/solver/touches.rs` explains it. A thread a pair.
+// ForceScan of a step with contacts, before bodies fall asleep: who touched whom. `stages/solver/touches.rs` explains it. A thread a pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands::TOUCH
 #import faceoff::solver_types as s

@@ -66,7 +66,8 @@ struct Body {
 const CARRIED_POSE: u32 = 1u;
 // The velocities are those of `moved[source]`, and what the host wrote is added to them.
 const CARRIED_VELOCITY: u32 = 2u;
-// It was there in that step: if the host wrote the pose of `moved[source]`, it is where it was.
+// It was there in that step, with its centre of mass where it is now: if the host wrote the pose of `moved[source]`, it is
+// where it was.
 const CONTINUES: u32 = 4u;
 // If it is where it was it goes on sleeping, or is a ground on which others sleep.
 const CARRIED_SLEEP: u32 = 8u;
@@ -273,7 +274,8 @@ struct Impulse {
     padding_b: f32,
 }
 
-// Indices into `counters`. The host sets the first and zeroes the others before each step.
+// Indices into `counters`. The host sets the first and zeroes the others before each step. With several intervals what the
+// triangle test counts is of the first one, and the others are of the last.
 const BODIES: u32 = 0u;
 const LEVELS: u32 = 1u; // two words, a bit for each level with bodies
 const SPHERE_PAIRS: u32 = 3u; // as many as there are, even if the list holds fewer
@@ -480,6 +482,7 @@ struct Touch {
 const INTERVALS: u32 = 16u; // so far
 const TOUCHES: u32 = 17u; // as many as there are, even if the list holds fewer
 const TOUCHING_NOW: u32 = 18u; // of two meshes, in the last interval
+const MOST_PAIRS: u32 = 20u; // of spheres, in any interval
 const FASTEST: u32 = 19u; // the bits of the largest speed of any point of a body after the step, m/s
 const TALLIES: u32 = 32u;
 

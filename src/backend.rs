@@ -268,17 +268,22 @@ impl Engine {
         matches!(self.active, ActiveBackend::Cpu { .. } | ActiveBackend::Gpu { .. })
     }
 
-    /// Whether steps run on the CPU from now on, although there may be a device, and whether that is new.
-    pub fn keep_on_cpu(&mut self, on_cpu: bool) -> bool {
+    /// Whether steps that run on the CPU from now on, or no more, although there is a device, are steps that move.
+    pub fn changes_place(&self, on_cpu: bool) -> bool {
+        self.on_cpu != on_cpu && matches!(self.active, ActiveBackend::Gpu { .. })
+    }
+
+    /// Whether steps run on the CPU from now on, although there may be a device.
+    pub fn keep_on_cpu(&mut self, on_cpu: bool) {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
             info_once!(
                 "there are bodies with ContinuousCollision, and steps run on the CPU: a GPU does not stop fast bodies"
             );
         }
-        std::mem::replace(&mut self.on_cpu, on_cpu) != on_cpu
+        self.on_cpu = on_cpu;
     }
 
-    /// Runs a stage. A device runs all five at once, when it is asked for the first. If it fails nothing has moved: the
+    /// Runs a stage. A device runs all at once, when it is asked for the first. If it fails nothing has moved: the
     /// same step runs again on a new device, or on the CPU, or not at all if the renderer's next device has to be waited for.
     pub fn run(&mut self, stage: Stage, state: &mut StepState) {
         #[cfg(feature = "gpu")]

@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 ///
 /// With what users decide, components like [`RigidBody`](crate::components::RigidBody) or resources like
 /// [`Gravity`](crate::settings::Gravity), unchanged, steps after [`Snapshot::restore`] repeat those after
-/// [`Snapshot::take`] to the bit on the same machine. What users decide is not part of it, nor is the clock.
+/// [`Snapshot::take`] to the bit on the same machine. What users decide is not part of it, nor is the clock. On a GPU whose
+/// results come later, steps with contacts may have other numbers of detection intervals while these come again.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,

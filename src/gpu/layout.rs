@@ -276,5 +276,6 @@ constants! {
     TOUCHES = 17;
     TOUCHING_NOW = 18;
     FASTEST = 19;
+    MOST_PAIRS = 20;
     TALLIES = 32;
 }

@@ -14,7 +14,9 @@ use super::contacts::{self, Contacts};
 use super::device::{Gpu, NoGpu};
 use super::flight::Flight;
 use super::kernel::{Builder, Kernel, Kernels, Program};
-use super::layout::{self, CONTACTS_CUT_SHORT, CUT_SHORT, HITS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES};
+use super::layout::{
+    self, CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MOST_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
+};
 use super::readback::{read_words, scoped, staging};
 use super::results::{Detail, Output, Parts};
 use super::timer::Timer;
@@ -65,12 +67,16 @@ pub struct GpuStep {
     arena: Arena,
     buffers: Buffers,
     program: Program,
-    /// What finds contact points and moves bodies by them, once somebody has asked for it.
+    /// What finds contact points and moves bodies by them, where somebody asks for it.
     contacts: Option<Contacts>,
+    /// Somebody has: its kernels are compiled, and meshes come with their corners and edges.
+    has_features: bool,
     /// Which body was which in the last step, if it had contacts.
     lineage: Lineage,
     /// How fast anything moved after the last step whose results were taken, m/s.
     fastest: f32,
+    /// Speeds that the host told of in the steps since, oldest first.
+    told: VecDeque<f32>,
     timer: Option<Timer>,
     /// Submitted, oldest first.
     flights: VecDeque<Flight>,
@@ -93,9 +99,6 @@ const START: Sizes = Sizes {
     meshes: 8,
     words: 1 << 16,
 };
-
-/// Each repeat needs at least one list to grow, and an earlier list may hide what a later one needs.
-const REPEATS: usize = 8;
 
 impl GpuStep {
     /// Compiles the kernels, which takes a second or so, and makes room for a small scene.
@@ -128,6 +131,8 @@ impl GpuStep {
                 contacts: None,
                 lineage: Lineage::default(),
                 fastest: 0.0,
+                told: VecDeque::new(),
+                has_features: false,
                 timer,
                 flights: VecDeque::new(),
                 landed: VecDeque::new(),
@@ -232,7 +237,10 @@ impl GpuStep {
         };
         match &result {
             // Now and not when it landed, which depends on how fast the device is.
-            Ok(output) => self.fastest = output.fastest,
+            Ok(output) => {
+                self.fastest = output.fastest;
+                self.told.pop_front();
+            }
             Err(_) => self.fail(),
         }
         Some(result)
@@ -243,12 +251,23 @@ impl GpuStep {
         self.flights.clear();
         self.landed.clear();
         self.lineage.forget();
+        self.told.clear();
+        self.fastest = 0.0;
     }
 
     fn fail(&mut self) {
         self.forget();
         // Nobody knows which meshes arrived: the next step writes all of them.
-        self.arena = Arena::default();
+        self.arena = self.empty_arena();
+    }
+
+    /// Without any mesh.
+    fn empty_arena(&self) -> Arena {
+        if self.has_features {
+            Arena::with_features()
+        } else {
+            Arena::default()
+        }
     }
 
     /// Where the bodies are after the last step that was submitted, for which it waits.
@@ -282,19 +301,38 @@ impl GpuStep {
         read.inspect_err(|_| self.fail())
     }
 
-    /// Gives up all steps in flight and lets the next one go on from `memory`, or from nothing if that does not fit, as on
-    /// another device.
+    /// Gives up all steps in flight and lets the next one go on from `memory`.
     ///
     /// # Errors
-    /// If the device fails.
+    /// If the device cannot hold it, or fails. The next step goes on from nothing then.
     pub fn remember(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
         self.forget();
-        if let Some(contacts) = &self.contacts
-            && memory
+        if memory.lineage.is_empty() {
+            return Ok(());
+        }
+        self.write_memory(memory).inspect_err(|_| self.fail())
+    }
+
+    fn write_memory(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
+        self.want_contacts()?;
+        let Some(room) = self.contacts.as_ref().map(|contacts| contacts.room) else {
+            return Ok(());
+        };
+        let (bodies, [pairs, points]) = memory.lengths();
+        let needed = Sizes {
+            bodies,
+            ..Sizes::default()
+        };
+        let contacts = ContactSizes {
+            pairs,
+            points,
+            ..ContactSizes::default()
+        };
+        self.make_room(needed, Some(StepRoom { contacts, ..room }))?;
+        if let Some(contacts) = &self.contacts {
+            memory
                 .write(&self.gpu, &self.buffers, contacts)
-                .map_err(StepError::Device)
-                .inspect_err(|_| self.arena = Arena::default())?
-        {
+                .map_err(StepError::Device)?;
             self.lineage = memory.lineage.clone();
         }
         Ok(())
@@ -325,11 +363,15 @@ impl GpuStep {
         let mut input = Input::new(state, carried);
         if state.config.response == Response::Contacts {
             let descent = self.lineage.follow(state);
-            // What may fall on while the results come.
-            let later = self.in_flight() as f32 * state.config.dt * state.config.gravity.length();
-            input = input.with_solver(SolverInput::new(state, carried, self.fastest + later, descent));
+            // What may come on top while the results are on their way: what the host told, and what falls.
+            let told: f32 = self.told.iter().sum();
+            let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity.length();
+            let solver = SolverInput::new(state, carried, self.fastest + told + fall, descent);
+            self.told.push_back(solver.told);
+            input = input.with_solver(solver);
         } else {
             self.lineage.forget();
+            self.told.push_back(0.0);
         }
         let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {
@@ -344,6 +386,12 @@ impl GpuStep {
             words: self.arena.words(),
             ..Sizes::default()
         };
+        let wanted = state.config.response != Response::Impulse;
+        if !wanted && self.buffers.sizes.grown(needed) != self.buffers.sizes {
+            // Swarms of impulses need no room for contact points: it is made again when somebody wants some.
+            self.settle()?;
+            self.contacts = None;
+        }
         let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
             bodies: input.old_bodies(),
             ..contacts.room
@@ -369,8 +417,7 @@ impl GpuStep {
 
     /// Waits for the oldest flight.
     fn land(&mut self) -> Result<Output, StepError> {
-        for _ in 0..REPEATS {
-            let Some(flight) = self.flights.front_mut() else { break };
+        while let Some(flight) = self.flights.front_mut() {
             let results = scoped(&self.gpu, || flight.wait(&self.gpu));
             let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
             self.waits += u64::from(waited);
@@ -383,18 +430,20 @@ impl GpuStep {
                 self.spare.push(flight.staging);
                 return Ok(raw.sort(&flight.input, self.timer.as_ref()));
             }
-            self.repeat(&raw.counters, &raw.tally)?;
+            if !self.repeat(&raw.counters, &raw.tally)? {
+                return Err(StepError::Device(
+                    "a list is too short, and none needs to be longer".into(),
+                ));
+            }
         }
-        Err(StepError::Device(
-            "lists stay too short however long they are made".into(),
-        ))
+        Err(StepError::Device("there is no step to wait for".into()))
     }
 
-    /// Runs all steps in flight again, with longer lists. Nothing has moved: the first one found a list too short, and
+    /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved: the first one found a list too short, and
     /// that made the others do nothing.
-    fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<(), StepError> {
+    fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
         let needed = Sizes {
-            pairs: counters[SPHERE_PAIRS as usize],
+            pairs: counters[SPHERE_PAIRS as usize].max(tally[MOST_PAIRS as usize]),
             hits: counters[HITS as usize],
             plane_contacts: counters[PLANE_CONTACTS as usize],
             ..Sizes::default()
@@ -404,11 +453,14 @@ impl GpuStep {
             touches: tally[TOUCHES as usize],
             ..contacts.room
         });
+        if !self.lacks(needed, for_contacts) {
+            return Ok(false);
+        }
         self.make_room(needed, for_contacts)?;
         for flight in std::mem::take(&mut self.flights) {
             self.launch(flight.input, flight.detail)?;
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
@@ -418,14 +470,24 @@ impl GpuStep {
         }
         self.settle()?;
         let Self {
-            gpu, kernels, buffers, ..
+            gpu,
+            kernels,
+            buffers,
+            has_features,
+            ..
         } = self;
         let made = scoped(gpu, || {
-            kernels.add(gpu, contacts::all_kernels())?;
+            if !*has_features {
+                kernels.add(gpu, contacts::all_kernels())?;
+            }
             Ok::<_, String>(Contacts::new(gpu, kernels, buffers, contacts::START))
         });
-        self.contacts = Some(made.and_then(|made| made).map_err(StepError::Device)??);
-        self.arena = Arena::with_features();
+        let contacts = made.and_then(|made| made).map_err(StepError::Device)?;
+        if !self.has_features {
+            self.has_features = true;
+            self.arena = self.empty_arena();
+        }
+        self.contacts = Some(contacts?);
         Ok(())
     }
 

@@ -68,7 +68,7 @@ pub struct Counts {
 /// What holds for all bodies in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct StepConfig {
-    /// Length of the step in seconds.
+    /// Length of the step in seconds, more than 0.
     pub dt: f32,
     /// Acceleration in m/s^2.
     pub gravity: Vec3,

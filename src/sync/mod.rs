@@ -92,16 +92,45 @@ impl Step {
         }
     }
 
-    /// The GPU does not stop fast bodies: with such ones the step runs on the CPU, from where the components say.
+    /// The GPU does not stop fast bodies: with such ones the step runs on the CPU, and goes on from where the bodies are.
     pub fn choose_place(&mut self) {
         let stops = self.state.bodies.handling.iter().any(|handling| handling.continuous);
-        if self
-            .engine
-            .keep_on_cpu(stops && self.state.config.response == Response::Contacts)
-        {
+        let on_cpu = stops && self.state.config.response == Response::Contacts;
+        if self.engine.changes_place(on_cpu) {
+            #[cfg(feature = "gpu")]
+            self.catch_up_collected();
             self.forget();
             self.state.dynamics.memory = Memory::default();
             self.state.manifolds = Manifolds::default();
+        }
+        self.engine.keep_on_cpu(on_cpu);
+    }
+
+    /// Brings the collected bodies, which are where their components say, to where steps in flight take them.
+    #[cfg(feature = "gpu")]
+    fn catch_up_collected(&mut self) {
+        if self.engine.latent().is_none() {
+            return;
+        }
+        let entities = self.collected.entities.iter().copied().enumerate();
+        let mut motions = entities
+            .map(|(i, entity)| (entity, self.state.bodies.motion(i)))
+            .collect();
+        self.catch_up(&mut motions);
+        self.state.bodies.clear();
+        for (entity, body) in &self.bodies {
+            let Some(motion) = motions.get(entity) else { continue };
+            let moved = Body {
+                position: motion.position,
+                rotation: motion.rotation,
+                linear_velocity: motion.linear_velocity,
+                angular_velocity: motion.angular_velocity,
+                ..*body
+            };
+            // Where the components say it was fit to take part.
+            if self.state.bodies.push(&moved, &self.state.meshes).is_err() {
+                let _ = self.state.bodies.push(body, &self.state.meshes);
+            }
         }
     }
 

@@ -61,6 +61,7 @@ fn main() {
         a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
         what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
         nothing_is_carried_to_bodies_that_are_new: sleep::numbers_change();
+        a_body_that_grows_does_not_jump: sleep::sizes_change();
         balls_leave_a_wall_by_their_restitution: bounce::ball_on_wall(1.0, 30.0, 2, &mut fastrand::Rng::with_seed(8));
         balls_leave_each_other_by_their_restitution: bounce::ball_on_ball(0.5, 0.5, 2, &mut fastrand::Rng::with_seed(7));
         a_cube_rests_on_a_mesh: rest::cube(1.0, 4);

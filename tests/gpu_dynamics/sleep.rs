@@ -2,8 +2,9 @@
 
 use crate::world::{DEVICE, GAP, World};
 use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::results::Detail;
+use bevy_faceoff::stages::state::Body;
 use glam::{Quat, Vec3};
 
 /// Three cubes on each other, on a floor; they may sleep. Body 0 is the floor.
@@ -120,4 +121,31 @@ pub fn numbers_change() {
     assert_eq!(world.state.asleep, [false, false, true, true, true]);
     assert!(world.velocity(1).y < 0.0, "the new one falls");
     assert_eq!(world.state.bodies.position[4], old.position[3]);
+}
+
+/// A mesh whose centre of mass is not its origin, in another size from one step to the next.
+pub fn sizes_change() {
+    let mut world = World::weightless();
+    let cube = shapes::cube(1.0);
+    let beside = cube.vertices().iter().map(|vertex| *vertex + Vec3::X).collect();
+    let mesh = world.mesh(&TriMesh::new(beside, cube.triangles().to_vec()).unwrap());
+    let body = Body {
+        linear_velocity: Vec3::Y,
+        ..Body::at_rest(mesh, Vec3::ZERO, Quat::from_rotation_z(0.3), Vec3::ONE)
+    };
+    world.put(&body);
+    world.step();
+    let then = world.state.bodies.motion(0);
+    world.state.bodies.clear();
+    world.put(&Body {
+        position: then.position,
+        rotation: then.rotation,
+        linear_velocity: then.linear_velocity,
+        scale: Vec3::splat(2.0),
+        ..body
+    });
+    world.step();
+    let wanted = then.position + Vec3::Y / 64.0;
+    let position = world.state.bodies.position[0];
+    assert!(position.distance(wanted) < 1.0e-6, "{position}, not {wanted}");
 }

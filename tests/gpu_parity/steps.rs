@@ -29,7 +29,7 @@ pub fn fifty_steps_without_response(gpu: &Gpu) {
         dt: 1.0 / 64.0,
         gravity: Vec3::NEG_Y * 9.81,
         response: Response::None,
-        // The GPU looks for no points, and not as far.
+        // Pairs that are near and do not touch are for other tests.
         solver: SolverSettings {
             contact_margin: 0.0,
             rest_offset: 0.0,

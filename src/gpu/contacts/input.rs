@@ -20,6 +20,8 @@ pub struct SolverInput {
     arrivals: Vec<layout::BodyState>,
     forces: Vec<layout::BodyForces>,
     descent: Descent,
+    /// How fast any body moves that the host tells of in this step, or is pushed to, m/s.
+    pub told: f32,
 }
 
 impl SolverInput {
@@ -51,6 +53,12 @@ impl SolverInput {
         }
         let (known, thinnest) = SolverSettings::fastest_and_thinnest(&bodies);
         let intervals = config.solver.intervals(known + unseen, thinnest, config.dt);
+        let pushed = (bodies.bodies.iter().zip(&bodies.forces))
+            .map(|(body, forces)| {
+                let turn = body.inverse_inertia * forces.angular_impulse;
+                forces.impulse.length() * body.inverse_mass + turn.length() * body.radius
+            })
+            .fold(0.0, f32::max);
         let interval = Interval {
             dt: config.dt / intervals as f32,
             substeps: config.solver.substeps_per_detection(intervals),
@@ -71,6 +79,7 @@ impl SolverInput {
             arrivals,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             descent,
+            told: known + pushed,
         }
     }
 

@@ -19,6 +19,7 @@ pub struct Lineage {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     mesh: u64,
+    center: Vec3,
     kind: RigidBody,
     scale: Vec3,
     layers: [u32; 2],
@@ -86,12 +87,11 @@ impl Lineage {
             descent.renumbered[before] = i as u32;
             let handling = &bodies.handling[i];
             let sleeps = handling.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
-            let mut carried = CONTINUES;
-            carried |= if sleeps && seen[i] == self.seen[before] {
-                CARRIED_SLEEP
-            } else {
-                0
-            };
+            // Another scale or mesh may put the centre of mass elsewhere.
+            let (now, then) = (&seen[i], &self.seen[before]);
+            let same_center = (now.center, now.scale) == (then.center, then.scale);
+            let mut carried = if same_center { CONTINUES } else { 0 };
+            carried |= if sleeps && now == then { CARRIED_SLEEP } else { 0 };
             carried |= if handling.woken { WOKEN } else { 0 };
             descent.bodies[i] = (before as u32, carried);
         }
@@ -121,6 +121,7 @@ impl Seen {
         let StepState { bodies, meshes, .. } = state;
         Self {
             mesh: meshes[bodies.mesh[i]].version,
+            center: meshes[bodies.mesh[i]].mesh.mass.center,
             kind: bodies.kind[i],
             scale: bodies.scale[i],
             layers: [bodies.layers[i].memberships, bodies.layers[i].filters],

@@ -62,6 +62,9 @@ pub const START: StepRoom = StepRoom {
     touches: 512,
 };
 
+/// Calls are kept for so many ways of cutting up a step: one for each number of substeps an interval may have.
+const MOST_PROGRAMS: usize = 16;
+
 /// Buffers and calls of steps with contacts.
 pub struct Contacts {
     /// What fits.
@@ -182,6 +185,9 @@ impl Contacts {
     pub fn prepare(&mut self, gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, passes: Passes) {
         if self.solve.contains_key(&passes) {
             return;
+        }
+        if self.solve.len() >= MOST_PROGRAMS {
+            self.solve.clear();
         }
         let recorder = Recorder {
             buffers,
@@ -404,7 +410,7 @@ impl Recorder<'_> {
             arguments: &l.arguments,
             first_slot: 0,
         };
-        solver::record(builder, &inputs, s, passes);
+        solver::record_solve(builder, &inputs, s, passes);
         let touches = [
             &b.step,
             &s.counters,
@@ -417,6 +423,7 @@ impl Recorder<'_> {
             &l.touches,
         ];
         builder.call(&TOUCHES, &touches, Groups::Indirect(SOLVER_PAIRS));
+        solver::record_settle(builder, &inputs, s, passes);
     }
 
     fn last(&self, builder: &mut Builder) {

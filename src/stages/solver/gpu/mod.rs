@@ -28,4 +28,4 @@ pub mod upload;
 pub use alone::GpuSolver;
 pub use kernels::KERNELS;
 pub use lists::{Inputs, Lists, Room};
-pub use record::{Passes, record};
+pub use record::{Passes, record, record_settle, record_solve};

@@ -34,6 +34,19 @@ impl Passes {
 
 /// Adds the calls of one interval.
 pub fn record(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
+    record_solve(builder, inputs, lists, passes);
+    record_settle(builder, inputs, lists, passes);
+}
+
+/// Adds those that find who falls asleep.
+pub fn record_settle(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
+    if passes.sleeping {
+        sleep::record(builder, inputs, lists, SETTLE);
+    }
+}
+
+/// Adds those before.
+pub fn record_solve(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
     let recorder = Recorder::new(builder, inputs, lists);
     recorder.count(builder);
     if passes.sleeping {
@@ -48,9 +61,6 @@ pub fn record(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Pas
     }
     recorder.bounce(builder, passes.bounce);
     recorder.finish(builder);
-    if passes.sleeping {
-        sleep::record(builder, inputs, lists, SETTLE);
-    }
 }
 
 /// A body's part in a pass.
