@@ -144,6 +144,7 @@ pub struct Sleeping(pub bool);
 ///   past it if it is thin and fast itself. Of two with this, both stop.
 /// * A body that overlaps another is pushed out of it by contacts alone.
 /// * Planes need none of it: nothing passes them.
+/// * A GPU does not do it: while there is such a body in the world, steps run on the CPU.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct ContinuousCollision;
