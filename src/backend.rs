@@ -190,14 +190,14 @@ impl Engine {
         if self.backend == Backend::Cpu {
             self.fall_back("Backend::Cpu asks for it");
         } else if self.reading() == Reading::Lockstep {
-            self.opened(source.open(software));
+            self.opened(source.open(software, false));
         } else {
             let (thread, to_open) = (std::thread::Builder::new(), source.clone());
             let opening = thread.name("faceoff kernels".into());
             // What contacts need would hold up the first step if it were compiled then.
-            match opening.spawn(move || to_open.open(software).and_then(GpuStep::with_contacts)) {
+            match opening.spawn(move || to_open.open(software, true)) {
                 Ok(opening) => self.opening = Some(opening),
-                Err(_) => self.opened(source.open(software)),
+                Err(_) => self.opened(source.open(software, false)),
             }
         }
     }
@@ -323,15 +323,19 @@ impl Engine {
 
 #[cfg(feature = "gpu")]
 impl Source {
-    /// The stages on the source's device, if it suits them.
-    fn open(&self, software: bool) -> Result<GpuStep, NoGpu> {
+    /// The stages on the source's device, if it suits them; ready for `contacts`, or when a step asks for them.
+    fn open(&self, software: bool, contacts: bool) -> Result<GpuStep, NoGpu> {
         let gpu = match self {
             Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| gpu.clone()),
             Self::Own | Self::Unknown => device::open(software),
         };
         let gpu = gpu?;
         let adapter = gpu.info.name.clone();
-        outlive(|| GpuStep::new(gpu)).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
+        let make = || {
+            let step = GpuStep::new(gpu)?;
+            if contacts { step.with_contacts() } else { Ok(step) }
+        };
+        outlive(make).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
     }
 
     /// Whether another device is Bevy's to open.
@@ -435,7 +439,7 @@ impl Engine {
             if self.source.is_lost() {
                 return self.wait_for_renderer(&error.to_string());
             }
-            if let Ok(gpu) = self.source.open(self.backend == Backend::Gpu) {
+            if let Ok(gpu) = self.source.open(self.backend == Backend::Gpu, false) {
                 self.opened(Ok(gpu));
                 self.failure = Some(format!("{name} failed and was opened anew: {error}"));
                 return;
