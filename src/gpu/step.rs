@@ -4,12 +4,14 @@
 //! device. If a list turns out to be too short a flag on the device turns that step and all later ones into nothing;
 //! the host makes the list longer and sends them off again.
 
-use super::arena::{Arena, Change};
+mod memory;
+mod room;
+
+use super::arena::Arena;
 use super::buffers::{Buffers, Sizes, TooLarge};
 use super::contacts::input::SolverInput;
 use super::contacts::lineage::Lineage;
 use super::contacts::lists::StepRoom;
-use super::contacts::memory::DeviceMemory;
 use super::contacts::{self, Contacts};
 use super::device::{Gpu, NoGpu};
 use super::flight::Flight;
@@ -285,59 +287,6 @@ impl GpuStep {
         Ok(moved.iter().map(Motion::from).collect())
     }
 
-    /// What the device remembers of the last step that was submitted, for which it waits; empty but with
-    /// [`Response::Contacts`].
-    ///
-    /// # Errors
-    /// As [`GpuStep::take`].
-    pub fn memory(&mut self) -> Result<DeviceMemory, StepError> {
-        let read = self.settle().and_then(|()| match &self.contacts {
-            Some(contacts) => {
-                let read = DeviceMemory::read(&self.gpu, &self.buffers, contacts, &self.lineage);
-                read.map_err(StepError::Device)
-            }
-            None => Ok(DeviceMemory::default()),
-        });
-        read.inspect_err(|_| self.fail())
-    }
-
-    /// Gives up all steps in flight and lets the next one go on from `memory`.
-    ///
-    /// # Errors
-    /// If the device cannot hold it, or fails. The next step goes on from nothing then.
-    pub fn remember(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
-        self.forget();
-        if memory.lineage.is_empty() {
-            return Ok(());
-        }
-        self.write_memory(memory).inspect_err(|_| self.fail())
-    }
-
-    fn write_memory(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
-        self.want_contacts()?;
-        let Some(room) = self.contacts.as_ref().map(|contacts| contacts.room) else {
-            return Ok(());
-        };
-        let (bodies, [pairs, points]) = memory.lengths();
-        let needed = Sizes {
-            bodies,
-            ..Sizes::default()
-        };
-        let contacts = ContactSizes {
-            pairs,
-            points,
-            ..ContactSizes::default()
-        };
-        self.make_room(needed, Some(StepRoom { contacts, ..room }))?;
-        if let Some(contacts) = &self.contacts {
-            memory
-                .write(&self.gpu, &self.buffers, contacts)
-                .map_err(StepError::Device)?;
-            self.lineage = memory.lineage.clone();
-        }
-        Ok(())
-    }
-
     /// The poses on the device, to draw from.
     pub fn poses(&self) -> Poses<'_> {
         Poses {
@@ -461,106 +410,6 @@ impl GpuStep {
             self.launch(flight.input, flight.detail)?;
         }
         Ok(true)
-    }
-
-    /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
-    fn want_contacts(&mut self) -> Result<(), StepError> {
-        if self.contacts.is_some() {
-            return Ok(());
-        }
-        self.settle()?;
-        let Self {
-            gpu,
-            kernels,
-            buffers,
-            has_features,
-            ..
-        } = self;
-        let made = scoped(gpu, || {
-            if !*has_features {
-                kernels.add(gpu, contacts::all_kernels())?;
-            }
-            Ok::<_, String>(Contacts::new(gpu, kernels, buffers, contacts::START))
-        });
-        let contacts = made.and_then(|made| made).map_err(StepError::Device)?;
-        if !self.has_features {
-            self.has_features = true;
-            self.arena = self.empty_arena();
-        }
-        self.contacts = Some(contacts?);
-        Ok(())
-    }
-
-    /// Whether some list does not suffice.
-    fn lacks(&self, needed: Sizes, for_contacts: Option<StepRoom>) -> bool {
-        let room = self.contacts.as_ref().map(|contacts| contacts.room);
-        self.buffers.sizes.grown(needed) != self.buffers.sizes
-            || room
-                .zip(for_contacts)
-                .is_some_and(|(room, needed)| room.grown(needed) != room)
-    }
-
-    /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
-    fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepRoom>) -> Result<bool, StepError> {
-        if !self.lacks(needed, for_contacts) {
-            return Ok(false);
-        }
-        let grown = self.buffers.sizes.grown(needed);
-        let longer = grown != self.buffers.sizes;
-        let made = scoped(&self.gpu, || {
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            let buffers = if longer {
-                let buffers = Buffers::new(&self.gpu, grown)?;
-                // The only thing here that outlives a step.
-                let (from, to) = (&self.buffers.moved, &buffers.moved);
-                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
-                Some((program(&self.gpu, &self.kernels, &buffers), buffers))
-            } else {
-                None
-            };
-            let contacts = match (&self.contacts, for_contacts) {
-                (Some(old), Some(needed)) => {
-                    let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
-                    let contacts = Contacts::new(&self.gpu, &self.kernels, buffers, old.room.grown(needed))?;
-                    contacts.take_memory(old, &mut encoder);
-                    Some(contacts)
-                }
-                _ => None,
-            };
-            self.gpu.queue.submit([encoder.finish()]);
-            Ok::<_, TooLarge>((buffers, contacts))
-        });
-        let (buffers, contacts) = made.map_err(StepError::Device)??;
-        if let Some((program, buffers)) = buffers {
-            (self.program, self.buffers) = (program, buffers);
-        }
-        self.contacts = contacts;
-        self.spare.clear();
-        if longer {
-            self.write(self.arena.contents())?;
-        }
-        Ok(longer)
-    }
-
-    fn write(&self, changes: Vec<Change>) -> Result<(), StepError> {
-        if changes.is_empty() {
-            return Ok(());
-        }
-        scoped(&self.gpu, || {
-            for change in changes {
-                let queue = &self.gpu.queue;
-                match change {
-                    Change::Words(at, words) => {
-                        queue.write_buffer(&self.buffers.words, 4 * u64::from(at), bytemuck::cast_slice(&words));
-                    }
-                    Change::Header(slot, header) => {
-                        let at = u64::from(slot) * size_of::<layout::Mesh>() as u64;
-                        queue.write_buffer(&self.buffers.meshes, at, bytemuck::bytes_of(&header));
-                    }
-                }
-            }
-        })
-        .map_err(StepError::Device)
     }
 
     fn launch(&mut self, input: Input, detail: Detail) -> Result<(), StepError> {
