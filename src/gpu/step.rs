@@ -306,7 +306,8 @@ impl GpuStep {
         carried: &[Option<Carried>],
         detail: Detail,
     ) -> Result<(), StepError> {
-        if state.config.response != Response::Impulse {
+        let wants_points = state.config.response != Response::Impulse;
+        if wants_points {
             self.want_contacts()?;
         }
         let mut input = Input::new(state, carried);
@@ -335,8 +336,7 @@ impl GpuStep {
             words: self.arena.words(),
             ..Sizes::default()
         };
-        let wanted = state.config.response != Response::Impulse;
-        if !wanted && self.buffers.sizes.grown(needed) != self.buffers.sizes {
+        if !wants_points && self.buffers.sizes.grown(needed) != self.buffers.sizes {
             // Swarms of impulses need no room for contact points: it is made again when somebody wants some.
             self.settle()?;
             self.contacts = None;
@@ -388,8 +388,8 @@ impl GpuStep {
         Err(StepError::Device("there is no step to wait for".into()))
     }
 
-    /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved: the first one found a list too short, and
-    /// that made the others do nothing.
+    /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved:
+    /// the first one found a list too short, and that made the others do nothing.
     fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
         let needed = Sizes {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MOST_PAIRS as usize]),

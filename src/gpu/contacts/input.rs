@@ -35,15 +35,8 @@ impl SolverInput {
             planes,
             ..
         } = state;
-        let keys: Vec<u64>;
-        let keys = if state.dynamics.keys.len() == placed.len() {
-            &state.dynamics.keys
-        } else {
-            keys = (0..placed.len() as u64).collect();
-            &keys
-        };
         let mut bodies = SolverBodies::default();
-        bodies.read(placed, meshes, planes, keys);
+        bodies.read(placed, meshes, planes, &state.dynamics.keys_of(placed.len()));
         let mut unseen = 0.0;
         for (i, carried) in carried.iter().enumerate() {
             if let Some([linear, angular]) = carried.and_then(|carried| carried.push) {

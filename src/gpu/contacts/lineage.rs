@@ -63,13 +63,7 @@ impl Lineage {
             ..
         } = state;
         let count = bodies.len();
-        let numbers: Vec<u64>;
-        let keys = if dynamics.keys.len() == count {
-            &dynamics.keys
-        } else {
-            numbers = (0..count as u64).collect();
-            &numbers
-        };
+        let keys = dynamics.keys_of(count);
         let seen: Vec<Seen> = (0..count).map(|i| Seen::new(state, i)).collect();
         let mut descent = Descent {
             bodies: vec![(0, 0); count],
@@ -107,7 +101,7 @@ impl Lineage {
             descent.renumbered.extend((0..planes_then).map(plane_now));
         }
         *self = Self {
-            keys: keys.clone(),
+            keys: keys.into_owned(),
             seen,
             planes: planes.clone(),
             gravity: config.gravity,

@@ -75,6 +75,16 @@ impl Dynamics {
         self.intervals.max(1)
     }
 
+    /// What tells so many bodies from others: [`Dynamics::keys`], or their numbers.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn keys_of(&self, bodies: usize) -> std::borrow::Cow<'_, [u64]> {
+        if self.keys.len() == bodies {
+            (&self.keys[..]).into()
+        } else {
+            (0..bodies as u64).collect()
+        }
+    }
+
     /// What holds for all bodies in a detection interval.
     pub(crate) fn interval(&self, config: &StepConfig) -> StepConfig {
         StepConfig {
