@@ -1,29 +1,45 @@
 #define_import_path faceoff::margins
 
-// How far bodies look for each other; `stages/manifolds/margins.rs` explains it. `Step::look_ahead` holds the safety that
-// is on top of what they move.
+// How far bodies look for each other; `stages/manifolds/margins.rs` explains it. `Step::look_ahead` is the time until the next
+// detection, with the safety that is on top of it.
 
 #import faceoff::types as t
 
-// The body, with reach and travel as its velocities now are.
+// A margin grows with motion by no more than this many times the thickness of the thinner body.
+const BOUND: f32 = 2.0;
+
+// The body, with its reach as its velocities now are.
 fn with_reach(step: t::Step, body: t::Body) -> t::Body {
     var placed = body;
-    let kind = body.flags & t::KIND_MASK;
-    let v = body.linear_velocity;
-    let w = body.angular_velocity;
-    var speed = sqrt(dot(v, v)) + sqrt(dot(w, w)) * body.radius;
-    if kind == t::STATIC {
-        speed = 0.0;
-    } else if kind == t::DYNAMIC {
-        speed += sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale) * step.dt;
+    var travel = 0.0;
+    if (body.flags & t::KIND_MASK) != t::STATIC {
+        let v = body.linear_velocity - step.drift;
+        travel = (sqrt(dot(v, v)) + sway(step, body)) * step.look_ahead;
     }
-    placed.travel = speed * step.look_ahead;
-    placed.reach = body.radius + step.contact_margin * body.radius + min(placed.travel, 2.0 * body.radius);
+    placed.reach = body.radius + step.contact_margin * body.radius + min(travel, BOUND * body.thickness);
     return placed;
 }
 
 // How near the surfaces of two bodies must come for points to be found, metres.
 fn margin_of(step: t::Step, a: t::Body, b: t::Body) -> f32 {
     let diameter = 2.0 * min(a.radius, b.radius);
-    return step.contact_margin * diameter + min(a.travel + b.travel, diameter);
+    let v = velocity(b) - velocity(a);
+    let travel = (sqrt(dot(v, v)) + sway(step, a) + sway(step, b)) * step.look_ahead;
+    return step.contact_margin * diameter + min(travel, BOUND * min(a.thickness, b.thickness));
+}
+
+fn velocity(body: t::Body) -> vec3<f32> {
+    return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
+}
+
+// How fast a body's surface may move until the next detection beside the velocity of its centre, m/s.
+fn sway(step: t::Step, body: t::Body) -> f32 {
+    let kind = body.flags & t::KIND_MASK;
+    if kind == t::STATIC {
+        return 0.0;
+    }
+    let w = body.angular_velocity;
+    let spin = sqrt(dot(w, w)) * body.radius;
+    let fall = sqrt(dot(step.gravity, step.gravity)) * abs(body.gravity_scale) * step.dt;
+    return select(spin, spin + fall, kind == t::DYNAMIC);
 }

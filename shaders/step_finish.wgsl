@@ -40,8 +40,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if !is_static {
         let v = state.linear_velocity;
         let w = state.angular_velocity;
-        let speed = sqrt(dot(v, v)) + sqrt(dot(w, w)) * body.radius;
-        // The bits of positive numbers are in their order.
-        atomicMax(&tally[t::FASTEST], bitcast<u32>(speed));
+        for (var axis = 0u; axis < 3u; axis += 1u) {
+            atomicMax(&tally[t::HIGHEST + axis], ascending(v[axis]));
+            atomicMax(&tally[t::LOWEST + axis], ascending(-v[axis]));
+        }
+        atomicMax(&tally[t::SPIN], ascending(sqrt(dot(w, w)) * body.radius));
     }
+}
+
+// A number in the order of the floats, larger than 0.
+fn ascending(x: f32) -> u32 {
+    let bits = bitcast<u32>(x);
+    return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);
 }

@@ -23,7 +23,10 @@ struct Step {
     look_ahead: f32,
     // Not 0: half-spaces are not those of the last step.
     new_ground: u32,
-    padding: u32,
+    padding_a: u32,
+    // The velocity that bodies have in common, m/s.
+    drift: vec3<f32>,
+    padding_b: u32,
 }
 
 // A body's input and state. A slot without a body has a radius of zero.
@@ -52,10 +55,10 @@ struct Body {
     // Which body of the step before this is, and what of its state comes from there; see the constants.
     source: u32,
     carried: u32,
-    // Of the sphere in which it looks for others; follows from the next, the radius and the margin.
+    // Of the sphere in which it looks for others; follows from the velocities, the radius and the margin.
     reach: f32,
-    // How far a point of it may move until it is looked at again, metres.
-    travel: f32,
+    // Of its thinnest part, metres.
+    thickness: f32,
     // Not 0: nothing about it has changed since it was last looked at, in which `source` was its number: it sleeps, or is
     // static.
     still: u32,
@@ -483,7 +486,11 @@ const INTERVALS: u32 = 16u; // so far
 const TOUCHES: u32 = 17u; // as many as there are, even if the list holds fewer
 const TOUCHING_NOW: u32 = 18u; // of two meshes, in the last interval
 const MOST_PAIRS: u32 = 20u; // of spheres, in any interval
-const FASTEST: u32 = 19u; // the bits of the largest speed of any point of a body after the step, m/s
+// Velocities after the step of what may move, m/s: the largest along each axis, the largest negated, and the largest speed of a
+// surface about its body's centre of mass. As `ascending` numbers, so that 0 stands for none.
+const HIGHEST: u32 = 21u;
+const LOWEST: u32 = 24u;
+const SPIN: u32 = 27u;
 const TALLIES: u32 = 32u;
 
 // How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.

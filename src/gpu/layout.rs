@@ -45,7 +45,8 @@ layout! {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
-        contact_margin: f32, look_ahead: f32, new_ground: u32, padding: u32,
+        contact_margin: f32, look_ahead: f32, new_ground: u32, padding_a: u32,
+        drift: Vec3, padding_b: u32,
     }
     /// A body's input and state.
     Body {
@@ -57,7 +58,7 @@ layout! {
         inverse_inertia: Vec3, gravity_scale: f32,
         inverse_inertia_mixed: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
-        reach: f32, travel: f32, still: u32, padding: u32,
+        reach: f32, thickness: f32, still: u32, padding: u32,
     }
     /// A half-space.
     Plane {
@@ -275,7 +276,9 @@ constants! {
     INTERVALS = 16;
     TOUCHES = 17;
     TOUCHING_NOW = 18;
-    FASTEST = 19;
     MOST_PAIRS = 20;
+    HIGHEST = 21;
+    LOWEST = 24;
+    SPIN = 27;
     TALLIES = 32;
 }

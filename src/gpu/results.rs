@@ -3,15 +3,16 @@
 use super::buffers::{Buffers, Sizes};
 use super::contacts::Contacts as ContactStep;
 use super::layout::{
-    APPROXIMATE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, FASTEST, HITS,
-    Hit, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING,
-    TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HIGHEST, HITS,
+    Hit, LOWEST, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, SPIN, TALLIES, TOUCHES,
+    TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use super::timer::{self, Timer};
 use super::upload::Input;
 use crate::settings::Response;
 use crate::stages::Stage;
 use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds, place};
+use crate::stages::solver::speeds::Speeds;
 use crate::stages::solver::touches::Touches;
 use crate::stages::state::{self, Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
 use bytemuck::Pod;
@@ -47,8 +48,8 @@ pub struct Output {
     pub near_triangles: usize,
     /// Into how many detection intervals the step was cut.
     pub intervals: u32,
-    /// How fast any point of a body moves after the step, m/s, with [`Response::Contacts`].
-    pub fastest: f32,
+    /// How fast bodies move after the step, with [`Response::Contacts`].
+    pub speeds: Speeds,
     /// How many there are.
     pub counts: Counts,
     /// How long each stage took on the device; zero where it cannot tell.
@@ -220,7 +221,7 @@ impl Raw {
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
             intervals: input.intervals(),
-            fastest: f32::from_bits(self.tally[FASTEST as usize]),
+            speeds: speeds(&self.tally),
             ..Default::default()
         };
         output.contacts.triangle_tests = output.counts.triangle_tests;
@@ -345,4 +346,23 @@ fn put_planes(contacts: &mut Contacts, mut planes: Vec<PlaneContact>) {
         point: contact.point.into(),
         depth: contact.depth,
     }));
+}
+
+/// What a tally says of velocities.
+fn speeds(tally: &[u32]) -> Speeds {
+    let [highest, lowest] = [HIGHEST, LOWEST].map(|first| {
+        let axes = [0, 1, 2].map(|axis| descending(tally[(first + axis) as usize]));
+        Vec3::from_array(axes.map(|speed| speed.unwrap_or(f32::NEG_INFINITY)))
+    });
+    Speeds::between(-lowest, highest, descending(tally[SPIN as usize]).unwrap_or(0.0))
+}
+
+/// The number that the kernels made one of, in the order of the floats; `None` for 0, which stands for none.
+fn descending(ascending: u32) -> Option<f32> {
+    let bits = if ascending >> 31 == 1 {
+        ascending ^ 0x8000_0000
+    } else {
+        !ascending
+    };
+    (ascending != 0).then(|| f32::from_bits(bits))
 }

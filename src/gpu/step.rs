@@ -9,7 +9,7 @@ mod room;
 
 use super::arena::Arena;
 use super::buffers::{Buffers, Sizes, TooLarge};
-use super::contacts::input::SolverInput;
+use super::contacts::input::{SolverInput, Told};
 use super::contacts::lineage::Lineage;
 use super::contacts::lists::StepRoom;
 use super::contacts::{self, Contacts};
@@ -26,6 +26,7 @@ use super::upload::{Carried, Input};
 use super::{radix_sort, scan};
 use crate::settings::Response;
 use crate::stages::manifolds::gpu::ContactSizes;
+use crate::stages::solver::speeds::Speeds;
 use crate::stages::state::{Motion, StepState};
 use crate::stages::{Stage, angles, broad_phase, force_scan, integrate, triangle_test};
 use std::collections::VecDeque;
@@ -75,10 +76,10 @@ pub struct GpuStep {
     has_features: bool,
     /// Which body was which in the last step, if it had contacts.
     lineage: Lineage,
-    /// How fast anything moved after the last step whose results were taken, m/s.
-    fastest: f32,
-    /// Speeds that the host told of in the steps since, oldest first.
-    told: VecDeque<f32>,
+    /// How fast bodies moved after the last step whose results were taken.
+    speeds: Speeds,
+    /// What the host told of motions in the steps since, oldest first.
+    told: VecDeque<Told>,
     timer: Option<Timer>,
     /// Submitted, oldest first.
     flights: VecDeque<Flight>,
@@ -132,7 +133,7 @@ impl GpuStep {
                 program,
                 contacts: None,
                 lineage: Lineage::default(),
-                fastest: 0.0,
+                speeds: Speeds::NONE,
                 told: VecDeque::new(),
                 has_features: false,
                 timer,
@@ -240,7 +241,7 @@ impl GpuStep {
         match &result {
             // Now and not when it landed, which depends on how fast the device is.
             Ok(output) => {
-                self.fastest = output.fastest;
+                self.speeds = output.speeds;
                 self.told.pop_front();
             }
             Err(_) => self.fail(),
@@ -254,7 +255,7 @@ impl GpuStep {
         self.landed.clear();
         self.lineage.forget();
         self.told.clear();
-        self.fastest = 0.0;
+        self.speeds = Speeds::NONE;
     }
 
     fn fail(&mut self) {
@@ -313,15 +314,19 @@ impl GpuStep {
         let mut input = Input::new(state, carried);
         if state.config.response == Response::Contacts {
             let descent = self.lineage.follow(state);
-            // What may come on top while the results are on their way: what the host told, and what falls.
-            let told: f32 = self.told.iter().sum();
-            let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity.length();
-            let solver = SolverInput::new(state, carried, self.fastest + told + fall, descent);
+            // What may have changed while the results are on their way: what the host told, and what falls.
+            let push = self.told.iter().map(|told| told.push).sum();
+            let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
+            let known = self
+                .told
+                .iter()
+                .fold(self.speeds, |speeds, told| speeds.and(told.speeds));
+            let solver = SolverInput::new(state, carried, known.after(push, fall), descent);
             self.told.push_back(solver.told);
             input = input.with_solver(solver);
         } else {
             self.lineage.forget();
-            self.told.push_back(0.0);
+            self.told.push_back(Told::default());
         }
         let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {

@@ -73,6 +73,7 @@ impl Input {
     pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
         self.step.dt = solver.dt();
         self.step.look_ahead = solver.look_ahead();
+        self.step.drift = solver.drift.to_array();
         self.step.new_ground = solver.new_ground().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
@@ -181,6 +182,7 @@ fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) 
         flags: flags(bodies, i),
         memberships: bodies.layers[i].memberships,
         filters: bodies.layers[i].filters,
+        thickness: bodies.thickness[i],
         source: carried.map_or(0, |carried| carried.source),
         carried: carried.map_or(0, |carried| {
             let pose = if carried.pose { CARRIED_POSE } else { 0 };

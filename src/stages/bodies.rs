@@ -91,6 +91,7 @@ impl Bodies {
             frame,
             center,
             radius,
+            thickness,
             reach,
             inverse_mass,
             own_inverse_inertia,
@@ -112,6 +113,7 @@ impl Bodies {
         frame.clear();
         center.clear();
         radius.clear();
+        thickness.clear();
         reach.clear();
         inverse_mass.clear();
         own_inverse_inertia.clear();
@@ -207,6 +209,8 @@ impl Bodies {
         self.frame.push(frame);
         self.center.push(center);
         self.radius.push(radius);
+        let thickness = slot.mesh.mass.thickness * body.scale.abs().min_element();
+        self.thickness.push(thickness);
         self.reach.push(radius);
         self.inverse_mass.push(inverse_mass);
         self.own_inverse_inertia.push(own_inertia.as_mat3());

@@ -112,6 +112,8 @@ pub struct Bodies {
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
+    /// Of the thinnest part, metres.
+    pub thickness: Vec<f32>,
     /// The radius and how far from it the body looks for others: what the broad phase goes by.
     pub reach: Vec<f32>,
     /// 0 for what cannot be pushed.

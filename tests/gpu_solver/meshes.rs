@@ -39,7 +39,7 @@ fn pile() -> Scene {
     }
     let keys: Vec<u64> = (0..state.bodies.len() as u64).collect();
     let mut bodies = SolverBodies::default();
-    bodies.read(&state.bodies, &state.meshes, &state.planes, &keys);
+    bodies.read(&state.bodies, &state.planes, &keys);
     Scene { state, bodies }
 }
 

@@ -262,6 +262,9 @@ fn faster_and_thinner_bodies_are_looked_at_more_often() {
     world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
     let detections = |world: &World| settings.detections(&world.bodies, world.dt);
     assert_eq!(detections(&world), 1, "at rest");
+    world.motion(0).linear_velocity = Vec3::X * 1000.0;
+    assert_eq!(detections(&world), 1, "nothing moves against it");
+    world.immovable(Shape::Sphere(0.5), RigidBody::Static, DVec3::X);
     world.motion(0).linear_velocity = Vec3::X * 31.0;
     assert_eq!(detections(&world), 1, "just below half its diameter per step");
     world.motion(0).linear_velocity = Vec3::X * 33.0;

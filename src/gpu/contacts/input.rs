@@ -2,13 +2,16 @@
 
 use super::lineage::Descent;
 use super::lists::StepLists;
+use crate::components::RigidBody;
 use crate::gpu::device::Gpu;
 use crate::gpu::upload::Carried;
 use crate::stages::manifolds::margins::SAFETY;
 use crate::stages::solver::gpu::{Passes, Room, layout, upload};
+use crate::stages::solver::speeds::Speeds;
 use crate::stages::solver::{Interval, SolverBodies, SolverSettings};
 use crate::stages::state::StepState;
 use bytemuck::{bytes_of, cast_slice};
+use glam::Vec3;
 
 /// What the solver is told.
 pub struct SolverInput {
@@ -20,32 +23,46 @@ pub struct SolverInput {
     arrivals: Vec<layout::BodyState>,
     forces: Vec<layout::BodyForces>,
     descent: Descent,
-    /// How fast any body moves that the host tells of in this step, or is pushed to, m/s.
-    pub told: f32,
+    /// The velocity that bodies have in common, m/s.
+    pub drift: Vec3,
+    /// What it says of motions.
+    pub told: Told,
+}
+
+/// What the host tells a device of motions in one step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Told {
+    /// Of bodies whose velocities it sets.
+    pub speeds: Speeds,
+    /// How much faster any point of a body may get by what acts on it in the step, or is added to its velocity, m/s.
+    pub push: f32,
 }
 
 impl SolverInput {
-    /// Packs the bodies and half-spaces of `state`. Those that `carried` says go on with their velocities move no faster
-    /// than `fastest`, m/s, but for what they are pushed by.
-    pub fn new(state: &StepState, carried: &[Option<Carried>], fastest: f32, descent: Descent) -> Self {
+    /// Packs the bodies and half-spaces of `state`. Those that `carried` says go on with their velocities have `speeds`, but
+    /// for what they are pushed by.
+    pub fn new(state: &StepState, carried: &[Option<Carried>], speeds: Speeds, descent: Descent) -> Self {
         let StepState {
             config,
-            meshes,
             bodies: placed,
             planes,
             ..
         } = state;
         let mut bodies = SolverBodies::default();
-        bodies.read(placed, meshes, planes, &state.dynamics.keys_of(placed.len()));
-        let mut unseen = 0.0;
-        for (i, carried) in carried.iter().enumerate() {
-            if let Some([linear, angular]) = carried.and_then(|carried| carried.push) {
-                (bodies.motions[i].linear_velocity, bodies.motions[i].angular_velocity) = (linear, angular);
-                unseen = fastest;
-            }
+        bodies.read(placed, planes, &state.dynamics.keys_of(placed.len()));
+        let is_unseen =
+            |i: usize| placed.kind.get(i).is_some_and(|kind| *kind != RigidBody::Static) && push(carried, i).is_some();
+        let seen = Speeds::of(&bodies, is_unseen);
+        let mut all = seen;
+        let mut added = 0.0f32;
+        for i in (0..placed.len()).filter(|&i| is_unseen(i)) {
+            let [linear, angular] = push(carried, i).unwrap_or_default();
+            (bodies.motions[i].linear_velocity, bodies.motions[i].angular_velocity) = (linear, angular);
+            added = added.max(linear.length() + angular.length() * placed.radius[i]);
+            all = all.and(speeds);
         }
-        let (known, thinnest) = SolverSettings::fastest_and_thinnest(&bodies);
-        let intervals = config.solver.intervals(known + unseen, thinnest, config.dt);
+        all = all.after(added, Vec3::ZERO);
+        let intervals = config.solver.detections_at(&all, &bodies, config.dt);
         let pushed = (bodies.bodies.iter().zip(&bodies.forces))
             .map(|(body, forces)| {
                 let turn = body.inverse_inertia * forces.angular_impulse;
@@ -72,7 +89,11 @@ impl SolverInput {
             arrivals,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             descent,
-            told: known + pushed,
+            drift: all.drift(),
+            told: Told {
+                speeds: seen,
+                push: added + pushed,
+            },
         }
     }
 
@@ -128,4 +149,9 @@ impl SolverInput {
             gpu.queue.write_buffer(buffer, 0, bytes);
         }
     }
+}
+
+/// What is added to the velocities of a body that goes on with those it has, which the host need not know.
+fn push(carried: &[Option<Carried>], i: usize) -> Option<[Vec3; 2]> {
+    carried.get(i).copied().flatten()?.push
 }

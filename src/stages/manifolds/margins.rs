@@ -1,7 +1,12 @@
-//! How far apart surfaces are looked at: as far as they may move before they are looked at again.
+//! Speculative margins: how far apart surfaces get contact points, because they may meet before the next detection.
+//!
+//! A pair's margin follows how its two bodies move against each other, so that bodies that fly alike have none. Beyond
+//! twice the thickness of the thinner one it does not grow: fast bodies get more detection intervals instead. What happens
+//! between two bodies because a third one stops or pushes one of them is seen in the next interval.
 
 use crate::components::RigidBody;
 use crate::stages::state::{Bodies, StepConfig};
+use glam::Vec3;
 
 /// What bodies may move by, as a factor on what their velocities say: contacts turn and push them meanwhile.
 pub(crate) const SAFETY: f32 = 1.5;
@@ -18,8 +23,13 @@ pub enum Margins {
     Moving {
         /// Until they are looked at again, seconds.
         interval: f32,
+        /// The velocity that bodies have in common, m/s; see [`Speeds::drift`](crate::stages::solver::speeds::Speeds::drift).
+        drift: Vec3,
     },
 }
+
+/// A margin grows with motion by no more than this many times the thickness of the thinner body.
+pub(crate) const BOUND: f32 = 2.0;
 
 impl Margins {
     /// Sets how far all bodies look beyond their spheres. Those of two bodies together are no less than their pair's margin.
@@ -27,26 +37,41 @@ impl Margins {
         let mut reach = std::mem::take(&mut bodies.reach);
         reach.clear();
         reach.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
-            let travel = self.travel(bodies, config, i);
+            let travel = match self {
+                Self::Moving { interval, drift } if bodies.kind[i] != RigidBody::Static => {
+                    let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, interval);
+                    SAFETY * speed * interval
+                }
+                _ => 0.0,
+            };
             // All that a fast body may meet on its way must be known to stop it there.
             let travel = if bodies.handling.get(i).is_some_and(|h| h.continuous) {
                 travel
             } else {
-                travel.min(2.0 * radius)
+                travel.min(BOUND * bodies.thickness[i])
             };
             radius + self.contact_margin(config) * radius + travel
         }));
         bodies.reach = reach;
     }
 
-    /// How near the surfaces of two bodies must come for points to be found, metres. What they may move counts no further
-    /// than the diameter of the smaller one: points found from farther away say nothing about where they will meet.
+    /// How near the surfaces of two bodies must come for points to be found, metres.
     pub fn of_pair(self, bodies: &Bodies, config: &StepConfig, pair: [u32; 2]) -> f32 {
         let [a, b] = pair.map(|i| i as usize);
         let diameter = 2.0 * bodies.radius[a].min(bodies.radius[b]);
-        // Not their relative velocity: of two bodies that move alike one may be stopped by a third.
-        let travel = self.travel(bodies, config, a) + self.travel(bodies, config, b);
-        self.contact_margin(config) * diameter + travel.min(diameter)
+        let travel = match self {
+            Self::Moving { interval, .. } => {
+                let [v, w] = [a, b].map(|i| match bodies.kind[i] {
+                    RigidBody::Static => Vec3::ZERO,
+                    _ => bodies.linear_velocity[i],
+                });
+                let sway = [a, b].map(|i| sway(bodies, config, i, interval));
+                let bound = BOUND * bodies.thickness[a].min(bodies.thickness[b]);
+                (SAFETY * ((w - v).length() + sway[0] + sway[1]) * interval).min(bound)
+            }
+            _ => 0.0,
+        };
+        self.contact_margin(config) * diameter + travel
     }
 
     /// In diameters.
@@ -57,16 +82,14 @@ impl Margins {
             config.solver.margin()
         }
     }
+}
 
-    /// How far a point of the body may move until it is looked at again, metres.
-    fn travel(self, bodies: &Bodies, config: &StepConfig, i: usize) -> f32 {
-        let Self::Moving { interval } = self else { return 0.0 };
-        let speed = bodies.linear_velocity[i].length() + bodies.angular_velocity[i].length() * bodies.radius[i];
-        let speed = match bodies.kind[i] {
-            RigidBody::Static => 0.0,
-            RigidBody::Kinematic => speed,
-            RigidBody::Dynamic => speed + config.gravity.length() * bodies.gravity_scale[i].abs() * interval,
-        };
-        SAFETY * speed * interval
+/// How fast a body's surface may move within `interval` seconds beside the velocity of its centre, m/s.
+fn sway(bodies: &Bodies, config: &StepConfig, i: usize, interval: f32) -> f32 {
+    let spin = bodies.angular_velocity[i].length() * bodies.radius[i];
+    match bodies.kind[i] {
+        RigidBody::Static => 0.0,
+        RigidBody::Kinematic => spin,
+        RigidBody::Dynamic => spin + config.gravity.length() * bodies.gravity_scale[i].abs() * interval,
     }
 }

@@ -17,18 +17,17 @@ impl SolverBodies {
     ///
     /// # Panics
     /// If there are fewer `keys` than bodies.
-    pub fn read(&mut self, bodies: &Bodies, meshes: &MeshArena, planes: &[Plane], keys: &[u64]) {
+    pub fn read(&mut self, bodies: &Bodies, planes: &[Plane], keys: &[u64]) {
         self.clear();
         for (i, &key) in keys[..bodies.len()].iter().enumerate() {
             let frame = &bodies.frame[i];
-            let thickness = meshes[bodies.mesh[i]].mesh.mass.thickness * bodies.scale[i].abs().min_element();
             let handling = &bodies.handling[i];
             let body = SolverBody {
                 kind: bodies.kind[i],
                 inverse_mass: bodies.inverse_mass[i],
                 inverse_inertia: bodies.own_inverse_inertia[i],
                 radius: bodies.radius[i],
-                thickness,
+                thickness: bodies.thickness[i],
                 restitution: bodies.restitution[i],
                 restitution_combine: handling.restitution_combine,
                 friction: handling.friction.coefficient,

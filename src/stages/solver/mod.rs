@@ -18,6 +18,7 @@
 //! | `adapter` | the way from a step's bodies to these and back |
 //! | [`bodies`] | what bodies are, how they move, what acts on them |
 //! | [`settings`] | what can be set |
+//! | [`speeds`] | how fast bodies move against each other |
 //! | `constraints` | a pair's points as the solver works on them, and how they are made |
 //! | `pairs` | what a pair does in a pass |
 //! | `motion` | what a body does in a pass |
@@ -40,6 +41,7 @@ mod overlap;
 mod pairs;
 pub mod settings;
 pub mod sleep;
+pub mod speeds;
 pub mod step;
 mod stops;
 pub(crate) mod touches;

@@ -1,6 +1,7 @@
 //! What a user can set about the solver, and what follows from it.
 
 use super::bodies::SolverBodies;
+use super::speeds::Speeds;
 use bevy::prelude::{Reflect, ReflectDefault, ReflectResource, Resource};
 use std::f32::consts::TAU;
 
@@ -62,8 +63,8 @@ pub struct SolverSettings {
     pub match_distance: f32,
     /// Cosine of how far its normal may have turned meanwhile. Default 0.7.
     pub match_normal: f32,
-    /// How far anything may move between two detections, in the thickness of the thinnest body. Default 0.5: a body never
-    /// gets through more than half of another unseen. Faster ones make the step be cut up.
+    /// How far two surfaces may move against each other between two detections, in the thickness of the thinnest body. Default
+    /// 0.5: a body never gets through more than half of another unseen. Faster ones make the step be cut up.
     pub detection_travel: f32,
     /// At most this many detection intervals per step. Default 8.
     pub max_detections: u32,
@@ -105,30 +106,17 @@ impl Default for SolverSettings {
 }
 
 impl SolverSettings {
-    /// Into how many detection intervals a step of `dt` seconds must be cut so that nothing moves further in one than
-    /// [`SolverSettings::detection_travel`] of the thinnest body; 1 to [`SolverSettings::max_detections`].
+    /// Into how many detection intervals a step of `dt` seconds must be cut so that no two surfaces move further against each
+    /// other in one than [`SolverSettings::detection_travel`] of the thinnest body; 1 to [`SolverSettings::max_detections`].
     pub fn detections(&self, bodies: &SolverBodies, dt: f32) -> u32 {
-        let (fastest, thinnest) = Self::fastest_and_thinnest(bodies);
-        self.intervals(fastest, thinnest, dt)
+        self.detections_at(&Speeds::of(bodies, |_| false), bodies, dt)
     }
 
-    /// How fast any point of a body moves, m/s, and how thin the thinnest is, metres.
-    pub(crate) fn fastest_and_thinnest(bodies: &SolverBodies) -> (f32, f32) {
-        let mut fastest = 0.0f32;
-        let mut thinnest = f32::INFINITY;
-        for ((body, motion), sleep) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep) {
-            thinnest = thinnest.min(body.thickness);
-            if !sleep.asleep && body.moves() && !body.continuous {
-                let speed = motion.linear_velocity.length() + motion.angular_velocity.length() * body.radius;
-                fastest = fastest.max(speed);
-            }
-        }
-        (fastest, thinnest)
-    }
-
-    /// Into how many intervals these need a step to be cut.
-    pub(crate) fn intervals(&self, fastest: f32, thinnest: f32, dt: f32) -> u32 {
-        let wanted = (fastest * dt / (self.detection_travel * thinnest)).ceil();
+    /// The same for bodies that have these speeds.
+    pub(crate) fn detections_at(&self, speeds: &Speeds, bodies: &SolverBodies, dt: f32) -> u32 {
+        let solid = bodies.bodies.iter().filter(|body| body.solid);
+        let thinnest = solid.map(|body| body.thickness).fold(f32::INFINITY, f32::min);
+        let wanted = (speeds.relative() * dt / (self.detection_travel * thinnest)).ceil();
         // A float becomes the nearest integer, and NaN zero.
         (wanted as u32).clamp(1, self.max_detections.clamp(1, MOST_DETECTIONS))
     }

@@ -1,5 +1,6 @@
 //! The solver as stages of a step: what it keeps from one step to the next, and into how many intervals it cuts one.
 
+use super::speeds::Speeds;
 use super::stops::Stops;
 use super::touches::Touches;
 use super::{Interval, SleepState, Sleeper, Solver, SolverBodies, WarmStart};
@@ -133,9 +134,11 @@ pub(crate) fn begin(state: &mut StepState) {
         Response::None => Margins::AtRest,
         Response::Contacts => {
             dynamics.read(bodies, meshes, planes, config.gravity);
-            dynamics.intervals = config.solver.detections(&dynamics.bodies, config.dt);
+            let speeds = Speeds::of(&dynamics.bodies, |_| false);
+            dynamics.intervals = config.solver.detections_at(&speeds, &dynamics.bodies, config.dt);
             Margins::Moving {
                 interval: dynamics.interval(config).dt,
+                drift: speeds.drift(),
             }
         }
     };
@@ -247,7 +250,7 @@ impl Dynamics {
             self.keys.clear();
             self.keys.extend(0..bodies.len() as u64);
         }
-        self.bodies.read(bodies, meshes, planes, &self.keys);
+        self.bodies.read(bodies, planes, &self.keys);
         let Memory {
             keys: old_keys,
             bodies: old,

@@ -1,0 +1,161 @@
+//! What is played.
+
+use bevy::prelude::*;
+use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::prelude::*;
+
+/// A scene and how long it is watched.
+pub struct Game {
+    pub name: &'static str,
+    pub steps: usize,
+    pub spawn: fn(&mut World),
+}
+
+const fn game(name: &'static str, steps: usize, spawn: fn(&mut World)) -> Game {
+    Game { name, steps, spawn }
+}
+
+/// All of them.
+pub const GAMES: &[Game] = &[
+    game("one cube on the ground", 128, |world| boxes(world, 1)),
+    game("ten cubes on the ground", 128, |world| boxes(world, 10)),
+    game("formation of balls at rest", 64, |world| formation(world, &ball(), 0.0)),
+    game("formation of balls, 3 m/s", 64, |world| formation(world, &ball(), 3.0)),
+    game("formation of balls, 10 m/s", 32, |world| {
+        formation(world, &ball(), 10.0)
+    }),
+    game("formation of balls, 100 m/s", 32, |world| {
+        formation(world, &ball(), 100.0)
+    }),
+    game("formation of tori, 10 m/s", 64, |world| {
+        formation(world, &torus(), 10.0)
+    }),
+    game("formation of tori, 100 m/s", 64, |world| {
+        formation(world, &torus(), 100.0)
+    }),
+    game("formation of balls over a terrain, 30 m/s", 32, |world| {
+        terrain(world, 64);
+        formation(world, &ball(), 30.0);
+    }),
+    game("swarm of balls that falls for 3 s", 256, |world| {
+        swarm(world, &ball(), 46.0)
+    }),
+    game("swarm of tori that falls for 3 s", 256, |world| {
+        swarm(world, &torus(), 46.0)
+    }),
+    game("pile of tori", 256, |world| pile(world)),
+    game("pile of tori, awake, and a far bullet", 256, |world| {
+        pile(world);
+        let mesh = mesh(world, &shapes::ball(0.025, 2));
+        let place = Transform::from_xyz(1000.0, 50.0, 0.0);
+        world.spawn((
+            RigidBody::Dynamic,
+            mesh,
+            place,
+            GravityScale(0.0),
+            LinearVelocity(Vec3::X * 100.0),
+        ));
+    }),
+    game("ball in a room", 256, |world| {
+        let room = shapes::cube(4.0);
+        let inward = room.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let room = TriMesh::new(room.vertices().to_vec(), inward).expect("a room");
+        let room = mesh(world, &room);
+        world.spawn((RigidBody::Static, room, Transform::default()));
+        let ball = mesh(world, &ball());
+        world.spawn((
+            RigidBody::Dynamic,
+            ball,
+            Transform::default(),
+            LinearVelocity(Vec3::new(3.0, 0.0, 1.0)),
+        ));
+    }),
+    game("first step on a terrain of 524,288 triangles", 1, |world| {
+        terrain(world, 512);
+        let ball = mesh(world, &ball());
+        world.spawn((RigidBody::Dynamic, ball, Transform::from_xyz(0.0, 20.0, 0.0)));
+    }),
+];
+
+fn mesh(world: &mut World, mesh: &TriMesh) -> MeshCollider {
+    let baked = CollisionMesh::new(mesh);
+    MeshCollider(world.resource_mut::<Assets<CollisionMesh>>().add(baked))
+}
+
+/// A ball of 1,280 triangles, half a metre across.
+fn ball() -> TriMesh {
+    shapes::ball(0.25, 3)
+}
+
+/// A torus of 240 triangles, half a metre across.
+fn torus() -> TriMesh {
+    let torus = shapes::torus_240();
+    let vertices = torus.vertices().iter().map(|v| *v * 0.25).collect();
+    TriMesh::new(vertices, torus.triangles().to_vec()).expect("a torus")
+}
+
+fn boxes(world: &mut World, count: usize) {
+    world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+    let cube = mesh(world, &shapes::cube(1.0));
+    for i in 0..count {
+        let place = Transform::from_xyz(1.5 * i as f32, 1.0, 0.0);
+        world.spawn((RigidBody::Dynamic, cube.clone(), place));
+    }
+}
+
+/// 27 bodies, a fifth of their size apart, that all move alike.
+fn formation(world: &mut World, shape: &TriMesh, speed: f32) {
+    world.insert_resource(Gravity(Vec3::ZERO));
+    block(world, shape, 20.0, LinearVelocity(Vec3::new(0.6, 0.0, 0.8) * speed));
+}
+
+/// The same above the ground.
+fn swarm(world: &mut World, shape: &TriMesh, height: f32) {
+    world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+    block(world, shape, height, LinearVelocity::default());
+}
+
+fn block(world: &mut World, shape: &TriMesh, height: f32, velocity: LinearVelocity) {
+    let mesh = mesh(world, shape);
+    for i in 0..27 {
+        let at = Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) * 0.6;
+        let place = Transform::from_translation(at + Vec3::Y * height);
+        world.spawn((RigidBody::Dynamic, mesh.clone(), place, velocity));
+    }
+}
+
+/// 108 tori that fall into a heap and lie there, awake.
+fn pile(world: &mut World) {
+    world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+    for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
+        world.spawn(PlaneCollider::through(-1.2 * normal, normal));
+    }
+    let mesh = mesh(world, &torus());
+    for i in 0..108 {
+        let layer = (i / 9) as f32;
+        let at =
+            Vec3::new((i % 3) as f32 - 1.0, 0.5 + 0.6 * layer, (i / 3 % 3) as f32 - 1.0) * Vec3::new(0.7, 1.0, 0.7);
+        let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_x(i as f32));
+        world.spawn((RigidBody::Dynamic, mesh.clone(), place, SleepingDisabled));
+    }
+}
+
+/// Hills of `2 * cells * cells` triangles, 100 m wide.
+fn terrain(world: &mut World, cells: usize) {
+    let at = |i: usize| i as f32 / cells as f32 * 100.0 - 50.0;
+    let point = |i: usize| {
+        let (x, z) = (at(i % (cells + 1)), at(i / (cells + 1)));
+        Vec3::new(x, (0.3 * x).sin() + (0.2 * z).cos(), z)
+    };
+    let vertices = (0..(cells + 1) * (cells + 1)).map(point).collect();
+    let corner = |x: usize, z: usize| (z * (cells + 1) + x) as u32;
+    let cell = |i: usize| {
+        let (x, z) = (i % cells, i / cells);
+        let [a, b, c, d] = [corner(x, z), corner(x, z + 1), corner(x + 1, z + 1), corner(x + 1, z)];
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles = (0..cells * cells).flat_map(cell).collect();
+    let hills = TriMesh::new(vertices, triangles).expect("hills");
+    let mesh = mesh(world, &hills);
+    world.spawn((RigidBody::Static, mesh, Transform::default()));
+}

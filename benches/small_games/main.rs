@@ -1,0 +1,63 @@
+//! Small games with default settings on the CPU, as apps: `cargo bench --bench small_games [NAME]`.
+//!
+//! Each looks for a cliff: a step whose cost depends on what should not matter, like the speed that all bodies have in common.
+//! Times are of this machine; what is counted beside them is the same everywhere.
+
+mod games;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::prelude::*;
+use games::{GAMES, Game};
+use std::time::Duration;
+
+/// One fixed step.
+const STEP: Duration = Duration::from_nanos(15_625_000);
+
+fn main() {
+    let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
+    println!("| game | bodies | steps | median ms | worst ms | most pairs | most points | most substeps |");
+    println!("|---|---|---|---|---|---|---|---|");
+    for game in GAMES {
+        if only.as_ref().is_none_or(|only| game.name.contains(only.as_str())) {
+            play(game);
+        }
+    }
+}
+
+fn play(game: &Game) {
+    let mut app = App::new();
+    let step = StepPlugin {
+        backend: Backend::Cpu,
+        ..default()
+    };
+    app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }))
+        .insert_resource(Time::<Fixed>::from_duration(STEP))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
+    app.finish();
+    app.cleanup();
+    (game.spawn)(app.world_mut());
+    // Bevy's first update has no time behind it and runs no step.
+    app.update();
+
+    let mut times = Vec::new();
+    let (mut bodies, mut pairs, mut points, mut substeps) = (0, 0, 0, 0);
+    for _ in 0..game.steps {
+        app.update();
+        let report = app.world().resource::<StepReport>();
+        times.push(report.total);
+        bodies = report.bodies;
+        pairs = pairs.max(report.sphere_pairs);
+        points = points.max(report.contact_points);
+        substeps = substeps.max(report.intervals);
+    }
+    times.sort();
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    println!(
+        "| {} | {bodies} | {} | {:.2} | {:.1} | {pairs} | {points} | {substeps} |",
+        game.name,
+        game.steps,
+        ms(times[times.len() / 2]),
+        ms(times[times.len() - 1]),
+    );
+}

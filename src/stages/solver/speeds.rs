@@ -1,0 +1,109 @@
+//! How fast bodies move against each other: what decides into how many detection intervals a step is cut.
+
+use super::bodies::SolverBodies;
+use glam::Vec3;
+
+/// Bounds on the velocities of some bodies. Only differences between velocities count, so that bodies which all move alike are
+/// as good as at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speeds {
+    /// The least and the largest velocity along each axis, m/s.
+    low: Vec3,
+    high: Vec3,
+    /// The largest speed of any surface about its body's centre of mass, m/s.
+    spin: f32,
+    /// Something is at rest that never moves.
+    ground: bool,
+}
+
+impl Default for Speeds {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Speeds {
+    /// Of no bodies.
+    pub const NONE: Self = Self {
+        low: Vec3::INFINITY,
+        high: Vec3::NEG_INFINITY,
+        spin: 0.0,
+        ground: false,
+    };
+
+    /// Of bodies whose velocities lie between `low` and `high`, and whose surfaces turn no faster than `spin`, m/s. If some
+    /// `low` exceeds its `high` there are none.
+    pub fn between(low: Vec3, high: Vec3, spin: f32) -> Self {
+        Self {
+            low,
+            high,
+            spin,
+            ground: false,
+        }
+    }
+
+    /// Of all solid bodies and half-spaces but those that `skip` names. Bodies that are stopped where they first meet others
+    /// are left out: they do not need a step to be cut up.
+    pub fn of(bodies: &SolverBodies, skip: impl Fn(usize) -> bool) -> Self {
+        let mut speeds = Self::NONE;
+        for (i, ((body, motion), sleep)) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep).enumerate() {
+            if !body.solid || (body.continuous && body.moves()) || skip(i) {
+                continue;
+            }
+            if !body.moves() || sleep.asleep {
+                speeds.add(Vec3::ZERO, 0.0);
+                speeds.ground |= !body.moves();
+            } else {
+                speeds.add(motion.linear_velocity, motion.angular_velocity.length() * body.radius);
+            }
+        }
+        speeds
+    }
+
+    /// Takes in a body.
+    pub fn add(&mut self, velocity: Vec3, spin: f32) {
+        self.low = self.low.min(velocity);
+        self.high = self.high.max(velocity);
+        self.spin = self.spin.max(spin);
+    }
+
+    /// Of these bodies and others.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            spin: self.spin.max(other.spin),
+            ground: self.ground | other.ground,
+        }
+    }
+
+    /// The same bodies, of which any may have been pushed by this much, m/s at any point of it, and may have been sped up by
+    /// `fall`, m/s.
+    pub fn after(self, push: f32, fall: Vec3) -> Self {
+        Self {
+            low: self.low.min(self.low + fall) - push,
+            high: self.high.max(self.high + fall) + push,
+            spin: self.spin + push,
+            ground: self.ground,
+        }
+    }
+
+    /// How fast two surfaces can move against each other at most, m/s.
+    pub fn relative(&self) -> f32 {
+        if self.low.cmple(self.high).all() {
+            (self.high - self.low).length() + self.spin
+        } else {
+            self.spin
+        }
+    }
+
+    /// The velocity against which bodies are slowest, m/s: none where there is ground, else that in the middle.
+    pub fn drift(&self) -> Vec3 {
+        let middle = 0.5 * (self.low + self.high);
+        if !self.ground && middle.is_finite() {
+            middle
+        } else {
+            Vec3::ZERO
+        }
+    }
+}
