@@ -18,6 +18,9 @@ const CREASE: f64 = 0.6;
 /// round of 32 has.
 const FACET: f64 = 0.2;
 
+/// Of a triangle at whose edges contacts may have any normal: no two unit vectors are farther apart.
+pub const ANY_WAY: f32 = 2.0;
+
 /// Vertices and edges of a mesh, each once, in flat arrays.
 ///
 /// Connectivity is found on positions, as for all of [`TriMesh`]. Every vertex and every edge is owned by one triangle, the
@@ -38,6 +41,9 @@ pub struct MeshFeatures {
     pub owned: Vec<u32>,
     /// For each edge the other triangle than its owner; [`NONE`] at a rim.
     pub across: Vec<u32>,
+    /// For each triangle how far the normal of a contact at an edge that it owns may turn from its own, radians; at most
+    /// [`ANY_WAY`], which any normal is within, and 0 if it owns no edge.
+    pub edge_turn: Vec<f32>,
     /// Radius of curvature of the surface around each triangle, mesh units: the least one that an edge of it shows, 0 beside
     /// a crease or a rim, infinite if all edges are flat or concave.
     pub roundness: Vec<f32>,
@@ -67,6 +73,7 @@ impl MeshFeatures {
         };
         features.add_triangles(mesh, inward);
         let ends = features.add_edges();
+        features.add_edge_turns();
         features.add_neighbors(&ends);
         features.add_rounds();
         features
@@ -151,6 +158,20 @@ impl MeshFeatures {
             }
         }
         ends
+    }
+
+    /// Between the normals of both triangles lie those that a contact at their edge may have.
+    fn add_edge_turns(&mut self) {
+        let turn = |t: usize| {
+            let owned = (0..3).filter(|k| self.owned[t] >> (3 + k) & 1 == 1);
+            owned.fold(0.0, |most: f32, k| {
+                match self.across[self.triangle_edges[t][k] as usize] {
+                    other if other == NONE || !self.sided => ANY_WAY,
+                    other => most.max(self.angle_between([t, other as usize]) as f32).min(ANY_WAY),
+                }
+            })
+        };
+        self.edge_turn = (0..self.triangles.len()).map(turn).collect();
     }
 
     /// How far the surface turns from one triangle to another, radians.

@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 const BELOW: f64 = 0.02;
 /// How far, as a sine, the normal of an edge may leave the arc between its faces' normals, and how near to a face's
 /// normal it becomes that normal.
-const ARC: f64 = 0.05;
+pub const ARC: f64 = 0.05;
 /// Edges whose faces differ by less than this, as a sine, are flat, and their vertices and faces say all.
 const FLAT: f64 = 1.0e-3;
 /// Edges that differ by less than this, as a sine, are parallel and have no normal.

@@ -1,4 +1,8 @@
 //! Pairs of triangles that are near each other, down the trees of both meshes.
+//!
+//! Of finely cut surfaces a wide margin holds very many such pairs, and few of them have a feature: a vertex is over a face
+//! only if the two lie beside each other as seen along the face's normal, and edges push each other only if their faces
+//! look at each other. What can have no feature and cannot intersect is dropped here, eight pairs at a time.
 
 use super::side::{Side, Triangle};
 use crate::geometry::Aabb;
@@ -65,7 +69,7 @@ impl Near {
         let reach = reach + pad;
         let [tree_a, tree_b] = trees(sides, setting, reach);
         descent.run(&tree_a, &tree_b);
-        let places = [0, 1].map(|i| Rows::new(sides[i].matrix().as_mat3()));
+        let places = sides.each_ref().map(Place::new);
         seconds.extend(
             descent
                 .second()
@@ -103,8 +107,15 @@ struct Placed {
     /// Cross products of two sides, and their lengths.
     normal: Points,
     length: f32x8,
+    /// The unit normal that leads outward. Zero where single precision does not tell it.
+    direction: Points,
     /// How wrong a height over the plane can be beside the way to the corner, both times the normal's length.
     slack: f32x8,
+    /// A circle around the corners.
+    middle: Points,
+    around: f32x8,
+    /// How far normals at owned edges may turn from the triangle's, radians.
+    edge_turn: f32x8,
     min: Points,
     max: Points,
     /// From where to where they reach along [`Window::way`].
@@ -120,28 +131,62 @@ struct Placed {
 
 const NOWHERE: u32 = u32::MAX;
 
+/// What places a body's triangles.
+struct Place {
+    rows: Rows,
+    /// 1 if placed corners run counter-clockwise seen from outside, else -1.
+    outward: f32,
+}
+
+impl Place {
+    fn new(side: &Side) -> Self {
+        Self {
+            rows: Rows::new(side.matrix().as_mat3()),
+            outward: side.winding(),
+        }
+    }
+}
+
 /// What single precision costs a product of two vectors, relative to their lengths.
 const ERROR: f32 = 2.0e-6;
 
+/// The direction of a normal must be known as well as this, radians.
+const DIRECTION_ERROR: f32 = 1.0e-3;
+
 impl Placed {
-    fn new(side: &Side, place: &Rows, cluster: u32, window: Option<&Window>) -> Self {
+    fn new(side: &Side, place: &Place, cluster: u32, window: Option<&Window>) -> Self {
         let own = &side.slot.lanes.clusters[cluster as usize];
         let at = splat(side.place(own.origin).as_vec3());
-        let [p, q, r] = each(|k| place.times(own.corners[k]));
+        let [p, q, r] = each(|k| place.rows.times(own.corners[k]));
         let (u, v) = (sub(q, p), sub(r, p));
         let normal = cross(u, v);
         let [p, q, r] = each(|k| each(|i| [p, q, r][k][i] + at[i]));
+        let length = dot(normal, normal).sqrt();
+        let slack = f32x8::splat(ERROR) * norm1(u) * norm1(v);
+        // Also false for what is not a number.
+        let known = slack.simd_lt(f32x8::splat(DIRECTION_ERROR) * length);
+        let inverse = known.bitselect(f32x8::splat(place.outward) / length, f32x8::ZERO);
+        let middle = each(|i| (p[i] + q[i] + r[i]) * f32x8::splat(1.0 / 3.0));
+        let square = |corner: Points| {
+            let way = sub(corner, middle);
+            dot(way, way)
+        };
+        let first = cluster * CLUSTER as u32;
         let mut placed = Self {
             corners: [p, q, r],
             normal,
-            length: dot(normal, normal).sqrt(),
-            slack: f32x8::splat(ERROR) * norm1(u) * norm1(v),
+            length,
+            direction: each(|i| normal[i] * inverse),
+            slack,
+            middle,
+            around: square(p).fast_max(square(q)).fast_max(square(r)).sqrt(),
+            edge_turn: side.edge_turns(first),
             min: min(p, min(q, r)),
             max: max(p, max(q, r)),
             first_along: f32x8::ZERO,
             last_along: f32x8::ZERO,
             lanes: own.lanes,
-            first: cluster * CLUSTER as u32,
+            first,
             complete: [NOWHERE; CLUSTER],
         };
         if let Some(Window { around, way }) = window {
@@ -181,9 +226,48 @@ impl Placed {
         };
         let over_own = each(|k| dot(normal, sub(other.corners[k], corner[0])));
         let over_other = each(|k| dot(other.normal, sub(corner[k], other.corners[0])));
-        let apart = beyond(over_own, reaches * at(self.length) + spread * at(self.slack))
-            | beyond(over_other, reaches * other.length + spread * other.slack);
-        boxes & other.lanes & !apart.to_bitmask()
+        let apart = |most: f32x8| {
+            beyond(over_own, most * at(self.length) + spread * at(self.slack))
+                | beyond(over_other, most * other.length + spread * other.slack)
+        };
+        let near = boxes & other.lanes & !apart(reaches).to_bitmask();
+        if near == 0 {
+            return 0;
+        }
+        let pads = f32x8::splat(pad);
+        let meet = boxes_meet(splat(low - pad), splat(high + pad), other.min, other.max) & !apart(pads);
+        near & (meet | self.has_features(i, other, reach, pad)).to_bitmask()
+    }
+
+    /// Lanes of `other` whose triangles may have a feature with that in lane `i` whose points are no farther apart than
+    /// `reach`. The points of one lie on a line along its normal: that of a face, or one that is at most
+    /// [`Placed::edge_turn`] from those of the faces at both its edges.
+    #[inline]
+    fn has_features(&self, i: usize, other: &Self, reach: f32, pad: f32) -> f32x8 {
+        let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
+        let direction = splat(lane_of(&self.direction, i));
+        let way = sub(other.middle, splat(lane_of(&self.middle, i)));
+        // How far beside each other they lie, seen along the normal of either. Without a direction it is nothing.
+        let beside = |direction: Points| {
+            let across = cross(way, direction);
+            dot(across, across)
+        };
+        let (beside_own, beside_other) = (beside(direction), beside(other.direction));
+        let slack = f32x8::splat(8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
+        let around = (at(self.around) + other.around) * f32x8::splat(1.001) + slack;
+        let square = around * around;
+        let vertices = beside_own.simd_le(square) | beside_other.simd_le(square);
+
+        let turn = at(self.edge_turn) + other.edge_turn;
+        let sum = each(|k| direction[k] + other.direction[k]);
+        let facing = dot(sum, sum).simd_le(turn * turn);
+        let swing = |turn: f32x8| {
+            let most = around + f32x8::splat(reach) * turn.fast_min(f32x8::ONE);
+            most * most
+        };
+        let edges =
+            facing & beside_own.simd_le(swing(at(self.edge_turn))) & beside_other.simd_le(swing(other.edge_turn));
+        vertices | edges
     }
 
     /// The place of lane `i` in the list of triangles.

@@ -1,10 +1,12 @@
 //! One body of a pair, in the axes of the pair's first body.
 
-use crate::geometry::features::{MeshFeatures, NONE};
+use super::feature::ARC;
+use crate::geometry::features::{ANY_WAY, MeshFeatures, NONE};
 use crate::stages::mesh_arena::{MeshArena, MeshSlot};
 use crate::stages::state::Bodies;
 use crate::stages::triangle_test::cpu::lanes::each;
 use glam::{DMat3, DVec3, Vec3};
+use wide::f32x8;
 
 /// A body, placed in the axes of the pair's first body about that body's centre of mass, in metres. Double precision: digits
 /// are lost neither far from the origin nor between a small body and a large one.
@@ -116,6 +118,26 @@ impl Side<'_> {
             normal,
             handed,
         }
+    }
+
+    /// 1 if the placed corners of the mesh's triangles run counter-clockwise seen from outside, else -1.
+    pub fn winding(&self) -> f32 {
+        let [p, q, r] = self.slot.mesh.mesh.corners(0);
+        let is_outward = (q - p).cross(r - p).dot(self.features.normals[0]) >= 0.0;
+        self.mirror as f32 * if is_outward { 1.0 } else { -1.0 }
+    }
+
+    /// For eight triangles from `first` on how far a contact's normal at an edge of theirs may turn from their own, radians.
+    pub fn edge_turns(&self, first: u32) -> f32x8 {
+        // Unequal scales change angles.
+        let scale = self.scale.abs();
+        let is_even = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
+        let turns = &self.features.edge_turn[first as usize..];
+        let slack = 1.1 * ARC as f32;
+        f32x8::new(std::array::from_fn(|lane| match turns.get(lane) {
+            Some(turn) if is_even && turn + slack < ANY_WAY => turn + slack,
+            _ => ANY_WAY,
+        }))
     }
 
     /// Its normal alone, as exact as single precision keeps it.
