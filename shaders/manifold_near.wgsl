@@ -18,6 +18,8 @@
 
 // What single precision costs a product of two vectors, relative to their lengths.
 const ERROR: f32 = 2.0e-6;
+// The direction of a normal must be known as well as this, radians.
+const DIRECTION_ERROR: f32 = 1.0e-3;
 
 // A node of either tree. Of each of at most 8 levels no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
@@ -215,7 +217,53 @@ fn triangles_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nu
     }
     // No two points of triangles whose boxes are near are farther apart.
     let spread = norm1(high_a - low_a) + norm1(high_b - low_b) + reach;
-    return !beyond(ca, cb, spread) && !beyond(cb, ca, spread);
+    if beyond(ca, cb, spread, reach) || beyond(cb, ca, spread, reach) {
+        return false;
+    }
+    let meet = all(low_a <= high_b + pad) && all(low_b <= high_a + pad)
+        && !beyond(ca, cb, spread, pad) && !beyond(cb, ca, spread, pad);
+    return meet || has_features(a, b, ca, cb, numbers);
+}
+
+// Whether two triangles may have a feature; `Placed::has_features` in `stages/manifolds/cpu/near.rs` explains it.
+fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, numbers: vec2<u32>) -> bool {
+    let middle_a = (ca.p + ca.q + ca.r) / 3.0;
+    let middle_b = (cb.p + cb.q + cb.r) / 3.0;
+    let outward_a = outward(a, ca);
+    let outward_b = outward(b, cb);
+    let way = middle_b - middle_a;
+    // How far beside each other they lie, seen along the normal of either. Without a direction it is nothing.
+    let across_a = cross(way, outward_a);
+    let across_b = cross(way, outward_b);
+    let beside = sqrt(vec2(dot(across_a, across_a), dot(across_b, across_b)));
+    let around = 1.001 * (radius(ca, middle_a) + radius(cb, middle_b)) + 8.0 * pad + 2.0 * DIRECTION_ERROR * reach;
+    if min(beside.x, beside.y) <= around {
+        return true;
+    }
+    let turn = vec2(sides::edge_turn(a, numbers.x), sides::edge_turn(b, numbers.y));
+    let sum = outward_a + outward_b;
+    let facing = dot(sum, sum) <= (turn.x + turn.y) * (turn.x + turn.y);
+    return facing && all(beside <= around + reach * min(turn, vec2(1.0)));
+}
+
+// The unit normal that leads outward; zero where single precision does not tell it.
+fn outward(side: sides::Side, c: Corners) -> vec3<f32> {
+    let u = c.q - c.p;
+    let v = c.r - c.p;
+    let normal = cross(u, v);
+    let length = sqrt(dot(normal, normal));
+    if !(ERROR * norm1(u) * norm1(v) < DIRECTION_ERROR * length) {
+        return vec3(0.0);
+    }
+    return normal * (select(side.mirror, -side.mirror, side.inward) / length);
+}
+
+// Of the circle about `middle` around the corners.
+fn radius(c: Corners, middle: vec3<f32>) -> f32 {
+    let p = c.p - middle;
+    let q = c.q - middle;
+    let r = c.r - middle;
+    return sqrt(max(dot(p, p), max(dot(q, q), dot(r, r))));
 }
 
 struct Corners {
@@ -231,12 +279,12 @@ fn corners(side: sides::Side, number: u32) -> Corners {
     );
 }
 
-// Whether a plane has all of another triangle farther away than the reach.
-fn beyond(plane: Corners, other: Corners, spread: f32) -> bool {
+// Whether a plane has all of another triangle farther away than this.
+fn beyond(plane: Corners, other: Corners, spread: f32, distance: f32) -> bool {
     let u = plane.q - plane.p;
     let v = plane.r - plane.p;
     let normal = cross(u, v);
     let heights = vec3(dot(normal, other.p - plane.p), dot(normal, other.q - plane.p), dot(normal, other.r - plane.p));
-    let most = reach * sqrt(dot(normal, normal)) + ERROR * spread * norm1(u) * norm1(v);
+    let most = distance * sqrt(dot(normal, normal)) + ERROR * spread * norm1(u) * norm1(v);
     return min(heights.x, min(heights.y, heights.z)) > most || max(heights.x, max(heights.y, heights.z)) < -most;
 }

@@ -15,6 +15,10 @@ const ROUNDING: f32 = 1.5e-6;
 // What overlaps by less, in units of the smaller body's size, touches: rounding must not part bodies that rest on each
 // other.
 const TOUCH: f32 = 1.0e-5;
+// What counts as the same place, in bounding radii, and how far from there the second body is taken to be.
+const SAME_PLACE: f32 = 1.0e-4;
+const ASIDE: f32 = 1.0e-3;
+const ANY_WAY: vec3<f32> = vec3(0.36, 0.48, 0.8);
 // Nothing is farther than this, in the pair's unit.
 const WIDEST: f32 = 1.0e6;
 // The bits of infinity.
@@ -54,7 +58,11 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     // The difference of two positions is rounded once, however far away they are.
     let arm_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
     let arm_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
-    let apart = rotate(back, ((b.position - a.position) + (arm_b - arm_a)) * result.unit);
+    var between = (b.position - a.position) + (arm_b - arm_a);
+    if same_place(a, b, between) {
+        between += ANY_WAY * (ASIDE * min(a.radius, b.radius));
+    }
+    let apart = rotate(back, between * result.unit);
     if b.radius < a.radius {
         result.offset_a = apart;
     } else {
@@ -76,6 +84,13 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     result.rounding = ROUNDING * (a.radius + b.radius) * result.unit;
     result.touch = max(TOUCH * result.size, 4.0 * result.rounding);
     return result;
+}
+
+// Whether two bodies are the same in the same place; `aside` in `stages/manifolds/cpu/side.rs` explains it.
+fn same_place(a: t::Body, b: t::Body, between: vec3<f32>) -> bool {
+    let most = SAME_PLACE * min(a.radius, b.radius);
+    let turned = 1.0 - abs(dot(a.rotation, b.rotation));
+    return a.mesh == b.mesh && all(a.scale == b.scale) && dot(between, between) < most * most && turned < 1.0e-6;
 }
 
 // The power of two that brings a size between 1 and 2.

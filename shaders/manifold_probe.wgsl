@@ -14,7 +14,7 @@
 @group(0) @binding(6) var<storage, read_write> features: array<t::Feature>;
 
 // How far rays run, in units of the bodies' size.
-const RAY: f32 = 0.3;
+const RAY: f32 = 1.0;
 // A patch that no ray leaves counts if it is larger than this, in units of the size squared,
 const LEAST_AREA: f32 = 1.0e-6;
 // and is taken for this deep at most.

@@ -75,7 +75,7 @@ fn measured(pair: s::SolverPair, k: u32) -> s::PointState {
     var point = points[k];
     let shape = shapes[k];
     if (pair.flags & s::UNTANGLING) != 0u {
-        point.separation = shape.first_separation;
+        point.separation = shape.first_separation + dot(point.normal, shifts[pair.b].moved - shifts[pair.a].moved);
         point.lever_a = vec3(0.0);
         point.lever_b = vec3(0.0);
     } else {

@@ -31,6 +31,8 @@ struct Island {
 
 // Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
 const TOUCH: f32 = 2.0;
+// Bodies that overlap by more than this many rest offsets are not at rest.
+const OVERLAP: f32 = 1.0;
 
 // The root of a body's island. Parents have smaller numbers, so there is an end to it; the way is halved.
 fn root_of(body: u32) -> u32 {
@@ -96,7 +98,23 @@ fn is_pair(pair: t::ContactPair) -> bool {
 
 // Up to which separation a pair touches.
 fn nearness(pair: t::ContactPair) -> f32 {
-    return TOUCH * interval.rest_offset * 2.0 * min(bodies[pair.a].radius, bodies[pair.b].radius);
+    return TOUCH * rest_gap(pair);
+}
+
+// The gap that a pair keeps at rest.
+fn rest_gap(pair: t::ContactPair) -> f32 {
+    return interval.rest_offset * 2.0 * min(bodies[pair.a].radius, bodies[pair.b].radius);
+}
+
+// Whether some point overlaps by more than at rest.
+fn overlaps(pair: t::ContactPair) -> bool {
+    let most = -OVERLAP * rest_gap(pair);
+    for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
+        if contact_points[k].separation < most {
+            return true;
+        }
+    }
+    return false;
 }
 
 // Whether some point is as near as at rest.

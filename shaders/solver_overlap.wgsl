@@ -19,6 +19,8 @@ const DISPUTED_DEPTH: f32 = 0.01;
 const SETTLED_DEPTH: f32 = 0.005;
 // The way out of a pair of bodies with a common centre: any, but always the same.
 const ANY_WAY: vec3<f32> = vec3(0.36, 0.48, 0.8);
+// What bodies may move by, as a factor on what their velocities say.
+const SAFETY: f32 = 1.5;
 // More points than this are not compared with each other.
 const MOST_COMPARED: u32 = 64u;
 
@@ -42,7 +44,7 @@ fn judge(pair: s::SolverPair) -> Overlap {
     if known {
         tangled = kept_pairs[pair.kept].untangling != 0u;
     } else {
-        tangled = deeper_than(pair, interval.untangle_depth * pair.diameter) || opposed(pair, 0.0);
+        tangled = unexplained(pair) || opposed(pair, 0.0);
     }
     if tangled {
         return Overlap(TANGLED, way_out(pair));
@@ -68,6 +70,19 @@ fn judge(pair: s::SolverPair) -> Overlap {
         way = unit_or(pair.between, 0.0, ANY_WAY);
     }
     return Overlap(DISPUTED, way);
+}
+
+// Whether some point is deep although the pair's motion does not explain it.
+fn unexplained(pair: s::SolverPair) -> bool {
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        let point = contact_points[k];
+        let depth = -point.separation;
+        let way = max(dot(pair.closing, point.normal), 0.0) + pair.swing;
+        if depth > interval.untangle_depth * pair.diameter && depth > SAFETY * way * interval.dt {
+            return true;
+        }
+    }
+    return false;
 }
 
 fn deeper_than(pair: s::SolverPair, depth: f32) -> bool {

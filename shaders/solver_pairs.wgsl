@@ -69,6 +69,14 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     );
     let coarse = states[b].center - states[a].center;
     (*pair).between = coarse + (states[b].center_low - states[a].center_low);
+    (*pair).closing = states[a].linear_velocity - states[b].linear_velocity;
+    (*pair).swing = swing_of(a) + swing_of(b);
+}
+
+// How fast a body's surface turns about its centre.
+fn swing_of(i: u32) -> f32 {
+    let w = states[i].angular_velocity;
+    return sqrt(dot(w, w)) * min(bodies[i].radius, s::ENDLESS);
 }
 
 // One coefficient from two, by the later rule in the order of `CombineRule`.

@@ -66,7 +66,8 @@ fn softness(pair: s::SolverPair, separation: f32) -> vec3<f32> {
         return vec3(0.0, 1.0, 0.0);
     }
     if (pair.flags & s::UNTANGLING) != 0u {
-        return vec3(-interval.untangle_speed, 1.0, 0.0);
+        // Slower towards the end, where the spring of other pairs is as fast.
+        return vec3(max(interval.bias_rate * separation, -interval.untangle_speed), 1.0, 0.0);
     }
     let speed = max(interval.bias_rate * separation, -interval.push_speed);
     return vec3(speed, interval.mass_scale, interval.impulse_scale);

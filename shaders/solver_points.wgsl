@@ -31,7 +31,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if overlap.kind == o::TANGLED && (pair.flags & s::FROZEN) == 0u {
         pairs[i].flags |= s::UNTANGLING;
         // One point, which pushes the centres themselves apart.
-        shapes[pair.first].first_separation = -0.5 * pair.diameter;
+        var deepest = 0.0;
+        for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+            deepest = min(deepest, contact_points[k].separation);
+        }
+        shapes[pair.first].first_separation = deepest - pair.rest_offset;
         points[pair.first].normal = overlap.direction;
         points[pair.first].flags = s::POINT_USABLE;
         return;

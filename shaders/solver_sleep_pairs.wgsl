@@ -13,7 +13,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let pair = contact_pairs[i];
-    if !l::is_pair(pair) || !meets(pair) {
+    if !l::is_pair(pair) {
+        return;
+    }
+    if constants.x != s::WAKE && l::overlaps(pair) {
+        keep_awake(pair.a);
+        keep_awake(pair.b);
+    }
+    if !meets(pair) {
         return;
     }
     if visits(pair.a) {
@@ -21,6 +28,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     if visits(pair.b) {
         l::disturb(pair.a);
+    }
+}
+
+// A body that is being pushed out of another is not at rest.
+fn keep_awake(i: u32) {
+    states[i].rest_time = 0.0;
+    if (bodies[i].flags & t::KIND_MASK) == t::DYNAMIC && states[i].asleep == 0u {
+        l::disturb(i);
     }
 }
 

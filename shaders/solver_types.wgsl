@@ -177,6 +177,10 @@ struct SolverPair {
     between: vec3<f32>,
     // The smaller bounding diameter.
     diameter: f32,
+    // The velocity of the first centre as seen from the second.
+    closing: vec3<f32>,
+    // How fast both surfaces turn about their centres together, at most.
+    swing: f32,
 }
 
 // Its points are to be solved, or at least kept.

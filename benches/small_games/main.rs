@@ -36,8 +36,6 @@ fn play(game: &Game) {
         .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     app.finish();
     app.cleanup();
-        app.world_mut().resource_mut::<SolverSettings>().detection_travel = v.parse().unwrap();
-    }
     (game.spawn)(app.world_mut());
     // Bevy's first update has no time behind it and runs no step.
     app.update();

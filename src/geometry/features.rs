@@ -19,7 +19,7 @@ const CREASE: f64 = 0.6;
 const FACET: f64 = 0.2;
 
 /// Of a triangle at whose edges contacts may have any normal: no two unit vectors are farther apart.
-pub const ANY_WAY: f32 = 2.0;
+pub const EVERY_WAY: f32 = 2.0;
 
 /// Vertices and edges of a mesh, each once, in flat arrays.
 ///
@@ -42,7 +42,7 @@ pub struct MeshFeatures {
     /// For each edge the other triangle than its owner; [`NONE`] at a rim.
     pub across: Vec<u32>,
     /// For each triangle how far the normal of a contact at an edge that it owns may turn from its own, radians; at most
-    /// [`ANY_WAY`], which any normal is within, and 0 if it owns no edge.
+    /// [`EVERY_WAY`], which any normal is within, and 0 if it owns no edge.
     pub edge_turn: Vec<f32>,
     /// Radius of curvature of the surface around each triangle, mesh units: the least one that an edge of it shows, 0 beside
     /// a crease or a rim, infinite if all edges are flat or concave.
@@ -166,8 +166,8 @@ impl MeshFeatures {
             let owned = (0..3).filter(|k| self.owned[t] >> (3 + k) & 1 == 1);
             owned.fold(0.0, |most: f32, k| {
                 match self.across[self.triangle_edges[t][k] as usize] {
-                    other if other == NONE || !self.sided => ANY_WAY,
-                    other => most.max(self.angle_between([t, other as usize]) as f32).min(ANY_WAY),
+                    other if other == NONE || !self.sided => EVERY_WAY,
+                    other => most.max(self.angle_between([t, other as usize]) as f32).min(EVERY_WAY),
                 }
             })
         };

@@ -1,7 +1,7 @@
 //! The vertices and edges of a mesh as words, as `shaders/sides.wgsl` reads them.
 
 use super::layout::NOTHING;
-use crate::geometry::features::{MeshFeatures, NONE};
+use crate::geometry::features::{EVERY_WAY, MeshFeatures, NONE};
 use crate::stages::mesh_arena::MeshSlot;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -11,8 +11,8 @@ use std::collections::HashMap;
 /// the vertices, each with the roundness there, begin.
 pub const HEADER: usize = 8;
 
-/// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns,
-/// how round it is, its number in the input mesh, and how curved it is at least.
+/// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns
+/// and how far normals at its edges turn, how round it is, its number in the input mesh, and how curved it is at least.
 pub const RECORD: usize = 16;
 
 /// What stands for an infinite radius: WGSL need not know infinity.
@@ -82,7 +82,9 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
     words.extend(edges);
     words.extend(edges.map(other));
     words.extend(features.normals[t].to_array().map(f32::to_bits));
-    words.push(features.owned[t]);
+    // Rounded up.
+    let edge_turn = (features.edge_turn[t] * (255.0 / EVERY_WAY)).ceil() as u32;
+    words.push(features.owned[t] | (edge_turn << 8));
     words.push(features.roundness[t].min(FLAT_ROUNDNESS).to_bits());
     words.push(slot.mesh.mesh.face_ids()[t]);
     words.push(features.curvature[t].to_bits());

@@ -11,6 +11,7 @@ mod planes;
 mod pour;
 mod rest;
 mod same_bits;
+mod small_games;
 mod spin;
 mod thread;
 mod world;

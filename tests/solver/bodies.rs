@@ -265,11 +265,11 @@ fn faster_and_thinner_bodies_are_looked_at_more_often() {
     world.motion(0).linear_velocity = Vec3::X * 1000.0;
     assert_eq!(detections(&world), 1, "nothing moves against it");
     world.immovable(Shape::Sphere(0.5), RigidBody::Static, DVec3::X);
-    world.motion(0).linear_velocity = Vec3::X * 31.0;
-    assert_eq!(detections(&world), 1, "just below half its diameter per step");
-    world.motion(0).linear_velocity = Vec3::X * 33.0;
+    world.motion(0).linear_velocity = Vec3::X * 15.5;
+    assert_eq!(detections(&world), 1, "just below a quarter of its diameter per step");
+    world.motion(0).linear_velocity = Vec3::X * 16.5;
     assert_eq!(detections(&world), 2);
-    world.motion(0).angular_velocity = Vec3::X * 66.0;
+    world.motion(0).angular_velocity = Vec3::X * 33.0;
     assert_eq!(detections(&world), 3, "turning counts");
     world.immovable(Shape::Box(DVec3::new(5.0, 0.05, 5.0)), RigidBody::Static, DVec3::ZERO);
     assert_eq!(detections(&world), 8, "a thin wall counts, and there is a limit");

@@ -135,6 +135,7 @@ impl Constraints {
         warm: &WarmStart,
         settings: &SolverSettings,
         h: f32,
+        dt: f32,
     ) {
         self.pairs.clear();
         self.points.clear();
@@ -165,6 +166,7 @@ impl Constraints {
             warm,
             settings,
             growth: warm.growth(h),
+            dt,
         };
         self.for_each(|pair, points, _| source.fill(pair, points));
     }
@@ -294,10 +296,10 @@ impl Point {
     }
 
     /// The one point of a pair that is being untangled: pushes the centres themselves apart.
-    fn untangling(normal: Vec3, depth: f32) -> Self {
+    fn untangling(normal: Vec3, separation: f32) -> Self {
         Self {
             rows: rows(normal),
-            first_separation: -depth,
+            first_separation: separation,
             usable: true,
             ..Self::NONE
         }
@@ -344,6 +346,8 @@ struct Source<'a> {
     settings: &'a SolverSettings,
     /// Of impulses since the last interval.
     growth: f32,
+    /// Length of the interval, seconds.
+    dt: f32,
 }
 
 impl Source<'_> {
@@ -368,24 +372,25 @@ impl Source<'_> {
             CombineRule::combine(ends.map(|e| e.restitution_combine), ends.map(|e| e.restitution)).min(1.0);
 
         let between = motions[1].center - motions[0].center;
+        let swing = [0, 1].map(|end| motions[end].angular_velocity.length() * ends[end].radius);
         let first = pair.first as usize;
         let manifold = &self.manifolds.points[first..first + points.len()];
         let kept = self.warm.find([self.bodies.keys[a], self.bodies.keys[b]]);
-        let overlap = overlap::judge(
-            manifold,
-            kept.as_ref(),
-            diameter,
-            between.as_vec3(),
-            [a, b].map(|i| self.movers.has_mass(i)),
-            settings,
-        );
+        let ends = overlap::Ends {
+            between: between.as_vec3(),
+            closing: (motions[0].linear_velocity - motions[1].linear_velocity) * self.dt,
+            swing: (swing[0] + swing[1]) * self.dt,
+            has_mass: [a, b].map(|i| self.movers.has_mass(i)),
+        };
+        let overlap = overlap::judge(manifold, kept.as_ref(), diameter, &ends, settings);
         pair.untangling = false;
         pair.direction = Vec3::ZERO;
         match overlap {
             Overlap::Tangled(normal) if pushed => {
                 pair.untangling = true;
                 points.fill(Point::NONE);
-                points[0] = Point::untangling(normal, 0.5 * diameter);
+                let deepest = manifold.iter().map(|p| p.separation).fold(0.0, f32::min);
+                points[0] = Point::untangling(normal, deepest - pair.rest_offset);
                 return;
             }
             Overlap::Disputed(direction) => pair.direction = direction,

@@ -106,7 +106,7 @@ impl Solver {
             ends,
         } = self;
         movers.begin(bodies, h);
-        constraints.prepare(bodies, movers, manifolds, warm, settings, h);
+        constraints.prepare(bodies, movers, manifolds, warm, settings, h, interval.dt);
         ends.build(constraints.pairs(), movers);
 
         let pass = Pass::new(settings, h);

@@ -3,6 +3,7 @@
 use super::settings::SolverSettings;
 use super::warm_start::Kept;
 use crate::stages::manifolds::ManifoldPoint;
+use crate::stages::manifolds::margins::SAFETY;
 use glam::Vec3;
 
 /// Points are opposed if the cosine between their normals is below this.
@@ -25,22 +26,47 @@ pub(super) enum Overlap {
     Disputed(Vec3),
 }
 
-/// Judges a pair with bodies of the bounding diameter `diameter`, the second's centre at `between` from the first's.
+/// How the bodies of a pair lie and move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ends {
+    /// From the first centre to the second.
+    pub between: Vec3,
+    /// How far the first centre comes towards the second within an interval.
+    pub closing: Vec3,
+    /// How far surfaces turn towards each other meanwhile, at most.
+    pub swing: f32,
+    /// Whether contacts push them.
+    pub has_mass: [bool; 2],
+}
+
+/// Judges a pair whose smaller body has the bounding diameter `diameter`.
+///
+/// A pair that overlaps when it is first seen was put there, unless its motion explains the overlap: then it is an impact
+/// that was not foreseen, because a third body turned one of the two, and is answered like any other.
 pub(super) fn judge(
     points: &[ManifoldPoint],
     kept: Option<&Kept>,
     diameter: f32,
-    between: Vec3,
-    has_mass: [bool; 2],
+    ends: &Ends,
     settings: &SolverSettings,
 ) -> Overlap {
+    let &Ends {
+        between,
+        closing,
+        swing,
+        has_mass,
+    } = ends;
     let deeper_than = |depth: f32| points.iter().any(|p| p.separation < -depth * diameter);
     if !deeper_than(0.0) {
         return Overlap::Usual;
     }
     let tangled = match kept {
         Some(kept) => kept.pair.untangling,
-        None => deeper_than(settings.untangle_depth) || opposed(points, 0.0),
+        None => {
+            let explained = |p: &ManifoldPoint| -p.separation <= SAFETY * (closing.dot(p.normal).max(0.0) + swing);
+            let deep = |p: &&ManifoldPoint| p.separation < -settings.untangle_depth * diameter;
+            points.iter().filter(deep).any(|p| !explained(p)) || opposed(points, 0.0)
+        }
     };
     if tangled {
         return Overlap::Tangled(way_out(points, diameter, between, has_mass));

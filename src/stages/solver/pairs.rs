@@ -48,7 +48,9 @@ impl Pass {
         } else if !self.biased {
             (0.0, 1.0, 0.0)
         } else if pair.untangling {
-            (-self.untangle_speed, 1.0, 0.0)
+            // Slower towards the end, where the spring of other pairs is as fast.
+            let speed = (self.softness.bias_rate * separation).max(-self.untangle_speed);
+            (speed, 1.0, 0.0)
         } else {
             let speed = (self.softness.bias_rate * separation).max(-self.push_speed);
             (speed, self.softness.mass_scale, self.softness.impulse_scale)
@@ -67,7 +69,7 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
     for point in points.iter_mut().filter(|p| p.usable) {
         let mut levers = [Vec3A::ZERO; 2];
         if pair.untangling {
-            point.separation = point.first_separation;
+            point.separation = point.first_separation + point.normal().dot(moved);
         } else {
             let turns = [change(a.turned, point.rounds[0]), change(b.turned, point.rounds[1])];
             let offset = moved + turns[1] - turns[0];

@@ -64,7 +64,8 @@ pub struct SolverSettings {
     /// Cosine of how far its normal may have turned meanwhile. Default 0.7.
     pub match_normal: f32,
     /// How far two surfaces may move against each other between two detections, in the thickness of the thinnest body. Default
-    /// 0.5: a body never gets through more than half of another unseen. Faster ones make the step be cut up.
+    /// 0.25: what a third body turns aside never gets through more than a quarter of another unseen. Faster ones make the step
+    /// be cut up.
     pub detection_travel: f32,
     /// At most this many detection intervals per step. Default 8.
     pub max_detections: u32,
@@ -96,7 +97,7 @@ impl Default for SolverSettings {
             restitution_iterations: 4,
             match_distance: 0.05,
             match_normal: 0.7,
-            detection_travel: 0.5,
+            detection_travel: 0.25,
             max_detections: 8,
             sleeping: true,
             sleep_speed: 0.05,

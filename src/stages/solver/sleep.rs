@@ -10,6 +10,9 @@ use glam::Vec3;
 /// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
 pub(super) const TOUCH: f32 = 2.0;
 
+/// Bodies that overlap by more than this many rest offsets are being pushed apart, and are not at rest however slow they are.
+const OVERLAP: f32 = 1.0;
+
 /// Puts bodies at rest to sleep and wakes them. Holds nothing but memory; what it knows of bodies is in
 /// [`SolverBodies::sleep`].
 ///
@@ -80,8 +83,9 @@ impl Sleeper {
         }
     }
 
-    /// Measures how long bodies have been slow, over an interval of `dt` seconds, and freezes islands that all have been
-    /// for [`SolverSettings::sleep_time`].
+    /// Measures how long bodies have been at rest, over an interval of `dt` seconds, and freezes islands that all have been
+    /// for [`SolverSettings::sleep_time`]. At rest is what is slow and overlaps nothing: what pushes bodies apart leaves them
+    /// no velocity.
     pub fn settle(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings, dt: f32) {
         if !settings.sleeping {
             return;
@@ -89,6 +93,13 @@ impl Sleeper {
         for ((sleep, body), motion) in bodies.sleep.iter_mut().zip(&bodies.bodies).zip(&bodies.motions) {
             let slow = speed(body, motion) < settings.sleep_speed;
             sleep.rest_time = if slow { sleep.rest_time + dt } else { 0.0 };
+        }
+        for pair in &manifolds.pairs {
+            if overlaps(bodies, manifolds, pair, settings) {
+                for i in pair.bodies.map(|i| i as usize) {
+                    bodies.sleep[i].rest_time = 0.0;
+                }
+            }
         }
         let ready = |bodies: &SolverBodies, i: usize| {
             let (sleep, forces) = (&bodies.sleep[i], &bodies.forces[i]);
@@ -210,12 +221,25 @@ fn touches(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settin
     nearness(bodies, pair, settings).is_some_and(|near| points_of(manifolds, pair).iter().any(|p| p.separation <= near))
 }
 
+/// Whether both bodies are there and solid, and overlap by more than at rest.
+fn overlaps(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
+    rest_gap(bodies, pair, settings).is_some_and(|gap| {
+        let mut points = points_of(manifolds, pair).iter();
+        points.any(|p| p.separation < -OVERLAP * gap)
+    })
+}
+
 /// Up to which separation a pair touches; `None` if a body is not there or not solid.
 fn nearness(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
+    rest_gap(bodies, pair, settings).map(|gap| TOUCH * gap)
+}
+
+/// The gap that a pair keeps at rest, metres; `None` if a body is not there or not solid.
+fn rest_gap(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
     let [a, b] = pair.bodies.map(|i| bodies.bodies.get(i as usize));
     let (a, b) = (a?, b?);
     let solid = pair.bodies[0] != pair.bodies[1] && a.solid && b.solid;
-    solid.then(|| TOUCH * settings.rest_offset * 2.0 * a.radius.min(b.radius))
+    solid.then(|| settings.rest_offset * 2.0 * a.radius.min(b.radius))
 }
 
 /// The points of a pair; none if they are not there.

@@ -310,3 +310,86 @@ fn trees<'a>(sides: &[Side<'a>; 2], setting: &Setting, reach: f32) -> [Tree<'a>;
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::feature::TrianglePair;
+    use super::super::side::sides;
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::{TriMesh, shapes};
+    use crate::stages::state::{Bodies, Body};
+    use glam::{DVec3, Quat};
+
+    /// The features of all pairs of triangles, and those of the pairs that the search keeps.
+    fn features(bodies: &Bodies, meshes: &crate::stages::mesh_arena::MeshArena, reach: f64) -> [Vec<DVec3>; 2] {
+        let sides = sides(bodies, meshes, [0, 1]).unwrap();
+        let frames = &bodies.frame;
+        let setting = Setting {
+            rotation: (frames[0].rotation.transpose() * frames[1].rotation).as_mat3(),
+            translation: sides[1].center.as_vec3(),
+            size: bodies.radius[0] + bodies.radius[1],
+        };
+        let mut near = Near::default();
+        near.run(&sides, &setting, reach as f32, None);
+        let count = |side: &Side| side.features.triangles.len() as u32;
+        let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
+        let of = |pair: [&Triangle; 2], found: &mut Vec<DVec3>| {
+            if let Some(pair) = TrianglePair::new(&sides, pair, reach) {
+                pair.features(&(0.0..=reach), |feature| found.push(feature.middle()));
+            }
+        };
+        let (mut every, mut kept) = (Vec::new(), Vec::new());
+        for a in &all[0] {
+            for b in &all[1] {
+                of([a, b], &mut every);
+            }
+        }
+        near.pairs().for_each(|pair| of(pair, &mut kept));
+        [every, kept].map(|mut found| {
+            found.sort_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap());
+            found
+        })
+    }
+
+    #[test]
+    fn no_feature_is_lost_however_wide_the_margin() {
+        let open = shapes::torus(12, 10, 0.7, 0.3);
+        let open = TriMesh::new(open.vertices().to_vec(), open.triangles()[..200].to_vec()).unwrap();
+        let inward = shapes::ball(0.5, 2);
+        let turned = inward.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let inward = TriMesh::new(inward.vertices().to_vec(), turned).unwrap();
+        let shapes = [
+            shapes::ball(0.5, 2),
+            shapes::cube(0.8),
+            shapes::torus_240(),
+            open,
+            inward,
+        ];
+        let mut meshes = crate::stages::mesh_arena::MeshArena::default();
+        let slots = shapes.map(|shape| meshes.add(CollisionMesh::new(&shape)));
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut number = || 2.0 * random.f32() - 1.0;
+        let (mut found, mut dropped) = (0, 0);
+        for round in 0..60 {
+            let mut bodies = Bodies::default();
+            for i in 0..2 {
+                let at = Vec3::new(number(), number(), number()) * 0.9;
+                let turn = Quat::from_xyzw(number(), number(), number(), number() + 0.01);
+                let scale = match round % 4 {
+                    0 => Vec3::new(1.0, 0.6, 1.3),
+                    1 => Vec3::new(-1.0, 1.0, 1.0),
+                    _ => Vec3::ONE,
+                };
+                let body = Body::at_rest(slots[(round + i * (1 + round / 5)) % 5], at, turn, scale);
+                bodies.push(&body, &meshes).unwrap();
+            }
+            let [every, kept] = features(&bodies, &meshes, 0.4);
+            assert_eq!(every, kept, "round {round}");
+            found += every.len();
+            let sides = sides(&bodies, &meshes, [0, 1]).unwrap();
+            dropped += sides[0].features.triangles.len() * sides[1].features.triangles.len();
+        }
+        assert!(found > 3000 && dropped > found, "{found} of {dropped}");
+    }
+}

@@ -20,8 +20,8 @@ const DEEP: f64 = 0.04;
 const TOUCH: f64 = 1.0e-6;
 /// Heights over planes are wrong by less, in units of the bounding radii together.
 const ROUNDING: f64 = 1.0e-14;
-/// How far rays run, in the same unit.
-const RAY: f64 = 0.3;
+/// How far rays run, in the same unit: through all of the smaller body.
+const RAY: f64 = 1.0;
 /// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
 const LEAST_AREA: f64 = 1.0e-6;
 /// and is taken for this deep at most.

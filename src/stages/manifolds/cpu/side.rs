@@ -1,7 +1,7 @@
 //! One body of a pair, in the axes of the pair's first body.
 
 use super::feature::ARC;
-use crate::geometry::features::{ANY_WAY, MeshFeatures, NONE};
+use crate::geometry::features::{EVERY_WAY, MeshFeatures, NONE};
 use crate::stages::mesh_arena::{MeshArena, MeshSlot};
 use crate::stages::state::Bodies;
 use crate::stages::triangle_test::cpu::lanes::each;
@@ -39,6 +39,14 @@ pub struct Triangle {
     pub handed: f64,
 }
 
+/// Bodies are in the same place if their centres differ by less than this part of their size, and their rotations by as many
+/// radians.
+const SAME_PLACE: f64 = 1.0e-4;
+/// How far from there the second one is taken to be, in the same unit...
+const ASIDE: f64 = 1.0e-3;
+/// ...in a direction that is along no side of a mesh.
+const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+
 /// The two bodies of a pair, or nothing if there are no such bodies.
 pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<[Side<'a>; 2]> {
     let [a, b] = pair.map(|i| i as usize);
@@ -47,7 +55,8 @@ pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Opti
     }
     let (frame_a, frame_b) = (&bodies.frame[a], &bodies.frame[b]);
     let to_a = frame_a.rotation.transpose();
-    let center_b = to_a * (frame_b.center - frame_a.center);
+    let aside = aside(bodies, a, b);
+    let center_b = to_a * (frame_b.center - frame_a.center + aside);
     let side = |i: usize, center: DVec3, other_center: DVec3| {
         let slot = meshes.get(bodies.mesh[i])?;
         let frame = &bodies.frame[i];
@@ -60,13 +69,25 @@ pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Opti
             center,
             other_center,
             matrix: rotation * DMat3::from_diagonal(frame.scale),
-            origin: to_a * (frame.position - frame_a.center),
+            origin: to_a * (frame.position - frame_a.center + if i == a { DVec3::ZERO } else { aside }),
             inverse,
             normal_matrix: inverse.transpose(),
             mirror: frame.scale.element_product().signum(),
         })
     };
     Some([side(a, DVec3::ZERO, center_b)?, side(b, center_b, DVec3::ZERO)?])
+}
+
+/// By how much the second body is taken to be elsewhere: a little if both are the same in the same place. Their surfaces do not
+/// cross then but are one, which would leave no way out.
+fn aside(bodies: &Bodies, a: usize, b: usize) -> DVec3 {
+    let size = f64::from(bodies.radius[a].min(bodies.radius[b]));
+    let (frame_a, frame_b) = (&bodies.frame[a], &bodies.frame[b]);
+    let same = bodies.mesh[a] == bodies.mesh[b]
+        && bodies.scale[a] == bodies.scale[b]
+        && frame_a.center.distance(frame_b.center) < SAME_PLACE * size
+        && frame_a.rotation.abs_diff_eq(frame_b.rotation, SAME_PLACE);
+    if same { ANY_WAY * (ASIDE * size) } else { DVec3::ZERO }
 }
 
 impl Side<'_> {
@@ -135,8 +156,8 @@ impl Side<'_> {
         let turns = &self.features.edge_turn[first as usize..];
         let slack = 1.1 * ARC as f32;
         f32x8::new(std::array::from_fn(|lane| match turns.get(lane) {
-            Some(turn) if is_even && turn + slack < ANY_WAY => turn + slack,
-            _ => ANY_WAY,
+            Some(turn) if is_even && turn + slack < EVERY_WAY => turn + slack,
+            _ => EVERY_WAY,
         }))
     }
 

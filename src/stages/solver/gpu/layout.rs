@@ -73,6 +73,7 @@ layout! {
         friction: f32, restitution: f32, rest_offset: f32, flags: u32,
         direction: Vec3, kept: u32,
         between: Vec3, diameter: f32,
+        closing: Vec3, swing: f32,
     }
     /// What of a point stays as it is for an interval.
     PointShape {

@@ -1,0 +1,214 @@
+//! Scenes as games have them: bodies in flight together, bodies put into each other, and landings. What they cost is counted.
+
+use crate::world::{World, any_turn};
+use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::stages::state::Body;
+use glam::{Quat, Vec3};
+
+/// Of one step: pairs of spheres, pairs that are near, contact points, intervals.
+type Work = [usize; 4];
+
+fn work(world: &World) -> Work {
+    let state = &world.state;
+    [
+        state.sphere_pairs.len(),
+        state.near_pairs.len(),
+        state.manifolds.points.len(),
+        state.intervals as usize,
+    ]
+}
+
+/// `side` cubed bodies, `gap` apart, some of which touch their neighbours.
+fn block(world: &mut World, mesh: &TriMesh, side: usize, gap: f32, lowest: f32, velocity: Vec3) {
+    let mesh = world.mesh(mesh);
+    for i in 0..side.pow(3) {
+        let at = [i % side, i / side % side, i / side / side].map(|k| k as f32);
+        world.put(&Body {
+            linear_velocity: velocity,
+            ..Body::at_rest(mesh, Vec3::from(at) * gap + Vec3::Y * lowest, Quat::IDENTITY, Vec3::ONE)
+        });
+    }
+}
+
+#[test]
+fn what_all_bodies_have_in_common_costs_nothing_and_changes_nothing() {
+    for (mesh, gap) in [
+        (shapes::ball(0.25, 3), 0.6),
+        (shapes::ball(0.25, 3), 0.501),
+        (shapes::torus_240(), 2.2),
+    ] {
+        formation(&mesh, 3, gap, 32);
+    }
+}
+
+/// A formation at rest, and the same in flight at several speeds.
+pub fn formation(mesh: &TriMesh, side: usize, gap: f32, steps: usize) {
+    let fly = |velocity: Vec3| -> (Vec<Work>, Vec<Vec3>) {
+        let mut world = World::weightless();
+        block(&mut world, mesh, side, gap, 0.0, velocity);
+        let works = (0..steps).map(|_| {
+            world.step();
+            work(&world)
+        });
+        let works = works.collect();
+        let time = steps as f32 * world.state.config.dt;
+        let places = (0..world.state.bodies.len()).map(|i| world.center(i).as_vec3() - velocity * time);
+        (works, places.collect())
+    };
+    let (works, places) = fly(Vec3::ZERO);
+    for speed in [3.0, 10.0, 100.0] {
+        let velocity = Vec3::new(0.6, 0.0, 0.8) * speed;
+        let (moving, moved) = fly(velocity);
+        assert_eq!(works, moving, "at {speed} m/s");
+        // What single precision makes of a place that far away.
+        let tolerance = 1.0e-5 + 4.0 * f32::EPSILON * speed * steps as f32;
+        for (p, q) in places.iter().zip(&moved) {
+            assert!(p.distance(*q) < tolerance, "at {speed} m/s {p} is {q}");
+        }
+    }
+}
+
+#[test]
+fn a_swarm_that_lands_is_not_looked_at_from_afar() {
+    swarm(3, 26.0);
+}
+
+/// A block of finely cut balls that falls from so high. Two of its layers land one after the other, and none may be lost.
+pub fn swarm(side: usize, height: f32) {
+    let mut world = World::new();
+    let ball = shapes::ball(0.25, 3);
+    block(
+        &mut world,
+        &ball,
+        side,
+        0.6,
+        0.3,
+        Vec3::NEG_Y * (2.0 * 9.81 * height).sqrt(),
+    );
+    let cube = world.mesh(&shapes::cube(1.0));
+    world.floor(cube);
+    let count = side.pow(3);
+    for _ in 0..64 * 2 {
+        world.step();
+        let state = &world.state;
+        for pair in &state.near_pairs {
+            // A quarter of a ball, with safety, and the contact margin.
+            let most = if state.intervals < 8 {
+                0.5 * 0.25 * 1.5 + 0.006
+            } else {
+                0.5
+            };
+            assert!(pair.margin <= most, "{} in {} intervals", pair.margin, state.intervals);
+        }
+    }
+    for i in 0..count {
+        let center = world.center(i);
+        assert!((0.2..1.0).contains(&center.y), "{i} is at {center}");
+    }
+    assert!(world.deepest() < 0.005, "{} m deep", world.deepest());
+}
+
+#[test]
+fn what_is_pushed_out_does_not_sleep_before_it_is_out() {
+    for (shape, depth) in [
+        (shapes::ball(0.5, 3), 0.6),
+        (shapes::ball(0.5, 3), 0.3),
+        (shapes::cube(1.0), 0.7),
+        (shapes::cube(1.0), 0.03),
+    ] {
+        pushed_out(&shape, depth);
+    }
+}
+
+/// A body of half a metre's radius, so deep in the top of a block.
+pub fn pushed_out(shape: &TriMesh, depth: f32) {
+    let mut world = World::new();
+    world.state.config.solver.sleeping = true;
+    let (mesh, cube) = (world.mesh(shape), world.mesh(&shapes::cube(4.0)));
+    world.add(
+        RigidBody::Dynamic,
+        mesh,
+        Vec3::ONE,
+        Vec3::Y * (0.5 - depth),
+        Quat::IDENTITY,
+    );
+    world.add(RigidBody::Static, cube, Vec3::ONE, Vec3::NEG_Y * 2.0, Quat::IDENTITY);
+    let mut speeds = Vec::new();
+    for _ in 0..64 * 3 {
+        let before = world.center(0).y;
+        world.step();
+        let height = world.center(0).y;
+        speeds.push(64.0 * (height - before));
+        assert!(!world.state.asleep[0] || height > 0.495, "asleep at {height}");
+    }
+    assert!(world.state.asleep[0], "it is out, and at rest");
+    assert!((world.center(0).y - 0.5).abs() < 0.01, "{}", world.center(0));
+    // From the second step on the speed of the push follows the depth without a jump.
+    for (k, pair) in speeds.windows(2).enumerate() {
+        assert!(
+            (pair[1] - pair[0]).abs() < 0.35,
+            "from {} to {} m/s at step {k}",
+            pair[0],
+            pair[1]
+        );
+    }
+}
+
+#[test]
+fn two_that_overlap_part_before_they_sleep() {
+    for shape in [
+        shapes::cube(1.0),
+        shapes::torus_240(),
+        shapes::knot_1120(),
+        shapes::ball(0.5, 3),
+    ] {
+        overlapping(&shape, 2, Vec3::X * 0.3);
+    }
+}
+
+#[test]
+fn bodies_in_the_same_place_part() {
+    for shape in [shapes::cube(1.0), shapes::torus_240(), shapes::ball(0.5, 2)] {
+        for count in [2, 5, 20] {
+            overlapping(&shape, count, Vec3::ZERO);
+        }
+    }
+    // What differs by rounding alone is in the same place too.
+    overlapping(&shapes::ball(0.5, 2), 2, Vec3::X * 1.0e-6);
+}
+
+/// So many bodies of one mesh, each so far from the one before, without gravity.
+pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
+    let mut world = World::weightless();
+    world.state.config.solver.sleeping = true;
+    let mesh = world.mesh(mesh);
+    let turn = any_turn(&mut fastrand::Rng::with_seed(5));
+    for i in 0..count {
+        world.add(
+            RigidBody::Dynamic,
+            mesh,
+            Vec3::ONE,
+            apart * i as f32 + Vec3::splat(3.0),
+            turn,
+        );
+    }
+    for step in 0..64 * 4 {
+        world.step();
+        let state = &world.state;
+        let gap = 2.0 * state.bodies.radius[0] * state.config.solver.rest_offset;
+        let deepest = world.deepest();
+        let all_sleep = state.asleep.iter().all(|asleep| *asleep);
+        assert!(!all_sleep || deepest <= gap, "asleep {deepest} m deep at step {step}");
+        if step == 0 {
+            assert_eq!(state.contacts.pairs.len(), count * (count - 1) / 2);
+        }
+    }
+    assert!(world.deepest() < 1.0e-3, "{} m deep in the end", world.deepest());
+    for i in 0..count {
+        for j in 0..i {
+            let distance = world.center(i).distance(world.center(j));
+            assert!(distance > 0.2, "{i} and {j} are {distance} m apart");
+        }
+    }
+}
