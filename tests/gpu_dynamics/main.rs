@@ -21,6 +21,8 @@ mod rest;
 #[path = "../dynamics/same_bits.rs"]
 mod same_bits;
 mod sleep;
+#[path = "../dynamics/small_games.rs"]
+mod small_games;
 #[path = "../dynamics/spin.rs"]
 mod spin;
 #[path = "../dynamics/world.rs"]
@@ -28,6 +30,7 @@ mod world;
 
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::step::GpuStep;
+use bevy_faceoff::geometry::shapes;
 use glam::Vec3;
 
 /// Lets all worlds of a test move on the device.
@@ -77,5 +80,10 @@ fn main() {
         a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);
         thirty_mixed_knots_keep_momentum_and_gain_no_energy: cloud::keeps_momentum(30, 120, true);
         five_knots_poured_into_a_bin_come_to_rest: pour::pour(5, 2.3, 3);
+        what_all_bodies_have_in_common_changes_nothing: small_games::formation(&shapes::ball(0.25, 2), 2, 0.501, 8);
+        what_is_pushed_out_does_not_sleep_before_it_is_out: small_games::pushed_out(&shapes::ball(0.5, 2), 0.6);
+        two_that_overlap_part_before_they_sleep: small_games::overlapping(&shapes::cube(1.0), 2, Vec3::X * 0.3);
+        three_in_the_same_place_part: small_games::overlapping(&shapes::torus_240(), 3, Vec3::ZERO);
+        a_swarm_that_lands_is_not_looked_at_from_afar: small_games::swarm(2, 26.0);
     })
 }
