@@ -144,14 +144,10 @@ pub fn pushed_out(shape: &TriMesh, depth: f32) {
     }
     assert!(world.state.asleep[0], "it is out, and at rest");
     assert!((world.center(0).y - 0.5).abs() < 0.01, "{}", world.center(0));
-    // From the second step on the speed of the push follows the depth without a jump.
+    // The speed of the push falls with the depth and never rises: like a damped spring's, by less than half in a step.
     for (k, pair) in speeds.windows(2).enumerate() {
-        assert!(
-            (pair[1] - pair[0]).abs() < 0.35,
-            "from {} to {} m/s at step {k}",
-            pair[0],
-            pair[1]
-        );
+        let falls = pair[1] <= pair[0] + 0.1 && pair[1] >= 0.5 * pair[0] - 0.05;
+        assert!(falls, "from {} to {} m/s at step {k}", pair[0], pair[1]);
     }
 }
 

