@@ -6,10 +6,11 @@ use crate::gpu::step::{GpuStep, StepError};
 use crate::settings::Culling;
 use crate::stages::Stage;
 use crate::stages::bodies::BodyFault;
-use crate::stages::state::{Body, StepState, TouchingPair as StagePair};
+use crate::stages::state::{Body, NearPair, StepState, TouchingPair as StagePair};
 use crate::stages::triangle_test;
 use glam::{Quat, Vec3};
 use std::collections::HashMap;
+use std::mem;
 use thiserror::Error;
 
 /// A mesh placed in the world: scaled, then rotated, then moved.
@@ -72,11 +73,67 @@ pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, PlacementErr
 /// # Errors
 /// If a placement cannot be used; nothing is checked then.
 pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<TouchingPair>, PlacementError> {
-    let mut state = placed(placements, options)?;
-    for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
-        stage.run_on_cpu(&mut state);
+    Ok(Check::new(placements, options)?.flatten().collect())
+}
+
+/// [`check_with`] bit by bit: an iterator over lists of touching pairs, which one after the other are all of them. For scenes
+/// whose intersecting faces do not fit in memory all at once, and to show how far the check is.
+///
+/// Runs on rayon's current thread pool, like [`check`].
+pub struct Check {
+    state: StepState,
+    /// All pairs that may touch; `state` has those that are tested at the time.
+    pairs: Vec<NearPair>,
+    done: usize,
+    batch: usize,
+}
+
+impl Check {
+    /// How many pairs are tested at once, at first and at most.
+    const BATCH: [usize; 2] = [64, 1024];
+    /// Batches grow while they find fewer intersecting faces than this, and shrink when they find more.
+    const FACES: usize = 1 << 20;
+
+    /// Finds the pairs that may touch, which takes little time.
+    ///
+    /// # Errors
+    /// If a placement cannot be used; nothing is checked then.
+    pub fn new(placements: &[Placement], options: &CheckOptions) -> Result<Self, PlacementError> {
+        let mut state = placed(placements, options)?;
+        for stage in [Stage::BroadPhase, Stage::Angles] {
+            stage.run_on_cpu(&mut state);
+        }
+        Ok(Self {
+            pairs: mem::take(&mut state.near_pairs),
+            state,
+            done: 0,
+            batch: Self::BATCH[0],
+        })
     }
-    Ok(touching_pairs(&state))
+
+    /// How many pairs have been tested, and how many there are to test.
+    pub fn progress(&self) -> (usize, usize) {
+        (self.done, self.pairs.len())
+    }
+}
+
+impl Iterator for Check {
+    type Item = Vec<TouchingPair>;
+
+    fn next(&mut self) -> Option<Vec<TouchingPair>> {
+        let rest = self.pairs.get(self.done..).filter(|rest| !rest.is_empty())?;
+        let batch = &rest[..self.batch.min(rest.len())];
+        self.state.near_pairs.clear();
+        self.state.near_pairs.extend_from_slice(batch);
+        self.done += batch.len();
+        Stage::TriangleTest.run_on_cpu(&mut self.state);
+        self.batch = if self.state.contacts.faces.len() < Self::FACES {
+            (self.batch * 2).min(Self::BATCH[1])
+        } else {
+            (self.batch / 2).max(1)
+        };
+        Some(touching_pairs(&self.state))
+    }
 }
 
 /// Which placements touch, `a < b`, ascending: the pairs of [`check`], but not with which faces. A pair's test ends at its

@@ -257,6 +257,9 @@ fn broken_files_fail_by_name_and_the_app_goes_on() {
         ("outside.bake.ron", b"(mesh: \"../../secret.obj\")"),
         ("source.bake.ron", b"(mesh: \"nowhere://good.obj\")"),
         ("loop.bake.ron", b"(mesh: \"loop.bake.ron\")"),
+        ("root.bake.ron", b"(mesh: \"/good.obj\")"),
+        ("drive.bake.ron", b"(mesh: \"C:/good.obj\")"),
+        ("slash.bake.ron", b"(mesh: \"sub\\\\good.obj\")"),
     ]);
     for (path, words) in [
         ("cut.faceoff", vec!["cut.faceoff", "damaged"]),
@@ -271,6 +274,12 @@ fn broken_files_fail_by_name_and_the_app_goes_on() {
         ("outside.bake.ron", vec!["outside.bake.ron", "outside the asset folder"]),
         ("source.bake.ron", vec!["source.bake.ron", "nowhere"]),
         ("loop.bake.ron", vec!["loop.bake.ron", "no mesh file"]),
+        (
+            "root.bake.ron",
+            vec!["root.bake.ron", "\"/good.obj\"", "relative to the recipe"],
+        ),
+        ("drive.bake.ron", vec!["drive.bake.ron", "relative to the recipe"]),
+        ("slash.bake.ron", vec!["slash.bake.ron", "relative to the recipe"]),
         ("absent.faceoff", vec!["absent.faceoff"]),
     ] {
         let message = stage.failure(path);

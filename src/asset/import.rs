@@ -61,7 +61,8 @@ pub fn import_part(name: &str, bytes: &[u8], part: Option<&MeshPart>) -> Result<
     }
 }
 
-/// Reads a mesh file or a `.bake.ron` recipe from disk, with the files it names. Errors name the file.
+/// Reads a mesh file or a `.bake.ron` recipe from disk, with the files it names. Errors name the file. Pipes and devices are
+/// refused.
 pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let path = path.as_ref();
     let bytes = read_file(path)?;
@@ -70,6 +71,9 @@ pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
         return import_mesh_file(path, bytes, None);
     }
     let recipe = Recipe::parse(&bytes).map_err(|e| in_file(path, e))?;
+    if recipe.mesh.contains("://") {
+        return Err(in_file(path, ImportError::AssetSource(recipe.mesh)));
+    }
     let mesh_path = path.with_file_name("").join(&recipe.mesh);
     let bytes = read_file(&mesh_path)?;
     let baked_hash = format::source_hash(&bytes);
@@ -92,11 +96,7 @@ fn import_mesh_file(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Res
     let source = Source::open(&path.to_string_lossy(), bytes).map_err(|e| in_file(path, e))?;
     let mut files = Vec::new();
     for file in source.files() {
-        // A device, which a hostile mesh might name, has no end.
         let file = path.with_file_name("").join(file);
-        if std::fs::metadata(&file).is_ok_and(|m| !m.is_file()) {
-            return Err(in_file(path, in_file(&file, ImportError::NoFile)));
-        }
         files.push(read_file(&file).map_err(|e| in_file(path, e))?);
     }
     source.read(part, &files).map_err(|e| in_file(path, e))
@@ -213,8 +213,13 @@ fn looks_like_obj(bytes: &[u8]) -> bool {
     !start.contains(&0) && start.split(|&b| b == b'\n').any(|line| line.starts_with(b"v "))
 }
 
+/// A device, which a recipe or a hostile mesh might name, has no end, and a pipe may never begin.
 fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
-    std::fs::read(path).map_err(|e| in_file(path, e))
+    match std::fs::metadata(path) {
+        Ok(there) if !there.is_file() => Err(in_file(path, ImportError::NoFile)),
+        Ok(_) => std::fs::read(path).map_err(|e| in_file(path, e)),
+        Err(e) => Err(in_file(path, e)),
+    }
 }
 
 fn in_file(path: &Path, error: impl Into<ImportError>) -> ImportError {

@@ -110,9 +110,14 @@ pub enum ImportError {
     /// A part was chosen of a file that has none.
     #[error("only glTF files have parts to choose from; remove the part")]
     NoParts,
-    /// What a mesh file names is no file.
-    #[error("it is no file")]
+    /// A path leads to something else than a file.
+    #[error("it is no file but a folder, a pipe or a device; name a mesh file")]
     NoFile,
+    /// A recipe names a mesh in an asset source of an app.
+    #[error(
+        "mesh: {0:?} is in an asset source, which only the app that has it can read; name a path relative to the recipe"
+    )]
+    AssetSource(String),
     /// A format that is not read.
     #[error(
         "{0} files are not read; export the mesh as glTF, OBJ or STL, or build a TriMesh from its vertices and faces in code"

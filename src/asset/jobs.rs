@@ -3,8 +3,10 @@
 use super::loader::LoadError;
 use crate::projection::{Progress, bake_pool};
 use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
+use std::collections::VecDeque;
+use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Runs `job` on Bevy's pool for long computations. It is meant for jobs of milliseconds: it is not interrupted.
 pub(super) async fn on_compute_pool<T: Send + 'static>(
@@ -18,21 +20,71 @@ pub(super) async fn on_compute_pool<T: Send + 'static>(
     .await
 }
 
-/// Runs `job` on the pool for bakes, for as long as the returned future lives: dropping it cancels the job's progress.
+/// Runs `job` on the pool for bakes when all that were asked for before it are done, for as long as the returned future lives:
+/// dropping it cancels the job's progress.
 pub(crate) async fn on_bake_pool<T: Send + 'static>(
     job: impl FnOnce(&'static rayon::ThreadPool, &Progress) -> Result<T, LoadError> + Send + 'static,
 ) -> Result<T, LoadError> {
     let progress = Arc::new(Progress::default());
     let _guard = CancelOnDrop(progress.clone());
     let pool = bake_pool();
-    finish(move || job(pool, &progress), |run| pool.spawn(run)).await
+    static QUEUE: Queue = Queue::new();
+    finish(move || job(pool, &progress), |run| QUEUE.push(pool, run)).await
+}
+
+/// Jobs of which one runs at a time, in the order in which they came. Each has the whole pool: side by side they would all be
+/// late and hold their memory at once, and a thread that waits for a part of one would begin another on top of it.
+///
+/// No future has a hand in it, so that jobs are not held up by one that nobody polls.
+struct Queue(Mutex<Waiting>);
+
+struct Waiting {
+    jobs: VecDeque<Job>,
+    /// Whether a thread takes jobs from here.
+    served: bool,
+}
+
+type Job = Box<dyn FnOnce() + Send>;
+
+impl Queue {
+    const fn new() -> Self {
+        Self(Mutex::new(Waiting {
+            jobs: VecDeque::new(),
+            served: false,
+        }))
+    }
+
+    /// Puts a job at the end, which must not panic.
+    fn push(&'static self, pool: &'static rayon::ThreadPool, job: Job) {
+        let mut waiting = self.lock();
+        waiting.jobs.push_back(job);
+        if !mem::replace(&mut waiting.served, true) {
+            pool.spawn(|| {
+                while let Some(job) = self.next() {
+                    job();
+                }
+            });
+        }
+    }
+
+    fn next(&self) -> Option<Job> {
+        let mut waiting = self.lock();
+        let job = waiting.jobs.pop_front();
+        waiting.served = job.is_some();
+        job
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Waiting> {
+        // No job runs while it is held.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Awaits a job that `spawn` runs on another thread. A panic in it becomes an error: rayon would abort the process, and
 /// a task of Bevy's would take its sender with it.
 async fn finish<T: Send + 'static>(
     job: impl FnOnce() -> Result<T, LoadError> + Send + 'static,
-    spawn: impl FnOnce(Box<dyn FnOnce() + Send>),
+    spawn: impl FnOnce(Job),
 ) -> Result<T, LoadError> {
     let (sender, receiver) = async_channel::bounded(1);
     spawn(Box::new(move || {
@@ -65,7 +117,37 @@ impl Drop for CancelOnDrop {
 mod tests {
     use super::*;
     use bevy::tasks::futures_lite::future;
+    use rayon::prelude::*;
+    use std::sync::OnceLock;
+    use std::sync::atomic::{AtomicUsize, Ordering};
     use std::time::Duration;
+
+    #[test]
+    fn bakes_run_one_after_the_other() {
+        // The pool for bakes may have a single thread, with which nothing runs side by side anyway.
+        static POOL: OnceLock<rayon::ThreadPool> = OnceLock::new();
+        static QUEUE: Queue = Queue::new();
+        static RUNNING: AtomicUsize = AtomicUsize::new(0);
+        let pool = POOL.get_or_init(|| rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap());
+        let (ended, ends) = std::sync::mpsc::channel();
+        for i in 0..50 {
+            let ended = ended.clone();
+            let job = move || {
+                let others = RUNNING.fetch_add(1, Ordering::SeqCst);
+                (0..8)
+                    .into_par_iter()
+                    .for_each(|_| std::thread::sleep(Duration::from_micros(200)));
+                RUNNING.fetch_sub(1, Ordering::SeqCst);
+                ended.send((i, others)).unwrap();
+            };
+            QUEUE.push(pool, Box::new(job));
+        }
+        let first: Vec<_> = ends.iter().take(50).collect();
+        assert_eq!(first, (0..50).map(|i| (i, 0)).collect::<Vec<_>>());
+        // An empty queue begins anew.
+        QUEUE.push(pool, Box::new(move || ended.send((50, 0)).unwrap()));
+        assert_eq!(ends.recv_timeout(Duration::from_secs(10)).unwrap(), (50, 0));
+    }
 
     #[test]
     fn a_panic_is_an_error() {

@@ -16,7 +16,10 @@
 //! Recipes and `.faceoff` files are known by their extension. Other meshes are not, on purpose: Bevy asks the loader registered
 //! last for an extension, so claiming `obj` or `glb` would take scenes away from other loaders. They are reached by the type of the
 //! handle instead, as above. Reading and baking happen off the IO pool, so that other assets load meanwhile, and stop when
-//! the last handle is dropped.
+//! the last handle is dropped. Tables of faces of collision are baked one after the other. A load that waits for one keeps
+//! its file open, which is Bevy's doing: a thousand at once are more than some systems allow, so bake so many ahead of time.
+//!
+//! All this is `AssetMode::Unprocessed`, Bevy's default; for the other one see [`processor`](super::processor).
 //!
 //! # Two traps of Bevy's
 //! * A path is loaded once. Two loads of one path with different settings give one handle, with the settings of the first.

@@ -4,7 +4,8 @@
 //! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256))
 //! ```
 //!
-//! The path is relative to the recipe. `settings` and each of its fields may be left out; see [`BakeSettings`]. Of a glTF file
+//! The path is relative to the recipe, with `/` between folders and `..` for the one above; it begins with no `/`, which would be
+//! the asset folder to Bevy and the whole disk to others. `settings` and each of its fields may be left out; see [`BakeSettings`]. Of a glTF file
 //! the whole scene is one mesh, unless the recipe chooses a part of it, see [`MeshPart`]:
 //!
 //! ```ron
@@ -49,6 +50,12 @@ pub enum RecipeError {
     /// The path of the mesh is empty, or names another recipe.
     #[error("mesh: {0:?} is no mesh file; name a mesh file relative to the recipe")]
     Mesh(String),
+    /// The path of the mesh means one thing here and another there.
+    #[error(
+        "mesh: {0:?} is not relative to the recipe; name the mesh without a leading / or drive, with / between folders and .. \
+         for the one above"
+    )]
+    NotRelative(String),
     /// Settings that cannot be baked with.
     #[error("settings: {0}")]
     Settings(#[from] SettingsError),
@@ -76,6 +83,9 @@ impl Recipe {
         if recipe.mesh.trim().is_empty() || is_recipe(&recipe.mesh) || recipe.mesh.contains(['#', '\0']) {
             return Err(RecipeError::Mesh(recipe.mesh));
         }
+        if !is_relative(&recipe.mesh) {
+            return Err(RecipeError::NotRelative(recipe.mesh));
+        }
         recipe.settings.validate()?;
         Ok(recipe)
     }
@@ -93,6 +103,14 @@ impl Recipe {
             self.mesh
         )
     }
+}
+
+/// Whether a path means the same on every system, and to whoever reads the recipe. What stands before `://` is one of Bevy's
+/// asset sources.
+fn is_relative(path: &str) -> bool {
+    let path = path.split_once("://").map_or(path, |(_, path)| path);
+    let is_drive = path.as_bytes().get(1) == Some(&b':');
+    !path.starts_with('/') && !path.contains('\\') && !is_drive
 }
 
 /// Whether a file of this name is a recipe.

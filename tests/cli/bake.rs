@@ -151,17 +151,120 @@ fn a_mesh_that_is_open_is_baked_with_a_warning_that_names_it() {
 }
 
 #[test]
-fn two_meshes_of_one_name_are_refused_before_anything_is_baked() {
+fn meshes_of_one_name_are_all_told_and_the_rest_is_baked() {
     let folder = torus();
+    folder.asset("cube.obj");
     folder.write("other/torus.obj", folder.read("torus.obj"));
     folder.write("torus.bake.ron", "(mesh: \"torus.obj\")");
-    for other in ["other/torus.obj", "torus.bake.ron", "torus.obj"] {
-        folder.bad(
-            &["bake", "torus.obj", other, "-o", "out"],
-            &["torus.obj", other, "torus.faceoff"],
-        );
-        assert!(!folder.path("out/torus.faceoff").exists());
+    folder.asset("knot.obj");
+    folder.write("other/KNOT.obj", folder.read("knot.obj"));
+    let run = folder.bad(
+        &[
+            "bake",
+            "torus.obj",
+            "other/torus.obj",
+            "knot.obj",
+            "torus.bake.ron",
+            "cube.obj",
+            "other/KNOT.obj",
+            "-o",
+            "out",
+        ],
+        &[
+            "torus.obj and other/torus.obj and torus.bake.ron would",
+            "out/torus.faceoff",
+            "knot.obj and other/KNOT.obj would",
+            "out/knot.faceoff",
+            "5 of 6 meshes",
+        ],
+    );
+    assert!(!run.stderr.contains("cube"), "{}", run.stderr);
+    let files: Vec<_> = std::fs::read_dir(folder.path("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    assert_eq!(files, ["cube.faceoff"]);
+}
+
+#[test]
+fn a_mesh_that_is_given_twice_is_baked_once() {
+    let folder = torus();
+    let whole = folder.path("torus.obj");
+    let said = folder.good(&["bake", "torus.obj", "./torus.obj", whole.to_str().unwrap(), "-o", "out"]);
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert_eq!(header(&folder, "out/torus.faceoff").0, 240);
+}
+
+#[test]
+fn many_bakes_into_one_folder_do_not_disturb_each_other() {
+    let folder = torus();
+    let bake = || {
+        Command::new(env!("CARGO_BIN_EXE_faceoff"))
+            .args(["bake", "torus.obj", "-o", "out", "--force"])
+            .current_dir(folder.path("."))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    };
+    for _ in 0..10 {
+        let children: Vec<_> = (0..8).map(|_| bake()).collect();
+        for child in children {
+            let output = child.wait_with_output().unwrap();
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        }
     }
+    assert_eq!(header(&folder, "out/torus.faceoff").0, 240);
+    assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 1);
+}
+
+#[test]
+fn a_recipe_names_its_mesh_relative_to_itself() {
+    let folder = torus();
+    folder.write("sub/torus.bake.ron", "(mesh: \"../torus.obj\")");
+    folder.good(&["bake", "sub/torus.bake.ron", "-o", "out"]);
+    let whole = folder.path("torus.obj");
+    for mesh in [
+        whole.to_str().unwrap(),
+        "/torus.obj",
+        "C:/torus.obj",
+        "sub\\\\torus.obj",
+    ] {
+        folder.write("bad.bake.ron", format!("(mesh: \"{mesh}\")"));
+        folder.bad(
+            &["bake", "bad.bake.ron", "-o", "out"],
+            &["bad.bake.ron", "relative to the recipe"],
+        );
+    }
+    // Only an app knows what this is.
+    folder.write("bad.bake.ron", "(mesh: \"embedded://torus.obj\")");
+    folder.bad(
+        &["bake", "bad.bake.ron", "-o", "out"],
+        &["embedded://torus.obj", "asset source"],
+    );
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn what_is_no_file_is_refused_and_not_waited_for() {
+    let folder = torus();
+    let pipe = folder.path("pipe.obj");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    std::os::unix::fs::symlink("/dev/zero", folder.path("endless.obj")).unwrap();
+    folder.write("pipe.bake.ron", "(mesh: \"pipe.obj\")");
+    folder.write("endless.bake.ron", "(mesh: \"endless.obj\")");
+    folder.write("scene.ron", "(meshes: {\"a\": \"endless.obj\"}, bodies: [])");
+    for arguments in [
+        &["bake", "pipe.bake.ron", "-o", "out"][..],
+        &["bake", "endless.bake.ron", "-o", "out"],
+        &["bake", "pipe.obj", "-o", "out"],
+        &["inspect", "endless.obj"],
+        &["check", "scene.ron"],
+        &["simulate", "--shape", "pipe.obj"],
+    ] {
+        folder.bad(arguments, &[".obj", "no file but"]);
+    }
+    folder.bad(&["check", "/dev/zero"], &["/dev/zero", "no scene"]);
 }
 
 #[test]
@@ -172,10 +275,8 @@ fn an_output_that_cannot_be_made_or_written_is_named() {
     folder.bad(&["bake", "torus.obj", "-o", "file/under"], &["file/under"]);
     folder.write("out/torus.faceoff/in_the_way", "");
     folder.bad(&["bake", "torus.obj", "-o", "out"], &["torus.faceoff"]);
-    assert!(
-        !folder.path("out/torus.faceoff.partial").exists(),
-        "no half file is left"
-    );
+    let left: Vec<_> = std::fs::read_dir(folder.path("out")).unwrap().collect();
+    assert_eq!(left.len(), 1, "no half file is left: {left:?}");
 }
 
 #[test]

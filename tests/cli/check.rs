@@ -225,3 +225,38 @@ fn meshes_that_are_unknown_missing_or_broken_are_named() {
         folder.bad(&["check", "scene.ron"], &[file]);
     }
 }
+
+#[test]
+fn a_mesh_name_that_stands_twice_is_refused() {
+    let folder = scene("");
+    folder.write(
+        "scene.ron",
+        r#"(meshes: {"a": "cube.obj", "b": "cube.obj", "a": "torus.obj"}, bodies: [(mesh: "a")])"#,
+    );
+    folder.bad(&["check", "scene.ron"], &["scene.ron:1:", "\"a\" twice"]);
+}
+
+/// Torus in torus has 3120 pairs of faces: a check that keeps them all until the end takes 700 MB here.
+#[test]
+#[cfg(target_os = "linux")]
+fn faces_that_nobody_asked_for_are_not_kept() {
+    let folder = scene(&r#"(mesh: "torus"), "#.repeat(80));
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_faceoff"))
+        .args(["check", "scene.ron"])
+        .current_dir(folder.path("."))
+        .stdout(std::fs::File::create(folder.path("said")).unwrap())
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut most = 0;
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kib = peak.and_then(|peak| peak.split_whitespace().next()?.parse().ok());
+        most = most.max(kib.unwrap_or(0));
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let said = String::from_utf8(folder.read("said")).unwrap();
+    assert!(said.starts_with("80 bodies, 3160 touching pairs\n"), "{said}");
+    assert!((1..400_000).contains(&most), "{most} KiB");
+}

@@ -3,6 +3,7 @@
 
 mod bake;
 mod check;
+mod output;
 mod picture;
 mod simulate;
 

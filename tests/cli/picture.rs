@@ -67,6 +67,26 @@ fn pictures_that_cannot_be_drawn_or_written_are_refused() {
 }
 
 #[test]
+fn pictures_are_png_by_any_name_or_on_standard_output() {
+    let folder = Folder::new();
+    for name in ["t.jpg", "t.png.gif"] {
+        folder.bad(&["image", "torus", "--image", "16", "-o", name], &[name, "PNG", ".png"]);
+        assert!(!folder.path(name).exists());
+    }
+    folder.good(&["image", "torus", "--image", "16", "-o", "T.PNG"]);
+    folder.good(&["image", "torus", "--image", "16", "-o", "bare"]);
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_faceoff"))
+        .args(["image", "torus", "--image", "16", "-o", "-"])
+        .current_dir(folder.path("."))
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    assert_eq!(output.stdout, folder.read("T.PNG"));
+    assert_eq!(folder.read("bare"), folder.read("T.PNG"));
+    assert!(!folder.path("-").exists());
+}
+
+#[test]
 fn inspect_tells_what_a_mesh_and_a_baked_file_hold() {
     let folder = Folder::new();
     folder.asset("torus.obj");

@@ -172,6 +172,14 @@ fn knots_and_files_of_every_kind_are_shapes() {
 }
 
 #[test]
+fn the_help_lists_every_kind_of_shape() {
+    let help = Folder::new().good(&["simulate", "--help"]);
+    for kind in [".glb", ".gltf", ".obj", ".stl", ".faceoff", ".bake.ron"] {
+        assert!(help.contains(kind), "no {kind} in {help}");
+    }
+}
+
+#[test]
 fn no_bodies_one_body_and_no_steps_are_scenes_too() {
     let folder = Folder::new();
     for bodies in ["0", "1"] {
@@ -180,6 +188,9 @@ fn no_bodies_one_body_and_no_steps_are_scenes_too() {
     }
     let json = simulate(&folder, &["--bodies", "5", "--steps", "0"]);
     assert_eq!(json["steps"], Value::Array(Vec::new()));
+    assert_eq!(json["meta"]["bodies"], 5);
+    let table = folder.good(&["simulate", "--bodies", "5", "--steps", "0"]);
+    assert!(table.starts_with("5 bodies of 240"), "{table}");
     let json = simulate(
         &folder,
         &["--bodies", "5", "--steps", "1", "--side", "0", "--speed", "0"],

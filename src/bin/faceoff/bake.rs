@@ -5,10 +5,10 @@ use crate::{Outcome, mesh, output};
 use bevy_faceoff::asset::format::{self, Hash};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
 use bevy_faceoff::projection::BakeSettings;
-use std::collections::HashMap;
-use std::fs;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use std::{fmt, fs};
 
 /// Bake meshes into .faceoff files, skipping what is up to date.
 #[derive(clap::Args)]
@@ -37,47 +37,95 @@ pub struct Options {
 pub fn run(options: &Options) -> Outcome {
     let folder = options.output.as_path();
     output::folder(folder)?;
-    let targets = targets(options)?;
+    let Plan { bakes, clashes } = plan(&options.meshes, folder);
     let pool = rayon::ThreadPoolBuilder::new().build()?;
     let mut failed = 0;
-    for (source, target) in &targets {
-        if let Err(error) = bake(options, source, target, &pool) {
-            eprintln!("error: {error}");
-            failed += 1;
+    let all = bakes.len() + clashes.iter().map(|clash| clash.sources.len()).sum::<usize>();
+    for clash in clashes {
+        output::tell(&format!("error: {clash}"));
+        failed += clash.sources.len();
+    }
+    let mut printed = Ok(());
+    for (source, target) in &bakes {
+        match bake(options, source, target, &pool) {
+            Ok(line) => printed = printed.and(output::table(None, &line)),
+            Err(error) => {
+                output::tell(&format!("error: {error}"));
+                failed += 1;
+            }
         }
     }
     match failed {
-        0 => Ok(()),
-        n => Err(format!("{n} of {} meshes could not be baked", targets.len()).into()),
+        0 => printed,
+        n => Err(format!("{n} of {all} meshes could not be baked").into()),
     }
 }
 
-/// Where each mesh goes.
-fn targets(options: &Options) -> Outcome<Vec<(&Path, PathBuf)>> {
-    let mut taken: HashMap<PathBuf, &Path> = HashMap::new();
-    let mut targets = Vec::new();
-    for source in &options.meshes {
-        let name = source.file_name().unwrap_or_default().to_string_lossy();
-        let stem = name
-            .strip_suffix(".bake.ron")
-            .or_else(|| name.rsplit_once('.').map(|(stem, _)| stem))
-            .unwrap_or(&name);
-        let target = options.output.join(format!("{stem}.faceoff"));
-        if let Some(other) = taken.insert(target.clone(), source) {
-            return Err(format!(
-                "{} and {} would both be baked into {}: rename one, or bake into different folders",
-                other.display(),
-                source.display(),
-                target.display()
-            )
-            .into());
+/// What is baked into what.
+struct Plan<'a> {
+    bakes: Vec<(&'a Path, PathBuf)>,
+    clashes: Vec<Clash<'a>>,
+}
+
+/// Meshes that would be baked into one file.
+struct Clash<'a> {
+    sources: Vec<&'a Path>,
+    target: PathBuf,
+}
+
+impl fmt::Display for Clash<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<_> = self.sources.iter().map(|source| source.display().to_string()).collect();
+        write!(
+            f,
+            "{} would be baked into one file, {}: rename all but one, or bake into different folders (names that differ in \
+             upper and lower case only are one name on some systems)",
+            names.join(" and "),
+            self.target.display()
+        )
+    }
+}
+
+/// Where each mesh goes. A file that is given twice is baked once.
+fn plan<'a>(meshes: &'a [PathBuf], folder: &Path) -> Plan<'a> {
+    let mut names: BTreeMap<String, usize> = BTreeMap::new();
+    let mut targets: Vec<Clash> = Vec::new();
+    for source in meshes {
+        let target = folder.join(format!("{}.faceoff", stem(source)));
+        let name = target.to_string_lossy().to_lowercase();
+        let at = *names.entry(name).or_insert(targets.len());
+        match targets.get_mut(at) {
+            None => targets.push(Clash {
+                sources: vec![source],
+                target,
+            }),
+            Some(there) if there.sources.iter().any(|other| is_same(source, other)) => {}
+            Some(there) => there.sources.push(source),
         }
-        targets.push((source.as_path(), target));
     }
-    Ok(targets)
+    let (alone, clashes): (Vec<_>, Vec<_>) = targets.into_iter().partition(|target| target.sources.len() == 1);
+    Plan {
+        bakes: alone.into_iter().map(|one| (one.sources[0], one.target)).collect(),
+        clashes,
+    }
 }
 
-fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPool) -> Outcome {
+/// The name of a mesh file without what tells its kind.
+fn stem(source: &Path) -> String {
+    let name = source.file_name().unwrap_or_default().to_string_lossy();
+    name.strip_suffix(".bake.ron")
+        .or_else(|| name.rsplit_once('.').map(|(stem, _)| stem))
+        .unwrap_or(&name)
+        .to_owned()
+}
+
+/// Whether two paths lead to one file.
+fn is_same(a: &Path, b: &Path) -> bool {
+    a == b || fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
+}
+
+/// Bakes a mesh if that has to be, and tells what came of it.
+fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPool) -> Outcome<String> {
     let imported = import_file(source)?;
     let (asked, hash) = match &imported {
         Imported::Mesh {
@@ -92,8 +140,7 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
     };
     settings.validate().map_err(|e| format!("{}: {e}", source.display()))?;
     if !options.force && is_up_to_date(target, &hash, &settings) {
-        output::table(None, &format!("{} is up to date\n", target.display()));
-        return Ok(());
+        return Ok(format!("{} is up to date\n", target.display()));
     }
     let start = Instant::now();
     let baked = with_bar(&source.display().to_string(), settings, |progress| match &imported {
@@ -102,35 +149,19 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
     })?;
     mesh::warn(source, &baked);
     let bytes = format::to_bytes(&baked, hash);
-    write(target, &bytes)?;
-    let line = format!(
+    output::save(target, &bytes)?;
+    Ok(format!(
         "{} -> {}: {} triangles, {} bytes, {:.2} s\n",
         source.display(),
         target.display(),
         baked.mesh.triangles().len(),
         bytes.len(),
         start.elapsed().as_secs_f64()
-    );
-    output::table(None, &line);
-    Ok(())
+    ))
 }
 
 /// A file that is not there, or that cannot be read as a baked one, is not up to date.
 fn is_up_to_date(target: &Path, hash: &Hash, settings: &BakeSettings) -> bool {
-    fs::read(target)
-        .ok()
-        .and_then(|bytes| format::from_bytes(&bytes).ok())
-        .is_some_and(|(_, header)| header.is_up_to_date(hash, settings))
-}
-
-/// Writes beside the target and renames, so that a reader never sees half a file.
-fn write(target: &Path, bytes: &[u8]) -> Outcome {
-    let partial = target.with_extension("faceoff.partial");
-    fs::write(&partial, bytes)
-        .and_then(|()| fs::rename(&partial, target))
-        .map_err(|e| {
-            // Whether or not there is half a file to remove, the error to tell is the first one.
-            let _ = fs::remove_file(&partial);
-            format!("cannot write {}: {e}", target.display()).into()
-        })
+    import_file(target)
+        .is_ok_and(|there| matches!(there, Imported::Baked { header, .. } if header.is_up_to_date(hash, settings)))
 }

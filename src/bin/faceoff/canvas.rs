@@ -1,8 +1,9 @@
 //! A picture to draw on: coloured pixels, text in a bitmap font, PNG.
 
-use crate::Outcome;
+use crate::{Outcome, output};
 use font8x8::UnicodeFonts;
 use image::{Rgb, RgbImage};
+use std::io::Cursor;
 use std::path::Path;
 
 /// Side of a character in pixels.
@@ -42,10 +43,12 @@ impl Canvas {
         }
     }
 
-    /// Writes a PNG file.
+    /// Writes a PNG file, or PNG to standard output if `path` is `-`.
     pub fn save(&self, path: &Path) -> Outcome {
+        let mut png = Cursor::new(Vec::new());
         self.0
-            .save_with_format(path, image::ImageFormat::Png)
-            .map_err(|e| format!("cannot write {}: {e}", path.display()).into())
+            .write_to(&mut png, image::ImageFormat::Png)
+            .map_err(|e| format!("cannot draw {}: {e}", path.display()))?;
+        output::save(path, png.get_ref())
     }
 }

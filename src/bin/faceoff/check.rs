@@ -3,10 +3,15 @@
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::gpu::{device, step::GpuStep};
-use bevy_faceoff::queries::{CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu, check_with};
+use bevy_faceoff::queries::{Check, CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu};
 use glam::{Quat, Vec3};
-use serde::{Deserialize, Serialize};
+use indicatif::ProgressBar;
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::{BTreeMap, HashMap};
+use std::fmt;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Find all touching pairs of a set of placed meshes.
@@ -35,6 +40,7 @@ pub struct Options {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
+    #[serde(deserialize_with = "each_once")]
     meshes: BTreeMap<String, PathBuf>,
     bodies: Vec<BodyEntry>,
 }
@@ -55,55 +61,113 @@ fn one() -> Vec3 {
     Vec3::ONE
 }
 
+/// A map in which no name stands twice: the bodies of one of the two would get the mesh of the other.
+fn each_once<'de, D: Deserializer<'de>>(input: D) -> Result<BTreeMap<String, PathBuf>, D::Error> {
+    struct Meshes;
+    impl<'de> Visitor<'de> for Meshes {
+        type Value = BTreeMap<String, PathBuf>;
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a map from names to mesh files")
+        }
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut meshes = BTreeMap::new();
+            while let Some((name, file)) = map.next_entry::<String, PathBuf>()? {
+                if meshes.contains_key(&name) {
+                    return Err(A::Error::custom(format!(
+                        "`meshes` has the name {name:?} twice; give each mesh a name of its own"
+                    )));
+                }
+                meshes.insert(name, file);
+            }
+            Ok(meshes)
+        }
+    }
+    input.deserialize_map(Meshes)
+}
+
 /// The JSON output.
 #[derive(Serialize)]
-struct Report<'a> {
-    pairs: Vec<PairReport<'a>>,
+struct Report {
+    pairs: Vec<PairReport>,
 }
 
 #[derive(Serialize)]
-struct PairReport<'a> {
+struct PairReport {
     a: u32,
     b: u32,
     triangle_pairs: usize,
     contained: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
-    faces: Option<&'a [[u32; 2]]>,
+    faces: Option<Vec<[u32; 2]>>,
 }
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
     let path = options.scene.as_path();
+    if let Some(json) = &options.json {
+        // What cannot be written should be known before the work is done.
+        output::check(json)?;
+    }
     let placements = placements(path, options.culling)?;
     let how = CheckOptions {
         culling: options.culling.into(),
     };
     let checked = match options.backend {
         // Opening a device takes longer than most checks.
-        BackendChoice::Auto | BackendChoice::Cpu => check_with(&placements, &how).map_err(CheckError::from),
+        BackendChoice::Auto | BackendChoice::Cpu => on_cpu(&placements, &how, options.faces),
         BackendChoice::Gpu => {
             let gpu = device::open(true).and_then(GpuStep::new);
             let mut gpu = gpu.map_err(|error| format!("--backend gpu: {error}"))?;
-            check_on_gpu(&placements, &how, &mut gpu)
+            check_on_gpu(&placements, &how, &mut gpu).map(|pairs| reports(pairs, options.faces).collect())
         }
     };
-    let pairs = checked.map_err(|error| format!("{}: {error}", path.display()))?;
     let report = Report {
-        pairs: pairs.iter().map(|pair| PairReport::new(pair, options.faces)).collect(),
+        pairs: checked.map_err(|error| format!("{}: {error}", path.display()))?,
     };
+    if let Some(json) = &options.json {
+        output::json(json, &report)?;
+    }
     output::table(
         options.json.as_deref(),
         &summary(placements.len(), options.culling, &report),
-    );
-    match &options.json {
-        Some(path) => output::json(path, &report),
-        None => Ok(()),
+    )
+}
+
+/// Checks beside a bar. Faces that nobody asked for are counted and let go: bodies that lie in each other
+/// have more than fit in memory.
+fn on_cpu(placements: &[Placement], how: &CheckOptions, faces: bool) -> Result<Vec<PairReport>, CheckError> {
+    let mut check = Check::new(placements, how)?;
+    let bar = ProgressBar::new(check.progress().1 as u64);
+    let mut pairs = Vec::new();
+    while let Some(batch) = check.next() {
+        pairs.extend(reports(batch, faces));
+        bar.set_position(check.progress().0 as u64);
     }
+    bar.finish_and_clear();
+    Ok(pairs)
+}
+
+fn reports(pairs: Vec<TouchingPair>, faces: bool) -> impl Iterator<Item = PairReport> {
+    pairs.into_iter().map(move |pair| PairReport::new(pair, faces))
+}
+
+/// Longer than any scene that memory has room for, shorter than a device that never ends.
+const LONGEST: u64 = 1 << 28;
+
+fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > LONGEST {
+        return Err(io::Error::other(format!(
+            "it is longer than {LONGEST} bytes, so it is no scene"
+        )));
+    }
+    Ok(text)
 }
 
 fn placements(path: &Path, culling: CullingChoice) -> Outcome<Vec<Placement>> {
     let name = path.display();
-    let text = std::fs::read_to_string(path).map_err(|e| format!("cannot read {name}: {e}"))?;
+    let text = read(path).map_err(|e| format!("cannot read {name}: {e}"))?;
     let scene: SceneFile = ron::from_str(&text)
         .map_err(|e| format!("{name}:{e}; see `faceoff check --help` for what a scene looks like"))?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -130,14 +194,14 @@ fn placements(path: &Path, culling: CullingChoice) -> Outcome<Vec<Placement>> {
     scene.bodies.iter().enumerate().map(place).collect()
 }
 
-impl<'a> PairReport<'a> {
-    fn new(pair: &'a TouchingPair, faces: bool) -> Self {
+impl PairReport {
+    fn new(pair: TouchingPair, faces: bool) -> Self {
         Self {
             a: pair.a,
             b: pair.b,
             triangle_pairs: pair.faces.len(),
             contained: pair.contained,
-            faces: faces.then_some(&pair.faces),
+            faces: faces.then_some(pair.faces),
         }
     }
 }
@@ -161,7 +225,7 @@ fn summary(bodies: usize, culling: CullingChoice, report: &Report) -> String {
         } else {
             format!("{a:>6} {b:>6}  {triangle_pairs} pairs of faces intersect\n")
         };
-        for [face_a, face_b] in pair.faces.unwrap_or_default() {
+        for [face_a, face_b] in pair.faces.iter().flatten() {
             text += &format!("{:>15} {face_a:>7} {face_b:>7}\n", "");
         }
     }

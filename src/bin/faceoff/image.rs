@@ -5,7 +5,7 @@ use crate::{CullingChoice, Outcome, mesh};
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::geometry::direction::Angles;
 use bevy_faceoff::projection::{BakeSettings, HeightImage};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Draw a mesh as the bake sees it: heights as colours, and the faces that are seen.
 #[derive(clap::Args)]
@@ -24,7 +24,7 @@ pub struct Options {
     /// Draw a contact sheet of directions, 30 degrees apart, instead of one.
     #[arg(long)]
     sheet: bool,
-    /// The PNG file to write.
+    /// The PNG file to write, or - for standard output.
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
 }
@@ -38,6 +38,7 @@ const STEP: i32 = 30;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
+    png_only(&options.output)?;
     let size = options.image.unwrap_or(if options.sheet { 96 } else { 512 });
     BakeSettings {
         image: size,
@@ -54,6 +55,18 @@ pub fn run(options: &Options) -> Outcome {
         single(&mesh.mesh, options.about_x, options.about_y, size)
     };
     canvas.save(&options.output)
+}
+
+/// A name that promises another format would lie.
+fn png_only(path: &Path) -> Outcome {
+    match path.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case("png") => Err(format!(
+            "{}: pictures are written as PNG only; give it a name that ends in .png",
+            path.display()
+        )
+        .into()),
+        _ => Ok(()),
+    }
 }
 
 fn draw(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> HeightImage {

@@ -58,8 +58,7 @@ pub fn run(options: &Options) -> Outcome {
     if options.json {
         output::json(Path::new("-"), &report)
     } else {
-        output::table(None, &report.text());
-        Ok(())
+        output::table(None, &report.text())
     }
 }
 

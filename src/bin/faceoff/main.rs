@@ -88,7 +88,17 @@ enum BackendChoice {
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        // Help and the version come this way too.
+        Err(message) => {
+            return match output::reached(message.print()) {
+                Ok(()) => ExitCode::from(message.exit_code() as u8),
+                Err(_) => ExitCode::FAILURE,
+            };
+        }
+    };
+    let outcome = match arguments.command {
         Command::Simulate(options) => simulate::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Bake(options) => bake::run(&options),
@@ -98,7 +108,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            output::tell(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }

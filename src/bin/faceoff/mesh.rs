@@ -1,7 +1,7 @@
 //! Meshes named on the command line.
 
 use crate::progress::with_bar;
-use crate::{CullingChoice, Outcome};
+use crate::{CullingChoice, Outcome, output};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::BakeSettings;
@@ -41,6 +41,6 @@ fn complete(name: &str, mesh: CollisionMesh, asked: BakeSettings, culling: Culli
 /// Tells on standard error what is odd about a mesh.
 pub fn warn(path: &Path, mesh: &CollisionMesh) {
     for warning in mesh.warnings() {
-        eprintln!("warning: {}: {warning}", path.display());
+        output::tell(&format!("warning: {}: {warning}", path.display()));
     }
 }

@@ -21,8 +21,8 @@ pub struct Options {
     /// Which scene.
     #[arg(long, value_enum, default_value = "box")]
     scene: SceneChoice,
-    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .obj, .faceoff or .bake.ron [default: torus; knot for
-    /// the scene pour].
+    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .glb, .gltf, .obj, .stl, .faceoff or .bake.ron [default:
+    /// torus; knot for the scene pour].
     #[arg(long)]
     shape: Option<String>,
     /// How many bodies move [default: 2200 in the box, 50 in the chain, 10 in the stack, 100 poured].
@@ -147,7 +147,7 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 pub fn run(options: &Options) -> Outcome {
     // What cannot be written should be known before the work is done.
     if let Some(path) = &options.json {
-        output::create(path)?;
+        output::check(path)?;
     }
     if let Some(folder) = &options.frames {
         output::folder(folder)?;
@@ -197,6 +197,11 @@ pub fn run(options: &Options) -> Outcome {
         return Err(format!("nothing can run the stages: {reason}").into());
     }
     let framing = scenes::spawn(app.world_mut(), choice, &scene, mesh.as_ref());
+    let spawned = app
+        .world_mut()
+        .query::<(&RigidBody, &MeshCollider)>()
+        .iter(app.world())
+        .len();
     app.finish();
     app.cleanup();
     // Bevy's first update has no time behind it and runs no step.
@@ -229,7 +234,7 @@ pub fn run(options: &Options) -> Outcome {
             scene: choice.name(),
             shape: shape.map(str::to_string),
             triangles: mesh.as_ref().map(|mesh| mesh.mesh.triangles().len()),
-            bodies: app.world().resource::<StepReport>().bodies,
+            bodies: spawned,
             seed: scene.seed,
             speed: (choice == SceneChoice::Box).then_some(scene.speed),
             side: (choice == SceneChoice::Box).then_some(scene.side),
@@ -249,11 +254,10 @@ pub fn run(options: &Options) -> Outcome {
         },
         steps,
     };
-    output::table(options.json.as_deref(), &summary(&record));
-    match &options.json {
-        Some(path) => output::json(path, &record),
-        None => Ok(()),
+    if let Some(path) = &options.json {
+        output::json(path, &record)?;
     }
+    output::table(options.json.as_deref(), &summary(&record))
 }
 
 impl Options {
