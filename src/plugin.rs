@@ -1,6 +1,7 @@
 //! The plugin groups, the step's schedule and its ordered sets.
 
 use crate::backend::{ActiveBackend, BackendFailed, BackendReady, Engine};
+use crate::clock::{self, Physics};
 use crate::collisions::{Collisions, StepReport};
 use crate::components::*;
 use crate::diagnostics::FaceoffDiagnosticsPlugin;
@@ -83,9 +84,16 @@ pub struct StepPlugin {
     pub reading: Reading,
 }
 
-/// The schedule of one fixed step. It runs in `FixedPostUpdate`; add systems around [`FaceoffSystems`] to it to see or
-/// change what passes between components and stages.
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+/// The schedule of one step. Add systems around [`FaceoffSystems`] to it to see or change what passes between components and
+/// stages; in it `Time` is the clock of the steps, [`Time<Physics>`](Physics).
+///
+/// It runs in `FixedPostUpdate`, in the system set of the same name: other systems there can be ordered before or after
+/// `FaceoffStep`, and a run condition of the set decides whether there are steps at all.
+///
+/// To do a step by hand run it yourself, wherever and whenever: `world.run_schedule(FaceoffStep)`. Such a step is as long as the
+/// fixed timestep, even if a clock is paused, and is waited for: results of a GPU are published in it, whatever the
+/// [`Reading`]. While [`ActiveBackend`] has nothing to run on it does nothing.
+#[derive(ScheduleLabel, SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct FaceoffStep;
 
 /// The parts of [`FaceoffStep`], in order.
@@ -134,6 +142,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Response>()
             .init_resource::<SolverSettings>()
             .init_resource::<Collisions>()
+            .init_resource::<Time<Physics>>()
             .init_resource::<StepReport>()
             .add_message::<CollisionStart>()
             .add_message::<CollisionEnd>()
@@ -178,10 +187,18 @@ impl Plugin for StepPlugin {
                     .chain(),
             )
             .add_systems((
+                clock::begin.before(FaceoffSystems::Collect).ambiguous_with_all(),
                 collect::collect.in_set(FaceoffSystems::Collect),
-                (publish::write_back, publish::publish, publish::tell_failure)
+                (
+                    publish::use_up_impulses,
+                    publish::write_back,
+                    publish::publish,
+                    publish::tell_failure,
+                    clock::settle.run_if(clock::by_hand),
+                )
                     .chain()
                     .in_set(FaceoffSystems::Publish),
+                clock::end.after(FaceoffSystems::Publish).ambiguous_with_all(),
             ));
         for stage in Stage::ALL {
             let run = move |mut step: ResMut<Step>| {
@@ -193,7 +210,8 @@ impl Plugin for StepPlugin {
             };
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
-        app.add_schedule(schedule).add_systems(FixedPostUpdate, run_step);
+        app.add_schedule(schedule)
+            .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep));
     }
 
     fn finish(&self, app: &mut App) {
@@ -214,7 +232,7 @@ fn choose(world: &mut World) {
     }
 }
 
-/// Runs the step, if there is something to run it on by now.
+/// Runs the steps of a tick of fixed time, if there is something to run them on by now.
 fn run_step(world: &mut World) {
     choose(world);
     let engine = &mut world.resource_mut::<Step>().engine;
@@ -235,7 +253,7 @@ fn run_step(world: &mut World) {
     }
     let engine = &world.resource::<Step>().engine;
     if engine.runs() {
-        world.run_schedule(FaceoffStep);
+        clock::tick(world);
     } else if engine.has_failed()
         && let Err(error) = world.run_system_cached(publish::tell_failure)
     {
@@ -249,6 +267,7 @@ fn register_types(app: &mut App) {
         .register_type::<PlaneCollider>()
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
+        .register_type::<CenterOfMass>()
         .register_type::<Mass>()
         .register_type::<Density>()
         .register_type::<AngularInertia>()
@@ -273,7 +292,8 @@ fn register_types(app: &mut App) {
         .register_type::<Gravity>()
         .register_type::<Response>()
         .register_type::<SolverSettings>()
-        .register_type::<Backend>();
+        .register_type::<Backend>()
+        .register_type::<Time<Physics>>();
 }
 
 /// How many threads the CPU stages run on; 0 without a [`StepPlugin`].
