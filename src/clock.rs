@@ -175,7 +175,7 @@ fn cut(timestep: Duration, speed: f64) -> (u32, Duration) {
     (steps as u32, length)
 }
 
-/// The first system of a step: makes `Time` the clock of the step, and advances that for a step by hand.
+/// Begins a step: makes `Time` the clock of the step, and advances that for a step by hand.
 pub(crate) fn begin(
     mut step: ResMut<Step>,
     mut physics: ResMut<Time<Physics>>,
@@ -193,7 +193,7 @@ pub(crate) fn begin(
     *time = physics.as_generic();
 }
 
-/// The last system of a step: makes `Time` the clock again that it was.
+/// Ends a step: makes `Time` the clock again that it was.
 pub(crate) fn end(mut step: ResMut<Step>, mut physics: ResMut<Time<Physics>>, mut time: ResMut<Time>) {
     if let Some(outer) = step.outer_time.take() {
         *time = outer;
@@ -203,8 +203,13 @@ pub(crate) fn end(mut step: ResMut<Step>, mut physics: ResMut<Time<Physics>>, mu
     }
 }
 
-/// Whether the step runs because somebody ran the schedule.
-pub(crate) fn by_hand(step: Res<Step>) -> bool {
+/// Whether the step that is about to run does so because somebody ran the schedule.
+pub(crate) fn is_by_hand(physics: Res<Time<Physics>>) -> bool {
+    !physics.context().advanced
+}
+
+/// The same at its end.
+pub(crate) fn was_by_hand(step: Res<Step>) -> bool {
     step.by_hand
 }
 

@@ -5,7 +5,7 @@
 //! ordered [`stages`]; results are components, messages and resources.
 //!
 //! * Add [`FaceoffPlugins`](plugin::FaceoffPlugins) after `DefaultPlugins`, or
-//!   [`FaceoffHeadlessPlugins`](plugin::FaceoffHeadlessPlugins) after `MinimalPlugins`.
+//!   [`FaceoffHeadlessPlugins`](plugin::FaceoffHeadlessPlugins) after `MinimalPlugins` and `LogPlugin`.
 //! * Spawn a [`RigidBody`](components::RigidBody) with a [`MeshCollider`](components::MeshCollider); see [`components`]
 //!   for all that can stand beside them and [`settings`] for what holds for all bodies.
 //! * Read [`Collisions`](collisions::Collisions), [`CollidingEntities`](components::CollidingEntities) or

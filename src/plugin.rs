@@ -40,6 +40,9 @@ impl PluginGroup for FaceoffPlugins {
 }
 
 /// [`FaceoffPlugins`] and `AssetPlugin`, to be added after `MinimalPlugins`: no window, no renderer, no GPU needed.
+///
+/// Add Bevy's `LogPlugin` too: without it nobody hears why a body is left out, or where the stages run. It is not part of this
+/// group since a process has one log, and tests build many apps.
 #[derive(Default)]
 pub struct FaceoffHeadlessPlugins {
     /// How the step runs.
@@ -187,14 +190,17 @@ impl Plugin for StepPlugin {
                     .chain(),
             )
             .add_systems((
-                clock::begin.before(FaceoffSystems::Collect).ambiguous_with_all(),
+                (get_ready.run_if(clock::is_by_hand), clock::begin)
+                    .chain()
+                    .before(FaceoffSystems::Collect)
+                    .ambiguous_with_all(),
                 collect::collect.in_set(FaceoffSystems::Collect),
                 (
                     publish::use_up_impulses,
                     publish::write_back,
                     publish::publish,
                     publish::tell_failure,
-                    clock::settle.run_if(clock::by_hand),
+                    clock::settle.run_if(clock::was_by_hand),
                 )
                     .chain()
                     .in_set(FaceoffSystems::Publish),
@@ -234,6 +240,19 @@ fn choose(world: &mut World) {
 
 /// Runs the steps of a tick of fixed time, if there is something to run them on by now.
 fn run_step(world: &mut World) {
+    get_ready(world);
+    let engine = &world.resource::<Step>().engine;
+    if engine.runs() {
+        clock::tick(world);
+    } else if engine.has_failed()
+        && let Err(error) = world.run_system_cached(publish::tell_failure)
+    {
+        error!("{error}");
+    }
+}
+
+/// Takes what there is to run steps on by now, and tells of it.
+fn get_ready(world: &mut World) {
     choose(world);
     let engine = &mut world.resource_mut::<Step>().engine;
     if let Some(active) = engine.poll() {
@@ -250,14 +269,6 @@ fn run_step(world: &mut World) {
         }
         world.insert_resource(active.clone());
         world.write_message(BackendReady { active });
-    }
-    let engine = &world.resource::<Step>().engine;
-    if engine.runs() {
-        clock::tick(world);
-    } else if engine.has_failed()
-        && let Err(error) = world.run_system_cached(publish::tell_failure)
-    {
-        error!("{error}");
     }
 }
 

@@ -25,6 +25,7 @@ const TESTS: &[Test] = &[
     ("resident_bodies_move_on_the_gpu_alone", resident),
     ("a_snapshot_brings_everything_back", snapshots),
     ("a_step_by_hand_is_waited_for", by_hand),
+    ("who_steps_by_hand_alone_gets_the_device_too", ready_by_hand),
     ("a_paused_clock_publishes_what_is_on_its_way", paused),
 ];
 
@@ -463,6 +464,24 @@ fn by_hand(_: &Gpu) {
         sim.step(LATENCY + 1);
         assert_eq!(reached(&mut sim, body), (8 + LATENCY + 1) as f32, "{reading:?}");
     }
+}
+
+fn ready_by_hand(_: &Gpu) {
+    let mut sim = opening(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
+    for _ in 0..3000 {
+        sim.world().run_schedule(FaceoffStep);
+        if active(&sim) != "opening" {
+            break;
+        }
+        assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
+        std::thread::sleep(STEP);
+    }
+    assert_eq!(active(&sim), "gpu");
+    assert_eq!((sim.position(body).x, sim.report().step), (1.0, 1));
+    assert_eq!(sim.world().resource::<Time<Physics>>().elapsed(), STEP);
+    assert_eq!(sim.world().resource_mut::<Messages<BackendReady>>().drain().count(), 1);
 }
 
 fn paused(_: &Gpu) {
