@@ -1,4 +1,4 @@
-// ForceScan of a step with contacts, before bodies fall asleep: who touched whom. `stages/solver/touches.rs` explains it. A thread a pair.
+// ForceScan of a step with contacts, before bodies fall asleep: who touched whom, and where. `stages/solver/touches.rs` explains it. A thread a pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands::TOUCH
 #import faceoff::solver_types as s
@@ -30,26 +30,32 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if contact_points[k].separation < contact_points[nearest].separation {
             nearest = k;
         }
-        impulse += points[k].total + points[k].impulse + points[k].bounce;
+        impulse += impulse_of(points[k]);
     }
-    let point = contact_points[nearest];
     // What sleeps pushes unseen.
     let asleep = states[pair.a].asleep != 0u || states[pair.b].asleep != 0u;
     let near = pair.rest_offset * select(1.0, TOUCH, asleep);
-    if !(impulse > 0.0 || point.separation <= near) {
+    if !(impulse > 0.0 || contact_points[nearest].separation <= near) {
         return;
     }
     if pair.b < step.bodies {
         atomicAdd(&tally[t::TOUCHING_NOW], 1u);
     }
-    let at = atomicAdd(&tally[t::TOUCHES], 1u);
-    if at >= step.touch_capacity {
+    let first = atomicAdd(&tally[t::TOUCHES], pair.count);
+    if first + pair.count > step.touch_capacity {
         return;
     }
     // As the interval began.
     let center = states[pair.a].center + (states[pair.a].center_low - shifts[pair.a].moved);
-    let middle = center + (point.arm_a + point.normal * (0.5 * point.separation));
-    touches[at] = t::Touch(
-        middle, pair.a, point.normal, pair.b, point.separation, impulse, atomicLoad(&tally[t::INTERVALS]), 0u
-    );
+    let lap = atomicLoad(&tally[t::INTERVALS]);
+    for (var k = 0u; k < pair.count; k += 1u) {
+        let point = contact_points[pair.first + k];
+        let middle = center + (point.arm_a + point.normal * (0.5 * point.separation));
+        let pushed = impulse_of(points[pair.first + k]);
+        touches[first + k] = t::Touch(middle, pair.a, point.normal, pair.b, point.separation, pushed, lap, k);
+    }
+}
+
+fn impulse_of(point: s::PointState) -> f32 {
+    return point.total + point.impulse + point.bounce;
 }

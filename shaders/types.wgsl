@@ -463,9 +463,9 @@ struct ContactPair {
 
 const FLAT_ROUNDNESS: f32 = 1.0e30;
 
-// Two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
+// A point of two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
 struct Touch {
-    // The nearest point, in the world.
+    // Halfway between both surfaces, in the world.
     point: vec3<f32>,
     a: u32,
     // Unit vector from a to b.
@@ -473,11 +473,12 @@ struct Touch {
     // Half-spaces have the numbers after those of the bodies.
     b: u32,
     separation: f32,
-    // Along the normals of all points, newton seconds.
+    // Along the normal, newton seconds.
     impulse: f32,
     // In which of the step's intervals.
     interval: u32,
-    padding: u32,
+    // Which of the pair's points.
+    index: u32,
 }
 
 // Indices into `tally`, which counts over all intervals of a step. The first are the largest that the counters of contact

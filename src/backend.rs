@@ -428,6 +428,18 @@ impl Engine {
         }
     }
 
+    /// The results of the oldest step that was sent off, for which it waits. `None` if there is none, or if the device failed:
+    /// nothing of what is on its way will come then.
+    pub fn land(&mut self) -> Option<Output> {
+        match self.gpu.as_mut()?.take()? {
+            Ok(output) => Some(output),
+            Err(error) => {
+                self.replace(&error);
+                None
+            }
+        }
+    }
+
     /// Drops a device that failed, and takes another one if that may help.
     pub fn replace(&mut self, error: &StepError) {
         let Some(failed) = self.gpu.take() else { return };

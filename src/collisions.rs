@@ -2,11 +2,12 @@
 
 use crate::stages::Stage;
 use crate::stages::manifolds::{ManifoldPoint, Manifolds};
-use crate::stages::state::{Contact, Contacts, FacePair, TouchingPair};
+use crate::stages::state::{Contact, ContactPoint, Contacts, FacePair, PlaneContact, TouchingPair};
 use bevy::prelude::*;
+use std::fmt;
 use std::time::Duration;
 
-/// All pairs of bodies that touched in the last fixed step; planes are not among them.
+/// All pairs that touched in the last step: bodies, and bodies with planes.
 ///
 /// Bodies touch if their surfaces meet at the beginning of the step, or one contains the other. With
 /// [`Response::Contacts`](crate::settings::Response) they also do if they pushed each other at some time in the step, or came
@@ -24,24 +25,30 @@ pub struct Collisions {
     pub(crate) manifolds: Manifolds,
 }
 
-/// Two bodies that touch.
+/// Two bodies that touch, or a body and a plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision<'a> {
-    /// The one of smaller [`Entity`].
+    /// The body of smaller [`Entity`]; the body, if the other is a [`PlaneCollider`](crate::components::PlaneCollider).
     pub entity1: Entity,
     /// The other.
     pub entity2: Entity,
     /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
     /// approximate culling mode some may.
     pub contained: bool,
-    /// Where they push each other; the normal points from the first to the second.
+    /// Where they push each other, in one point; the normal points from the first to the second.
     pub contact: Contact,
     /// Intersecting faces as indices of the input meshes, the first body's as `a`, with their common segments.
-    /// Empty where the two only lie on each other, with the gap that bodies at rest keep, or sleep.
+    /// Empty where the two only lie on each other, with the gap that bodies at rest keep, or sleep; and for planes.
     pub faces: &'a [FacePair],
-    /// The points at which they pushed each other last in the step. Empty with
-    /// [`Response::Impulse`](crate::settings::Response), and for sensors.
-    pub points: &'a [ManifoldPoint],
+    /// The points at which they pushed each other, in the world, and how strongly at each: the impulses of all add up to
+    /// [`Collision::impulse`]. Some did not push: their impulse is 0.
+    ///
+    /// A step that is cut into several detection intervals ([`StepReport::intervals`]) has the points of each one, in order, in
+    /// which the two touched; a place where they touch all the time is there once for each. Their impulses are 0 with
+    /// [`Response::None`](crate::settings::Response). Empty with `Response::Impulse`, and for sensors.
+    ///
+    /// On a GPU all of it is the same with every [`Reading`](crate::settings::Reading) that publishes `Collisions`.
+    pub points: &'a [ContactPoint],
     /// How strongly they pushed each other along the normals of their points, over the whole step, newton seconds: a weight at
     /// rest gives its weight times the length of the step. 0 unless the response is
     /// [`Response::Contacts`](crate::settings::Response), and for bodies asleep.
@@ -49,32 +56,47 @@ pub struct Collision<'a> {
 }
 
 impl Collisions {
-    /// All touching pairs in ascending order of entities.
+    /// All pairs that touch: bodies first, in ascending order, then bodies with planes.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision<'_>> {
-        self.contacts.pairs.iter().map(|pair| self.collision(pair))
+        let Contacts { pairs, planes, .. } = &self.contacts;
+        (0..self.len()).map(move |i| match pairs.get(i) {
+            Some(pair) => self.collision(pair),
+            None => self.on_plane(&planes[i - pairs.len()]),
+        })
     }
 
     /// How many pairs touch.
     pub fn len(&self) -> usize {
-        self.contacts.pairs.len()
+        self.contacts.pairs.len() + self.contacts.planes.len()
     }
 
     /// Whether nothing touches.
     pub fn is_empty(&self) -> bool {
-        self.contacts.pairs.is_empty()
+        self.len() == 0
     }
 
-    /// The collision of two bodies, in either order, if they touch.
+    /// The collision of two bodies, or of a body and a plane, in either order, if they touch.
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
-        let index = |entity| self.entities.binary_search(&entity).ok().map(|i| i as u32);
-        let (i, j) = (index(one)?, index(other)?);
-        let key = [i.min(j), i.max(j)];
-        let pairs = &self.contacts.pairs;
-        let found = pairs.binary_search_by_key(&key, |pair| pair.bodies).ok()?;
-        Some(self.collision(&pairs[found]))
+        let find = |entities: &[Entity], entity| entities.binary_search(&entity).ok().map(|i| i as u32);
+        let body = |entity| find(&self.entities, entity);
+        match (body(one), body(other)) {
+            (Some(i), Some(j)) => {
+                let key = [i.min(j), i.max(j)];
+                let pairs = &self.contacts.pairs;
+                let found = pairs.binary_search_by_key(&key, |pair| pair.bodies).ok()?;
+                Some(self.collision(&pairs[found]))
+            }
+            (Some(i), None) | (None, Some(i)) => {
+                let plane = find(&self.planes, other).or_else(|| find(&self.planes, one))?;
+                let planes = &self.contacts.planes;
+                let found = planes.binary_search_by_key(&[i, plane], |c| [c.body, c.plane]).ok()?;
+                Some(self.on_plane(&planes[found]))
+            }
+            (None, None) => None,
+        }
     }
 
-    /// All collisions of one body.
+    /// All collisions of one body or plane.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision<'_>> {
         self.iter().filter(move |c| c.entity1 == entity || c.entity2 == entity)
     }
@@ -87,13 +109,24 @@ impl Collisions {
             contained: pair.contained,
             contact: pair.contact,
             faces: self.contacts.faces_of(pair),
-            points: self.points(pair.bodies),
+            points: self.contacts.points_of(pair),
             impulse: pair.impulse,
         }
     }
 
-    fn points(&self, bodies: [u32; 2]) -> &[ManifoldPoint] {
-        self.manifolds.find(bodies, self.entities.len() as u32)
+    fn on_plane<'a>(&'a self, contact: &PlaneContact) -> Collision<'a> {
+        Collision {
+            entity1: self.entities[contact.body as usize],
+            entity2: self.planes[contact.plane as usize],
+            contained: false,
+            contact: Contact {
+                point: contact.point,
+                normal: contact.normal,
+            },
+            faces: &[],
+            points: self.contacts.points_on(contact),
+            impulse: contact.impulse,
+        }
     }
 
     /// The contact points of all pairs whose surfaces came nearer than the contact margin
@@ -119,7 +152,7 @@ impl Collisions {
 }
 
 /// Times and counts of the last fixed step.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Default)]
 pub struct StepReport {
     /// Steps since the app began.
     pub step: u64,
@@ -160,5 +193,50 @@ impl StepReport {
     /// Time of one stage; see [`StepReport::stages`].
     pub fn time(&self, stage: Stage) -> Duration {
         self.stages[stage as usize]
+    }
+}
+
+impl fmt::Debug for StepReport {
+    /// As derived, but for the stages, which are named.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        // Every field by name, so that a new one cannot be forgotten.
+        let Self {
+            step,
+            bodies,
+            stages: _,
+            total,
+            sphere_pairs,
+            approximate_pairs,
+            tables_in_bake,
+            touching_pairs,
+            contact_points,
+            intervals,
+            sleeping,
+            triangle_tests,
+            face_pairs,
+            in_flight,
+            waits,
+        } = self;
+        let stages = fmt::from_fn(|f| {
+            let times = Stage::ALL.map(|stage| (stage, self.time(stage)));
+            f.debug_map().entries(times).finish()
+        });
+        f.debug_struct("StepReport")
+            .field("step", step)
+            .field("bodies", bodies)
+            .field("stages", &stages)
+            .field("total", total)
+            .field("sphere_pairs", sphere_pairs)
+            .field("approximate_pairs", approximate_pairs)
+            .field("tables_in_bake", tables_in_bake)
+            .field("touching_pairs", touching_pairs)
+            .field("contact_points", contact_points)
+            .field("intervals", intervals)
+            .field("sleeping", sleeping)
+            .field("triangle_tests", triangle_tests)
+            .field("face_pairs", face_pairs)
+            .field("in_flight", in_flight)
+            .field("waits", waits)
+            .finish()
     }
 }

@@ -14,7 +14,7 @@ use bevy::prelude::*;
 /// world (spawn bodies as root entities), scale included.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
-#[require(Transform, LinearVelocity, AngularVelocity, Sleeping)]
+#[require(Transform, LinearVelocity, AngularVelocity, Sleeping, CenterOfMass)]
 pub enum RigidBody {
     /// Moved by forces and collisions.
     #[default]
@@ -34,8 +34,8 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 /// A half-space that dynamic bodies bounce off: the points `p` with `normal . p < distance` are solid.
 ///
 /// On an entity of its own, not on a body, if need be with [`Friction`] and [`Restitution`]. Planes are fixed in the world: a `Transform` on the same entity has no effect. They do not look at
-/// [`CollisionLayers`]. Touching one is told by messages, events and [`CollidingEntities`];
-/// [`Collisions`](crate::collisions::Collisions) holds pairs of meshes only.
+/// [`CollisionLayers`]. Touching one is told like touching a body: by [`Collisions`](crate::collisions::Collisions), messages,
+/// events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct PlaneCollider {

@@ -5,7 +5,7 @@
 //! ordered [`stages`]; results are components, messages and resources.
 //!
 //! * Add [`FaceoffPlugins`](plugin::FaceoffPlugins) after `DefaultPlugins`, or
-//!   [`FaceoffHeadlessPlugins`](plugin::FaceoffHeadlessPlugins) after `MinimalPlugins`.
+//!   [`FaceoffHeadlessPlugins`](plugin::FaceoffHeadlessPlugins) after `MinimalPlugins` and `LogPlugin`.
 //! * Spawn a [`RigidBody`](components::RigidBody) with a [`MeshCollider`](components::MeshCollider); see [`components`]
 //!   for all that can stand beside them and [`settings`] for what holds for all bodies.
 //! * Read [`Collisions`](collisions::Collisions), [`CollidingEntities`](components::CollidingEntities) or
@@ -13,11 +13,14 @@
 //! * To check placed meshes without an app, call [`queries::check`].
 //! * The stages run on a GPU or on the CPU: see [`Backend`](settings::Backend) and [`backend`].
 //!
+//! * Pause, step by hand, slow down: see [`clock`].
+//!
 //! Units are metres, kilograms, seconds and radians. Bodies move in `FixedPostUpdate`, in the schedule
 //! [`FaceoffStep`](plugin::FaceoffStep).
 
 pub mod asset;
 pub mod backend;
+pub mod clock;
 pub mod collisions;
 pub mod components;
 #[cfg(feature = "debug_gizmos")]
@@ -42,6 +45,7 @@ mod sync;
 pub mod prelude {
     pub use crate::asset::CollisionMesh;
     pub use crate::backend::{ActiveBackend, BackendFailed, BackendReady};
+    pub use crate::clock::{Physics, PhysicsTime};
     pub use crate::collisions::{Collision, Collisions, StepReport};
     pub use crate::components::*;
     pub use crate::events::{BodyRejected, CollisionEnd, CollisionStart};

@@ -19,14 +19,21 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on};
 #[require(Transform)]
 pub struct MeshColliderFrom(pub Handle<Mesh>);
 
-/// Runs [`MeshColliderFrom`]. Does nothing where there are no Bevy meshes, as without a renderer.
+/// Runs [`MeshColliderFrom`]. Where there are no Bevy meshes, for want of Bevy's `MeshPlugin`, an error in the log tells of every
+/// entity with one.
 pub struct MeshColliderFromPlugin;
 
 impl Plugin for MeshColliderFromPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Bakes>()
             .register_type::<MeshColliderFrom>()
-            .add_systems(Update, make_colliders.run_if(resource_exists::<Assets<Mesh>>));
+            .add_systems(
+                Update,
+                (
+                    make_colliders.run_if(resource_exists::<Assets<Mesh>>),
+                    tell.run_if(not(resource_exists::<Assets<Mesh>>)),
+                ),
+            );
     }
 }
 
@@ -38,6 +45,17 @@ enum Bake {
     Running(Task<Result<CollisionMesh, crate::geometry::MeshError>>),
     Done(Handle<CollisionMesh>),
     Failed,
+}
+
+/// Tells of those that stay without collider.
+fn tell(waiting: Query<(Entity, Option<&Name>), (Added<MeshColliderFrom>, Without<MeshCollider>)>) {
+    for (entity, name) in &waiting {
+        let name = name.map(|name| format!(" \"{name}\"")).unwrap_or_default();
+        error!(
+            "{entity}{name}: its MeshColliderFrom gives it no collider, since there is no Assets<Mesh>: add Bevy's MeshPlugin, \
+             which DefaultPlugins has, or use a MeshCollider"
+        );
+    }
 }
 
 fn make_colliders(

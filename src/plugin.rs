@@ -1,6 +1,7 @@
 //! The plugin groups, the step's schedule and its ordered sets.
 
 use crate::backend::{ActiveBackend, BackendFailed, BackendReady, Engine};
+use crate::clock::{self, Physics};
 use crate::collisions::{Collisions, StepReport};
 use crate::components::*;
 use crate::diagnostics::FaceoffDiagnosticsPlugin;
@@ -39,6 +40,9 @@ impl PluginGroup for FaceoffPlugins {
 }
 
 /// [`FaceoffPlugins`] and `AssetPlugin`, to be added after `MinimalPlugins`: no window, no renderer, no GPU needed.
+///
+/// Add Bevy's `LogPlugin` too: without it nobody hears why a body is left out, or where the stages run. It is not part of this
+/// group since a process has one log, and tests build many apps.
 #[derive(Default)]
 pub struct FaceoffHeadlessPlugins {
     /// How the step runs.
@@ -83,9 +87,16 @@ pub struct StepPlugin {
     pub reading: Reading,
 }
 
-/// The schedule of one fixed step. It runs in `FixedPostUpdate`; add systems around [`FaceoffSystems`] to it to see or
-/// change what passes between components and stages.
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+/// The schedule of one step. Add systems around [`FaceoffSystems`] to it to see or change what passes between components and
+/// stages; in it `Time` is the clock of the steps, [`Time<Physics>`](Physics).
+///
+/// It runs in `FixedPostUpdate`, in the system set of the same name: other systems there can be ordered before or after
+/// `FaceoffStep`, and a run condition of the set decides whether there are steps at all.
+///
+/// To do a step by hand run it yourself, wherever and whenever: `world.run_schedule(FaceoffStep)`. Such a step is as long as the
+/// fixed timestep, even if a clock is paused, and is waited for: results of a GPU are published in it, whatever the
+/// [`Reading`]. While [`ActiveBackend`] has nothing to run on it does nothing.
+#[derive(ScheduleLabel, SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct FaceoffStep;
 
 /// The parts of [`FaceoffStep`], in order.
@@ -134,6 +145,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Response>()
             .init_resource::<SolverSettings>()
             .init_resource::<Collisions>()
+            .init_resource::<Time<Physics>>()
             .init_resource::<StepReport>()
             .add_message::<CollisionStart>()
             .add_message::<CollisionEnd>()
@@ -178,10 +190,21 @@ impl Plugin for StepPlugin {
                     .chain(),
             )
             .add_systems((
+                (get_ready.run_if(clock::is_by_hand), clock::begin)
+                    .chain()
+                    .before(FaceoffSystems::Collect)
+                    .ambiguous_with_all(),
                 collect::collect.in_set(FaceoffSystems::Collect),
-                (publish::write_back, publish::publish, publish::tell_failure)
+                (
+                    publish::use_up_impulses,
+                    publish::write_back,
+                    publish::publish,
+                    publish::tell_failure,
+                    clock::settle.run_if(clock::was_by_hand),
+                )
                     .chain()
                     .in_set(FaceoffSystems::Publish),
+                clock::end.after(FaceoffSystems::Publish).ambiguous_with_all(),
             ));
         for stage in Stage::ALL {
             let run = move |mut step: ResMut<Step>| {
@@ -193,7 +216,8 @@ impl Plugin for StepPlugin {
             };
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
-        app.add_schedule(schedule).add_systems(FixedPostUpdate, run_step);
+        app.add_schedule(schedule)
+            .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep));
     }
 
     fn finish(&self, app: &mut App) {
@@ -214,8 +238,21 @@ fn choose(world: &mut World) {
     }
 }
 
-/// Runs the step, if there is something to run it on by now.
+/// Runs the steps of a tick of fixed time, if there is something to run them on by now.
 fn run_step(world: &mut World) {
+    get_ready(world);
+    let engine = &world.resource::<Step>().engine;
+    if engine.runs() {
+        clock::tick(world);
+    } else if engine.has_failed()
+        && let Err(error) = world.run_system_cached(publish::tell_failure)
+    {
+        error!("{error}");
+    }
+}
+
+/// Takes what there is to run steps on by now, and tells of it.
+fn get_ready(world: &mut World) {
     choose(world);
     let engine = &mut world.resource_mut::<Step>().engine;
     if let Some(active) = engine.poll() {
@@ -233,14 +270,6 @@ fn run_step(world: &mut World) {
         world.insert_resource(active.clone());
         world.write_message(BackendReady { active });
     }
-    let engine = &world.resource::<Step>().engine;
-    if engine.runs() {
-        world.run_schedule(FaceoffStep);
-    } else if engine.has_failed()
-        && let Err(error) = world.run_system_cached(publish::tell_failure)
-    {
-        error!("{error}");
-    }
 }
 
 fn register_types(app: &mut App) {
@@ -249,6 +278,7 @@ fn register_types(app: &mut App) {
         .register_type::<PlaneCollider>()
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
+        .register_type::<CenterOfMass>()
         .register_type::<Mass>()
         .register_type::<Density>()
         .register_type::<AngularInertia>()
@@ -273,7 +303,8 @@ fn register_types(app: &mut App) {
         .register_type::<Gravity>()
         .register_type::<Response>()
         .register_type::<SolverSettings>()
-        .register_type::<Backend>();
+        .register_type::<Backend>()
+        .register_type::<Time<Physics>>();
 }
 
 /// How many threads the CPU stages run on; 0 without a [`StepPlugin`].

@@ -104,7 +104,8 @@ pub enum Reading {
     /// bit, as those of `Lockstep` for the same input (with [`Response::Contacts`] if the steps have as many detection
     /// intervals). Steps are never skipped: if results are late the step waits, which
     /// [`StepReport::waits`](crate::collisions::StepReport::waits) counts. How many steps a slow frame makes up for is
-    /// limited by Bevy's `Time<Virtual>::max_delta`.
+    /// limited by Bevy's `Time<Virtual>::max_delta`. A step by hand, and a paused `Time<Physics>`, wait for all results: see
+    /// [`clock`](crate::clock).
     ///
     /// What a system writes takes effect in the next step and is not overwritten by results of earlier ones: a changed
     /// `Transform` puts the body there; a changed velocity of a dynamic body is taken as a push, and the difference added to

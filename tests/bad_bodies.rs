@@ -78,7 +78,8 @@ impl Company {
             self.sim
                 .world()
                 .entity_mut(self.subject)
-                .remove::<(Mass, GravityScale, Restitution)>();
+                .remove::<(Mass, Density, GravityScale, Restitution, Friction, ExternalForces)>()
+                .remove::<(LinearDamping, AngularDamping, MaxLinearSpeed, MaxAngularSpeed)>();
             self.sim.set(
                 self.subject,
                 (pose, LinearVelocity::default(), AngularVelocity::default()),
@@ -162,15 +163,52 @@ fn positions_and_sizes_beyond_all_bounds_take_their_body_out() {
 
 #[test]
 fn motion_that_is_not_finite_takes_its_body_out() {
-    let expected = |f| f == BodyFault::NonFiniteMotion;
+    fn suffers<B: Bundle>(name: &'static str, break_it: impl Fn() -> B) {
+        Company::new().suffers(name, break_it, |fault| {
+            fault == BodyFault::NonFinite(name) && fault.to_string().contains(name)
+        });
+    }
     for bad in [NAN, INF, -INF] {
         let v = Vec3::new(0.0, 0.0, bad);
-        Company::new().suffers("velocity", || LinearVelocity(v), expected);
-        Company::new().suffers("spin", || AngularVelocity(v), expected);
-        Company::new().suffers("mass", || Mass(bad), expected);
-        Company::new().suffers("gravity scale", || GravityScale(bad), expected);
-        Company::new().suffers("restitution", || Restitution::new(bad), expected);
+        suffers("LinearVelocity", || LinearVelocity(v));
+        suffers("AngularVelocity", || AngularVelocity(v));
+        suffers("GravityScale", || GravityScale(bad));
+        suffers("Restitution", || Restitution::new(bad));
+        suffers("Friction", || Friction::new(bad));
+        suffers("LinearDamping", || LinearDamping(bad));
+        suffers("AngularDamping", || AngularDamping(bad));
+        let force = ExternalForces { torque: v, ..default() };
+        suffers("ExternalForces", || force);
     }
+    suffers("MaxLinearSpeed", || MaxLinearSpeed(NAN));
+    suffers("MaxAngularSpeed", || MaxAngularSpeed(NAN));
+    for bad in [NAN, -INF] {
+        suffers("Mass", || Mass(bad));
+        suffers("Density", || Density(bad));
+    }
+}
+
+#[test]
+fn who_wants_an_infinite_mass_is_told_of_static_bodies() {
+    let expected =
+        |name| move |f: BodyFault| f == BodyFault::Infinite(name) && f.to_string().contains("RigidBody::Static");
+    Company::new().suffers("mass", || Mass(INF), expected("Mass"));
+    Company::new().suffers("density", || Density(INF), expected("Density"));
+}
+
+#[test]
+fn another_component_that_is_not_finite_is_news() {
+    let mut company = Company::new();
+    let subject = company.subject;
+    company.sim.set(subject, Friction::new(NAN));
+    company.run(2);
+    company.sim.set(subject, (Friction::new(0.5), LinearDamping(NAN)));
+    company.run(2);
+    let faults: Vec<_> = company.sim.rejected.iter().map(|r| r.fault).collect();
+    assert_eq!(
+        faults,
+        [BodyFault::NonFinite("Friction"), BodyFault::NonFinite("LinearDamping")]
+    );
 }
 
 #[test]
@@ -285,7 +323,7 @@ fn a_plane_whose_restitution_is_not_finite_is_told() {
         sim.rejected,
         [BodyRejected {
             entity: plane,
-            fault: BodyFault::NonFiniteMotion
+            fault: BodyFault::NonFinite("Restitution")
         }]
     );
 }

@@ -24,6 +24,9 @@ const TESTS: &[Test] = &[
     ("nothing_moves_until_the_kernels_are_compiled", ready),
     ("resident_bodies_move_on_the_gpu_alone", resident),
     ("a_snapshot_brings_everything_back", snapshots),
+    ("a_step_by_hand_is_waited_for", by_hand),
+    ("who_steps_by_hand_alone_gets_the_device_too", ready_by_hand),
+    ("a_paused_clock_publishes_what_is_on_its_way", paused),
 ];
 
 fn main() {
@@ -426,5 +429,99 @@ fn snapshots(_: &Gpu) {
         assert_eq!(snapshot.restore(sim.world()), [bodies[1]]);
         sim.step(4);
         assert!(sim.position(bodies[0]).distance(Vec3::splat(7.0)) < 0.5);
+    }
+}
+
+/// A body that flies along x, a metre a step.
+fn flyer(reading: Reading) -> (Sim, Entity) {
+    let mut sim = app(Backend::Gpu, reading);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
+    (sim, body)
+}
+
+/// Where the body is after the last step, whether its components say so or not.
+fn reached(sim: &mut Sim, body: Entity) -> f32 {
+    let snapshot = Snapshot::take(sim.world());
+    let (_, motion) = snapshot.bodies().find(|&(entity, _)| entity == body).unwrap();
+    motion.position.x
+}
+
+fn by_hand(_: &Gpu) {
+    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
+        let (mut sim, body) = flyer(reading);
+        sim.step(5);
+        sim.world().resource_mut::<Time<Virtual>>().pause();
+        for steps in 6..9 {
+            sim.world().run_schedule(FaceoffStep);
+            assert_eq!(reached(&mut sim, body), steps as f32, "{reading:?}");
+            assert_eq!(sim.report().in_flight, 0, "{reading:?}");
+            if reading != Reading::Resident {
+                assert_eq!(sim.position(body).x, steps as f32, "{reading:?}");
+            }
+        }
+        sim.world().resource_mut::<Time<Virtual>>().unpause();
+        sim.step(LATENCY + 1);
+        assert_eq!(reached(&mut sim, body), (8 + LATENCY + 1) as f32, "{reading:?}");
+    }
+}
+
+fn ready_by_hand(_: &Gpu) {
+    let mut sim = opening(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
+    for _ in 0..3000 {
+        sim.world().run_schedule(FaceoffStep);
+        if active(&sim) != "opening" {
+            break;
+        }
+        assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
+        std::thread::sleep(STEP);
+    }
+    assert_eq!(active(&sim), "gpu");
+    assert_eq!((sim.position(body).x, sim.report().step), (1.0, 1));
+    assert_eq!(sim.world().resource::<Time<Physics>>().elapsed(), STEP);
+    assert_eq!(sim.world().resource_mut::<Messages<BackendReady>>().drain().count(), 1);
+}
+
+fn paused(_: &Gpu) {
+    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
+        let is_resident = reading == Reading::Resident;
+        let (mut sim, body) = flyer(reading);
+        let zone = sim.mesh(&shapes::cube(0.5));
+        // Entered as the fifth step begins.
+        sim.spawn((zone, Transform::from_xyz(4.6, 0.0, 0.0), Sensor));
+        sim.step(5);
+        sim.world().resource_mut::<Time<Physics>>().pause();
+        sim.step(1);
+        assert_eq!(sim.report().in_flight, 0, "{reading:?}");
+        let steps = sim.report().step;
+        assert_eq!(sim.started.len(), usize::from(!is_resident), "{reading:?}");
+        let shown = |sim: &Sim| if is_resident { None } else { Some(sim.position(body).x) };
+        let wanted = |x: f32| Some(x).filter(|_| !is_resident);
+        assert_eq!(shown(&sim), wanted(5.0), "{reading:?}");
+        sim.step(3);
+        assert_eq!(sim.report().step, steps, "{reading:?}");
+
+        // What waits for the clock is not used up.
+        let push = ExternalForces {
+            impulse: Vec3::Y,
+            ..default()
+        };
+        sim.set(body, push);
+        sim.step(2);
+        assert_eq!(sim.get::<ExternalForces>(body), push);
+        sim.world().resource_mut::<Time<Physics>>().step_once();
+        sim.step(2);
+        assert_eq!(sim.get::<ExternalForces>(body), ExternalForces::default());
+        assert_eq!(shown(&sim), wanted(6.0), "{reading:?}");
+        assert_eq!(reached(&mut sim, body), 6.0, "{reading:?}");
+        assert_eq!(sim.report().in_flight, 0);
+
+        let mut time = sim.world().resource_mut::<Time<Physics>>();
+        time.unpause();
+        time.set_relative_speed(0.5);
+        sim.step(4);
+        assert_eq!(reached(&mut sim, body), 8.0, "{reading:?}");
     }
 }

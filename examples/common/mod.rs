@@ -12,6 +12,7 @@ pub mod window;
 
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::LoadState;
+use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
@@ -68,6 +69,7 @@ pub fn app(title: &str, steps: u32) -> App {
     if options.headless {
         app.add_plugins((
             MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
+            LogPlugin::default(),
             FaceoffHeadlessPlugins::default(),
         ));
         let steps = options.frames.unwrap_or(steps);

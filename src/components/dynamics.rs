@@ -33,12 +33,37 @@ impl AngularInertia {
     }
 }
 
+/// Where the centre of mass of a body is in the space of its mesh, before scale, rotation and translation; on a static body if
+/// you insert it. Written by the step, from the first one in which the mesh is loaded.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_faceoff::prelude::*;
+/// /// Pushes every body upward at its right edge.
+/// fn lift(mut bodies: Query<(&Transform, &CenterOfMass, &mut ExternalForces)>) {
+///     for (transform, center, mut forces) in &mut bodies {
+///         let edge = transform.transform_point(Vec3::X);
+///         forces.add_impulse_at(Vec3::Y, edge, center.in_world(transform));
+///     }
+/// }
+/// ```
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct CenterOfMass(pub(crate) Vec3);
+
+impl CenterOfMass {
+    /// Where it is in the world, with the body there.
+    pub fn in_world(&self, transform: &Transform) -> Vec3 {
+        transform.transform_point(self.0)
+    }
+}
+
 /// Bounciness: 0 does not bounce, 1 keeps all speed. Default 0. Bodies that meet slower than
 /// [`SolverSettings::restitution_threshold`](crate::settings::SolverSettings) do not bounce.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Restitution {
-    /// Outgoing speed over incoming speed, 0 to 1.
+    /// Outgoing speed over incoming speed, 0 to 1; what is beyond counts as the nearest of the two.
     pub coefficient: f32,
     /// How that of a pair follows from both bodies'. With [`Response::Impulse`](crate::settings::Response) always their
     /// mean.
@@ -64,7 +89,7 @@ impl Restitution {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Friction {
-    /// Largest friction over normal force, 0 or more: the tangent of the slope on which a body just holds.
+    /// Largest friction over normal force, 0 or more, as a negative one counts: the tangent of the slope on which a body just holds.
     pub coefficient: f32,
     /// How that of a pair follows from both bodies'.
     pub combine: CombineRule,
@@ -102,22 +127,23 @@ impl Default for GravityScale {
     }
 }
 
-/// Rate at which linear velocity decays, 1/s: without anything else a body keeps `exp(-rate)` of it each second. Default 0.
+/// Rate at which linear velocity decays, 1/s: without anything else a body keeps `exp(-rate)` of it each second. Default 0; a
+/// negative one counts as 0.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct LinearDamping(pub f32);
 
-/// Rate at which angular velocity decays, 1/s. Default 0.
+/// Rate at which angular velocity decays, 1/s. Default 0; a negative one counts as 0.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct AngularDamping(pub f32);
 
-/// Largest speed of a body's centre of mass, m/s. Without it there is none.
+/// Largest speed of a body's centre of mass, m/s. Without it there is none; a negative one counts as none.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct MaxLinearSpeed(pub f32);
 
-/// Largest angular speed of a body, rad/s. Without it there is none.
+/// Largest angular speed of a body, rad/s. Without it there is none; a negative one counts as none.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct MaxAngularSpeed(pub f32);

@@ -24,6 +24,11 @@ pub enum NoGpu {
     /// No driver, no loader, or no card.
     #[error("no GPU adapter is found: install a Vulkan, Metal or DirectX 12 driver, or use Backend::Cpu")]
     NoAdapter,
+    /// The machine has no graphics card, so that nobody looked for adapters.
+    #[error(
+        "there is no graphics card: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
+    )]
+    NoCard,
     /// The adapter computes on the CPU, which [`Backend::Auto`](crate::settings::Backend) does not take.
     #[error("the adapter {0} computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
     OnlySoftware(String),
@@ -66,6 +71,9 @@ pub enum NoGpu {
 /// # Errors
 /// If there is none that can run the stages.
 pub fn open(software: bool) -> Result<Gpu, NoGpu> {
+    if !software && !may_have_card() {
+        return Err(NoGpu::NoCard);
+    }
     bevy::tasks::block_on(async {
         // From the environment: WGPU_BACKEND chooses among several, WGPU_VALIDATION and the like switch checks.
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -76,6 +84,22 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
         suits(&best.get_info(), &best.limits(), software)?;
         request(&best).await
     })
+}
+
+/// Whether there may be a graphics card. Where there is none an instance would load drivers that compute on the CPU only for us to
+/// refuse them, which takes a while; and a layer of Mesa's, which looks for a Wayland display whenever wgpu makes an instance,
+/// would complain on standard error that `XDG_RUNTIME_DIR` is missing, as it is on servers and in containers.
+fn may_have_card() -> bool {
+    if !cfg!(target_os = "linux") {
+        return true;
+    }
+    // Through which drivers reach a card: most of them; NVIDIA's own; WSL's; and those of Adreno, Mali and PowerVR on boards.
+    const DEVICES: [&str; 6] = ["dri", "nvidia", "dxg", "kgsl", "mali", "pvr"];
+    let Ok(files) = std::fs::read_dir("/dev") else {
+        return true;
+    };
+    let is_card = |name: &str| DEVICES.iter().any(|device| name.starts_with(device));
+    files.flatten().any(|file| is_card(&file.file_name().to_string_lossy()))
 }
 
 /// Whether the stages can run there, and may: on an adapter that computes on the CPU only if `software` allows it.

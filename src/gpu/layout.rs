@@ -189,11 +189,11 @@ layout! {
     ContactPair {
         a: u32, b: u32, first_point: u32, point_count: u32,
     }
-    /// Two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
+    /// A point of two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
     Touch {
         point: Vec3, a: u32,
         normal: Vec3, b: u32,
-        separation: f32, impulse: f32, interval: u32, padding: u32,
+        separation: f32, impulse: f32, interval: u32, index: u32,
     }
 }
 
@@ -213,6 +213,7 @@ constants! {
     DYNAMIC = 0;
     KINEMATIC = 1;
     STATIC = 2;
+    KIND_MASK = 3;
     SENSOR = 4;
     CULLING_FACES = 8;
     CULLING_FRONT = 16;

@@ -13,7 +13,7 @@ use crate::settings::Response;
 use crate::stages::Stage;
 use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds, place};
 use crate::stages::solver::speeds::Speeds;
-use crate::stages::solver::touches::Touches;
+use crate::stages::solver::touches::{Touches, show_points};
 use crate::stages::state::{self, Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
 use bytemuck::Pod;
 use glam::{Quat, Vec3};
@@ -228,7 +228,7 @@ impl Raw {
         self.sphere_pairs.sort_unstable();
         output.sphere_pairs = self.sphere_pairs;
         put_contacts(&mut output.contacts, input, self.touching, &self.hits);
-        put_planes(&mut output.contacts, self.planes);
+        put_planes(&mut output.contacts, input, self.planes);
         output.motions = self.moved.iter().map(Motion::from).collect();
         output.asleep = self.moved.iter().map(|moved| moved.asleep != 0).collect();
         let mut pairs: Vec<_> = self.contact_pairs.iter().map(Manifold::from).collect();
@@ -237,6 +237,10 @@ impl Raw {
             pairs,
             points: self.contact_points.iter().map(ManifoldPoint::from).collect(),
         };
+        if input.response == Response::None && !output.motions.is_empty() {
+            let center_of = |body: u32| input.center_before(body, &output.motions[body as usize]);
+            show_points(&output.manifolds, input.len(), &mut output.contacts, center_of);
+        }
         if input.response == Response::Contacts {
             if output.motions.is_empty() {
                 // Nobody asked who touched whom.
@@ -308,6 +312,8 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
                 point: t.point.into(),
                 normal: t.normal.into(),
             },
+            first_point: 0,
+            point_count: 0,
             impulse: 0.0,
         });
         first_face += t.hits;
@@ -337,14 +343,18 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
     }
 }
 
-fn put_planes(contacts: &mut Contacts, mut planes: Vec<PlaneContact>) {
+fn put_planes(contacts: &mut Contacts, input: &Input, mut planes: Vec<PlaneContact>) {
     planes.retain(|contact| contact.depth > 0.0);
     planes.sort_unstable_by_key(|contact| [contact.body, contact.plane]);
     contacts.planes.extend(planes.iter().map(|contact| state::PlaneContact {
         body: contact.body,
         plane: contact.plane,
         point: contact.point.into(),
+        normal: -Vec3::from_array(input.planes()[contact.plane as usize].normal),
         depth: contact.depth,
+        first_point: 0,
+        point_count: 0,
+        impulse: 0.0,
     }));
 }
 

@@ -5,13 +5,13 @@ use super::contacts::Contacts;
 use super::contacts::input::SolverInput;
 use super::device::Gpu;
 use super::layout::{
-    self, BODIES, CARRIED_POSE, CARRIED_VELOCITY, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KINEMATIC, SENSOR,
-    STATIC,
+    self, BODIES, CARRIED_POSE, CARRIED_VELOCITY, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KIND_MASK,
+    KINEMATIC, SENSOR, STATIC,
 };
 use crate::asset::CollisionMesh;
 use crate::components::RigidBody;
 use crate::settings::{Culling, Response};
-use crate::stages::state::{Bodies, Plane, StepState};
+use crate::stages::state::{Bodies, Motion, Plane, StepState};
 use bytemuck::cast_slice;
 use glam::Vec3;
 
@@ -123,6 +123,17 @@ impl Input {
     /// The mesh of a body.
     pub(super) fn mesh_of(&self, body: u32) -> Option<&CollisionMesh> {
         self.meshes[self.bodies[body as usize].mesh as usize].as_ref()
+    }
+
+    /// Where the centre of mass of a body was before a step without pushes, after which it is there.
+    pub(super) fn center_before(&self, body: u32, after: &Motion) -> Vec3 {
+        let packed = &self.bodies[body as usize];
+        let center = self.mesh_of(body).map_or(Vec3::ZERO, |mesh| mesh.mass.center);
+        let now = after.position + after.rotation * (Vec3::from_array(packed.scale) * center);
+        if packed.flags & KIND_MASK == STATIC {
+            return now;
+        }
+        now - self.step.dt * after.linear_velocity
     }
 
     /// Writes everything.

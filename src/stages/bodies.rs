@@ -2,10 +2,11 @@
 
 use super::mesh_arena::MeshArena;
 use super::solver::ExternalForces;
-use super::state::{Bodies, Body, Frame, Handling, Motion};
+use super::state::{Bodies, Body, Frame, Motion};
 use crate::components::RigidBody;
 use crate::geometry::mesh::MAX_COORDINATE;
 use glam::{DMat3, DQuat, Mat3, Quat, Vec3};
+use std::mem::discriminant;
 use thiserror::Error;
 
 /// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
@@ -20,12 +21,14 @@ pub enum BodyFault {
     /// Some number of its pose is NaN or infinite.
     #[error("its Transform is not finite: set it to finite numbers")]
     NonFinitePose,
-    /// Some number of its velocity, mass or other component is NaN or infinite.
+    /// Some number of the component of this name is NaN or infinite.
+    #[error("its {0} is not finite: set it to finite numbers")]
+    NonFinite(&'static str),
+    /// Its [`Mass`](crate::components::Mass) or [`Density`](crate::components::Density) is infinite.
     #[error(
-        "its velocity, mass, density, restitution, friction, gravity scale, damping, speed limit or force is not finite: \
-         set it to finite numbers"
+        "its {0} is infinite: for what nothing can push use RigidBody::Static, or RigidBody::Kinematic if it moves by itself"
     )]
-    NonFiniteMotion,
+    Infinite(&'static str),
     /// Its rotation is the zero quaternion.
     #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
     ZeroRotation,
@@ -48,7 +51,11 @@ pub enum BodyFault {
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
     /// It is a child of another entity.
-    #[error("it is a child of another entity, and its Transform no pose in the world: make it a root entity")]
+    #[error(
+        "it is a child of another entity, so that its Transform is no pose in the world: remove its ChildOf. Parts that stay \
+         together are one body: put them into one mesh; what follows another body is a RigidBody::Kinematic of its own, whose \
+         pose a system writes. What is only drawn may be a child"
+    )]
     Child,
     /// Its mesh is nowhere, and is not on its way either.
     #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
@@ -150,15 +157,12 @@ impl Bodies {
         if !pose_finite {
             return Err(BodyFault::NonFinitePose);
         }
-        let motion_finite = body.linear_velocity.is_finite()
-            && body.angular_velocity.is_finite()
-            && body.mass.is_none_or(f32::is_finite)
-            && body.restitution.is_finite()
-            && body.density.is_finite()
-            && body.gravity_scale.is_finite()
-            && body.handling.is_finite();
-        if !motion_finite {
-            return Err(BodyFault::NonFiniteMotion);
+        let weights = [("Mass", body.mass), ("Density", Some(body.density))];
+        if let Some((name, _)) = weights.into_iter().find(|&(_, weight)| weight == Some(f32::INFINITY)) {
+            return Err(BodyFault::Infinite(name));
+        }
+        if let Some(name) = not_finite(body) {
+            return Err(BodyFault::NonFinite(name));
         }
         let speed = body
             .linear_velocity
@@ -257,21 +261,44 @@ fn is_inertia(tensor: &Mat3) -> bool {
     tensor.is_finite() && symmetric && definite && tensor.inverse().is_finite()
 }
 
-impl Handling {
-    /// Whether nothing is NaN, and nothing infinite but limits.
-    fn is_finite(&self) -> bool {
-        let ExternalForces {
-            force,
-            torque,
-            impulse,
-            angular_impulse,
-        } = self.forces;
-        [force, torque, impulse, angular_impulse].iter().all(|v| v.is_finite())
-            && self.friction.coefficient.is_finite()
-            && self.linear_damping.is_finite()
-            && self.angular_damping.is_finite()
-            && !self.max_linear_speed.is_nan()
-            && !self.max_angular_speed.is_nan()
+/// The component in which a number is NaN, or infinite though it is no limit.
+fn not_finite(body: &Body) -> Option<&'static str> {
+    let handling = &body.handling;
+    let ExternalForces {
+        force,
+        torque,
+        impulse,
+        angular_impulse,
+    } = handling.forces;
+    let finite = [
+        ("LinearVelocity", body.linear_velocity.is_finite()),
+        ("AngularVelocity", body.angular_velocity.is_finite()),
+        ("Mass", body.mass.is_none_or(f32::is_finite)),
+        ("Density", body.density.is_finite()),
+        ("Restitution", body.restitution.is_finite()),
+        ("Friction", handling.friction.coefficient.is_finite()),
+        ("GravityScale", body.gravity_scale.is_finite()),
+        ("LinearDamping", handling.linear_damping.is_finite()),
+        ("AngularDamping", handling.angular_damping.is_finite()),
+        ("MaxLinearSpeed", !handling.max_linear_speed.is_nan()),
+        ("MaxAngularSpeed", !handling.max_angular_speed.is_nan()),
+        (
+            "ExternalForces",
+            [force, torque, impulse, angular_impulse].iter().all(|v| v.is_finite()),
+        ),
+    ];
+    finite.into_iter().find_map(|(name, finite)| (!finite).then_some(name))
+}
+
+impl BodyFault {
+    /// Whether it is the same fault, whatever its numbers: told before, it is not news.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::NonFinite(this), Self::NonFinite(that)) | (Self::Infinite(this), Self::Infinite(that)) => {
+                this == that
+            }
+            _ => discriminant(self) == discriminant(other),
+        }
     }
 }
 

@@ -314,6 +314,8 @@ pub struct Contacts {
     pub faces: Vec<FacePair>,
     /// Bodies that reach into half-spaces, ascending by body, then plane.
     pub planes: Vec<PlaneContact>,
+    /// Where the pairs, and after them bodies and half-spaces, pushed each other: one pair's after the other's.
+    pub points: Vec<ContactPoint>,
     /// Triangle against triangle tests made (pairs of triangles whose boxes overlap).
     pub triangle_tests: u64,
 }
@@ -332,6 +334,10 @@ pub struct TouchingPair {
     pub face_count: u32,
     /// Where to push.
     pub contact: Contact,
+    /// Where its points start in [`Contacts::points`].
+    pub first_point: u32,
+    /// How many there are.
+    pub point_count: u32,
     /// How strongly the two pushed each other along the normals of their points in the step, newton seconds; 0 unless the
     /// response is [`Response::Contacts`].
     pub impulse: f32,
@@ -344,6 +350,20 @@ pub struct Contact {
     pub point: Vec3,
     /// Unit vector from the first body to the second.
     pub normal: Vec3,
+}
+
+/// One of the points at which two bodies pushed each other in a step, or might have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Halfway between both surfaces, in the world, metres: where it was as its detection interval began.
+    pub point: Vec3,
+    /// Unit vector from the first body to the second.
+    pub normal: Vec3,
+    /// How far the surfaces were apart, metres; negative where they overlapped.
+    pub separation: f32,
+    /// How strongly the two pushed each other there along the normal in that interval, newton seconds; 0 unless the response
+    /// is [`Response::Contacts`], and for bodies asleep.
+    pub impulse: f32,
 }
 
 /// Two faces that intersect, with their common segment.
@@ -368,8 +388,16 @@ pub struct PlaneContact {
     pub plane: u32,
     /// Mean of the vertices inside, weighted by depth, in the world.
     pub point: Vec3,
+    /// Unit vector from the body into the half-space.
+    pub normal: Vec3,
     /// How far the deepest vertex is inside, metres.
     pub depth: f32,
+    /// Where its points start in [`Contacts::points`].
+    pub first_point: u32,
+    /// How many there are.
+    pub point_count: u32,
+    /// As that of a [`TouchingPair`].
+    pub impulse: f32,
 }
 
 /// A change of velocity, linear and angular.
@@ -400,6 +428,20 @@ impl Contacts {
     pub fn faces_of(&self, pair: &TouchingPair) -> &[FacePair] {
         let first = pair.first_face as usize;
         &self.faces[first..first + pair.face_count as usize]
+    }
+
+    /// The points of one of [`Contacts::pairs`].
+    pub fn points_of(&self, pair: &TouchingPair) -> &[ContactPoint] {
+        self.points_from(pair.first_point, pair.point_count)
+    }
+
+    /// The points of one of [`Contacts::planes`].
+    pub fn points_on(&self, plane: &PlaneContact) -> &[ContactPoint] {
+        self.points_from(plane.first_point, plane.point_count)
+    }
+
+    fn points_from(&self, first: u32, count: u32) -> &[ContactPoint] {
+        &self.points[first as usize..(first + count) as usize]
     }
 }
 

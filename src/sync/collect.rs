@@ -1,8 +1,10 @@
 //! Components to arrays.
 
+use super::oddities::{Oddities, Oddity};
 use super::tables::Tables;
 use super::{Collected, Step};
 use crate::asset::CollisionMesh;
+use crate::clock::Physics;
 use crate::components::*;
 use crate::events::BodyRejected;
 use crate::settings::{Culling, Gravity, Response, SolverSettings};
@@ -18,6 +20,7 @@ use std::time::Instant;
 
 /// What a body is made of.
 #[derive(QueryData)]
+#[query_data(mutable)]
 pub(crate) struct BodyComponents {
     entity: Entity,
     collider: &'static MeshCollider,
@@ -35,6 +38,7 @@ pub(crate) struct BodyComponents {
     sensor: Has<Sensor>,
     is_child: Has<ChildOf>,
     culling: Option<&'static BodyCulling>,
+    center: Option<&'static mut CenterOfMass>,
 }
 
 /// How a body answers.
@@ -60,7 +64,23 @@ pub(crate) struct PlaneComponents {
     restitution: Option<&'static Restitution>,
     friction: Option<&'static Friction>,
     is_body: Has<MeshCollider>,
+    kind: Option<&'static RigidBody>,
 }
+
+/// What becomes a collider later.
+#[cfg(feature = "bevy_mesh")]
+use crate::mesh_collider_from::MeshColliderFrom as ColliderToCome;
+/// There is nothing else that does.
+#[cfg(not(feature = "bevy_mesh"))]
+use MeshCollider as ColliderToCome;
+
+/// Bodies without any collider.
+type Bare = (
+    With<RigidBody>,
+    Without<MeshCollider>,
+    Without<ColliderToCome>,
+    Without<PlaneCollider>,
+);
 
 /// What holds for all bodies.
 #[derive(SystemParam)]
@@ -74,11 +94,13 @@ pub(crate) struct Rules<'w> {
 /// Fills the stages' input from the world.
 pub(crate) fn collect(
     mut step: ResMut<Step>,
-    bodies: Query<BodyComponents>,
+    mut bodies: Query<BodyComponents>,
     planes: Query<PlaneComponents>,
+    bare: Query<(Entity, &RigidBody), Bare>,
+    names: Query<&Name>,
     meshes: Res<Assets<CollisionMesh>>,
     assets: Res<AssetServer>,
-    time: Res<Time>,
+    time: Res<Time<Physics>>,
     rules: Rules,
     mut rejected: MessageWriter<BodyRejected>,
 ) {
@@ -92,7 +114,8 @@ pub(crate) fn collect(
     let mut faults = Vec::new();
     step.bodies.clear();
     step.tables.poll();
-    for body in &bodies {
+    for mut body in &mut bodies {
+        body.note(&mut step.oddities);
         let id = body.collider.0.id();
         if body.is_child {
             faults.push((body.entity, BodyFault::Child));
@@ -110,6 +133,9 @@ pub(crate) fn collect(
             step.tables.request(id, mesh, name);
         }
         if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &step.tables, &meshes, id) {
+            if let Some(center) = &mut body.center {
+                center.set_if_neq(CenterOfMass(step.state.meshes[mesh].mesh.mass.center));
+            }
             step.bodies.push((body.entity, body.with_mesh(mesh, culling)));
         } else {
             match assets.load_state(id) {
@@ -146,6 +172,7 @@ pub(crate) fn collect(
 
     step.planes.clear();
     for plane in &planes {
+        plane.note(&mut step.oddities);
         match plane.half_space() {
             Ok(half_space) => step.planes.push((plane.entity, half_space)),
             Err(fault) => faults.push((plane.entity, fault)),
@@ -157,17 +184,23 @@ pub(crate) fn collect(
     step.state.planes.clear();
     step.state.planes.extend(step.planes.iter().map(|&(_, plane)| plane));
 
+    let named = |entity: Entity| {
+        let name = names.get(entity).map(|name| format!(" \"{name}\""));
+        format!("{entity}{}", name.unwrap_or_default())
+    };
     faults.sort_unstable_by_key(|&(entity, _)| entity);
     for &(entity, fault) in &faults {
-        // The same kind of fault again is not news, whatever its numbers.
         let known = step.faults.binary_search_by_key(&entity, |&(entity, _)| entity);
-        let known = known.map(|at| std::mem::discriminant(&step.faults[at].1));
-        if known != Ok(std::mem::discriminant(&fault)) {
-            error!("{entity} is left out of collisions: {fault}");
+        if !known.is_ok_and(|at| step.faults[at].1.is_like(&fault)) {
+            error!("{} is left out of collisions: {fault}", named(entity));
             rejected.write(BodyRejected { entity, fault });
         }
     }
     step.faults = faults;
+    let moving = bare.iter().filter(|&(_, &kind)| kind != RigidBody::Static);
+    step.oddities.count_bare(moving.map(|(entity, _)| entity));
+    step.oddities
+        .tell(|entity, oddity| warn!("{}: {oddity}", named(entity)));
     step.choose_place();
 
     step.tables.retain(|id| meshes.contains(id));
@@ -198,6 +231,15 @@ fn slot(
 }
 
 impl PlaneComponentsItem<'_, '_> {
+    /// Notes what does not do what it says.
+    fn note(&self, oddities: &mut Oddities) {
+        oddities.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
+        oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
+        if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
+            oddities.add(self.entity, Oddity::PlaneDoesNotMove);
+        }
+    }
+
     fn half_space(&self) -> Result<Plane, BodyFault> {
         if self.is_body {
             return Err(BodyFault::PlaneOnBody);
@@ -211,8 +253,12 @@ impl PlaneComponentsItem<'_, '_> {
         if !distance.is_finite() {
             return Err(BodyFault::PlaneDistance(distance));
         }
-        if !restitution.coefficient.is_finite() || !friction.coefficient.is_finite() {
-            return Err(BodyFault::NonFiniteMotion);
+        let numbers = [
+            ("Restitution", restitution.coefficient),
+            ("Friction", friction.coefficient),
+        ];
+        if let Some((name, _)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) {
+            return Err(BodyFault::NonFinite(name));
         }
         Ok(Plane {
             normal,
@@ -248,6 +294,17 @@ impl Rules<'_> {
 }
 
 impl BodyComponentsItem<'_, '_> {
+    /// Notes what does not do what it says.
+    fn note(&self, oddities: &mut Oddities) {
+        let (entity, handling) = (self.entity, &self.handling);
+        oddities.check_restitution(entity, self.restitution.map(|r| r.coefficient));
+        oddities.check(entity, "Friction", handling.friction.map(|f| f.coefficient));
+        oddities.check(entity, "LinearDamping", handling.linear_damping.map(|d| d.0));
+        oddities.check(entity, "AngularDamping", handling.angular_damping.map(|d| d.0));
+        oddities.check_limit(entity, "MaxLinearSpeed", handling.max_linear_speed.map(|m| m.0));
+        oddities.check_limit(entity, "MaxAngularSpeed", handling.max_angular_speed.map(|m| m.0));
+    }
+
     fn with_mesh(&self, mesh: u32, culling: Culling) -> Body {
         let transform = self.transform;
         let mut body = Body::at_rest(mesh, transform.translation, transform.rotation, transform.scale);

@@ -3,6 +3,7 @@
 pub(crate) mod collect;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
+mod oddities;
 pub(crate) mod publish;
 mod tables;
 
@@ -11,6 +12,8 @@ use crate::backend::Engine;
 use crate::components::RigidBody;
 #[cfg(feature = "gpu")]
 use crate::gpu::contacts::memory::DeviceMemory;
+#[cfg(feature = "gpu")]
+use crate::gpu::results::Output;
 #[cfg(feature = "gpu")]
 use crate::settings::LATENCY;
 use crate::settings::Response;
@@ -49,6 +52,8 @@ pub(crate) struct Step {
     pub tables: tables::Tables,
     /// Bodies out of the step, and why; ascending.
     pub faults: Vec<(Entity, BodyFault)>,
+    /// What does not do what it says.
+    pub oddities: oddities::Oddities,
     /// Pairs that touched in the last step, `first < second`, ascending.
     pub touching: Vec<[Entity; 2]>,
     /// Scratch: those of this step.
@@ -57,6 +62,10 @@ pub(crate) struct Step {
     pub touching_both_ways: Vec<[Entity; 2]>,
     /// When the step began.
     pub begun: Instant,
+    /// Somebody ran the schedule: results are waited for.
+    pub by_hand: bool,
+    /// What `Time` is outside of the step.
+    pub outer_time: Option<Time>,
 }
 
 /// Who takes part in a step.
@@ -85,10 +94,13 @@ impl Step {
             slots: HashMap::default(),
             tables: tables::Tables::default(),
             faults: Vec::new(),
+            oddities: oddities::Oddities::default(),
             touching: Vec::new(),
             touching_now: Vec::new(),
             touching_both_ways: Vec::new(),
             begun: Instant::now(),
+            by_hand: false,
+            outer_time: None,
         }
     }
 
@@ -169,14 +181,36 @@ impl Step {
                 continue;
             };
             self.latent.sent(std::mem::take(&mut self.collected));
-            self.results = output.and_then(|output| {
-                self.counts = output.counts;
-                let motions = output.put_lists(&mut self.state);
-                self.latent.arrived(motions)
-            });
+            self.results = None;
+            if let Some(output) = output {
+                self.take_in(output);
+            }
             return true;
         }
         false
+    }
+
+    /// Waits for the results of the oldest step that is on its way; false if there is none.
+    pub fn land(&mut self) -> bool {
+        #[cfg(feature = "gpu")]
+        if self.engine.latent().is_some() && self.engine.flights().0 > 0 {
+            self.begun = Instant::now();
+            match self.engine.land() {
+                Some(output) => self.take_in(output),
+                // The device failed. Whoever takes over begins where the components say.
+                None => self.forget(),
+            }
+            return self.results.is_some();
+        }
+        false
+    }
+
+    /// Puts results of a step that was sent off where others look for them.
+    #[cfg(feature = "gpu")]
+    fn take_in(&mut self, output: Output) {
+        self.counts = output.counts;
+        let motions = output.put_lists(&mut self.state);
+        self.results = self.latent.arrived(motions);
     }
 
     /// Brings `bodies`, which hold what the components say, up to the last step that was sent off.

@@ -1,6 +1,6 @@
 //! Steps per update, several apps, and repeatability.
 
-use crate::app::{STEP, Sim, ball_like};
+use crate::app::{DT, STEP, Sim, ball_like};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::shapes;
@@ -158,4 +158,167 @@ fn the_pool_has_as_many_threads_as_asked_for() {
     }
     assert_eq!(bevy_faceoff::plugin::threads(App::new().world()), 0);
     assert!(bevy_faceoff::plugin::threads(Sim::with_threads(0).app.world()) > 0);
+}
+
+/// A body that flies along x at 64 m/s, a metre a step.
+fn flyer() -> (Sim, Entity) {
+    let mut sim = Sim::new();
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
+    (sim, body)
+}
+
+fn physics(sim: &mut Sim) -> Mut<'_, Time<Physics>> {
+    sim.world().resource_mut()
+}
+
+#[test]
+fn a_step_by_hand_is_as_long_as_the_fixed_timestep_whatever_clock_is_paused() {
+    let (mut sim, body) = flyer();
+    sim.step(1);
+    let pauses: [fn(&mut Sim); 3] = [
+        |_| {},
+        |sim| physics(sim).pause(),
+        |sim| sim.world().resource_mut::<Time<Virtual>>().pause(),
+    ];
+    for (i, pause) in pauses.into_iter().enumerate() {
+        pause(&mut sim);
+        let (x, steps) = (sim.position(body).x, sim.report().step);
+        for k in 1..=3 {
+            sim.world().run_schedule(FaceoffStep);
+            assert_eq!(sim.position(body).x, x + k as f32, "pause {i}");
+            assert_eq!(sim.report().step, steps + k);
+        }
+    }
+    sim.step(3);
+    assert_eq!(sim.position(body).x, 10.0, "paused");
+    // What is left of the steps by hand is no wish for another one.
+    sim.world().resource_mut::<Time<Virtual>>().unpause();
+    sim.step(3);
+    assert_eq!(sim.position(body).x, 10.0, "still paused");
+    physics(&mut sim).unpause();
+    sim.step(1);
+    assert_eq!(sim.position(body).x, 11.0);
+    assert_eq!(physics(&mut sim).elapsed(), STEP * 11);
+}
+
+#[test]
+fn steps_by_hand_are_those_of_the_clock_to_the_bit() {
+    let (mut by_clock, mut by_hand) = (Sim::new(), Sim::new());
+    let (bodies, others) = (crowd(&mut by_clock), crowd(&mut by_hand));
+    by_hand.world().resource_mut::<Time<Virtual>>().pause();
+    by_clock.step(40);
+    for _ in 0..40 {
+        by_hand.world().run_schedule(FaceoffStep);
+    }
+    assert_eq!(bits(&by_clock, &bodies), bits(&by_hand, &others));
+}
+
+#[test]
+fn physics_pauses_alone_and_steps_when_asked() {
+    #[derive(Resource, Default)]
+    struct Ticks(u32);
+    let (mut sim, body) = flyer();
+    sim.app
+        .init_resource::<Ticks>()
+        .add_systems(FixedUpdate, |mut ticks: ResMut<Ticks>| ticks.0 += 1);
+    physics(&mut sim).step_once();
+    sim.step(1);
+    assert_eq!(sim.position(body).x, 1.0, "a clock that runs needs no wishes");
+    physics(&mut sim).pause();
+    assert!(physics(&mut sim).is_paused());
+    sim.step(4);
+    assert_eq!((sim.position(body).x, sim.report().step), (1.0, 1));
+    assert_eq!(sim.app.world().resource::<Ticks>().0, 5, "the game goes on");
+    assert_eq!(physics(&mut sim).delta(), Duration::ZERO);
+    // One step, then two in one tick, then one of another length as with any clock.
+    for (ask, x) in [(1, 2.0), (2, 4.0)] {
+        (0..ask).for_each(|_| physics(&mut sim).step_once());
+        sim.step(3);
+        assert_eq!(sim.position(body).x, x);
+    }
+    physics(&mut sim).advance_by(STEP / 2);
+    sim.step(3);
+    assert_eq!(sim.position(body).x, 4.5);
+    assert_eq!(physics(&mut sim).elapsed(), STEP * 9 / 2);
+    physics(&mut sim).step_once();
+    physics(&mut sim).unpause();
+    sim.step(2);
+    assert_eq!(sim.position(body).x, 6.5, "the wish is dropped");
+    assert_eq!(physics(&mut sim).delta(), STEP);
+}
+
+#[test]
+fn physics_runs_slower_and_faster_than_the_game() {
+    #[derive(Resource, Default)]
+    struct Seen(Vec<(Duration, Duration)>);
+    for (speed, steps, moved) in [
+        (0.25, 1, 0.25),
+        (0.0, 0, 0.0),
+        (1.0, 1, 1.0),
+        (2.0, 2, 2.0),
+        (2.5, 3, 2.5),
+    ] {
+        let (mut sim, body) = flyer();
+        sim.app
+            .init_resource::<Seen>()
+            .add_systems(
+                FaceoffStep,
+                (|time: Res<Time>, fixed: Res<Time<Fixed>>, mut seen: ResMut<Seen>| {
+                    seen.0.push((time.delta(), fixed.delta()));
+                })
+                .after(FaceoffSystems::Integrate)
+                .before(FaceoffSystems::Publish),
+            )
+            .add_systems(
+                FixedPostUpdate,
+                (|time: Res<Time>| assert_eq!(time.delta(), STEP)).after(FaceoffStep),
+            );
+        physics(&mut sim).set_relative_speed(speed);
+        sim.step(8);
+        assert_eq!(sim.report().step, 8 * steps, "at {speed}");
+        assert!(
+            (sim.position(body).x - 8.0 * moved).abs() < 1e-4,
+            "at {speed}: {}",
+            sim.position(body)
+        );
+        let elapsed = physics(&mut sim).elapsed_secs_f64();
+        assert!((elapsed - 8.0 * f64::from(moved) / 64.0).abs() < 1e-6);
+        let seen = std::mem::take(&mut sim.world().resource_mut::<Seen>().0);
+        assert_eq!(seen.len() as u64, 8 * steps);
+        for (step, fixed) in seen {
+            assert_eq!(fixed, STEP, "the game's clock is left alone");
+            assert!(step <= STEP, "no step is longer than the timestep: {step:?}");
+            assert!((step.as_secs_f32() * steps as f32 - moved * DT).abs() < 1e-7);
+        }
+        for bad in [-1.0, f32::NAN, f32::INFINITY] {
+            physics(&mut sim).set_relative_speed(bad);
+            assert_eq!(physics(&mut sim).relative_speed(), speed);
+        }
+    }
+}
+
+#[test]
+fn twice_the_speed_gives_the_same_bits_in_half_the_ticks() {
+    let (mut one, mut two) = (Sim::new(), Sim::new());
+    let (bodies, others) = (crowd(&mut one), crowd(&mut two));
+    physics(&mut two).set_relative_speed(2.0);
+    one.step(40);
+    two.step(20);
+    assert_eq!(bits(&one, &bodies), bits(&two, &others));
+}
+
+#[test]
+fn a_run_condition_of_the_set_holds_the_steps() {
+    #[derive(Resource)]
+    struct Playing(bool);
+    let (mut sim, body) = flyer();
+    sim.app
+        .insert_resource(Playing(false))
+        .configure_sets(FixedPostUpdate, FaceoffStep.run_if(|playing: Res<Playing>| playing.0));
+    sim.step(3);
+    assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
+    sim.world().resource_mut::<Playing>().0 = true;
+    sim.step(3);
+    assert_eq!(sim.position(body).x, 3.0);
 }

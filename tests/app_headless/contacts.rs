@@ -4,6 +4,7 @@ use crate::app::{DT, Sim, assert_near, resting, sorted};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::stages::state::ContactPoint;
 
 /// Gravity, and ground at height 0.
 fn on_the_ground() -> (Sim, MeshCollider) {
@@ -149,6 +150,135 @@ pub fn collisions_hold_points_and_the_weight_on_them() {
     assert!(manifolds.next().is_none());
 }
 
+pub fn every_corner_carries_a_quarter_of_the_weight_on_meshes_and_planes() {
+    let weight = 3.0 * 10.0 * DT;
+    for on_plane in [false, true] {
+        let mut sim = Sim::new();
+        sim.world().insert_resource(Gravity(Vec3::NEG_Y * 10.0));
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let floor = if on_plane {
+            sim.spawn(PlaneCollider::through(Vec3::Y * 0.5, Vec3::Y))
+        } else {
+            sim.spawn((cube.clone(), Transform::from_scale(Vec3::new(9.0, 1.0, 9.0))))
+        };
+        let place = Vec3::new(0.2, 1.005, -0.3);
+        let body = sim.spawn((resting(&cube, place), Mass(3.0), SleepingDisabled));
+        sim.step(100);
+        let collisions = sim.collisions();
+        let hit = collisions.get(body, floor).expect("it lies there");
+        let same = collisions.get(floor, body).unwrap();
+        assert_eq!(
+            (same.entity1, same.entity2),
+            (hit.entity1, hit.entity2),
+            "in either order"
+        );
+        assert_eq!(sorted(hit.entity1, hit.entity2), sorted(body, floor));
+        let up = if hit.entity1 == floor { Vec3::Y } else { Vec3::NEG_Y };
+        assert_near(hit.contact.normal, up, 1e-3);
+        assert!(
+            (hit.impulse - weight).abs() < 0.02 * weight,
+            "{} for {weight}",
+            hit.impulse
+        );
+        let sum: f32 = hit.points.iter().map(|p| p.impulse).sum();
+        assert!((sum - hit.impulse).abs() < 1e-5 * weight, "{sum} of {}", hit.impulse);
+        for corner in [[-0.5, -0.5], [-0.5, 0.5], [0.5, -0.5], [0.5, 0.5]] {
+            let corner = place + Vec3::new(corner[0], -0.5, corner[1]);
+            let at = |p: &&ContactPoint| p.point.distance(corner) < 0.02;
+            let here: f32 = hit.points.iter().filter(at).map(|p| p.impulse).sum();
+            assert!((here - weight / 4.0).abs() < 0.02 * weight, "{here} at {corner}");
+        }
+        assert_eq!(collisions.len(), 1);
+        for found in [
+            collisions.iter().next(),
+            collisions.of(floor).next(),
+            collisions.of(body).next(),
+        ] {
+            assert_eq!(found.map(|c| (c.entity1, c.entity2)), Some((hit.entity1, hit.entity2)));
+        }
+        let stranger = sim.spawn(Name::new("stranger"));
+        assert!(sim.collisions().get(body, stranger).is_none() && sim.collisions().get(floor, stranger).is_none());
+    }
+}
+
+pub fn points_of_a_step_in_several_intervals_add_up_to_the_whole_impulse() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let material = (Restitution::new(1.0), Friction::new(0.0));
+    let wall = sim.spawn((PlaneCollider::through(Vec3::NEG_X, Vec3::X), material));
+    let start = (resting(&cube, Vec3::X * 2.0), LinearVelocity(Vec3::X * -96.0));
+    let body = sim.spawn((start, Mass(2.0), material));
+    for _ in 0..8 {
+        let before = sim.velocity(body).x;
+        sim.step(1);
+        let change = 2.0 * (sim.velocity(body).x - before);
+        if change != 0.0 {
+            assert!(sim.report().intervals > 1);
+            let hit = sim.collisions().get(body, wall).expect("it bounced there");
+            let sum: f32 = hit.points.iter().map(|p| p.impulse).sum();
+            assert!((sum - change).abs() < 1e-4 * change, "{sum} of {change}");
+            assert!((hit.impulse - change).abs() < 1e-4 * change);
+            assert!(
+                hit.points
+                    .iter()
+                    .all(|p| p.impulse == 0.0 || (p.point.x + 1.0).abs() < 0.8)
+            );
+            return;
+        }
+    }
+    panic!("it never met the wall");
+}
+
+pub fn without_response_points_lie_where_the_surfaces_are() {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Response::None);
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let ground = sim.spawn(PlaneCollider::through(Vec3::Y * -0.499, Vec3::Y));
+    // They move by a metre a step, and all that follows is of the beginning of the second.
+    let velocity = LinearVelocity(Vec3::X * 64.0);
+    let one = sim.spawn((resting(&cube, Vec3::ZERO), velocity));
+    let other = sim.spawn((resting(&cube, Vec3::new(0.0, 0.99, 0.0)), velocity));
+    sim.step(2);
+    for (pair, height) in [([one, other], 0.495), ([one, ground], -0.4995)] {
+        let hit = sim.collisions().get(pair[0], pair[1]).expect("they touch");
+        assert!(hit.points.iter().all(|p| p.impulse == 0.0));
+        let deep: Vec<_> = hit.points.iter().filter(|p| p.separation < 0.0).collect();
+        assert!(deep.len() >= 4);
+        for point in deep {
+            assert!((point.point.y - height).abs() < 1e-4, "{point:?}");
+            assert!((0.499..1.501).contains(&point.point.x), "{point:?}");
+        }
+    }
+}
+
+pub fn a_body_tells_its_centre_of_mass() {
+    let mut sim = Sim::new();
+    let cube = shapes::cube(1.0);
+    let aside = cube.vertices().iter().map(|&v| v + Vec3::new(2.0, 0.0, 0.0)).collect();
+    let mesh = sim.mesh(&TriMesh::new(aside, cube.triangles().to_vec()).unwrap());
+    let pose = Transform::from_xyz(0.0, 5.0, 0.0)
+        .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2))
+        .with_scale(Vec3::splat(3.0));
+    let body = sim.spawn((RigidBody::Dynamic, mesh, pose, Mass(2.0)));
+    sim.step(1);
+    let center = sim.get::<CenterOfMass>(body);
+    assert_near(*center, Vec3::X * 2.0, 1e-5);
+    let world = center.in_world(&pose);
+    assert_near(world, Vec3::new(0.0, 11.0, 0.0), 1e-5);
+    // A push there turns nothing.
+    let mut push = ExternalForces::default();
+    push.add_impulse_at(Vec3::X * 4.0, world, world);
+    sim.set(body, push);
+    sim.step(1);
+    assert_near(sim.velocity(body), Vec3::X * 2.0, 1e-4);
+    assert_near(sim.spin(body), Vec3::ZERO, 1e-5);
+    // Another mesh has another one.
+    let centred = sim.mesh(&cube);
+    sim.set(body, centred);
+    sim.step(1);
+    assert_near(*sim.get::<CenterOfMass>(body), Vec3::ZERO, 1e-6);
+}
+
 pub fn without_response_there_are_points_too() {
     let mut sim = Sim::new();
     sim.world().insert_resource(Response::None);
@@ -230,11 +360,11 @@ pub fn forces_go_on_and_impulses_act_once() {
         force: Vec3::Y * 4.0,
         ..default()
     };
-    forces.add_impulse_at(Vec3::Z * 6.0, Vec3::ZERO.as_dvec3(), Vec3::ZERO.as_dvec3());
+    forces.add_impulse_at(Vec3::Z * 6.0, Vec3::ZERO, Vec3::ZERO);
     sim.set(pushed, forces);
     let mut turn = ExternalForces::default();
     // At the end of an arm of 1: the cube's inertia is m / 6.
-    turn.add_impulse_at(Vec3::Y, Vec3::X.as_dvec3() * 11.0, Vec3::X.as_dvec3() * 10.0);
+    turn.add_impulse_at(Vec3::Y, Vec3::X * 11.0, Vec3::X * 10.0);
     sim.set(turned, turn);
     sim.step(32);
     assert_near(sim.velocity(pushed), Vec3::new(0.0, 1.0, 3.0), 1e-4);

@@ -30,6 +30,10 @@ tests_of_contacts! {
     a_sleeper_wakes_when_the_mesh_under_it_goes
     who_may_not_sleep_does_not
     collisions_hold_points_and_the_weight_on_them
+    every_corner_carries_a_quarter_of_the_weight_on_meshes_and_planes
+    points_of_a_step_in_several_intervals_add_up_to_the_whole_impulse
+    without_response_points_lie_where_the_surfaces_are
+    a_body_tells_its_centre_of_mass
     without_response_there_are_points_too
     friction_holds_or_lets_slide_by_the_rule_of_the_pair
     damping_limits_and_locks_hold

@@ -4,6 +4,8 @@ use crate::app::{Sim, ball_like, resting, sorted};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::stages::Stage;
+use std::time::Duration;
 
 /// Events that observers saw: whether it began, the observed entity, the other one.
 #[derive(Resource, Default)]
@@ -310,4 +312,16 @@ fn systems_in_the_step_see_its_results_at_once() {
     );
     sim.step(80);
     assert_eq!(sim.world().resource::<Counts>().0, [1]);
+}
+
+#[test]
+fn a_report_names_its_stages() {
+    let mut report = StepReport::default();
+    report.stages[Stage::TriangleTest as usize] = Duration::from_millis(3);
+    let text = format!("{report:?}");
+    for stage in Stage::ALL {
+        assert!(text.contains(&format!("{stage:?}: ")), "{text}");
+    }
+    assert!(text.contains("TriangleTest: 3ms"), "{text}");
+    assert!(text.contains("waits: 0"), "{text}");
 }

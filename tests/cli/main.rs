@@ -47,11 +47,16 @@ impl Folder {
         self.write(name, fs::read(assets.join(name)).unwrap());
     }
 
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_faceoff"));
+        command.args(arguments).current_dir(self.0.path());
+        command
+    }
+
     fn run(&self, arguments: &[&str]) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_faceoff"))
-            .args(arguments)
-            .current_dir(self.0.path())
-            // A Vulkan driver may complain on standard error if there is none.
+        let output = self
+            .command(arguments)
+            // With a card, a layer of Mesa's complains on standard error if there is none.
             .env("XDG_RUNTIME_DIR", self.0.path())
             .timeout(std::time::Duration::from_secs(300))
             .output()

@@ -4,6 +4,7 @@ use crate::Folder;
 use bevy_faceoff::asset::{CollisionMesh, format};
 use bevy_faceoff::geometry::shapes;
 use serde_json::Value;
+use std::path::Path;
 
 const STAGES: [&str; 6] = [
     "broad_phase",
@@ -300,4 +301,21 @@ fn files_that_cannot_be_used_are_named() {
         &[&small[..], &["no/such/folder/out.json"]].concat(),
         &["no/such/folder/out.json"],
     );
+}
+
+/// Mesa complains that XDG_RUNTIME_DIR is missing whenever it is asked for adapters, so that nobody may ask for nothing.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_card_and_a_desktop_standard_error_stays_empty() {
+    if Path::new("/dev/dri").exists() || Path::new("/dev/nvidiactl").exists() {
+        return;
+    }
+    let folder = Folder::new();
+    let output = folder
+        .command(&["simulate", "--bodies", "2", "--steps", "1"])
+        .env_remove("XDG_RUNTIME_DIR")
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }

@@ -63,7 +63,7 @@ pub fn a_needle_that_spins_madly_stays_bounded(gpu: &Gpu) {
 pub fn forces_and_limits_do_the_same(gpu: &Gpu) {
     let acts: [(&str, fn(&mut World)); 6] = [
         ("force", |world| {
-            world.bodies.forces[0].add_force_at(Vec3::Y * 3.0, DVec3::new(1.5, 2.0, 3.1), DVec3::new(1.0, 2.0, 3.0));
+            world.bodies.forces[0].add_force_at(Vec3::Y * 3.0, Vec3::new(1.5, 2.0, 3.1), Vec3::new(1.0, 2.0, 3.0));
         }),
         ("impulse", |world| {
             world.bodies.forces[0].impulse = Vec3::new(1.0, 2.0, 3.0);

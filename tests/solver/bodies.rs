@@ -62,7 +62,7 @@ fn speed_limits_hold() {
 fn a_force_at_a_point_pushes_and_turns() {
     let mut world = single(CUBE, 2.0);
     let center = world.center(0);
-    world.bodies.forces[0].add_force_at(Vec3::Y * 3.0, DVec3::X * 0.5, center);
+    world.bodies.forces[0].add_force_at(Vec3::Y * 3.0, Vec3::X * 0.5, center.as_vec3());
     world.seconds(0.5);
     // Speed is F t / m; the moment of inertia of the cube is m / 6.
     check("speed", world.velocity(0).y as f64, 0.75, 1.0e-4);
@@ -73,7 +73,7 @@ fn a_force_at_a_point_pushes_and_turns() {
 fn an_impulse_at_a_point_works_once() {
     let mut world = single(CUBE, 2.0);
     let center = world.center(0);
-    world.bodies.forces[0].add_impulse_at(Vec3::Y * 3.0, DVec3::X * 0.5, center);
+    world.bodies.forces[0].add_impulse_at(Vec3::Y * 3.0, Vec3::X * 0.5, center.as_vec3());
     world.step(1);
     check("speed", world.velocity(0).y as f64, 1.5, 1.0e-6);
     check("spin", world.spin(0).z as f64, 4.5, 1.0e-5);

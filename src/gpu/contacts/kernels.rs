@@ -117,7 +117,7 @@ pub const TALLY: Kernel = Kernel {
     ],
 };
 
-/// Who touched whom.
+/// Who touched whom, and where.
 pub const TOUCHES: Kernel = Kernel {
     name: "force_scan/touches",
     source: include_str!("../../../shaders/step_touches.wgsl"),

@@ -16,7 +16,7 @@ pub struct StepRoom {
     pub contacts: ContactSizes,
     /// Bodies and half-spaces.
     pub bodies: u32,
-    /// Touches in all intervals.
+    /// Points of pairs that touch, in all intervals.
     pub touches: u32,
 }
 
@@ -65,7 +65,7 @@ const NONE: BufferUsages = BufferUsages::empty();
 lists! {
     /// What counts over all intervals of a step.
     tally: "tally of a step", u32, NONE, |_r| TALLIES;
-    /// Who touched whom, in any order.
+    /// Who touched whom and where, in any order.
     touches: "touches", Touch, NONE, |r| r.touches;
     /// What bodies are to the solver.
     bodies: "solver bodies", SolverBody, NONE, |r| r.bodies;

@@ -59,7 +59,7 @@ pub const START: StepRoom = StepRoom {
         points: 2048,
     },
     bodies: 0,
-    touches: 512,
+    touches: 2048,
 };
 
 /// Calls are kept for so many ways of cutting up a step: one for each number of substeps an interval may have.

@@ -3,6 +3,7 @@
 use super::cpu::{self, planes};
 use super::{Manifolds, MarginPair, place};
 use crate::settings::Response;
+use crate::stages::solver::touches::show_points;
 use crate::stages::state::{Bodies, NearPair, StepState};
 
 /// Memory kept between steps.
@@ -24,6 +25,7 @@ pub fn run(state: &mut StepState) {
         planes,
         near_pairs,
         manifolds,
+        contacts,
         dynamics,
         manifold_scratch: scratch,
         ..
@@ -52,6 +54,9 @@ pub fn run(state: &mut StepState) {
         join(&scratch.before, renumbered, found, bodies.len() as u32, manifolds);
     } else {
         std::mem::swap(manifolds, found);
+    }
+    if config.response == Response::None {
+        show_points(manifolds, bodies.len() as u32, contacts, |i| bodies.center[i as usize]);
     }
 }
 

@@ -141,16 +141,17 @@ pub struct ExternalForces {
 }
 
 impl ExternalForces {
-    /// Adds a force, in newtons, that acts at `point` of the world on a body with this centre of mass.
-    pub fn add_force_at(&mut self, force: Vec3, point: DVec3, center: DVec3) {
+    /// Adds a force, in newtons, that acts at `point` of the world on a body whose centre of mass is at `center` of the world:
+    /// [`CenterOfMass::in_world`](crate::components::CenterOfMass::in_world).
+    pub fn add_force_at(&mut self, force: Vec3, point: Vec3, center: Vec3) {
         self.force += force;
-        self.torque += (point - center).as_vec3().cross(force);
+        self.torque += (point - center).cross(force);
     }
 
-    /// Adds an impulse, in newton seconds, that acts at `point` of the world on a body with this centre of mass.
-    pub fn add_impulse_at(&mut self, impulse: Vec3, point: DVec3, center: DVec3) {
+    /// Adds an impulse, in newton seconds, in the same way.
+    pub fn add_impulse_at(&mut self, impulse: Vec3, point: Vec3, center: Vec3) {
         self.impulse += impulse;
-        self.angular_impulse += (point - center).as_vec3().cross(impulse);
+        self.angular_impulse += (point - center).cross(impulse);
     }
 
     /// Whether nothing acts.

@@ -3,10 +3,11 @@
 use super::SolverBodies;
 use super::settings::SolverSettings;
 use super::sleep::TOUCH;
-use crate::stages::manifolds::{ManifoldPoint, Manifolds, nearest, place};
-use crate::stages::state::{Bodies, Contact, Contacts, PlaneContact, TouchingPair};
+use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds, nearest, place};
+use crate::stages::state::{Bodies, Contact, ContactPoint, Contacts, PlaneContact, TouchingPair};
+use glam::Vec3;
 
-/// The pairs that touched so far in a step: that pushed each other, or lay nearer than bodies at rest do.
+/// The points of all pairs that touched so far in a step: that pushed each other, or lay nearer than bodies at rest do.
 #[derive(Default)]
 pub(crate) struct Touches {
     all: Vec<Touch>,
@@ -15,14 +16,11 @@ pub(crate) struct Touches {
     planes: Vec<PlaneContact>,
 }
 
+/// One point of a pair in one interval.
 #[derive(Clone, Copy)]
 struct Touch {
     bodies: [u32; 2],
-    /// The nearest point.
-    contact: Contact,
-    separation: f32,
-    /// Newton seconds.
-    impulse: f32,
+    point: ContactPoint,
 }
 
 impl Touches {
@@ -42,8 +40,9 @@ impl Touches {
     ) {
         for pair in &manifolds.pairs {
             let first = pair.first_point as usize;
-            let impulse = (first..first + pair.point_count as usize).map(&impulse_of).sum();
-            let Some(nearest) = nearest(manifolds.points_of(pair)) else {
+            let impulse: f32 = (first..first + pair.point_count as usize).map(&impulse_of).sum();
+            let points = manifolds.points_of(pair);
+            let Some(nearest) = nearest(points) else {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
@@ -52,12 +51,11 @@ impl Touches {
             let asleep = moved.sleep[a].asleep || moved.sleep[b].asleep;
             let near = settings.rest_offset * diameter * if asleep { TOUCH } else { 1.0 };
             if impulse > 0.0 || nearest.separation <= near {
-                self.all.push(Touch {
+                let center = bodies.frame[a].center.as_vec3();
+                self.all.extend(points.iter().enumerate().map(|(k, point)| Touch {
                     bodies: pair.bodies,
-                    contact: contact(bodies, a, nearest),
-                    separation: nearest.separation,
-                    impulse,
-                });
+                    point: in_the_world(center, point, impulse_of(first + k)),
+                }));
             }
         }
     }
@@ -65,15 +63,15 @@ impl Touches {
     /// Those that a device found, in any order.
     #[cfg(feature = "gpu")]
     pub fn from_device(mut found: Vec<crate::gpu::layout::Touch>) -> Self {
-        found.sort_unstable_by_key(|touch| (touch.interval, touch.a, touch.b));
+        found.sort_unstable_by_key(|touch| (touch.interval, touch.a, touch.b, touch.index));
         let touch = |touch: &crate::gpu::layout::Touch| Touch {
             bodies: [touch.a, touch.b],
-            contact: Contact {
+            point: ContactPoint {
                 point: touch.point.into(),
                 normal: touch.normal.into(),
+                separation: touch.separation,
+                impulse: touch.impulse,
             },
-            separation: touch.separation,
-            impulse: touch.impulse,
         };
         Self {
             all: found.iter().map(touch).collect(),
@@ -81,13 +79,15 @@ impl Touches {
         }
     }
 
-    /// Adds to what the triangle test found in the step what it did not, and how strongly all pushed. Planes are the bodies
-    /// from `planes_from` on.
+    /// Adds to what the triangle test found in the step what it did not, and where and how strongly all pushed. Planes are the
+    /// bodies from `planes_from` on.
     pub fn tell(&mut self, planes_from: u32, contacts: &mut Contacts) {
         let Self { all, pairs, planes } = self;
         // Stable: each pair's stay in the order of intervals.
         all.sort_by_key(|touch| place(touch.bodies, planes_from));
         let meshes_end = all.partition_point(|touch| touch.bodies[1] < planes_from);
+        let points = &mut contacts.points;
+        points.clear();
 
         pairs.clear();
         let mut found = contacts.pairs.iter().peekable();
@@ -96,8 +96,11 @@ impl Touches {
                 pairs.push(pair);
             }
             let same = found.next_if(|pair| pair.bodies == run[0].bodies);
+            let (first_point, point_count, impulse) = add(run, points);
             pairs.push(TouchingPair {
-                impulse: run.iter().map(|touch| touch.impulse).sum(),
+                first_point,
+                point_count,
+                impulse,
                 ..same.copied().unwrap_or_else(|| deepest(run).into())
             });
         }
@@ -114,32 +117,91 @@ impl Touches {
                 planes.push(contact);
             }
             let same = found.next_if(|contact| place(contact) == here);
-            let deepest = deepest(run);
-            planes.push(same.copied().unwrap_or(PlaneContact {
+            let (first_point, point_count, impulse) = add(run, points);
+            let deepest = deepest(run).point;
+            let (point, depth) = same.map_or((deepest.point, -deepest.separation), |same| (same.point, same.depth));
+            planes.push(PlaneContact {
                 body,
                 plane: here[1],
-                point: deepest.contact.point,
-                depth: -deepest.separation,
-            }));
+                point,
+                normal: deepest.normal,
+                depth,
+                first_point,
+                point_count,
+                impulse,
+            });
         }
         planes.extend(found);
         std::mem::swap(planes, &mut contacts.planes);
     }
 }
 
+/// Gives all that touch the points that were found between them, where nothing pushes ([`Response::None`]). `center_of` tells
+/// where the centre of mass of a body was then.
+///
+/// [`Response::None`]: crate::settings::Response::None
+pub(crate) fn show_points(
+    manifolds: &Manifolds,
+    planes_from: u32,
+    contacts: &mut Contacts,
+    center_of: impl Fn(u32) -> Vec3,
+) {
+    let Contacts {
+        pairs, planes, points, ..
+    } = contacts;
+    points.clear();
+    let mut add = |pair: &Manifold| {
+        let first = points.len() as u32;
+        let center = center_of(pair.bodies[0]);
+        points.extend(
+            manifolds
+                .points_of(pair)
+                .iter()
+                .map(|point| in_the_world(center, point, 0.0)),
+        );
+        (first, pair.point_count)
+    };
+    let mut all = manifolds.pairs.iter().peekable();
+    for pair in pairs {
+        while all
+            .next_if(|m| place(m.bodies, planes_from) < (false, pair.bodies))
+            .is_some()
+        {}
+        if let Some(manifold) = all.next_if(|m| m.bodies == pair.bodies) {
+            (pair.first_point, pair.point_count) = add(manifold);
+        }
+    }
+    for plane in planes {
+        let bodies = [plane.body, planes_from + plane.plane];
+        while all.next_if(|m| place(m.bodies, planes_from) < (true, bodies)).is_some() {}
+        if let Some(manifold) = all.next_if(|m| m.bodies == bodies) {
+            (plane.first_point, plane.point_count) = add(manifold);
+        }
+    }
+}
+
+/// Adds the points of a pair, and tells where they begin, how many there are and the sum of their impulses.
+fn add(run: &[Touch], points: &mut Vec<ContactPoint>) -> (u32, u32, f32) {
+    let first = points.len() as u32;
+    points.extend(run.iter().map(|touch| touch.point));
+    let impulse = run.iter().map(|touch| touch.point.impulse).sum();
+    (first, run.len() as u32, impulse)
+}
+
 /// The nearest of a pair's points, of the first interval if there are several.
 fn deepest(run: &[Touch]) -> Touch {
     *run.iter()
-        .min_by(|s, t| s.separation.total_cmp(&t.separation))
+        .min_by(|s, t| s.point.separation.total_cmp(&t.point.separation))
         .unwrap_or(&run[0])
 }
 
-/// Halfway between both surfaces.
-fn contact(bodies: &Bodies, a: usize, point: &ManifoldPoint) -> Contact {
-    let on_a = bodies.frame[a].center.as_vec3() + point.arms[0];
-    Contact {
-        point: on_a + point.normal * (0.5 * point.separation),
+/// A point of a pair whose first body has its centre of mass there.
+fn in_the_world(center: Vec3, point: &ManifoldPoint, impulse: f32) -> ContactPoint {
+    ContactPoint {
+        point: center + point.arms[0] + point.normal * (0.5 * point.separation),
         normal: point.normal,
+        separation: point.separation,
+        impulse,
     }
 }
 
@@ -150,7 +212,12 @@ impl From<Touch> for TouchingPair {
             contained: false,
             first_face: 0,
             face_count: 0,
-            contact: touch.contact,
+            contact: Contact {
+                point: touch.point.point,
+                normal: touch.point.normal,
+            },
+            first_point: 0,
+            point_count: 0,
             impulse: 0.0,
         }
     }

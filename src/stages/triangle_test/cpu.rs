@@ -170,6 +170,8 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
             first_face,
             face_count,
             contact: contact::contact(bodies, meshes, pair, &contour, &view),
+            first_point: 0,
+            point_count: 0,
             impulse: 0.0,
         });
     }
@@ -180,6 +182,7 @@ impl Contacts {
         self.pairs.clear();
         self.faces.clear();
         self.planes.clear();
+        self.points.clear();
         self.triangle_tests = 0;
     }
 }

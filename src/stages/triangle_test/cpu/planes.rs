@@ -75,6 +75,10 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
         body: body as u32,
         plane: index,
         point: (frame.center + offset).as_vec3(),
+        normal: -plane.normal,
         depth: deepest,
+        first_point: 0,
+        point_count: 0,
+        impulse: 0.0,
     })
 }
