@@ -53,7 +53,7 @@ pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Opti
         let inverse = DMat3::from_diagonal(frame.scale.recip()) * rotation.transpose();
         Some(Side {
             slot,
-            features: slot.features(),
+            features: &slot.features,
             scale: bodies.scale[i],
             center,
             other_center,
