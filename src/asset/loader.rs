@@ -145,7 +145,9 @@ impl AssetLoader for CollisionMeshLoader {
         } else {
             load_mesh(context, &path, bytes, Wanted { bake: wanted, part }).await?
         };
-        for warning in mesh.warnings() {
+        // To find out where a mesh is open is no work for the IO pool either.
+        let told = mesh.clone();
+        for warning in on_compute_pool(move || Ok(told.warnings())).await? {
             tracing::warn!("{path}: {warning}");
         }
         Ok(mesh)

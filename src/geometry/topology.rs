@@ -4,7 +4,7 @@ use super::edges::{Edges, is_collapsed};
 use super::weld::{least_distance, size, weld};
 use crate::geometry::{Aabb, Orientation};
 use glam::{DVec3, Vec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 /// How a mesh's triangles hang together, if corners within a tolerance are one.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,23 +137,21 @@ impl Faces<'_> {
     pub fn gaps(&self, welded: &[u32]) -> Option<Gaps> {
         let (edges, counts) = self.edges(welded);
         let odd = edges.ends.iter().zip(&counts).filter(|(_, (count, _))| count % 2 == 1);
-        let mut numbers: HashMap<u32, usize> = HashMap::new();
-        let mut places: Vec<DVec3> = Vec::new();
-        let mut links = HashSet::new();
-        for (ends, _) in odd {
-            let [a, b] = ends.map(|v| {
-                *numbers.entry(v).or_insert_with(|| {
-                    places.push(self.vertices[v as usize].as_dvec3());
-                    places.len() - 1
-                })
-            });
-            links.insert([a.min(b), a.max(b)]);
-        }
+        let mut links: Vec<[u32; 2]> = odd.map(|(&[u, v], _)| [u.min(v), u.max(v)]).collect();
+        links.sort_unstable();
         if links.is_empty() {
             return None;
         }
+        let mut corners = links.as_flattened().to_vec();
+        corners.sort_unstable();
+        corners.dedup();
+        let places: Vec<DVec3> = corners.iter().map(|&v| self.vertices[v as usize].as_dvec3()).collect();
+        let is_linked = |i: usize, j: usize| {
+            let (u, v) = (corners[i], corners[j]);
+            links.binary_search(&[u.min(v), u.max(v)]).is_ok()
+        };
         let aabb = self.aabb();
-        let nearest = least_distance(&places, aabb, |i, j| links.contains(&[i.min(j), i.max(j)]));
+        let nearest = least_distance(&places, aabb, is_linked);
         Some(Gaps {
             edges: links.len() as u32,
             nearest,

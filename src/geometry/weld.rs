@@ -6,9 +6,9 @@ use std::collections::HashMap;
 
 /// The end of a list.
 const NONE: u32 = u32::MAX;
-/// Cells are this many times as wide as the distance within which corners are one: few corners lie so near the sides of
-/// their cell that others have to be searched.
-const CELL: f64 = 8.0;
+/// Cells are this many times as wide as the distance that is asked about: few points lie so near the sides of their cell that
+/// others have to be searched.
+const CELL: f64 = 4.0;
 /// Cells are no narrower than this part of the box.
 const LEAST_CELL: f64 = 1.0e-12;
 
@@ -71,8 +71,8 @@ pub fn least_distance(points: &[DVec3], aabb: Aabb, linked: impl Fn(usize, usize
                 least = apart;
             }
         });
-        if least < before && least < 0.5 * grid.cell {
-            grid = Grid::new(aabb, least);
+        if least < before && 2.0 * CELL * least < grid.cell {
+            grid = Grid::new(aabb, CELL * least);
             for &i in &order[..done] {
                 grid.add(points[i], i as u32);
             }
