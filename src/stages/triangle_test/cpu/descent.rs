@@ -165,7 +165,7 @@ mod tests {
                         axis: Vec3::ZERO,
                         least: 0.0,
                     };
-                    Tree::new(&lanes, second, Vec3::ONE, way, 4.0e-6, slabs)
+                    Tree::new(lanes, second, Vec3::ONE, way, 4.0e-6, slabs)
                 });
             cost[0] += descent.run(&a, &b);
             cost[1] += descent.pairs().map(|(_, others)| others.len() as u64).sum::<u64>();
