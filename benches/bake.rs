@@ -94,6 +94,7 @@ fn time(name: &str, mesh: &TriMesh, image: u32, pool: &rayon::ThreadPool, runs: 
         faces: true,
         degrees: 1,
         image,
+        ..BakeSettings::default()
     };
     let mut best = [f64::INFINITY; 3];
     for _ in 0..runs {

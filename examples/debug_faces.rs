@@ -39,6 +39,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
                 faces: true,
                 degrees: 3,
                 image: 256,
+                ..BakeSettings::default()
             });
         };
         let handle = assets

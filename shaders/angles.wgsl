@@ -126,11 +126,11 @@ fn view(body: t::Body, mesh: t::Mesh, to_other: vec3<f32>, first: bool) -> u32 {
     if culling == t::CULLING_FACES && mesh.turn != 0u {
         return t::VIEW_GROUP + words[mesh.directions + direction_index(mesh.turn, to_other / body.scale)];
     }
-    if culling == t::CULLING_FRONT && (orientation == t::OUTWARD || orientation == t::INWARD) {
+    // Of a room, what is in it sees every wall.
+    if culling == t::CULLING_FRONT && orientation == t::OUTWARD {
         // Mirroring turns corners from counter-clockwise to clockwise.
         let mirrored = (body.scale.x < 0.0) != ((body.scale.y < 0.0) != (body.scale.z < 0.0));
-        let to_it = (orientation == t::INWARD) == mirrored;
-        return select(t::VIEW_AGAINST, t::VIEW_ALONG, to_it == first);
+        return select(t::VIEW_AGAINST, t::VIEW_ALONG, mirrored != first);
     }
     return t::VIEW_ALL;
 }

@@ -79,7 +79,7 @@ fn count_crossing(mesh: t::Mesh, number: u32, p: vec3<f32>) {
     if number >= mesh.triangle_count {
         return;
     }
-    let at = mesh.triangles + 9u * number;
+    let at = mesh.corners + 9u * number;
     // Divided by the mesh's size: products of five lengths occur.
     let side = crossing(
         (vector(at) - p) / mesh.radius, (vector(at + 3u) - p) / mesh.radius, (vector(at + 6u) - p) / mesh.radius

@@ -50,7 +50,8 @@ fn vertex_feature(
         let edge = over.corners[(i + 1u) % 3u] - start;
         let inside = dot(cross(edge, foot - start), over.normal) * over.handed;
         let square = dot(edge, edge);
-        if inside < -(OUTSIDE * square + rounding * sqrt(square)) {
+        // Nothing lies over a triangle that has collapsed.
+        if inside <= -(OUTSIDE * square + rounding * sqrt(square)) {
             return none();
         }
     }

@@ -51,7 +51,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 // the pair has to say.
 fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread: u32) -> bool {
     let mesh = meshes[outer.mesh];
-    if (mesh.flags & t::CLOSED) == 0u {
+    if (mesh.flags & t::SOLID) == 0u {
         return false;
     }
     let components = meshes[inner.mesh].component_count;
@@ -210,7 +210,8 @@ fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> 
     let vb = ab_at_c * ac_at_a - ab_at_a * ac_at_c;
     let vc = ab_at_a * ac_at_b - ab_at_b * ac_at_a;
     if vc <= 0.0 && ab_at_a >= 0.0 && ab_at_b <= 0.0 {
-        return a + ab * (ab_at_a / (ab_at_a - ab_at_b));
+        // Corners that were joined leave an edge without length.
+        return a + ab * (ab_at_a / max(ab_at_a - ab_at_b, 1.0e-30));
     }
     if vb <= 0.0 && ac_at_a >= 0.0 && ac_at_c <= 0.0 {
         return a + ac * (ac_at_a / (ac_at_a - ac_at_c));

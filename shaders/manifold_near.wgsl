@@ -255,7 +255,7 @@ fn outward(side: sides::Side, c: Corners) -> vec3<f32> {
     if !(ERROR * norm1(u) * norm1(v) < DIRECTION_ERROR * length) {
         return vec3(0.0);
     }
-    return normal * (select(side.mirror, -side.mirror, side.inward) / length);
+    return normal * (side.mirror / length);
 }
 
 // Of the circle about `middle` around the corners.

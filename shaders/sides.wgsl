@@ -22,10 +22,8 @@ struct Side {
     triangle_count: u32,
     // Where features lie among the words.
     features: u32,
-    // Whether faces agree about the outside of a closed mesh; if not, triangles have two sides.
+    // Whether the faces of a closed mesh agree about where it is solid; if not, triangles have two sides.
     sided: bool,
-    // Whether corners are stored clockwise.
-    inward: bool,
     // `OF_SECOND` or 0.
     mark: u32,
 }
@@ -78,11 +76,10 @@ fn side_of(mesh: u32, scale: vec3<f32>, offset: vec3<f32>, rotation: mat3x3<f32>
     side.center = -(rotation * offset);
     side.mirror = select(1.0, -1.0, mirrored);
     side.mesh = mesh;
-    side.triangles = meshes[mesh].triangles;
+    side.triangles = meshes[mesh].corners;
     side.triangle_count = meshes[mesh].triangle_count;
     side.features = meshes[mesh].features;
     side.sided = orientation == t::OUTWARD || orientation == t::INWARD;
-    side.inward = orientation == t::INWARD;
     return side;
 }
 
@@ -192,8 +189,8 @@ fn triangle(side: Side, number: u32) -> Triangle {
     var result: Triangle;
     result.number = number;
     result.corners[0] = place(side, vector(at));
-    result.corners[1] = place(side, vector(at + select(3u, 6u, side.inward)));
-    result.corners[2] = place(side, vector(at + select(6u, 3u, side.inward)));
+    result.corners[1] = place(side, vector(at + 3u));
+    result.corners[2] = place(side, vector(at + 6u));
     let along = direction(result.corners[1] - result.corners[0]);
     let normal = cross(along, direction(result.corners[2] - result.corners[0])) * side.mirror;
     let square = dot(normal, normal);

@@ -402,17 +402,17 @@ fn contact(pair: Pair, a: t::Body, b: t::Body, hit_count: u32) -> Contact {
     return Contact(middle + origin, normal);
 }
 
-// Which way a body's faces run: 1 if outwards, -1 if inwards, 0 if they disagree.
+// Which way a body's faces run: 1 as in its mesh, -1 if the scale mirrors, 0 if they disagree.
 fn sign_of(body: t::Body, mesh: t::Mesh) -> f32 {
     let mirrored = (body.scale.x < 0.0) != ((body.scale.y < 0.0) != (body.scale.z < 0.0));
     let orientation = mesh.flags & t::ORIENTATION_MASK;
     if orientation == t::MIXED {
         return 0.0;
     }
-    return select(1.0, -1.0, mirrored != (orientation == t::INWARD));
+    return select(1.0, -1.0, mirrored);
 }
 
-// Whether one body is closed and has some component of the other inside: `of_a`, a component of a in b.
+// Whether one body is solid and has some component of the other inside: `of_a`, a component of a in b.
 fn any_inside(pair: Pair, of_a: bool, thread: u32) -> bool {
     var inner = pair.mesh_b;
     var outer = pair.mesh_a;
@@ -420,7 +420,7 @@ fn any_inside(pair: Pair, of_a: bool, thread: u32) -> bool {
         inner = pair.mesh_a;
         outer = pair.mesh_b;
     }
-    if (outer.flags & t::CLOSED) == 0u {
+    if (outer.flags & t::SOLID) == 0u {
         return false;
     }
     for (var k = 0u; k < inner.component_count; k += 1u) {

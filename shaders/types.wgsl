@@ -123,7 +123,8 @@ struct Mesh {
     group_words: u32,
     // Corners and edges with what lies around them, as `sides.wgsl` reads them; only there if contact points are wanted.
     features: u32,
-    padding: u32,
+    // Nine words a triangle, like `triangles`, but corners that count as one are joined; often the same words.
+    corners: u32,
     // Half size and centre of the box around all.
     box_center: vec3<f32>,
     padding_a: u32,
@@ -131,7 +132,8 @@ struct Mesh {
     padding_b: u32,
 }
 
-const CLOSED: u32 = 1u;
+// Another body can be wholly inside.
+const SOLID: u32 = 1u;
 const ORIENTATION_MASK: u32 = 6u;
 const OUTWARD: u32 = 0u;
 const INWARD: u32 = 2u;

@@ -32,7 +32,7 @@ pub struct Collision<'a> {
     pub entity1: Entity,
     /// The other.
     pub entity2: Entity,
-    /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
+    /// One is solid and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
     /// approximate culling mode some may.
     pub contained: bool,
     /// Where they push each other, in one point; the normal points from the first to the second.

@@ -83,12 +83,7 @@ fn make_colliders(
             && task.is_finished()
         {
             *bake = match block_on(task) {
-                Ok(mesh) => {
-                    for warning in mesh.warnings() {
-                        warn!("{}: {warning}", name(handle));
-                    }
-                    Bake::Done(baked.add(mesh))
-                }
+                Ok(mesh) => Bake::Done(baked.add(mesh)),
                 Err(error) => {
                     error!("{} cannot collide: {error}", name(handle));
                     Bake::Failed
@@ -105,7 +100,14 @@ fn make_colliders(
 fn begin(handle: &Handle<Mesh>, mesh: &Mesh) -> Bake {
     match Triangles::of(mesh) {
         Ok(triangles) => {
-            let bake = async move { Ok(CollisionMesh::new(&triangles.into_mesh()?)) };
+            let name = name(handle);
+            let bake = async move {
+                let mesh = CollisionMesh::new(&triangles.into_mesh()?);
+                for warning in mesh.warnings() {
+                    warn!("{name}: {warning}");
+                }
+                Ok(mesh)
+            };
             Bake::Running(AsyncComputeTaskPool::get_or_init(default).spawn(bake))
         }
         Err(error) => {

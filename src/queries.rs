@@ -43,7 +43,7 @@ pub struct TouchingPair {
     pub a: u32,
     /// The other.
     pub b: u32,
-    /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
+    /// One is solid and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
     /// approximate culling mode some may.
     pub contained: bool,
     /// Intersecting faces as indices of the input meshes, `a`'s first, ascending.

@@ -65,7 +65,7 @@ pub enum Culling {
     /// **Approximate**, see the recall above. Only triangles whose outer side faces the other body: `n . u > 0` with the
     /// normal `n` and the direction `u` from centre to centre. Nothing is baked.
     ///
-    /// A mesh that is open, or whose faces disagree about the outside, has no front and runs `Exact`.
+    /// A mesh that is open, whose faces disagree about the outside, or that is a room, has no front and runs `Exact`.
     FrontFacing,
 }
 

@@ -18,6 +18,7 @@ fn with_table(mesh: &TriMesh) -> CollisionMesh {
         faces: true,
         degrees: 30,
         image: 32,
+        ..BakeSettings::default()
     };
     CollisionMesh::bake(mesh, settings, &pool(2), &Progress::default()).unwrap()
 }
@@ -25,9 +26,9 @@ fn with_table(mesh: &TriMesh) -> CollisionMesh {
 /// Puts the checksum right after a change, as someone who means harm would.
 fn resigned(mut bytes: Vec<u8>) -> Vec<u8> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(&bytes[..68]);
-    hasher.update(&bytes[100..]);
-    bytes[68..100].copy_from_slice(hasher.finalize().as_bytes());
+    hasher.update(&bytes[..76]);
+    hasher.update(&bytes[108..]);
+    bytes[76..108].copy_from_slice(hasher.finalize().as_bytes());
     bytes
 }
 
@@ -36,10 +37,10 @@ fn with_body(file: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     use lz4_flex::frame::{BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
     use std::io::{Read, Write};
     let mut body = Vec::new();
-    FrameDecoder::new(&file[100..]).read_to_end(&mut body).unwrap();
+    FrameDecoder::new(&file[108..]).read_to_end(&mut body).unwrap();
     change(&mut body);
-    let mut out = file[..100].to_vec();
-    out[60..68].copy_from_slice(&(body.len() as u64).to_le_bytes());
+    let mut out = file[..108].to_vec();
+    out[68..76].copy_from_slice(&(body.len() as u64).to_le_bytes());
     let mut encoder = FrameEncoder::with_frame_info(FrameInfo::new().block_size(BlockSize::Max256KB), out);
     encoder.write_all(&body).unwrap();
     resigned(encoder.finish().unwrap())
@@ -88,6 +89,7 @@ fn the_same_input_gives_the_same_bytes() {
         faces: true,
         degrees: 15,
         image: 64,
+        ..BakeSettings::default()
     };
     let make = |threads| {
         let mesh = shapes::torus_240();
@@ -121,7 +123,7 @@ fn every_truncation_is_an_error() {
     assert_eq!(from_bytes(&longer), Err(FormatError::Checksum));
     assert!(from_bytes(&resigned(longer)).is_err());
     // Content cut off inside a frame that is right.
-    let length = u64::from_le_bytes(bytes[60..68].try_into().unwrap()) as usize;
+    let length = u64::from_le_bytes(bytes[68..76].try_into().unwrap()) as usize;
     for n in 0..length {
         from_bytes(&with_body(&bytes, |body| body.truncate(n))).unwrap_err();
     }
@@ -153,7 +155,7 @@ fn every_bit_flip_is_an_error() {
 #[test]
 fn flips_in_the_content_are_found_or_harmless() {
     let bytes = to_bytes(&with_table(&shapes::cube(1.0)), [7; 32]);
-    let length = u64::from_le_bytes(bytes[60..68].try_into().unwrap()) as usize;
+    let length = u64::from_le_bytes(bytes[68..76].try_into().unwrap()) as usize;
     for i in 0..length * 8 {
         if let Ok((mesh, _)) = from_bytes(&with_body(&bytes, |body| body[i / 8] ^= 1 << (i % 8))) {
             sound(&mesh);
@@ -200,7 +202,17 @@ fn other_versions_and_other_files_are_named() {
     assert!(!header.is_up_to_date(&[7; 32], &BakeSettings::default()));
     assert_eq!(from_bytes(b"glTF and so on").unwrap_err(), FormatError::Magic);
     assert_eq!(from_bytes(b"").unwrap_err(), FormatError::Magic);
-    for (offset, value) in [(16, 2), (20, 0), (20, 7), (24, 15), (24, 5000)] {
+    for (offset, value) in [
+        (16, 2),
+        (20, 0),
+        (20, 7),
+        (24, 15),
+        (24, 5000),
+        (28, f32::NAN.to_bits()),
+        (28, 0.011f32.to_bits()),
+        (28, (-1e-6f32).to_bits()),
+        (32, 2),
+    ] {
         let mut bad = bytes.clone();
         bad[offset..offset + 4].copy_from_slice(&u32::to_le_bytes(value));
         assert!(matches!(from_bytes(&resigned(bad)), Err(FormatError::Damaged(_))));
@@ -213,14 +225,14 @@ fn hostile_lengths_allocate_nothing() {
     // The content's length as announced by the header.
     for length in [0, 1, 1 << 32, u64::MAX, u64::MAX / 255] {
         let mut bad = bytes.clone();
-        bad[60..68].copy_from_slice(&length.to_le_bytes());
+        bad[68..76].copy_from_slice(&length.to_le_bytes());
         assert!(
             matches!(from_bytes(&resigned(bad)), Err(FormatError::Damaged(_))),
             "{length}"
         );
     }
-    // The number of vertices, then of triangles.
-    for at in [0, 4 + 8 * 12] {
+    // The number of vertices, then of triangles, then of dropped faces.
+    for at in [0, 4 + 8 * 12, 4 + 8 * 12 + 4 + 12 * 16] {
         for count in [u32::MAX, u32::MAX / 3, 1 << 30, 9] {
             let bad = with_body(&bytes, |body| body[at..at + 4].copy_from_slice(&count.to_le_bytes()));
             assert!(from_bytes(&bad).is_err(), "{at} {count}");
@@ -234,7 +246,7 @@ fn a_bomb_is_not_set_off() {
     use std::io::Write;
     let bytes = to_bytes(&CollisionMesh::new(&shapes::cube(1.0)), [7; 32]);
     let frame = |size: usize, block| {
-        let mut out = bytes[..100].to_vec();
+        let mut out = bytes[..HEADER_LENGTH].to_vec();
         let mut encoder = FrameEncoder::with_frame_info(FrameInfo::new().block_size(block), Vec::new());
         encoder.write_all(&vec![0; size]).unwrap();
         out.extend(encoder.finish().unwrap());
@@ -350,6 +362,6 @@ proptest! {
             let n = damaged.len();
             damaged[at % n] = *value;
         }
-        prop_assert!(from_bytes(&resigned(damaged.clone())).is_err() || damaged.len() > 100);
+        prop_assert!(from_bytes(&resigned(damaged.clone())).is_err() || damaged.len() > HEADER_LENGTH);
     }
 }

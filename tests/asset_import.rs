@@ -3,7 +3,7 @@
 use bevy_faceoff::asset::recipe::RecipeError;
 use bevy_faceoff::asset::{ImportError, Imported, Recipe, import_bytes, import_file, to_obj};
 use bevy_faceoff::geometry::{MeshError, Orientation, TriMesh, shapes};
-use bevy_faceoff::projection::BakeSettings;
+use bevy_faceoff::projection::{BakeSettings, Inward};
 use proptest::prelude::*;
 
 #[path = "../examples/make_assets.rs"]
@@ -234,7 +234,8 @@ fn recipes() {
         BakeSettings {
             faces: true,
             degrees: 2,
-            image: 256
+            image: 256,
+            ..BakeSettings::default()
         }
     );
     assert_eq!(Recipe::parse(recipe.to_text().as_bytes()).unwrap(), recipe);
@@ -243,7 +244,25 @@ fn recipes() {
         BakeSettings::default()
     );
 
+    let recipe = Recipe::parse(b"(mesh: \"a\", settings: (weld_tolerance: 1e-5, inward: Solid))").unwrap();
+    assert_eq!(
+        recipe.settings,
+        BakeSettings {
+            weld_tolerance: 1e-5,
+            inward: Inward::Solid,
+            ..BakeSettings::default()
+        }
+    );
+    assert_eq!(Recipe::parse(recipe.to_text().as_bytes()).unwrap(), recipe);
+
     let error = |text: &str| Recipe::parse(text.as_bytes()).unwrap_err();
+    for text in ["weld_tolerance: 0.02", "weld_tolerance: -1e-6", "weld_tolerance: NaN"] {
+        let error = error(&format!("(mesh: \"a\", settings: ({text}))")).to_string();
+        assert!(
+            error.contains("weld_tolerance is") && error.contains("0 to 0.01"),
+            "{error}"
+        );
+    }
     for part in [
         "(mesh: 3)",
         "(mesh: \"Gear \\\"1\\\"\", primitive: 2)",

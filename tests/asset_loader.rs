@@ -167,6 +167,7 @@ fn all_kinds_of_files() {
         faces: true,
         degrees: 30,
         image: 32,
+        ..BakeSettings::default()
     };
     let faceoff = format::to_bytes(&CollisionMesh::new(&shapes::knot_1120()), [0; 32]);
     let mut stage = Stage::new(&[
@@ -224,6 +225,7 @@ fn settings_of_a_load_outrank_the_file() {
         faces: true,
         degrees: 45,
         image: 16,
+        ..BakeSettings::default()
     };
     for path in ["torus.obj", "torus.faceoff", "torus.bake.ron"] {
         let handle: Handle<CollisionMesh> = stage

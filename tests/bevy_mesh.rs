@@ -54,11 +54,14 @@ fn a_collision_mesh_is_drawn_face_by_face() {
     );
     faces.iter_mut().for_each(|face| face.swap(0, 1));
     let inward = TriMesh::new(vertices, faces).unwrap();
-    for mesh in [shapes::torus_240(), inward] {
+    for (mesh, orientation) in [
+        (shapes::torus_240(), Orientation::Outward),
+        (inward, Orientation::Inward),
+    ] {
         let baked = CollisionMesh::new(&mesh);
         let drawn = baked.to_bevy_mesh();
         let back = TriMesh::try_from(&drawn).unwrap();
-        assert_eq!(back.orientation(), Orientation::Outward);
+        assert_eq!(back.orientation(), orientation);
         let normals = drawn.attribute(Mesh::ATTRIBUTE_NORMAL).unwrap().as_float3().unwrap();
         for t in 0..240 {
             let sorted = |mut corners: [Vec3; 3]| {
@@ -90,9 +93,59 @@ fn strips_and_shapes_of_bevy() {
             .unwrap()
             .is_closed()
     );
-    for mesh in [Torus::default().mesh().build(), Sphere::new(1.0).mesh().uv(16, 8)] {
-        assert!(TriMesh::try_from(&mesh).unwrap().triangles().len() > 100);
+}
+
+/// Bevy closes its round shapes at corners that differ in their last bits. Volumes are those of the shapes as they are cut.
+#[test]
+fn round_shapes_of_bevy_are_closed_and_weigh_what_they_hold() {
+    use std::f64::consts::{PI, TAU};
+    // A polygon of `n` corners on a circle of radius `r`.
+    let polygon = |n: f64, r: f64| 0.5 * n * r * r * (TAU / n).sin();
+    // A polygon swept around: each of `n` sections holds sin(turn) times the first moment of its area about the axis.
+    let torus = 32.0 * (TAU / 32.0).sin() * 0.75 * polygon(24.0, 0.25);
+    let between =
+        |low: f64, high: f64, height: f64| polygon(32.0, 1.0) * height / 3.0 * (low * low + low * high + high * high);
+    let stack = |i: i32| PI / 2.0 - PI * f64::from(i) / 18.0;
+    let sphere = (0..18)
+        .map(|i| between(stack(i).cos(), stack(i + 1).cos(), stack(i).sin() - stack(i + 1).sin()))
+        .sum();
+    for (name, mesh, volume) in [
+        ("torus", Torus::default().mesh().build(), torus),
+        ("cylinder", Cylinder::default().mesh().build(), polygon(32.0, 0.5)),
+        ("sphere", Sphere::new(1.0).mesh().uv(32, 18), sphere),
+        (
+            "frustum",
+            ConicalFrustum::default().mesh().build(),
+            between(0.25, 0.5, 0.5),
+        ),
+        ("cone", Cone::default().mesh().build(), polygon(32.0, 0.5) / 3.0),
+    ] {
+        let baked = CollisionMesh::from_bevy_mesh(&mesh).unwrap();
+        assert_eq!(baked.mesh.orientation(), Orientation::Outward, "{name}");
+        assert_eq!(
+            baked.warnings().len(),
+            usize::from(baked.mesh.dropped() > 0),
+            "{name}: {:?}",
+            baked.warnings()
+        );
+        assert!(!baked.mass.approximate, "{name}");
+        let found = f64::from(baked.mass.volume);
+        assert!((found - volume).abs() < 1e-5 * volume, "{name}: {found}, not {volume}");
+        let exactly = BakeSettings {
+            weld_tolerance: 0.0,
+            ..BakeSettings::default()
+        };
+        let exactly = CollisionMesh::without_faces(&baked.mesh, exactly);
+        println!("{name}: {found}, {:?} without a tolerance", exactly.mesh.orientation());
+        // Where bits differ the warning says by how much.
+        for warning in exactly.warnings().iter().filter(|w| w.contains("is open")) {
+            assert!(
+                warning.contains("edges have no partner; the nearest corners"),
+                "{warning}"
+            );
+        }
     }
+    assert!((torus - 0.909).abs() < 1e-3);
 }
 
 #[test]

@@ -22,6 +22,7 @@ fn baked(mesh: &TriMesh, degrees: u32, image: u32) -> CollisionMesh {
         faces: true,
         degrees,
         image,
+        ..BakeSettings::default()
     };
     CollisionMesh::bake(mesh, settings, bake_pool(), &Progress::default()).expect("nobody cancels")
 }
@@ -90,12 +91,13 @@ impl Seen {
                     let here = near(DVec3::ZERO);
                     around.iter().all(|&by| near(by) == here).then_some(here)
                 }
+                // What is in a room sees every wall.
+                Culling::FrontFacing if mesh.mesh.orientation() == Orientation::Inward => Some(true),
                 Culling::FrontFacing => {
                     let [p, q, r] = mesh.mesh.corners(t).map(|p| p.as_dvec3());
                     let normal = (q - p).cross(r - p);
                     let outward = match mesh.mesh.orientation() {
                         Orientation::Outward => normal,
-                        Orientation::Inward => -normal,
                         _ => panic!("no outside"),
                     };
                     // Normals go with the inverse transpose.

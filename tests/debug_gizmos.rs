@@ -64,6 +64,7 @@ fn each_kind_is_drawn_on_its_own() {
         faces: true,
         degrees: 30,
         image: 64,
+        ..BakeSettings::default()
     };
     let mesh = CollisionMesh::bake(&shapes::torus_240(), settings, bake_pool(), &Progress::default()).unwrap();
     let mesh = app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(mesh);

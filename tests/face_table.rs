@@ -16,6 +16,7 @@ fn settings(degrees: u32) -> BakeSettings {
         faces: true,
         degrees,
         image: 64,
+        ..BakeSettings::default()
     }
 }
 

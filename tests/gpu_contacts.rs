@@ -1,6 +1,8 @@
 //! Apps with contacts on a GPU: what `app_headless` asks of those on the CPU, and what is read later.
 
 mod app;
+#[path = "app_headless/bakes.rs"]
+mod bakes;
 #[path = "app_headless/contacts.rs"]
 #[allow(dead_code)]
 mod contacts;
@@ -41,6 +43,10 @@ fn main() {
         a_platform_that_moves_carries: contacts::a_platform_that_moves_carries_what_stands_on_it();
         a_bullet_is_stopped_on_the_cpu: contacts::a_bullet_flagged_so_does_not_pass_a_sheet();
         a_snapshot_of_a_pile_goes_on_to_the_bit: contacts::a_snapshot_of_a_pile_goes_on_to_the_bit();
+        a_ball_dropped_in_a_room_rests_on_its_floor: bakes::a_ball_dropped_in_a_room_rests_on_its_floor();
+        the_walls_of_a_room_push_inward: bakes::the_walls_of_a_room_push_inward();
+        the_same_mesh_as_a_solid_is_the_outward_one: bakes::the_same_mesh_as_a_solid_is_the_outward_one();
+        no_ray_slips_through_a_seam: bakes::no_ray_slips_through_a_seam();
         results_are_those_of_waiting_steps_two_steps_later: later();
         what_stays_on_the_gpu_comes_to_rest_there: resident();
         a_response_may_change_between_steps: responses();

@@ -118,12 +118,31 @@ fn a_distant_mesh_keeps_its_digits() {
 }
 
 #[test]
-fn inward_faces_enclose_the_same() {
+fn a_room_weighs_what_a_solid_of_its_inside_does() {
     for mesh in [shapes::torus_240(), shapes::cube(1.0), shapes::knot_1120()] {
-        let inward = flipped(&mesh);
-        assert_eq!(inward.orientation(), Orientation::Inward);
-        assert_eq!(MassProperties::of(&inward), MassProperties::of(&mesh));
+        let room = flipped(&mesh);
+        assert_eq!(room.orientation(), Orientation::Inward);
+        let (own, solid) = (MassProperties::of(&room), MassProperties::of(&mesh));
+        assert!(own.approximate && !solid.approximate);
+        assert!(own.thickness > 0.0 && own.thickness.is_finite());
+        let figures = |m: MassProperties| (m.volume, m.center, m.second_moment);
+        assert_eq!(figures(own), figures(solid));
+        assert_eq!(MassProperties::of(&room.turned()), solid);
     }
+}
+
+/// A room's walls have no outside; what stands in it is as thick as it is.
+#[test]
+fn a_room_with_a_ball_in_it_is_as_thick_as_the_ball() {
+    let (walls, ball) = (flipped(&shapes::cube(4.0)), shapes::ball(0.5, 3));
+    let n = walls.vertices().len() as u32;
+    let vertices = walls.vertices().iter().chain(ball.vertices()).copied().collect();
+    let faces = ball.triangles().iter().map(|t| t.map(|v| v + n));
+    let mesh = TriMesh::new(vertices, walls.triangles().iter().copied().chain(faces).collect()).unwrap();
+    assert_eq!(mesh.orientation(), Orientation::Inward);
+    let m = MassProperties::of(&mesh);
+    close(m.thickness, 1.0, 2e-2);
+    close(m.volume, 64.0 - 4.0 / 3.0 * PI / 8.0, 1e-3);
 }
 
 #[test]

@@ -18,6 +18,7 @@ fn settings(degrees: u32, image: u32) -> BakeSettings {
         faces: true,
         degrees,
         image,
+        ..BakeSettings::default()
     }
 }
 

@@ -1,10 +1,10 @@
 //! Collision meshes from Bevy's own meshes, and back. Needs the feature `bevy_mesh`.
 //!
-//! The round shapes that Bevy builds, spheres and tori say, have a seam whose two sides differ by a rounding error. They
-//! collide, but count as open meshes: a body wholly inside one is not found, and its mass is that of its box.
+//! The round shapes that Bevy builds, spheres and tori say, have a seam whose two sides differ by a rounding error:
+//! [`BakeSettings::weld_tolerance`](crate::projection::BakeSettings) closes it.
 
 use super::collision_mesh::CollisionMesh;
-use crate::geometry::{MeshError, Orientation, TriMesh};
+use crate::geometry::{MeshError, TriMesh};
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
@@ -121,14 +121,10 @@ impl CollisionMesh {
     /// collides, and to colour single faces; a game draws a model of its own.
     pub fn to_bevy_mesh(&self) -> Mesh {
         let mesh = &self.mesh;
-        let inward = mesh.orientation() == Orientation::Inward;
         let mut positions = Vec::with_capacity(3 * mesh.triangles().len());
         let mut normals = Vec::with_capacity(3 * mesh.triangles().len());
         for t in 0..mesh.triangles().len() {
-            let mut corners = mesh.corners(t);
-            if inward {
-                corners.swap(1, 2);
-            }
+            let corners = mesh.corners(t);
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a).normalize_or_zero();
             positions.extend(corners.map(|corner| corner.to_array()));

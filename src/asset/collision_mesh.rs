@@ -1,16 +1,25 @@
 //! [`CollisionMesh`]: everything the five stages need to know about a mesh.
 
 use crate::geometry::cluster::cluster_order;
+use crate::geometry::features::MeshFeatures;
+use crate::geometry::lanes::MeshLanes;
 use crate::geometry::{MassProperties, Orientation, TriMesh};
-use crate::projection::{BakeSettings, Cancelled, FaceTable, Group, Progress, SupportHeights};
+use crate::projection::{BakeSettings, Cancelled, FaceTable, Group, Inward, Progress, SupportHeights};
 use bevy::prelude::*;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
 /// A baked mesh. Cloning is cheap: the data is shared and never changes.
-#[derive(Asset, TypePath, Clone, PartialEq)]
-pub struct CollisionMesh(Arc<BakedMesh>);
+///
+/// It comes with what the stages derive from a mesh, so that no step has to: making one, be it by a bake or from a file, takes
+/// about a millisecond for a thousand triangles.
+#[derive(Asset, TypePath, Clone)]
+pub struct CollisionMesh {
+    baked: Arc<BakedMesh>,
+    features: Arc<MeshFeatures>,
+    lanes: Arc<MeshLanes>,
+}
 
 /// What a bake produces.
 #[derive(Clone, PartialEq)]
@@ -32,13 +41,26 @@ pub struct BakedMesh {
 impl Deref for CollisionMesh {
     type Target = BakedMesh;
     fn deref(&self) -> &BakedMesh {
-        &self.0
+        &self.baked
+    }
+}
+
+impl PartialEq for CollisionMesh {
+    /// All else follows from what was baked.
+    fn eq(&self, other: &Self) -> bool {
+        self.baked == other.baked
     }
 }
 
 impl From<BakedMesh> for CollisionMesh {
+    /// Derives what the stages need.
     fn from(baked: BakedMesh) -> Self {
-        Self(Arc::new(baked))
+        let features = MeshFeatures::of(&baked.mesh);
+        Self {
+            lanes: Arc::new(MeshLanes::new(&baked.mesh, &features, baked.mass.center)),
+            features: Arc::new(features),
+            baked: Arc::new(baked),
+        }
     }
 }
 
@@ -56,17 +78,36 @@ impl CollisionMesh {
         pool: &rayon::ThreadPool,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        prepare(mesh, settings).add_faces(pool, progress).map(Self::from)
+        Self::without_faces(mesh, settings).rebake(settings, pool, progress)
     }
 
     /// Whether both are the same bake, not merely equal.
     pub fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.baked, &other.baked)
     }
 
-    /// Heights and clusters only, which takes milliseconds and no pool.
+    /// Bakes `mesh` with default settings: all but the face table, which takes milliseconds and no pool.
     pub fn new(mesh: &TriMesh) -> Self {
-        prepare(mesh, BakeSettings::default()).into()
+        Self::without_faces(mesh, BakeSettings::default())
+    }
+
+    /// Bakes `mesh` without a face table, whether `settings` ask for one or not. `settings` must be valid.
+    pub fn without_faces(mesh: &TriMesh, settings: BakeSettings) -> Self {
+        let settings = BakeSettings {
+            faces: false,
+            ..settings
+        };
+        prepare(mesh, settings).into()
+    }
+
+    /// Its vertices and edges, of which contact points are made.
+    pub fn features(&self) -> &Arc<MeshFeatures> {
+        &self.features
+    }
+
+    /// Its triangles in eights, as the CPU tests them.
+    pub fn lanes(&self) -> &Arc<MeshLanes> {
+        &self.lanes
     }
 
     /// The *faces of collision* that the mesh, placed by `pose`, shows a body whose centre of mass is at `point`, both in
@@ -81,7 +122,7 @@ impl CollisionMesh {
             .map(|table| table.group(local))
     }
 
-    /// The same mesh baked with other settings; only the face table is made anew.
+    /// The same mesh baked with other settings; only what they change is made anew.
     ///
     /// # Errors
     /// [`Cancelled`] if `progress` was cancelled before the end.
@@ -91,14 +132,28 @@ impl CollisionMesh {
         pool: &rayon::ThreadPool,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let bare = BakedMesh {
+        // A bake without a table can be cancelled as well.
+        progress.advance(0)?;
+        if settings == self.settings {
+            return Ok(self.clone());
+        }
+        if (settings.weld_tolerance, settings.inward) != (self.settings.weld_tolerance, self.settings.inward) {
+            return Self::without_faces(&self.mesh, settings).rebake(settings, pool, progress);
+        }
+        let mut baked = BakedMesh {
             mesh: self.mesh.clone(),
             heights: self.heights.clone(),
             faces: None,
             settings,
-            ..*self.0
+            ..*self.baked
         };
-        bare.add_faces(pool, progress).map(Self::from)
+        if settings.faces {
+            baked.faces = Some(FaceTable::bake(&baked.mesh, &settings, pool, progress)?);
+        }
+        Ok(Self {
+            baked: Arc::new(baked),
+            ..self.clone()
+        })
     }
 }
 
@@ -115,40 +170,58 @@ impl BakedMesh {
             ));
         }
         match self.mesh.orientation() {
-            Orientation::Open => warnings.push(
-                "the mesh is open: bodies inside it are not found, and its mass is that of its bounding box; close the \
-                 holes or set the mass yourself"
-                    .into(),
-            ),
+            Orientation::Open => warnings.push(self.openness()),
             Orientation::Mixed => warnings.push(
                 "some neighbouring faces disagree about the outside, so the mass is that of the bounding box; recalculate \
                  the normals or set the mass yourself"
                     .into(),
             ),
-            Orientation::Outward | Orientation::Inward if self.mass.approximate => warnings.push(
+            Orientation::Inward => warnings.push(
+                "its faces look inward, so it is a room: bodies inside are free, its walls push inward, and its mass is \
+                 that of its inside; if it is meant to be solid, turn its faces or bake it with `inward: Solid`"
+                    .into(),
+            ),
+            Orientation::Outward if self.mass.approximate => warnings.push(
                 "the mesh encloses next to nothing, or its size does not fit single precision, so its mass is approximate; \
                  set the mass yourself"
                     .into(),
             ),
-            Orientation::Outward | Orientation::Inward => {}
+            Orientation::Outward => {}
         }
         warnings
     }
 
-    fn add_faces(mut self, pool: &rayon::ThreadPool, progress: &Progress) -> Result<Self, Cancelled> {
-        // A bake without a table can be cancelled as well.
-        progress.advance(0)?;
-        if self.settings.faces {
-            self.faces = Some(FaceTable::bake(&self.mesh, &self.settings, pool, progress)?);
+    /// What there is to say of an open mesh.
+    fn openness(&self) -> String {
+        let mut text = "the mesh is open".to_owned();
+        if let Some(gaps) = self.mesh.gaps() {
+            let edges = if gaps.edges == 1 { "edge has" } else { "edges have" };
+            text += &format!(" ({} {edges} no partner", gaps.edges);
+            if let (Some(nearest), Some(relative)) = (gaps.nearest, gaps.relative) {
+                text += &format!(
+                    "; the nearest corners there that no such edge joins are {nearest:.2e} apart, {relative:.1e} of its \
+                     size, and `weld_tolerance` is {:.1e}",
+                    self.settings.weld_tolerance
+                );
+            }
+            text.push(')');
         }
-        Ok(self)
+        text + ": bodies inside it are not found, and its mass is that of its bounding box; close the holes, bake it with a \
+                larger `weld_tolerance` if they are cracks, or set the mass yourself"
     }
 }
 
 /// All but the face table.
 fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
     // Clusters first: thickness is found by rays that need neighbours to be neighbours in the list.
-    let mesh = mesh.reordered(&cluster_order(mesh));
+    let mut mesh = (mesh.reordered(&cluster_order(mesh))).with_weld_tolerance(settings.weld_tolerance);
+    // What an earlier bake turned is judged as it was.
+    if mesh.is_turned() {
+        mesh = mesh.turned();
+    }
+    if settings.inward == Inward::Solid && mesh.orientation() == Orientation::Inward {
+        mesh = mesh.turned();
+    }
     let mass = MassProperties::of(&mesh);
     let heights = SupportHeights::of(used_once(&mesh).map(|p| p - mass.center));
     BakedMesh {
@@ -202,6 +275,6 @@ impl fmt::Debug for BakedMesh {
 
 impl fmt::Debug for CollisionMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "CollisionMesh({:?})", *self.0)
+        write!(f, "CollisionMesh({:?})", *self.baked)
     }
 }

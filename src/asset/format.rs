@@ -8,21 +8,22 @@
 //! | 0 | 8 | magic `FACEOFF\0` |
 //! | 8 | 4 | format version |
 //! | 12 | 4 | baker version |
-//! | 16 | 12 | settings: faces (0 or 1), degrees, image |
-//! | 28 | 32 | blake3 of the source mesh's bytes |
-//! | 60 | 8 | length of the frame's content |
-//! | 68 | 32 | blake3 of everything else in the file |
-//! | 100 | | lz4 frame |
+//! | 16 | 20 | settings: faces (0 or 1), degrees, image, weld tolerance, inward (0 for a room, 1 for a solid) |
+//! | 36 | 32 | blake3 of the source mesh's bytes |
+//! | 68 | 8 | length of the frame's content |
+//! | 76 | 32 | blake3 of everything else in the file |
+//! | 108 | | lz4 frame |
 //!
 //! A file is believed only as far as its bytes go: lengths are checked against the bytes that are left before anything is
 //! allocated, every number is checked for range, and the checksum finds what a disk or a network changed. The checksum is
-//! no signature: who makes up a file can make it say that a mesh is closed when it is not, which spoils results, but
-//! neither panics nor eats memory.
+//! no signature: who makes up a file can make it say that a mesh weighs what it does not, which spoils results, but
+//! neither panics nor eats memory. What follows from the triangles alone, how they hang together say, is not in the file but
+//! found again.
 
 use super::bytes::{Reader, put};
 use super::collision_mesh::{BakedMesh, CollisionMesh};
-use crate::geometry::{MassProperties, MeshParts, Orientation, TriMesh};
-use crate::projection::{BakeSettings, FaceTable, SupportHeights, faces::TableError};
+use crate::geometry::{MassProperties, MeshParts, TriMesh};
+use crate::projection::{BakeSettings, FaceTable, Inward, SupportHeights, faces::TableError};
 use glam::{Mat3, Vec3};
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use std::io::{Read, Write};
@@ -31,13 +32,13 @@ use thiserror::Error;
 /// The first bytes of every `.faceoff` file.
 pub const MAGIC: [u8; 8] = *b"FACEOFF\0";
 /// Changes when the meaning of a file's bytes changes. Files of another version are refused.
-pub const FORMAT_VERSION: u32 = 2;
+pub const FORMAT_VERSION: u32 = 3;
 /// Changes when the same source and settings bake to something else. Older files still load, but are not up to date.
-pub const BAKER_VERSION: u32 = 1;
+pub const BAKER_VERSION: u32 = 2;
 /// Length of the header in bytes; enough for [`read_header`].
-pub const HEADER_LENGTH: usize = 100;
+pub const HEADER_LENGTH: usize = 108;
 
-const CHECKSUM_AT: usize = 68;
+const CHECKSUM_AT: usize = 76;
 /// How every frame of ours begins: lz4's magic, version 1, independent blocks of at most 256 KiB, no extras.
 const FRAME_START: [u8; 6] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x50];
 /// One byte of an lz4 block stands for at most 255 bytes of content.
@@ -52,7 +53,7 @@ pub fn source_hash(source: &[u8]) -> Hash {
 }
 
 /// What a file was made from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
     /// The [`BAKER_VERSION`] that made it.
     pub baker_version: u32,
@@ -104,8 +105,16 @@ pub fn to_bytes(mesh: &CollisionMesh, source_hash: Hash) -> Vec<u8> {
     let mut out = Vec::with_capacity(HEADER_LENGTH + body.len() / 2);
     out.extend_from_slice(&MAGIC);
     put(&mut out, [FORMAT_VERSION, BAKER_VERSION]);
-    let BakeSettings { faces, degrees, image } = mesh.settings;
+    let BakeSettings {
+        faces,
+        degrees,
+        image,
+        weld_tolerance,
+        inward,
+    } = mesh.settings;
     put(&mut out, [u32::from(faces), degrees, image]);
+    put(&mut out, [weld_tolerance]);
+    put(&mut out, [u32::from(inward == Inward::Solid)]);
     out.extend_from_slice(&source_hash);
     put(&mut out, [body.len() as u64]);
     out.resize(HEADER_LENGTH, 0);
@@ -145,6 +154,12 @@ pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
         faces,
         degrees: reader.u32("the settings")?,
         image: reader.u32("the settings")?,
+        weld_tolerance: f32::from_bits(reader.u32("the settings")?),
+        inward: if flag(reader.u32("the settings")?)? {
+            Inward::Solid
+        } else {
+            Inward::Room
+        },
     };
     settings
         .validate()
@@ -208,14 +223,8 @@ fn body(baked: &BakedMesh) -> Vec<u8> {
     put(&mut out, mesh.triangles().iter().flatten().copied());
     put(&mut out, mesh.face_ids().iter().copied());
     put(&mut out, [mesh.dropped()]);
-    let orientation = match mesh.orientation() {
-        Orientation::Outward => 0u32,
-        Orientation::Inward => 1,
-        Orientation::Mixed => 2,
-        Orientation::Open => 3,
-    };
-    put(&mut out, [orientation, mesh.component_vertices().len() as u32]);
-    put(&mut out, mesh.component_vertices().iter().copied());
+    put(&mut out, mesh.dropped_faces().iter().flatten().copied());
+    put(&mut out, [u32::from(mesh.is_turned())]);
 
     let mass = &baked.mass;
     put(&mut out, [mass.volume, mass.thickness, baked.radius]);
@@ -234,7 +243,7 @@ fn body(baked: &BakedMesh) -> Vec<u8> {
 }
 
 fn read_body(reader: &mut Reader, settings: BakeSettings) -> Result<BakedMesh, FormatError> {
-    let mesh = read_mesh(reader)?;
+    let mesh = read_mesh(reader, settings.weld_tolerance)?;
     let [volume, thickness, radius] = reader.floats("the mass")?;
     let center = Vec3::from(reader.floats::<3>("the centre of mass")?);
     let second_moment = Mat3::from_cols_array(&reader.floats("the second moment")?);
@@ -271,7 +280,7 @@ fn read_body(reader: &mut Reader, settings: BakeSettings) -> Result<BakedMesh, F
     })
 }
 
-fn read_mesh(reader: &mut Reader) -> Result<TriMesh, FormatError> {
+fn read_mesh(reader: &mut Reader, weld_tolerance: f32) -> Result<TriMesh, FormatError> {
     let count = reader.u32("the vertices")?;
     let vertices = reader
         .list(count, "the vertices")?
@@ -280,23 +289,16 @@ fn read_mesh(reader: &mut Reader) -> Result<TriMesh, FormatError> {
     let count = reader.u32("the triangles")?;
     let triangles = reader.list(count, "the triangles")?.collect();
     let face_ids = reader.list(count, "the face ids")?.map(|[id]| id).collect();
-    let dropped = reader.u32("the number of dropped faces")?;
-    let orientation = match reader.u32("the orientation")? {
-        0 => Orientation::Outward,
-        1 => Orientation::Inward,
-        2 => Orientation::Mixed,
-        3 => Orientation::Open,
-        _ => return Err(FormatError::Damaged("its orientation is impossible")),
-    };
-    let count = reader.u32("the components")?;
-    let component_vertices = reader.list(count, "the components")?.map(|[v]| v).collect();
+    let count = reader.u32("the dropped faces")?;
+    let dropped = reader.list(count, "the dropped faces")?.collect();
+    let is_turned = flag(reader.u32("which way its faces look")?)?;
     TriMesh::from_parts(MeshParts {
         vertices,
         triangles,
         face_ids,
         dropped,
-        orientation,
-        component_vertices,
+        is_turned,
+        weld_tolerance,
     })
     .map_err(FormatError::Damaged)
 }

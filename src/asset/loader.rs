@@ -50,10 +50,10 @@ use thiserror::Error;
 pub struct CollisionMeshLoader;
 
 /// Settings of one load, in code or in a `.meta` file.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CollisionMeshSettings {
-    /// How to bake. Outranks the recipe; a `.faceoff` file that was baked otherwise gets a new face table. Without it, the
+    /// How to bake. Outranks the recipe; a `.faceoff` file that was baked otherwise is baked anew. Without it, the
     /// recipe or the file decides, and any other mesh is baked by the default settings.
     pub bake: Option<BakeSettings>,
     /// Which part of a glTF file to bake. Outranks the recipe; without it, the recipe decides, and else it is the whole scene.
@@ -148,7 +148,9 @@ impl AssetLoader for CollisionMeshLoader {
         } else {
             load_mesh(context, &path, bytes, Wanted { bake: wanted, part }).await?
         };
-        for warning in mesh.warnings() {
+        // To find out where a mesh is open is no work for the IO pool either.
+        let told = mesh.clone();
+        for warning in on_compute_pool(move || Ok(told.warnings())).await? {
             tracing::warn!("{path}: {warning}");
         }
         Ok(mesh)
@@ -222,7 +224,10 @@ async fn load_mesh(
     }
     let (mesh, settings) = on_compute_pool(move || {
         Ok(match source.read(wanted.part.as_ref(), &files)? {
-            Imported::Mesh { mesh, settings, .. } => (CollisionMesh::new(&mesh), wanted.bake.unwrap_or(settings)),
+            Imported::Mesh { mesh, settings, .. } => {
+                let settings = wanted.bake.unwrap_or(settings);
+                (CollisionMesh::without_faces(&mesh, settings), settings)
+            }
             Imported::Baked { mesh, .. } => {
                 let settings = wanted.bake.unwrap_or(mesh.settings);
                 (mesh, settings)

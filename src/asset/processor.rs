@@ -20,7 +20,7 @@
 //!     meta_format_version: "1.0",
 //!     asset: Process(
 //!         processor: "bevy_faceoff::asset::processor::CollisionMeshProcessor",
-//!         settings: (baker_version: 1, bake: Some((faces: true)), part: None),
+//!         settings: (baker_version: 2, bake: Some((faces: true)), part: None),
 //!     ),
 //! )
 //! ```
@@ -49,7 +49,7 @@ pub struct CollisionMeshProcessor {
 }
 
 /// How to process one recipe.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ProcessorSettings {
     /// Has no effect but to make Bevy bake again when it changes.

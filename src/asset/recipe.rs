@@ -1,7 +1,7 @@
 //! The `.bake.ron` recipe: which mesh to bake, and how.
 //!
 //! ```ron
-//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256))
+//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256, weld_tolerance: 1e-6, inward: Room))
 //! ```
 //!
 //! The path is relative to the recipe, with `/` between folders and `..` for the one above; it begins with no `/`, which would be
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// What a `.bake.ron` file says.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
     /// The mesh file, relative to the recipe: glTF, OBJ or STL, or a baked file whose mesh is to be baked otherwise.
@@ -90,18 +90,30 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// The recipe as text, in one line.
+    /// The recipe as text, in one line. How to join corners and what to make of inward faces is left out where it is the
+    /// default.
     pub fn to_text(&self) -> String {
-        let BakeSettings { faces, degrees, image } = self.settings;
+        let BakeSettings {
+            faces,
+            degrees,
+            image,
+            weld_tolerance,
+            inward,
+        } = self.settings;
         let part = self
             .part
             .as_ref()
             .map(|part| format!("part: {part}, "))
             .unwrap_or_default();
-        format!(
-            "(mesh: {:?}, {part}settings: (faces: {faces}, degrees: {degrees}, image: {image}))\n",
-            self.mesh
-        )
+        let mut settings = format!("faces: {faces}, degrees: {degrees}, image: {image}");
+        let default = BakeSettings::default();
+        if weld_tolerance != default.weld_tolerance {
+            settings += &format!(", weld_tolerance: {weld_tolerance:?}");
+        }
+        if inward != default.inward {
+            settings += &format!(", inward: {inward:?}");
+        }
+        format!("(mesh: {:?}, {part}settings: ({settings}))\n", self.mesh)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The corners and edges of a mesh with all that lies around them: what contact points between surfaces are made of.
 
+use super::edges::{Edges, NO_EDGE, is_collapsed};
 use crate::geometry::{Orientation, TriMesh};
 use glam::{DMat3, DVec3, Vec3};
-use std::collections::HashMap;
 
-/// No triangle.
-pub const NONE: u32 = u32::MAX;
+/// No triangle, or no edge.
+pub const NONE: u32 = NO_EDGE;
 
 /// A neighbour that leads below a triangle's plane by less than this part of the triangle's size lies in it: rounding of the
 /// corners does that, and scales fold the edge noticeably only if their components differ by a factor of thousand.
@@ -23,18 +23,18 @@ pub const EVERY_WAY: f32 = 2.0;
 
 /// Vertices and edges of a mesh, each once, in flat arrays.
 ///
-/// Connectivity is found on positions, as for all of [`TriMesh`]. Every vertex and every edge is owned by one triangle, the
-/// first that has it: whoever visits pairs of triangles meets each pair of features once.
+/// Connectivity is that of [`TriMesh`]: corners that count as one are one vertex. Every vertex and every edge is owned by one
+/// triangle, the first that has it: whoever visits pairs of triangles meets each pair of features once. Triangles of which
+/// two corners are one have collapsed: they own nothing, and are beside no edge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFeatures {
-    /// Positions that triangles use, each once, in mesh space and in the order in which the mesh's triangles first use them.
+    /// Places of the vertices, in mesh space and in the order in which the mesh's triangles first use them.
     pub vertices: Vec<Vec3>,
-    /// Corners of the mesh's triangles, in its order, as indices of [`MeshFeatures::vertices`]. They run
-    /// counter-clockwise seen from outside if [`MeshFeatures::sided`], else as in the mesh.
+    /// Corners of the mesh's triangles, in its order, as indices of [`MeshFeatures::vertices`].
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals of the triangles by that winding, in mesh space.
     pub normals: Vec<Vec3>,
-    /// Edges of each triangle: the first from its first corner to its second, and so on.
+    /// Edges of each triangle: the first from its first corner to its second, and so on; [`NONE`] between corners that are one.
     pub triangle_edges: Vec<[u32; 3]>,
     /// What each triangle owns: bits 0 to 2 its corners, bits 3 to 5 its edges. Edges that can touch no other edge have no
     /// owner: those of more than two triangles, and if [`MeshFeatures::sided`] those that are flat or concave.
@@ -54,27 +54,29 @@ pub struct MeshFeatures {
     pub neighbor_starts: Vec<u32>,
     /// The vertices to which edges lead, one vertex's after the other's.
     pub neighbors: Vec<u32>,
+    /// For each vertex which of the mesh's components it belongs to, in the order of [`TriMesh::component_vertices`].
+    pub components: Vec<u32>,
     /// Unit normals at the vertices: each of the sphere that fits the vertex and its neighbours best, which does not depend on
     /// how the surface is cut, and away from its centre; zero if none fits.
     pub round_normals: Vec<Vec3>,
     /// Radius of curvature around each vertex: the least of its triangles'.
     pub vertex_roundness: Vec<f32>,
-    /// Whether the mesh is closed and its faces agree about the outside. The triangles of one that is not have two sides.
+    /// Whether the mesh is closed and its faces agree about where it is solid. The triangles of one that is not have two sides.
     pub sided: bool,
 }
 
 impl MeshFeatures {
     /// Finds them.
     pub fn of(mesh: &TriMesh) -> Self {
-        let inward = mesh.orientation() == Orientation::Inward;
         let mut features = Self {
-            sided: inward || mesh.orientation() == Orientation::Outward,
+            sided: matches!(mesh.orientation(), Orientation::Outward | Orientation::Inward),
             ..Self::default()
         };
-        features.add_triangles(mesh, inward);
+        let numbers = features.add_triangles(mesh);
         let ends = features.add_edges();
         features.add_edge_turns();
         features.add_neighbors(&ends);
+        features.add_components(mesh, &numbers);
         features.add_rounds();
         features
     }
@@ -85,58 +87,71 @@ impl MeshFeatures {
         &self.neighbors[at(vertex)..at(vertex + 1)]
     }
 
-    /// Triangles, vertices, normals, and who owns which corner.
-    fn add_triangles(&mut self, mesh: &TriMesh, inward: bool) {
-        let mut numbers: HashMap<[u32; 3], u32> = HashMap::with_capacity(mesh.vertices().len());
+    /// Triangles, vertices, normals, and who owns which corner; returns for each vertex of the mesh its number here, if
+    /// triangles use it.
+    fn add_triangles(&mut self, mesh: &TriMesh) -> Vec<u32> {
+        let mut numbers = vec![NONE; mesh.vertices().len()];
+        let mut has_owner = Vec::new();
         for (t, corners) in mesh.triangles().iter().enumerate() {
-            let order = if inward { [0, 2, 1] } else { [0, 1, 2] };
-            let (mut triangle, mut owned) = ([0; 3], 0);
-            for (&corner, k) in corners.iter().zip(order) {
-                let position = mesh.vertices()[corner as usize];
-                // Adding zero turns -0 into 0.
-                let key = (position + Vec3::ZERO).to_array().map(f32::to_bits);
-                triangle[k] = *numbers.entry(key).or_insert_with(|| {
-                    owned |= 1 << k;
-                    self.vertices.push(position);
-                    self.vertices.len() as u32 - 1
-                });
+            let triangle = corners.map(|corner| {
+                let keeper = mesh.welded()[corner as usize];
+                let number = &mut numbers[keeper as usize];
+                if *number == NONE {
+                    *number = self.vertices.len() as u32;
+                    self.vertices.push(mesh.vertices()[keeper as usize]);
+                    has_owner.push(false);
+                }
+                *number
+            });
+            let mut owned = 0;
+            if !is_collapsed(triangle) {
+                for (k, &vertex) in triangle.iter().enumerate() {
+                    if !std::mem::replace(&mut has_owner[vertex as usize], true) {
+                        owned |= 1 << k;
+                    }
+                }
             }
             let [p, q, r] = mesh.corners(t).map(|p| p.as_dvec3());
             // Never zero: a mesh has no triangles without area.
             let normal = (q - p).cross(r - p).normalize_or(DVec3::Z).as_vec3();
             self.triangles.push(triangle);
-            self.normals.push(if inward { -normal } else { normal });
+            self.normals.push(normal);
             self.owned.push(owned);
         }
+        mesh.welded().iter().map(|&keeper| numbers[keeper as usize]).collect()
     }
 
     /// Edges and who owns them; returns their ends.
     fn add_edges(&mut self) -> Vec<[u32; 2]> {
-        let mut numbers: HashMap<[u32; 2], u32> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
-        let mut ends = Vec::new();
+        let Edges { ends, of_triangles } = Edges::of(&self.triangles, self.vertices.len());
+        self.triangle_edges = of_triangles;
+        self.across = vec![NONE; ends.len()];
         // For each edge its owner, which of the owner's edges it is, and how many triangles have it.
-        let mut owners: Vec<(usize, usize, u32)> = Vec::new();
-        for (t, &[a, b, c]) in self.triangles.iter().enumerate() {
-            let edges = [(0, a, b), (1, b, c), (2, c, a)].map(|(k, u, v)| {
-                let edge = *numbers.entry([u.min(v), u.max(v)]).or_insert_with(|| {
-                    ends.push([u, v]);
-                    owners.push((t, k, 0));
-                    self.across.push(NONE);
-                    ends.len() as u32 - 1
-                });
-                let (owner, _, count) = &mut owners[edge as usize];
-                *count += 1;
-                if *owner != t {
+        let mut owners = vec![(0, 0, 0); ends.len()];
+        let collapsed: Vec<bool> = self.triangles.iter().map(|t| is_collapsed(*t)).collect();
+        for (t, edges) in self.triangle_edges.iter().enumerate() {
+            if collapsed[t] {
+                continue;
+            }
+            for (k, &edge) in edges.iter().enumerate() {
+                let owner = &mut owners[edge as usize];
+                if owner.2 == 0 {
+                    *owner = (t, k, 0);
+                } else {
                     self.across[edge as usize] = t as u32;
                 }
-                edge
-            });
-            self.triangle_edges.push(edges);
+                owner.2 += 1;
+            }
         }
         let vertex_normals = self.vertex_normals();
-        self.roundness = vec![f32::INFINITY; self.triangles.len()];
-        self.curvature = vec![f32::INFINITY; self.triangles.len()];
-        for (edge, (owner, k, count)) in owners.into_iter().enumerate() {
+        // Nothing rolls on what has collapsed.
+        let flattest = |collapsed: &bool| if *collapsed { 0.0 } else { f32::INFINITY };
+        self.roundness = collapsed.iter().map(flattest).collect();
+        self.curvature = self.roundness.clone();
+        for (edge, &(owner, k, count)) in owners.iter().enumerate() {
+            if count == 0 {
+                continue;
+            }
             let (mut roundness, mut curvature) = (0.0, 0.0);
             if count == 2 {
                 let triangles = [owner, self.across[edge] as usize];
@@ -199,7 +214,8 @@ impl MeshFeatures {
     /// 1998).
     fn vertex_normals(&self) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.vertices.len()];
-        for (corners, normal) in self.triangles.iter().zip(&self.normals) {
+        let triangles = self.triangles.iter().zip(&self.normals);
+        for (corners, normal) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
             let at = corners.map(|v| self.vertices[v as usize].as_dvec3());
             for k in 0..3 {
                 let (u, v) = (at[(k + 1) % 3] - at[k], at[(k + 2) % 3] - at[k]);
@@ -238,12 +254,33 @@ impl MeshFeatures {
         self.neighbor_starts = counts;
     }
 
+    /// Which vertices hang together; `numbers` are those of the mesh's vertices here.
+    fn add_components(&mut self, mesh: &TriMesh, numbers: &[u32]) {
+        let mut components = vec![NONE; self.vertices.len()];
+        let mut waiting = Vec::new();
+        for (component, &first) in (0..).zip(mesh.component_vertices()) {
+            let first = numbers[first as usize];
+            components[first as usize] = component;
+            waiting.push(first);
+            while let Some(vertex) = waiting.pop() {
+                for &next in self.neighbors_of(vertex) {
+                    if components[next as usize] == NONE {
+                        components[next as usize] = component;
+                        waiting.push(next);
+                    }
+                }
+            }
+        }
+        self.components = components;
+    }
+
     /// Normals and roundness at the vertices.
     fn add_rounds(&mut self) {
         let count = self.vertices.len() as u32;
         self.round_normals = (0..count).map(|vertex| self.round_normal(vertex).as_vec3()).collect();
         self.vertex_roundness = vec![f32::INFINITY; self.vertices.len()];
-        for (corners, &roundness) in self.triangles.iter().zip(&self.roundness) {
+        let triangles = self.triangles.iter().zip(&self.roundness);
+        for (corners, &roundness) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
             for &v in corners {
                 let least = &mut self.vertex_roundness[v as usize];
                 *least = least.min(roundness);
@@ -293,13 +330,16 @@ mod tests {
     }
 
     #[test]
-    fn an_inward_mesh_is_turned_and_an_open_one_has_rims() {
+    fn a_room_keeps_its_sides_and_an_open_mesh_has_rims() {
         let cube = shapes::cube(1.0);
-        let turned = cube.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
-        let inward = TriMesh::new(cube.vertices().to_vec(), turned).unwrap();
-        let (features, plain) = (MeshFeatures::of(&inward), MeshFeatures::of(&cube));
-        assert_eq!(features.normals, plain.normals);
+        let room = cube.clone().turned();
+        let features = MeshFeatures::of(&room);
+        for (own, outward) in features.normals.iter().zip(&MeshFeatures::of(&cube).normals) {
+            assert_eq!(*own, -outward);
+        }
         assert!(features.sided);
+        // Its corners can touch what is inside, and its edges, all of them concave, nothing.
+        assert_eq!((owned(&features, 7), owned(&features, 56)), (8, 0));
 
         let open = TriMesh::new(cube.vertices().to_vec(), cube.triangles()[..10].to_vec()).unwrap();
         let features = MeshFeatures::of(&open);
@@ -322,10 +362,7 @@ mod tests {
         assert!(least > 0.27 && most < 0.33, "{least} to {most}");
         assert_eq!(range(&shapes::cube(1.0)), [0.0, 0.0]);
         // A dent has nothing to roll on, and a rim nothing but itself.
-        let inside_out = shapes::ball(2.0, 4);
-        let turned = inside_out.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
-        let inward = TriMesh::new(inside_out.vertices().to_vec(), turned).unwrap();
-        assert!(range(&inward)[0] > 1.7, "an inward mesh is turned before");
+        assert_eq!(range(&shapes::ball(2.0, 4).turned()), [f32::INFINITY; 2]);
         let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE - Vec3::Z];
         let sheet = TriMesh::new(flat.to_vec(), vec![[0, 1, 2], [1, 3, 2]]).unwrap();
         assert_eq!(range(&sheet), [0.0, 0.0]);

@@ -14,10 +14,10 @@ pub struct MassProperties {
     /// Second moments of volume about the centre, `integral of r r^T dV` (symmetric). Scale by `S` gives
     /// `det(S) * S M S`; the inertia tensor is `trace(M) * I - M`.
     pub second_moment: Mat3,
-    /// Diameter of the thinnest part, in mesh units: the diameter of the ball that touches the surface from inside and the
+    /// Diameter of the thinnest part, in mesh units: the diameter of the ball that touches the surface from behind and the
     /// surface opposite. At most 2 % of the surface is thinner, so that a sharp edge does not make a body thin.
     pub thickness: f32,
-    /// Whether the figures are a fallback because the mesh is not closed.
+    /// Whether the figures stand in for those of a solid: the mesh is not closed, or is a room.
     pub approximate: bool,
 }
 
@@ -28,8 +28,9 @@ const LEAST_VOLUME: f64 = 1e-9;
 const LEAST_EDGE: f64 = 0.01;
 
 impl MassProperties {
-    /// Integrates over the enclosed volume, exactly but for rounding in `f64`. Faces that all look inward enclose the same
-    /// volume as those that look outward.
+    /// Integrates over the enclosed volume, exactly but for rounding in `f64`, with corners that count as one joined. A room
+    /// ([`Orientation::Inward`]) weighs what a solid of its inside would, and [`MassProperties::approximate`] is set: its walls
+    /// have no outside, and so no weight of their own.
     ///
     /// A mesh that is open, whose faces disagree about the outside, or that encloses next to nothing, has no mass of its
     /// own: it gets that of its solid bounding box, no edge of which is taken for shorter than 1 % of the longest, its
@@ -38,6 +39,7 @@ impl MassProperties {
     /// the diagonal of the second moment are positive.
     pub fn of(mesh: &TriMesh) -> Self {
         let aabb = mesh.aabb();
+        let room = mesh.orientation() == Orientation::Inward;
         let solid = match mesh.orientation() {
             Orientation::Outward => integrate(mesh, aabb, 1.0),
             Orientation::Inward => integrate(mesh, aabb, -1.0),
@@ -48,7 +50,7 @@ impl MassProperties {
         };
         let edges = solid_box_edges(aabb);
         match thickness(mesh) {
-            Some(t) => solid.rounded(t.min(edges.length()), false),
+            Some(t) => solid.rounded(t.min(edges.length()), room),
             None => solid.rounded(edges.min_element(), true),
         }
     }
@@ -107,7 +109,7 @@ fn integrate(mesh: &TriMesh, aabb: Aabb, sign: f64) -> Option<Solid> {
     let origin = (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;
     let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
     for t in 0..mesh.triangles().len() {
-        let [a, b, c] = mesh.corners(t).map(|v| v.as_dvec3() - origin);
+        let [a, b, c] = mesh.welded_corners(t).map(|v| v.as_dvec3() - origin);
         let det = sign * a.dot(b.cross(c));
         let sum = a + b + c;
         volume += det;

@@ -1,14 +1,18 @@
 //! [`TriMesh`]: a validated triangle mesh and the facts that follow from its connectivity alone.
 
+use super::topology::{Faces, Gaps, Topology};
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
-use std::collections::HashMap;
 use thiserror::Error;
 
 /// The largest absolute coordinate a vertex may have, in mesh units.
 ///
 /// The narrow phase multiplies three lengths in `f32`; below this bound the product stays far from overflow.
 pub const MAX_COORDINATE: f32 = 1.0e9;
+
+/// Corners no farther apart than this part of the mesh's size count as one, unless the bake says otherwise: some steps of
+/// single precision, which is what the two sides of a seam differ by.
+pub const WELD_TOLERANCE: f32 = 1.0e-6;
 
 /// Why a list of vertices and faces is not a usable mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -63,7 +67,7 @@ pub enum MeshError {
 pub enum Orientation {
     /// Closed, neighbours agree, and the enclosed volume is positive: counter-clockwise seen from outside.
     Outward,
-    /// Closed, neighbours agree, and the enclosed volume is negative.
+    /// Closed, neighbours agree, and the enclosed volume is negative: a room, whose walls are solid and whose inside is not.
     Inward,
     /// Closed, but some neighbours disagree about the outside.
     Mixed,
@@ -74,16 +78,16 @@ pub enum Orientation {
 /// A validated triangle mesh.
 ///
 /// Faces of zero area are dropped; [`TriMesh::face_ids`] keeps the index each remaining triangle had in the input,
-/// and that index is the one users see everywhere. Connectivity is found on *positions*: vertices at the same place
-/// count as one, so seams in imported files do not open a closed mesh.
+/// and that index is the one users see everywhere. Connectivity is found on *places*: vertices at the same place, or within
+/// a tolerance of it, count as one, so seams in imported files do not open a closed mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TriMesh {
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     face_ids: Vec<u32>,
-    dropped: u32,
-    orientation: Orientation,
-    component_vertices: Vec<u32>,
+    dropped: Vec<[u32; 3]>,
+    is_turned: bool,
+    topology: Topology,
 }
 
 /// What a stored mesh consists of; see [`TriMesh::from_parts`].
@@ -91,13 +95,14 @@ pub(crate) struct MeshParts {
     pub(crate) vertices: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) face_ids: Vec<u32>,
-    pub(crate) dropped: u32,
-    pub(crate) orientation: Orientation,
-    pub(crate) component_vertices: Vec<u32>,
+    pub(crate) dropped: Vec<[u32; 3]>,
+    pub(crate) is_turned: bool,
+    pub(crate) weld_tolerance: f32,
 }
 
 impl TriMesh {
-    /// Validates `vertices` and `faces` (three vertex indices each, any winding).
+    /// Validates `vertices` and `faces` (three vertex indices each, any winding). Corners within [`WELD_TOLERANCE`] count as
+    /// one.
     pub fn new(vertices: Vec<Vec3>, faces: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         // u32::MAX stays free, so that "none" can be stored in an index.
         for (what, count) in [("vertices", vertices.len()), ("faces", faces.len())] {
@@ -127,28 +132,88 @@ impl TriMesh {
             }
         }
 
-        let welded = weld(&vertices);
-        let mut orientation = edge_orientation(&faces, &welded);
-        let input_faces = faces.len() as u32;
-        let (face_ids, triangles): (Vec<u32>, Vec<[u32; 3]>) = (0..input_faces)
-            .zip(faces)
-            .filter(|(_, t)| !is_degenerate(t.map(|v| vertices[v as usize])))
-            .unzip();
+        let (mut triangles, mut face_ids, mut dropped) = (Vec::with_capacity(faces.len()), Vec::new(), Vec::new());
+        for (id, face) in (0..).zip(faces) {
+            if is_degenerate(face.map(|v| vertices[v as usize])) {
+                dropped.push(face);
+            } else {
+                triangles.push(face);
+                face_ids.push(id);
+            }
+        }
         if triangles.is_empty() {
-            return Err(MeshError::AllDegenerate { faces: input_faces });
+            return Err(MeshError::AllDegenerate {
+                faces: dropped.len() as u32,
+            });
         }
-        if orientation == Orientation::Outward && signed_volume(&vertices, &triangles) < 0.0 {
-            orientation = Orientation::Inward;
-        }
-        let component_vertices = component_vertices(&triangles, &welded);
-        Ok(Self {
-            dropped: input_faces - triangles.len() as u32,
+        Ok(Self::assembled(MeshParts {
             vertices,
             triangles,
             face_ids,
-            orientation,
-            component_vertices,
-        })
+            dropped,
+            is_turned: false,
+            weld_tolerance: WELD_TOLERANCE,
+        }))
+    }
+
+    /// Finds out how the parts hang together.
+    fn assembled(parts: MeshParts) -> Self {
+        let faces = Faces {
+            vertices: &parts.vertices,
+            triangles: &parts.triangles,
+            face_ids: &parts.face_ids,
+            dropped: &parts.dropped,
+        };
+        Self {
+            topology: Topology::of(&faces, parts.weld_tolerance),
+            vertices: parts.vertices,
+            triangles: parts.triangles,
+            face_ids: parts.face_ids,
+            dropped: parts.dropped,
+            is_turned: parts.is_turned,
+        }
+    }
+
+    fn faces(&self) -> Faces<'_> {
+        Faces {
+            vertices: &self.vertices,
+            triangles: &self.triangles,
+            face_ids: &self.face_ids,
+            dropped: &self.dropped,
+        }
+    }
+
+    /// The same mesh in which corners count as one that are no farther apart than `tolerance` times the diagonal of its box;
+    /// with 0 only those at the same place. What follows from connectivity is found anew; triangles stay what they are, to
+    /// the bit.
+    pub fn with_weld_tolerance(self, tolerance: f32) -> Self {
+        if self.topology.tolerance == tolerance {
+            return self;
+        }
+        let topology = Topology::of(&self.faces(), tolerance);
+        Self { topology, ..self }
+    }
+
+    /// The tolerance within which corners count as one, as a part of the diagonal of the mesh's box.
+    pub fn weld_tolerance(&self) -> f32 {
+        self.topology.tolerance
+    }
+
+    /// The same mesh with all its faces looking the other way.
+    pub fn turned(mut self) -> Self {
+        for face in self.triangles.iter_mut().chain(&mut self.dropped) {
+            face.swap(1, 2);
+        }
+        self.is_turned = !self.is_turned;
+        if matches!(self.topology.orientation, Orientation::Outward | Orientation::Inward) {
+            self.topology.orientation = self.faces().outward_or_inward(&self.topology.welded);
+        }
+        self
+    }
+
+    /// Whether its faces look the other way than in the input.
+    pub fn is_turned(&self) -> bool {
+        self.is_turned
     }
 
     /// All vertices of the input, the unused ones too.
@@ -173,24 +238,53 @@ impl TriMesh {
 
     /// How many faces of the input were dropped because their area is zero.
     pub fn dropped(&self) -> u32 {
-        self.dropped
+        self.dropped.len() as u32
+    }
+
+    /// The faces that were dropped: three vertex indices each, in the order of the input.
+    pub fn dropped_faces(&self) -> &[[u32; 3]] {
+        &self.dropped
+    }
+
+    /// For each vertex the one that stands for all that count as one with it; it stands for itself.
+    pub fn welded(&self) -> &[u32] {
+        &self.topology.welded
+    }
+
+    /// The corner positions of triangle `t` after corners that count as one have been joined: there is no gap at a seam.
+    /// They may be in one place or on one line.
+    pub fn welded_corners(&self, t: usize) -> [Vec3; 3] {
+        self.triangles[t].map(|v| self.vertices[self.topology.welded[v as usize] as usize])
     }
 
     /// Which way the faces look, and whether the mesh is closed at all.
     pub fn orientation(&self) -> Orientation {
-        self.orientation
+        self.topology.orientation
     }
 
     /// Whether every edge has a partner, so that the mesh encloses a volume.
     pub fn is_closed(&self) -> bool {
-        self.orientation != Orientation::Open
+        self.topology.orientation != Orientation::Open
+    }
+
+    /// Whether what the mesh encloses is solid, so that another body can be wholly inside: it is closed, and no room.
+    pub fn is_solid(&self) -> bool {
+        matches!(self.topology.orientation, Orientation::Outward | Orientation::Mixed)
+    }
+
+    /// Where the mesh is open; `None` if it is closed. Found at every call.
+    pub fn gaps(&self) -> Option<Gaps> {
+        if self.is_closed() {
+            return None;
+        }
+        self.faces().gaps(&self.topology.welded)
     }
 
     /// One vertex of every connected component, in order of the components' first faces in the input.
     ///
     /// Containment needs one point per component: if no surfaces cross, a component is inside as a whole or not at all.
     pub fn component_vertices(&self) -> &[u32] {
-        &self.component_vertices
+        &self.topology.component_vertices
     }
 
     /// The same mesh with its triangles in another order: triangle `i` of the result is triangle `order[i]` of `self`.
@@ -211,23 +305,22 @@ impl TriMesh {
             vertices: self.vertices.clone(),
             triangles: order.iter().map(|&t| self.triangles[t as usize]).collect(),
             face_ids: order.iter().map(|&t| self.face_ids[t as usize]).collect(),
-            dropped: self.dropped,
-            orientation: self.orientation,
-            component_vertices: self.component_vertices.clone(),
+            dropped: self.dropped.clone(),
+            is_turned: self.is_turned,
+            topology: self.topology.clone(),
         }
     }
 
     /// Puts a mesh together that was validated before and stored since. Ranges, coordinates and areas are checked again, as
-    /// everything else relies on them; connectivity is believed, which is what makes loading a matter of milliseconds.
+    /// everything else relies on them, and connectivity is found again.
     pub(crate) fn from_parts(parts: MeshParts) -> Result<Self, &'static str> {
         let MeshParts {
             vertices,
             triangles,
             face_ids,
             dropped,
-            orientation,
-            component_vertices,
-        } = parts;
+            ..
+        } = &parts;
         let in_range = |v: &u32| (*v as usize) < vertices.len();
         if triangles.is_empty() || vertices.len() >= u32::MAX as usize {
             return Err("it has no triangles, or more vertices than indices can name");
@@ -238,48 +331,29 @@ impl TriMesh {
         {
             return Err("a vertex is not finite or too far out");
         }
-        if !triangles.iter().flatten().all(in_range) {
+        if !triangles.iter().chain(dropped).flatten().all(in_range) {
             return Err("a triangle names a vertex that does not exist");
         }
-        if triangles.iter().any(|t| is_degenerate(t.map(|v| vertices[v as usize]))) {
+        let has_no_area = |t: &[u32; 3]| is_degenerate(t.map(|v| vertices[v as usize]));
+        if triangles.iter().any(has_no_area) {
             return Err("a triangle has no area");
         }
-        let faces = triangles.len() as u64 + u64::from(dropped);
+        if !dropped.iter().all(has_no_area) {
+            return Err("a face was dropped that has an area");
+        }
+        let faces = triangles.len() as u64 + dropped.len() as u64;
         if faces >= u64::from(u32::MAX) || face_ids.len() != triangles.len() {
             return Err("the number of faces is impossible");
         }
-        let mut seen = vec![0u64; triangles.len() / 64 + 1];
-        let mut beyond = Vec::new();
-        for &id in &face_ids {
-            if u64::from(id) >= faces {
-                return Err("a face id is out of range");
-            }
-            // Few faces are dropped from real meshes, so few ids lie beyond the triangle count; the bit set is sized by what
-            // was really read, never by a number that the file merely claims.
-            match seen.get_mut(id as usize / 64) {
-                Some(word) if *word & (1 << (id % 64)) != 0 => return Err("a face id comes twice"),
-                Some(word) => *word |= 1 << (id % 64),
-                None => beyond.push(id),
+        let mut seen = vec![false; faces as usize];
+        for &id in face_ids {
+            match seen.get_mut(id as usize) {
+                None => return Err("a face id is out of range"),
+                Some(true) => return Err("a face id comes twice"),
+                Some(seen) => *seen = true,
             }
         }
-        beyond.sort_unstable();
-        if beyond.windows(2).any(|w| w[0] == w[1]) {
-            return Err("a face id comes twice");
-        }
-        if component_vertices.is_empty()
-            || component_vertices.len() > triangles.len()
-            || !component_vertices.iter().all(in_range)
-        {
-            return Err("the list of components is impossible");
-        }
-        Ok(Self {
-            vertices,
-            triangles,
-            face_ids,
-            dropped,
-            orientation,
-            component_vertices,
-        })
+        Ok(Self::assembled(parts))
     }
 
     /// The box around all triangles.
@@ -293,80 +367,9 @@ impl TriMesh {
     }
 }
 
-/// For each vertex the first vertex at the same position (`-0.0` equals `0.0`).
-fn weld(vertices: &[Vec3]) -> Vec<u32> {
-    let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(vertices.len());
-    vertices
-        .iter()
-        .enumerate()
-        .map(|(i, v)| {
-            let key = (*v + Vec3::ZERO).to_array().map(f32::to_bits);
-            *first.entry(key).or_insert(i as u32)
-        })
-        .collect()
-}
-
-/// Pairs edges. Faces of zero area take part as long as their corners differ: a sliver that fills a T-junction keeps a
-/// mesh closed although it is dropped later.
-fn edge_orientation(faces: &[[u32; 3]], welded: &[u32]) -> Orientation {
-    // Per undirected edge: how many faces have it, and how many more run from low to high than back.
-    let mut edges: HashMap<(u32, u32), (u32, i32)> = HashMap::with_capacity(faces.len() * 3 / 2);
-    for face in faces {
-        let [a, b, c] = face.map(|v| welded[v as usize]);
-        if a == b || b == c || c == a {
-            continue;
-        }
-        for (u, v) in [(a, b), (b, c), (c, a)] {
-            let (count, balance) = edges.entry((u.min(v), u.max(v))).or_default();
-            *count += 1;
-            *balance += if u < v { 1 } else { -1 };
-        }
-    }
-    if edges.values().any(|(count, _)| count % 2 == 1) {
-        Orientation::Open
-    } else if edges.values().any(|&(_, balance)| balance != 0) {
-        Orientation::Mixed
-    } else {
-        Orientation::Outward
-    }
-}
-
 /// Whether the corners lie on one line. Differences of `f32`s are exact in `f64` unless one is some `2^29` times the
 /// other, and then so are their products: the comparison with zero is exact for all but absurd triangles.
 fn is_degenerate([a, b, c]: [Vec3; 3]) -> bool {
     let a = a.as_dvec3();
     (b.as_dvec3() - a).cross(c.as_dvec3() - a) == DVec3::ZERO
-}
-
-/// Six times the volume enclosed, about the first corner so that a distant mesh keeps its digits.
-fn signed_volume(vertices: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
-    let origin = vertices[triangles[0][0] as usize].as_dvec3();
-    let at = |v: u32| vertices[v as usize].as_dvec3() - origin;
-    triangles.iter().map(|&[a, b, c]| at(a).dot(at(b).cross(at(c)))).sum()
-}
-
-fn component_vertices(triangles: &[[u32; 3]], welded: &[u32]) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..welded.len() as u32).collect();
-    fn root(parent: &mut [u32], mut v: u32) -> u32 {
-        while parent[v as usize] != v {
-            parent[v as usize] = parent[parent[v as usize] as usize];
-            v = parent[v as usize];
-        }
-        v
-    }
-    for t in triangles {
-        let [a, b, c] = t.map(|v| root(&mut parent, welded[v as usize]));
-        let low = a.min(b).min(c);
-        for v in [a, b, c] {
-            parent[v as usize] = low;
-        }
-    }
-    let mut seen = vec![false; welded.len()];
-    triangles
-        .iter()
-        .filter_map(|t| {
-            let r = root(&mut parent, welded[t[0] as usize]) as usize;
-            (!std::mem::replace(&mut seen[r], true)).then_some(t[0])
-        })
-        .collect()
 }

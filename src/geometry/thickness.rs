@@ -1,4 +1,4 @@
-//! How thick a closed mesh is: rays from its faces to the surface opposite.
+//! How thick what lies behind a closed mesh's faces is: rays from its faces to the surface opposite.
 
 use crate::geometry::{Aabb, Orientation, TriMesh};
 use glam::{DVec3, Vec3};
@@ -15,17 +15,15 @@ const WIDTH: usize = 8;
 
 /// The thickness of a closed mesh with consistent faces, in mesh units; `None` if no ray leaves it.
 ///
-/// From the middle of each face a ray runs inward to where it leaves the mesh. The ball that touches the face there and
-/// the plane of the exit measures how thick the mesh is: for parallel faces its diameter is the length of the ray, for a
-/// wedge it is smaller. Meshes of more than 4096 triangles are sampled. The result is the diameter that 98 % of the
-/// sampled area reaches.
+/// From the middle of each face a ray runs backward to where it leaves the mesh; from a room's outer walls it never does. The
+/// ball that touches the face there and the plane of the exit measures how thick the mesh is: for parallel faces its
+/// diameter is the length of the ray, for a wedge it is smaller. Meshes of more than 4096 triangles are sampled. The result
+/// is the diameter that 98 % of the sampled area reaches.
 pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
-    let sign = match mesh.orientation() {
-        Orientation::Outward => 1.0,
-        Orientation::Inward => -1.0,
-        Orientation::Mixed | Orientation::Open => return None,
-    };
-    let tree = BoxTree::new(mesh, sign);
+    if matches!(mesh.orientation(), Orientation::Mixed | Orientation::Open) {
+        return None;
+    }
+    let tree = BoxTree::new(mesh);
     let count = mesh.triangles().len();
     let (mut tests, mut found) = (0, Vec::new());
     for k in 0..count.min(SAMPLES) {
@@ -36,9 +34,12 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
             ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize
         };
         let [a, b, c] = tree.corners(t);
-        let normal = (b - a).cross(c - a) * sign;
+        let normal = (b - a).cross(c - a);
         let area = normal.length();
-        if let Some(d) = tree.ball((a + b + c) / 3.0, -normal / area, &mut tests) {
+        // Joined corners may leave nothing of a face.
+        if area > 0.0
+            && let Some(d) = tree.ball((a + b + c) / 3.0, -normal / area, &mut tests)
+        {
             found.push((d, area));
         }
         if tests > BUDGET {
@@ -63,16 +64,15 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
 struct BoxTree<'a> {
     mesh: &'a TriMesh,
     origin: DVec3,
-    sign: f64,
     /// From the leaves upward; the last level has one box.
     levels: Vec<Vec<Aabb>>,
 }
 
 impl<'a> BoxTree<'a> {
-    fn new(mesh: &'a TriMesh, sign: f64) -> Self {
+    fn new(mesh: &'a TriMesh) -> Self {
         let count = mesh.triangles().len();
         let leaves: Vec<Aabb> = (0..count.div_ceil(WIDTH))
-            .map(|i| Aabb::around((i * WIDTH..count.min((i + 1) * WIDTH)).flat_map(|t| mesh.corners(t))))
+            .map(|i| Aabb::around((i * WIDTH..count.min((i + 1) * WIDTH)).flat_map(|t| mesh.welded_corners(t))))
             .collect();
         let mut levels = vec![leaves];
         while levels[levels.len() - 1].len() > 1 {
@@ -84,15 +84,14 @@ impl<'a> BoxTree<'a> {
         }
         Self {
             mesh,
-            origin: mesh.corners(0)[0].as_dvec3(),
-            sign,
+            origin: mesh.welded_corners(0)[0].as_dvec3(),
             levels,
         }
     }
 
     /// Corners relative to the tree's origin.
     fn corners(&self, t: usize) -> [DVec3; 3] {
-        self.mesh.corners(t).map(|v| v.as_dvec3() - self.origin)
+        self.mesh.welded_corners(t).map(|v| v.as_dvec3() - self.origin)
     }
 
     /// The diameter of the ball between the start of a ray and the plane of the face through which it leaves.
@@ -140,7 +139,7 @@ impl<'a> BoxTree<'a> {
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
         let slope = direction.dot(normal);
-        let cosine = self.sign * slope / normal.length();
+        let cosine = slope / normal.length();
         // A face almost along the ray says nothing about thickness across it.
         if cosine.is_nan() || cosine <= 1e-3 {
             return None;

@@ -1,7 +1,7 @@
 //! The meshes on the device: one array of words for all, and a header for each.
 
 use super::buffers::TooLarge;
-use super::layout::{self, CLOSED, INWARD, MIXED, OPEN, OUTWARD};
+use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID};
 use super::mesh_features;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
@@ -168,6 +168,7 @@ impl Arena {
 fn moved(mesh: layout::Mesh, by: u32) -> layout::Mesh {
     layout::Mesh {
         triangles: mesh.triangles + by,
+        corners: mesh.corners + by,
         boxes: mesh.boxes + by,
         vertices: mesh.vertices + by,
         heights: mesh.heights + by,
@@ -196,6 +197,13 @@ impl Packed {
         let center = baked.mass.center;
         let count = mesh.triangles().len();
         let triangles = self.points((0..count).flat_map(|t| mesh.corners(t)).map(|p| p - center));
+        // Most meshes have no corners that were joined from different places.
+        let is_joined = |t: usize| mesh.welded_corners(t) != mesh.corners(t);
+        let corners = if (0..count).any(is_joined) {
+            self.points((0..count).flat_map(|t| mesh.welded_corners(t)).map(|p| p - center))
+        } else {
+            triangles
+        };
 
         // The lanes' last group of each level is filled up with boxes that are none.
         let mut nodes = count.div_ceil(8);
@@ -265,7 +273,7 @@ impl Packed {
             vertices,
             vertex_count,
             heights,
-            flags: orientation | if mesh.is_closed() { CLOSED } else { 0 },
+            flags: orientation | if mesh.is_solid() { SOLID } else { 0 },
             components: component_start,
             component_count: components.len() as u32,
             directions,
@@ -273,6 +281,7 @@ impl Packed {
             groups,
             group_words: group_words as u32,
             features,
+            corners,
             box_center: aabb.center().to_array(),
             box_half: aabb.half_size().to_array(),
             ..Default::default()

@@ -71,7 +71,7 @@ layout! {
         triangles: u32, triangle_count: u32, boxes: u32, levels: u32,
         vertices: u32, vertex_count: u32, heights: u32, flags: u32,
         components: u32, component_count: u32, directions: u32, turn: u32,
-        groups: u32, group_words: u32, features: u32, padding: u32,
+        groups: u32, group_words: u32, features: u32, corners: u32,
         box_center: Vec3, padding_a: u32,
         box_half: Vec3, padding_b: u32,
     }
@@ -228,7 +228,7 @@ constants! {
     NEAR = 1;
     OVERLAPPING = 2;
 
-    CLOSED = 1;
+    SOLID = 1;
     OUTWARD = 0;
     INWARD = 2;
     MIXED = 4;

@@ -4,7 +4,6 @@ use super::layout::NOTHING;
 use crate::geometry::features::{EVERY_WAY, MeshFeatures, NONE};
 use crate::stages::mesh_arena::MeshSlot;
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// Words before the triangles' records, of which seven are in use: how many vertices there are, and where their places, the
 /// starts of their lists of neighbours, these lists, the numbers of their components, the far ends of these, and the normals of
@@ -20,7 +19,7 @@ const FLAT_ROUNDNESS: f32 = 1.0e30;
 
 /// All of them; places count from the first word.
 pub fn words(slot: &MeshSlot) -> Vec<u32> {
-    let features = slot.features();
+    let features = &*slot.features;
     let center = slot.mesh.mass.center;
     let (vertices, triangles) = (features.vertices.len(), features.triangles.len());
     let positions = HEADER + RECORD * triangles;
@@ -39,9 +38,8 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     words.extend(features.vertices.iter().flat_map(place));
     words.extend(&features.neighbor_starts);
     words.extend(&features.neighbors);
-    let numbers = component_of_each(slot, features);
-    words.extend(&numbers);
-    words.extend(far_ends_of(slot, features, &numbers).iter().flat_map(place));
+    words.extend(&features.components);
+    words.extend(far_ends_of(slot, features).iter().flat_map(place));
     for (normal, roundness) in features.round_normals.iter().zip(&features.vertex_roundness) {
         let [x, y, z] = normal.to_array();
         words.extend([x, y, z, roundness.min(FLAT_ROUNDNESS)].map(f32::to_bits));
@@ -51,10 +49,13 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
 
 /// For each component the vertex farthest from its first one: what is inside of another body is so with both, and what
 /// only lies on it is not.
-fn far_ends_of(slot: &MeshSlot, features: &MeshFeatures, numbers: &[u32]) -> Vec<Vec3> {
-    let firsts = first_of_each(slot);
+fn far_ends_of(slot: &MeshSlot, features: &MeshFeatures) -> Vec<Vec3> {
+    let mesh = &slot.mesh.mesh;
+    let firsts: Vec<Vec3> = (mesh.component_vertices().iter())
+        .map(|&v| mesh.vertices()[v as usize])
+        .collect();
     let mut far_ends = firsts.clone();
-    for (position, &number) in features.vertices.iter().zip(numbers) {
+    for (position, &number) in features.vertices.iter().zip(&features.components) {
         let first = firsts[number as usize];
         let far_end = &mut far_ends[number as usize];
         if position.distance_squared(first) > far_end.distance_squared(first) {
@@ -64,19 +65,11 @@ fn far_ends_of(slot: &MeshSlot, features: &MeshFeatures, numbers: &[u32]) -> Vec
     far_ends
 }
 
-/// A vertex of each component.
-fn first_of_each(slot: &MeshSlot) -> Vec<Vec3> {
-    let mesh = &slot.mesh.mesh;
-    (mesh.component_vertices().iter())
-        .map(|&v| mesh.vertices()[v as usize])
-        .collect()
-}
-
 fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u32>) {
     let edges = features.triangle_edges[t];
-    let other = |edge: u32| match features.across[edge as usize] {
-        NONE => NOTHING,
-        triangle => triangle,
+    let other = |edge: u32| match features.across.get(edge as usize) {
+        None | Some(&NONE) => NOTHING,
+        Some(&triangle) => triangle,
     };
     words.extend(features.triangles[t]);
     words.extend(edges);
@@ -88,38 +81,6 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
     words.push(features.roundness[t].min(FLAT_ROUNDNESS).to_bits());
     words.push(slot.mesh.mesh.face_ids()[t]);
     words.push(features.curvature[t].to_bits());
-}
-
-/// For each vertex which of the mesh's components it belongs to, in the order of
-/// [`component_vertices`](crate::geometry::TriMesh::component_vertices).
-fn component_of_each(slot: &MeshSlot, features: &MeshFeatures) -> Vec<u32> {
-    let mut components = vec![NOTHING; features.vertices.len()];
-    let firsts = first_of_each(slot);
-    let mut waiting = Vec::new();
-    let number_of: HashMap<[u32; 3], u32> = firsts.iter().map(bits).zip(0..).collect();
-    for (vertex, position) in (0..).zip(&features.vertices) {
-        let Some(&number) = number_of.get(&bits(position)) else {
-            continue;
-        };
-        components[vertex as usize] = number;
-        waiting.push(vertex);
-        while let Some(known) = waiting.pop() {
-            for &next in features.neighbors_of(known) {
-                if components[next as usize] == NOTHING {
-                    components[next as usize] = number;
-                    waiting.push(next);
-                }
-            }
-        }
-    }
-    // What belongs to none cannot be: every component has a first vertex.
-    components.iter_mut().filter(|c| **c == NOTHING).for_each(|c| *c = 0);
-    components
-}
-
-/// A place as a key. Adding zero turns -0 into 0.
-fn bits(p: &Vec3) -> [u32; 3] {
-    (*p + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
 #[cfg(test)]
@@ -140,7 +101,7 @@ mod tests {
         assert_eq!(words[0], 16);
         let components = &words[words[4] as usize..words[5] as usize];
         assert_eq!((components.len(), (words[6] - words[5]) as usize), (16, 2 * 3));
-        let features = slot.features();
+        let features = &*slot.features;
         // One number on each side.
         let right = |p: &Vec3| p.x > 1.5;
         let number_of = |side: bool| {
@@ -157,7 +118,7 @@ mod tests {
     fn places_lie_one_after_the_other() {
         let slot = MeshSlot::new(CollisionMesh::new(&shapes::torus_240()));
         let words = words(&slot);
-        let features = slot.features();
+        let features = &*slot.features;
         assert_eq!(words[1] as usize, HEADER + RECORD * features.triangles.len());
         assert_eq!(words.len(), words[4] as usize + 5 * features.vertices.len() + 3);
         assert_eq!(words[HEADER..HEADER + 3], features.triangles[0]);

@@ -27,10 +27,11 @@ pub use progress::{Cancelled, Progress};
 pub use raster::HeightImage;
 
 use crate::geometry::direction::DirectionGrid;
+use crate::geometry::mesh::WELD_TOLERANCE;
 use thiserror::Error;
 
-/// What to bake for a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+/// How to bake a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BakeSettings {
     /// Whether to bake the table of faces of collision.
@@ -39,6 +40,24 @@ pub struct BakeSettings {
     pub degrees: u32,
     /// Side of the square height image in pixels, 16 to 4096.
     pub image: u32,
+    /// Corners no farther apart than this part of the mesh's size, the diagonal of its box, count as one; 0 to 0.01. It
+    /// decides whether the mesh is closed, what it weighs, which faces are neighbours, and whether something is inside. The
+    /// triangles that are tested stay what they are, and so do the numbers of the faces. With 0 only corners at the same place
+    /// are one.
+    pub weld_tolerance: f32,
+    /// What a closed mesh is whose faces look inward.
+    pub inward: Inward,
+}
+
+/// What a closed mesh is whose faces look inward.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Inward {
+    /// A room. Bodies inside are free, and its walls push to the side to which their faces look. Nothing is ever reported as
+    /// wholly inside it. It has no mass of its own: it gets that of a solid of its inside, marked as approximate.
+    #[default]
+    Room,
+    /// A solid whose faces are wound the wrong way: they are turned.
+    Solid,
 }
 
 impl Default for BakeSettings {
@@ -47,12 +66,14 @@ impl Default for BakeSettings {
             faces: false,
             degrees: 1,
             image: 256,
+            weld_tolerance: WELD_TOLERANCE,
+            inward: Inward::Room,
         }
     }
 }
 
 /// Why settings cannot be used.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SettingsError {
     /// [`BakeSettings::degrees`] does not divide 90.
     #[error("degrees is {0}, but the angular step must divide 90: 1, 2, 3, 5, 6, 9, 10, 15, 18, 30, 45 or 90")]
@@ -60,6 +81,9 @@ pub enum SettingsError {
     /// [`BakeSettings::image`] is out of range.
     #[error("image is {0}, but the side of the height image must be 16 to 4096 pixels")]
     Image(u32),
+    /// [`BakeSettings::weld_tolerance`] is out of range.
+    #[error("weld_tolerance is {0}, but the part of a mesh's size within which corners are one must be 0 to 0.01")]
+    WeldTolerance(f32),
 }
 
 impl BakeSettings {
@@ -67,6 +91,8 @@ impl BakeSettings {
     pub const MIN_IMAGE: u32 = 16;
     /// The largest height image, in pixels.
     pub const MAX_IMAGE: u32 = 4096;
+    /// The largest tolerance within which corners are one, as a part of the mesh's size.
+    pub const MAX_WELD_TOLERANCE: f32 = 0.01;
 
     /// Checks the ranges that the fields document.
     pub fn validate(&self) -> Result<(), SettingsError> {
@@ -75,6 +101,9 @@ impl BakeSettings {
         }
         if !(Self::MIN_IMAGE..=Self::MAX_IMAGE).contains(&self.image) {
             return Err(SettingsError::Image(self.image));
+        }
+        if !(0.0..=Self::MAX_WELD_TOLERANCE).contains(&self.weld_tolerance) {
+            return Err(SettingsError::WeldTolerance(self.weld_tolerance));
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 #[path = "../app/mod.rs"]
 mod app;
 
+mod bakes;
 mod clock;
 mod contacts;
 mod kinds;
@@ -12,19 +13,28 @@ mod motion;
 mod reports;
 mod response;
 
-/// `contacts` has no tests but functions: some of them are tests on a GPU too.
-macro_rules! tests_of_contacts {
-    ($($name:ident)*) => {
-        mod contacts_on_the_cpu {
+/// `bakes` and `contacts` have no tests but functions: some of them are tests on a GPU too.
+macro_rules! tests_on_the_cpu {
+    ($module:ident in $tests:ident: $($name:ident)*) => {
+        mod $tests {
             $(#[test]
             fn $name() {
-                super::contacts::$name();
+                super::$module::$name();
             })*
         }
     };
 }
 
-tests_of_contacts! {
+tests_on_the_cpu! {
+    bakes in bakes_on_the_cpu:
+    a_ball_dropped_in_a_room_rests_on_its_floor
+    the_walls_of_a_room_push_inward
+    the_same_mesh_as_a_solid_is_the_outward_one
+    no_ray_slips_through_a_seam
+}
+
+tests_on_the_cpu! {
+    contacts in contacts_on_the_cpu:
     what_lies_still_falls_asleep_and_does_not_move_at_all
     a_sleeper_wakes_by_whatever_disturbs_it
     a_sleeper_wakes_when_the_mesh_under_it_goes

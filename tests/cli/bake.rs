@@ -102,6 +102,49 @@ fn a_recipe_and_a_baked_file_keep_their_settings() {
 }
 
 #[test]
+fn a_room_is_told_and_may_be_made_a_solid() {
+    let folder = torus();
+    let cube = shapes::cube(1.0);
+    folder.write("room.obj", to_obj(&cube.turned()));
+    let inspected =
+        |file: &str| -> serde_json::Value { serde_json::from_str(&folder.good(&["inspect", file, "--json"])).unwrap() };
+    let run = folder.run(&["bake", "room.obj", "-o", "out"]);
+    assert!(
+        run.stderr.starts_with("warning: room.obj: ") && run.stderr.contains("it is a room"),
+        "{}",
+        run.stderr
+    );
+    let room = inspected("out/room.faceoff");
+    assert_eq!((&room["orientation"], &room["volume"]), (&"Inward".into(), &1.0.into()));
+    assert!(room["warnings"][0].as_str().unwrap().contains("it is a room"), "{room}");
+    folder.good(&[
+        "bake",
+        "room.obj",
+        "-o",
+        "out",
+        "--inward",
+        "solid",
+        "--weld-tolerance",
+        "0",
+    ]);
+    let solid = inspected("out/room.faceoff");
+    assert_eq!(
+        (&solid["orientation"], &solid["mass_is_approximate"]),
+        (&"Outward".into(), &false.into())
+    );
+    assert_eq!(
+        (&solid["settings"]["inward"], &solid["settings"]["weld_tolerance"]),
+        (&"Solid".into(), &0.0.into())
+    );
+    assert!(solid["warnings"].as_array().unwrap().is_empty(), "{solid}");
+    assert!(folder.good(&["inspect", "out/room.faceoff"]).contains("solid"));
+    folder.bad(
+        &["bake", "room.obj", "-o", "out", "--weld-tolerance", "0.02"],
+        &["weld_tolerance is 0.02"],
+    );
+}
+
+#[test]
 fn settings_out_of_range_are_refused_by_name() {
     let folder = torus();
     for (option, value) in [

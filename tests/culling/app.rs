@@ -25,6 +25,7 @@ fn app(culling: Culling) -> (App, [Entity; 2], Handle<CollisionMesh>) {
         faces: false,
         degrees: 15,
         image: 32,
+        ..BakeSettings::default()
     };
     let mesh = CollisionMesh::bake(&shapes::torus_240(), settings, bake_pool(), &Progress::default()).unwrap();
     let handle = app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(mesh);

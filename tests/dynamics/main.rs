@@ -4,6 +4,7 @@ mod bounce;
 mod bullets;
 mod chain;
 mod cloud;
+mod elastic;
 mod incline;
 mod meshes;
 mod motion;

@@ -27,6 +27,7 @@ impl Shape {
                     faces: true,
                     degrees,
                     image,
+                    ..BakeSettings::default()
                 };
                 CollisionMesh::bake(mesh, settings, bake_pool(), &Progress::default()).expect("nobody cancels")
             }

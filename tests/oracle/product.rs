@@ -4,6 +4,7 @@ use super::body::{Body, Mesh};
 use super::brute::Touch;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::projection::{BakeSettings, Inward};
 use bevy_faceoff::queries::{self, Placement, check};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -58,8 +59,14 @@ impl Product {
     }
 }
 
+/// As the oracle sees meshes: corners are one only at the same place, and whatever is closed is solid.
 fn bake(mesh: &Mesh) -> CollisionMesh {
     let mesh = TriMesh::new(mesh.vertices.clone(), mesh.faces.clone())
         .unwrap_or_else(|error| panic!("{}: {error}", mesh.name));
-    CollisionMesh::new(&mesh)
+    let settings = BakeSettings {
+        weld_tolerance: 0.0,
+        inward: Inward::Solid,
+        ..BakeSettings::default()
+    };
+    CollisionMesh::without_faces(&mesh, settings)
 }

@@ -4,7 +4,7 @@ use crate::progress::with_bar;
 use crate::{Outcome, mesh, output};
 use bevy_faceoff::asset::format::{self, Hash};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
-use bevy_faceoff::projection::BakeSettings;
+use bevy_faceoff::projection::{BakeSettings, Inward};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -28,9 +28,24 @@ pub struct Options {
     /// Side of the height image in pixels [default: 256].
     #[arg(long)]
     image: Option<u32>,
+    /// Corners no farther apart than this part of the mesh's size count as one [default: 0.000001].
+    #[arg(long, value_name = "PART")]
+    weld_tolerance: Option<f32>,
+    /// What a closed mesh is whose faces look inward [default: room].
+    #[arg(long)]
+    inward: Option<InwardChoice>,
     /// Bake even what is up to date.
     #[arg(long)]
     force: bool,
+}
+
+/// `--inward`.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum InwardChoice {
+    /// Bodies inside are free, and its walls push inward.
+    Room,
+    /// Its faces are turned.
+    Solid,
 }
 
 /// Runs the command: every mesh is tried, and any failure makes the whole fail.
@@ -137,6 +152,12 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
         faces: options.faces || asked.faces,
         degrees: options.degrees.unwrap_or(asked.degrees),
         image: options.image.unwrap_or(asked.image),
+        weld_tolerance: options.weld_tolerance.unwrap_or(asked.weld_tolerance),
+        inward: match options.inward {
+            None => asked.inward,
+            Some(InwardChoice::Room) => Inward::Room,
+            Some(InwardChoice::Solid) => Inward::Solid,
+        },
     };
     settings.validate().map_err(|e| format!("{}: {e}", source.display()))?;
     if !options.force && is_up_to_date(target, &hash, &settings) {

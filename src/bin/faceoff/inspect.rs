@@ -27,6 +27,8 @@ struct Report {
     vertices: usize,
     orientation: Orientation,
     closed: bool,
+    /// How many edges have no partner; 0 if it is closed.
+    unmatched_edges: u32,
     components: usize,
     volume: f32,
     mass_is_approximate: bool,
@@ -48,7 +50,7 @@ pub fn run(options: &Options) -> Outcome {
             mesh,
             settings,
             source_hash,
-        } => (CollisionMesh::new(&mesh), settings, source_hash),
+        } => (CollisionMesh::without_faces(&mesh, settings), settings, source_hash),
         Imported::Baked { mesh, header } => {
             let settings = header.settings;
             (mesh, settings, header.source_hash)
@@ -72,6 +74,7 @@ impl Report {
             vertices: mesh.vertices().len(),
             orientation: mesh.orientation(),
             closed: mesh.is_closed(),
+            unmatched_edges: mesh.gaps().map_or(0, |gaps| gaps.edges),
             components: mesh.component_vertices().len(),
             volume: mass.volume,
             mass_is_approximate: mass.approximate,
@@ -98,24 +101,28 @@ impl Report {
             "surface",
             match self.orientation {
                 Orientation::Outward => "closed, faces look out",
-                Orientation::Inward => "closed, faces look in",
+                Orientation::Inward => "closed, faces look in: a room",
                 Orientation::Mixed => "closed, faces disagree",
                 Orientation::Open => "open",
             }
             .into(),
         );
-        let doubt = if self.mass_is_approximate {
-            " (approximate: that of the bounding box)"
-        } else {
-            ""
-        };
+        let doubt = if self.mass_is_approximate { " (approximate)" } else { "" };
         row("volume", format!("{}{doubt}", self.volume));
         row("centre of mass", format!("{:?}", self.center_of_mass));
         row("bounding radius", self.radius.to_string());
         row("thickness", self.thickness.to_string());
         row("support heights", self.support_heights.to_string());
-        let BakeSettings { faces, degrees, image } = self.settings;
+        let BakeSettings {
+            faces,
+            degrees,
+            image,
+            weld_tolerance,
+            inward,
+        } = self.settings;
         row("settings", format!("faces {faces}, {degrees} degrees, image {image}"));
+        row("weld tolerance", format!("{weld_tolerance:?} of the size"));
+        row("if it looks inward", format!("{inward:?}").to_lowercase());
         match &self.table {
             None => row("face table", "none".into()),
             Some(table) => {

@@ -20,7 +20,7 @@ pub fn shape(name: &str, culling: CullingChoice) -> Outcome<CollisionMesh> {
 /// A mesh file, baked or to be baked, with all that the culling mode needs.
 pub fn load(path: &Path, culling: CullingChoice) -> Outcome<CollisionMesh> {
     let (mesh, settings) = match import_file(path)? {
-        Imported::Mesh { mesh, settings, .. } => (CollisionMesh::new(&mesh), settings),
+        Imported::Mesh { mesh, settings, .. } => (CollisionMesh::without_faces(&mesh, settings), settings),
         Imported::Baked { mesh, header } => (mesh, header.settings),
     };
     warn(path, &mesh);

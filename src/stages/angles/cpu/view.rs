@@ -38,10 +38,8 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, pad: f32) -
 fn facing(mesh: &BakedMesh, scale: Vec3, to_other: Vec3) -> View {
     let mirrored = scale.cmplt(Vec3::ZERO).bitmask().count_ones() % 2 == 1;
     match mesh.mesh.orientation() {
-        Orientation::Outward | Orientation::Inward => {
-            let inward = mesh.mesh.orientation() == Orientation::Inward;
-            View::Facing(if inward == mirrored { to_other } else { -to_other })
-        }
-        Orientation::Mixed | Orientation::Open => View::All,
+        Orientation::Outward => View::Facing(if mirrored { -to_other } else { to_other }),
+        // Of a room, what is in it sees every wall.
+        Orientation::Inward | Orientation::Mixed | Orientation::Open => View::All,
     }
 }

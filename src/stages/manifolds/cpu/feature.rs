@@ -97,7 +97,8 @@ impl<'a> TrianglePair<'a> {
         for i in 0..3 {
             let edge = over.corners[(i + 1) % 3] - over.corners[i];
             let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.handed;
-            if across < -OUTSIDE * edge.length_squared() {
+            // Nothing lies over a triangle that has collapsed.
+            if across <= -OUTSIDE * edge.length_squared() {
                 return None;
             }
         }

@@ -12,7 +12,7 @@ use glam::DVec3;
 use std::cell::Cell;
 use wide::f32x8;
 
-/// The contact of two bodies whose surfaces do not cross, if one is closed and has a connected component of the other inside:
+/// The contact of two bodies whose surfaces do not cross, if one is solid and has a connected component of the other inside:
 /// from the nearest point of the outer surface to the far end of what is inside, on the line through its middle.
 pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
     (0..2).find_map(|outer| {
@@ -24,7 +24,7 @@ pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
 
 /// A point of `inner` inside `outer`: its centre of mass, or else a vertex.
 fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
-    if !outer.slot.mesh.mesh.is_closed() {
+    if !outer.slot.mesh.mesh.is_solid() {
         return None;
     }
     let vertices = inner.slot.mesh.mesh.vertices();
@@ -135,7 +135,8 @@ fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     }
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
+        // Corners that were joined leave an edge without length.
+        return a + ab * (d1 / (d1 - d3).max(f64::MIN_POSITIVE));
     }
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
         return a + ac * (d2 / (d2 - d6));

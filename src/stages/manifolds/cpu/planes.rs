@@ -138,7 +138,7 @@ fn manifold(
     if chosen[0] == usize::MAX {
         return None;
     }
-    let features = meshes[bodies.mesh[body]].features();
+    let features = &meshes[bodies.mesh[body]].features;
     let size = f64::from(scale.abs().element_sum() / 3.0);
     let center = normal * plane.distance as f64;
     let none = ManifoldPoint {

@@ -64,7 +64,7 @@ pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Opti
         let inverse = DMat3::from_diagonal(frame.scale.recip()) * rotation.transpose();
         Some(Side {
             slot,
-            features: slot.features(),
+            features: &slot.features,
             scale: bodies.scale[i],
             center,
             other_center,
@@ -143,9 +143,7 @@ impl Side<'_> {
 
     /// 1 if the placed corners of the mesh's triangles run counter-clockwise seen from outside, else -1.
     pub fn winding(&self) -> f32 {
-        let [p, q, r] = self.slot.mesh.mesh.corners(0);
-        let is_outward = (q - p).cross(r - p).dot(self.features.normals[0]) >= 0.0;
-        self.mirror as f32 * if is_outward { 1.0 } else { -1.0 }
+        self.mirror as f32
     }
 
     /// For eight triangles from `first` on how far a contact's normal at an edge of theirs may turn from their own, radians.

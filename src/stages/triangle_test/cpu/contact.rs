@@ -160,8 +160,7 @@ pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &C
         let mirrored = bodies.frame[body].scale.element_product() < 0.0;
         match meshes[bodies.mesh[body]].mesh.mesh.orientation() {
             Orientation::Mixed => sign = 0.0,
-            Orientation::Inward if !mirrored => sign = -sign,
-            Orientation::Outward | Orientation::Open if mirrored => sign = -sign,
+            Orientation::Outward | Orientation::Inward | Orientation::Open if mirrored => sign = -sign,
             _ => {}
         }
     }

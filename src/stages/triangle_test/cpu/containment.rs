@@ -13,7 +13,7 @@ use crate::stages::state::{Bodies, Frame, NearPair};
 use glam::{DVec3, Mat3, Vec3};
 use wide::f32x8;
 
-/// Whether either body of the pair is closed and has some component of the other inside.
+/// Whether either body of the pair is a solid and has some component of the other inside.
 pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
     let [a, b] = pair.bodies.map(|i| {
         let i = i as usize;
@@ -38,7 +38,7 @@ impl End<'_> {
     /// Whether `outer` has a component of this body inside. `rotation` and `translation` lead from the axes of this body,
     /// about its centre of mass, to those of `outer`.
     fn any_inside(&self, outer: &End, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
-        if !outer.slot.mesh.mesh.is_closed() {
+        if !outer.slot.mesh.mesh.is_solid() {
             return false;
         }
         let matrix = rotation * Mat3::from_diagonal(self.scale);
@@ -69,7 +69,8 @@ impl End<'_> {
 }
 
 /// Whether a closed mesh has `p`, in its own space, inside: the signed crossings of the ray from `p` along +z do not
-/// cancel, or, if neighbouring faces disagree about the outside, their number is odd.
+/// cancel, or, if neighbouring faces disagree about the outside, their number is odd. Corners that count as one are joined, so
+/// that no ray slips through a seam.
 ///
 /// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
 pub fn contains(slot: &MeshSlot, p: DVec3) -> bool {
@@ -88,7 +89,7 @@ pub fn contains(slot: &MeshSlot, p: DVec3) -> bool {
     visit(&lanes.levels, &met, &mut |cluster| {
         let first = cluster as usize * CLUSTER;
         for t in first..mesh.triangles().len().min(first + CLUSTER) {
-            let corners = mesh.corners(t).map(|v| v.as_dvec3() - p);
+            let corners = mesh.welded_corners(t).map(|v| v.as_dvec3() - p);
             if let Some(sign) = crossing(&corners) {
                 winding += sign;
                 crossings += 1;

@@ -144,13 +144,12 @@ mod tests {
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
-    use crate::stages::mesh_arena::MeshLanes;
     use glam::{Mat3, Quat, Vec3};
 
     /// Tests of nodes, and pairs of clusters left, of two bodies `apart` from centre to centre, summed over some poses.
     fn cost(mesh: &TriMesh, apart: f32, slabs: bool) -> [u64; 2] {
         let baked = CollisionMesh::new(mesh);
-        let lanes = MeshLanes::new(&baked);
+        let lanes = baked.lanes();
         let mut descent = Descent::default();
         let mut cost = [0; 2];
         for pose in 0..20 {
@@ -166,7 +165,7 @@ mod tests {
                         axis: Vec3::ZERO,
                         least: 0.0,
                     };
-                    Tree::new(&lanes, second, Vec3::ONE, way, 4.0e-6, slabs)
+                    Tree::new(lanes, second, Vec3::ONE, way, 4.0e-6, slabs)
                 });
             cost[0] += descent.run(&a, &b);
             cost[1] += descent.pairs().map(|(_, others)| others.len() as u64).sum::<u64>();

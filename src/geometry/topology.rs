@@ -1,0 +1,161 @@
+//! What follows from how a mesh's triangles hang together: whether it is closed, which way its faces look, its components.
+
+use super::edges::{Edges, is_collapsed};
+use super::weld::{least_distance, size, weld};
+use crate::geometry::{Aabb, Orientation};
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// How a mesh's triangles hang together, if corners within a tolerance are one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Topology {
+    /// Corners no farther apart than this part of the mesh's size are one.
+    pub tolerance: f32,
+    /// For each vertex the one that stands for all that are one with it.
+    pub welded: Vec<u32>,
+    pub orientation: Orientation,
+    pub component_vertices: Vec<u32>,
+}
+
+/// Where a mesh is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gaps {
+    /// Edges that have an odd number of faces.
+    pub edges: u32,
+    /// The least distance between two ends of such edges that no such edge joins, mesh units; `None` if there are no two.
+    pub nearest: Option<f64>,
+    /// The same as a part of the mesh's size, the diagonal of its box.
+    pub relative: Option<f64>,
+}
+
+/// A mesh whose topology is asked for.
+pub(super) struct Faces<'a> {
+    pub vertices: &'a [Vec3],
+    pub triangles: &'a [[u32; 3]],
+    /// The number of each triangle in the input.
+    pub face_ids: &'a [u32],
+    /// Faces of zero area. They take part as long as their corners differ: a sliver that fills a T-junction keeps a mesh
+    /// closed.
+    pub dropped: &'a [[u32; 3]],
+}
+
+impl Topology {
+    pub fn of(faces: &Faces, tolerance: f32) -> Self {
+        let welded = weld(faces.vertices, faces.aabb(), tolerance);
+        let orientation = faces.orientation(&welded);
+        Self {
+            tolerance,
+            orientation,
+            component_vertices: faces.component_vertices(&welded),
+            welded,
+        }
+    }
+}
+
+impl Faces<'_> {
+    fn aabb(&self) -> Aabb {
+        let corners = self.triangles.iter().chain(self.dropped).flatten();
+        Aabb::around(corners.map(|&v| self.vertices[v as usize]))
+    }
+
+    /// The edges of all faces whose corners differ; for each how many faces have it, and how many more run along it than
+    /// back. Joining corners takes away an edge's faces two at a time, one from each side: it opens no closed mesh.
+    fn edges(&self, welded: &[u32]) -> (Edges, Vec<(u32, i32)>) {
+        let all = self.triangles.iter().chain(self.dropped);
+        let faces: Vec<[u32; 3]> = all
+            .map(|face| face.map(|v| welded[v as usize]))
+            .filter(|face| !is_collapsed(*face))
+            .collect();
+        let edges = Edges::of(&faces, welded.len());
+        let mut counts = vec![(0, 0); edges.ends.len()];
+        for (face, numbers) in faces.iter().zip(&edges.of_triangles) {
+            for (&edge, from) in numbers.iter().zip(face) {
+                let (count, balance) = &mut counts[edge as usize];
+                *count += 1;
+                *balance += if edges.ends[edge as usize][0] == *from { 1 } else { -1 };
+            }
+        }
+        (edges, counts)
+    }
+
+    fn orientation(&self, welded: &[u32]) -> Orientation {
+        let (_, counts) = self.edges(welded);
+        if counts.iter().any(|(count, _)| count % 2 == 1) {
+            Orientation::Open
+        } else if counts.iter().any(|&(_, balance)| balance != 0) {
+            Orientation::Mixed
+        } else {
+            self.outward_or_inward(welded)
+        }
+    }
+
+    /// The orientation of a closed mesh whose faces agree.
+    pub fn outward_or_inward(&self, welded: &[u32]) -> Orientation {
+        let place = |v: u32| self.vertices[welded[v as usize] as usize].as_dvec3();
+        // About the first corner, so that a distant mesh keeps its digits.
+        let origin = place(self.triangles[0][0]);
+        let at = |v: u32| place(v) - origin;
+        let volumes = self.triangles.iter().map(|&[a, b, c]| at(a).dot(at(b).cross(at(c))));
+        if volumes.sum::<f64>() < 0.0 {
+            Orientation::Inward
+        } else {
+            Orientation::Outward
+        }
+    }
+
+    /// A vertex of each component, by the components' first faces in the input.
+    fn component_vertices(&self, welded: &[u32]) -> Vec<u32> {
+        let mut parent: Vec<u32> = (0..welded.len() as u32).collect();
+        fn root(parent: &mut [u32], mut v: u32) -> u32 {
+            while parent[v as usize] != v {
+                parent[v as usize] = parent[parent[v as usize] as usize];
+                v = parent[v as usize];
+            }
+            v
+        }
+        for t in self.triangles {
+            let [a, b, c] = t.map(|v| root(&mut parent, welded[v as usize]));
+            let low = a.min(b).min(c);
+            for v in [a, b, c] {
+                parent[v as usize] = low;
+            }
+        }
+        // For each root the component's first face, and a corner of it.
+        let mut firsts: HashMap<u32, (u32, u32)> = HashMap::new();
+        for (t, &face) in self.triangles.iter().zip(self.face_ids) {
+            let first = firsts
+                .entry(root(&mut parent, welded[t[0] as usize]))
+                .or_insert((face, t[0]));
+            *first = (*first).min((face, t[0]));
+        }
+        let mut firsts: Vec<(u32, u32)> = firsts.into_values().collect();
+        firsts.sort_unstable();
+        firsts.into_iter().map(|(_, vertex)| vertex).collect()
+    }
+
+    /// Where it is open, if it is.
+    pub fn gaps(&self, welded: &[u32]) -> Option<Gaps> {
+        let (edges, counts) = self.edges(welded);
+        let odd = edges.ends.iter().zip(&counts).filter(|(_, (count, _))| count % 2 == 1);
+        let mut links: Vec<[u32; 2]> = odd.map(|(&[u, v], _)| [u.min(v), u.max(v)]).collect();
+        links.sort_unstable();
+        if links.is_empty() {
+            return None;
+        }
+        let mut corners = links.as_flattened().to_vec();
+        corners.sort_unstable();
+        corners.dedup();
+        let places: Vec<DVec3> = corners.iter().map(|&v| self.vertices[v as usize].as_dvec3()).collect();
+        let is_linked = |i: usize, j: usize| {
+            let (u, v) = (corners[i], corners[j]);
+            links.binary_search(&[u.min(v), u.max(v)]).is_ok()
+        };
+        let aabb = self.aabb();
+        let nearest = least_distance(&places, aabb, is_linked);
+        Some(Gaps {
+            edges: links.len() as u32,
+            nearest,
+            relative: nearest.map(|d| d / size(aabb)),
+        })
+    }
+}
