@@ -1,7 +1,7 @@
 //! Where bodies are stopped that are fast: so that they do not pass what is thin.
 
 use super::SolverBodies;
-use crate::stages::continuous::{ClampScratch, Pose, Sweep, clamp};
+use crate::stages::continuous::{ClampScratch, Pose, Stop, Sweep, clamp};
 use crate::stages::manifolds::{Manifolds, nearest};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::state::{Bodies, StepConfig};
@@ -18,7 +18,8 @@ pub(super) struct Stops {
     continuous: Vec<bool>,
     pairs: Vec<[u32; 2]>,
     scratch: ClampScratch,
-    fractions: Vec<f32>,
+    /// Those of the last interval.
+    found: Vec<Stop>,
     /// Those who were stopped in any interval of the step.
     stopped: Vec<bool>,
 }
@@ -34,7 +35,7 @@ impl Stops {
         self.stopped.get(i) == Some(&true)
     }
 
-    /// Puts those of the `moved` bodies that are continuous back to where they met others, if they did, after an
+    /// Puts those of the `moved` bodies that are continuous to where they are stopped by others, if they are, after an
     /// interval of a step. `bodies` are where they all were before, and `manifolds` how they lay; `pairs` those whose ways
     /// may cross. Contacts alone look after those that overlap.
     pub fn stop(
@@ -51,7 +52,7 @@ impl Stops {
             continuous,
             pairs: solid_pairs,
             scratch,
-            fractions,
+            found,
             stopped,
         } = self;
         let wants = |i: u32| bodies.handling[i as usize].continuous && moved.bodies[i as usize].has_mass();
@@ -77,39 +78,30 @@ impl Stops {
         let dt = f64::from(interval.dt);
         sweeps.clear();
         sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, moved, i, dt)));
-        clamp(
-            bodies,
-            meshes,
-            sweeps,
-            continuous,
-            solid_pairs,
-            slack,
-            scratch,
-            fractions,
-        );
-        for (i, &fraction) in fractions.iter().enumerate() {
-            if fraction < 1.0 {
-                stopped.resize(bodies.len(), false);
-                stopped[i] = true;
-                let Pose { center, rotation } = sweeps[i].at(f64::from(fraction));
-                (moved.motions[i].center, moved.motions[i].rotation) = (center, rotation);
-            }
+        clamp(bodies, meshes, sweeps, continuous, solid_pairs, slack, scratch, found);
+        for stop in found.iter() {
+            let i = stop.body as usize;
+            stopped.resize(bodies.len(), false);
+            stopped[i] = true;
+            (moved.motions[i].center, moved.motions[i].rotation) = (stop.end.center, stop.end.rotation);
         }
         // Who cannot move at all has been stopped ever nearer, and gets the room back without which it could never be.
+        let is_stuck = |i: u32| {
+            let at = found.binary_search_by_key(&i, |stop| stop.body);
+            at.is_ok_and(|at| found[at].fraction == 0.0)
+        };
         for &pair in solid_pairs.iter() {
-            if !pair
-                .iter()
-                .any(|&i| continuous[i as usize] && fractions[i as usize] == 0.0)
-            {
+            let stuck = pair.map(is_stuck);
+            if stuck == [false; 2] {
                 continue;
             }
             let Some(point) = nearest(manifolds.find(pair, bodies.len() as u32)) else {
                 continue;
             };
             let room = (slack(pair) - point.separation).max(0.0) * point.normal;
-            for (i, away) in [(pair[0], -room), (pair[1], room)] {
-                if continuous[i as usize] && fractions[i as usize] == 0.0 {
-                    moved.motions[i as usize].center += away.as_dvec3();
+            for (end, away) in [-room, room].into_iter().enumerate() {
+                if stuck[end] {
+                    moved.motions[pair[end] as usize].center += away.as_dvec3();
                 }
             }
         }
