@@ -49,14 +49,25 @@ pub(crate) struct Step {
     pub tables: tables::Tables,
     /// Bodies out of the step, and why; ascending.
     pub faults: Vec<(Entity, BodyFault)>,
-    /// Pairs that touched in the last step, `first < second`, ascending.
-    pub touching: Vec<[Entity; 2]>,
+    /// Pairs that are told to touch, ascending.
+    pub touching: Vec<Touching>,
     /// Scratch: those of this step.
-    pub touching_now: Vec<[Entity; 2]>,
+    pub touching_now: Vec<Touching>,
+    /// Scratch: those that touched before and not in this step.
+    pub lingering: Vec<Touching>,
     /// Scratch: the same, each pair in both orders.
     pub touching_both_ways: Vec<[Entity; 2]>,
     /// When the step began.
     pub begun: Instant,
+}
+
+/// A pair that is told to touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touching {
+    /// `first < second`.
+    pub pair: [Entity; 2],
+    /// For how many more seconds without a touch.
+    pub left: f32,
 }
 
 /// Who takes part in a step.
@@ -68,6 +79,13 @@ pub(crate) struct Collected {
     pub kinds: Vec<RigidBody>,
     /// Entity of each plane, ascending.
     pub planes: Vec<Entity>,
+}
+
+impl Collected {
+    /// Whether a body or plane took part.
+    pub fn has(&self, entity: Entity) -> bool {
+        self.entities.binary_search(&entity).is_ok() || self.planes.binary_search(&entity).is_ok()
+    }
 }
 
 impl Step {
@@ -87,6 +105,7 @@ impl Step {
             faults: Vec::new(),
             touching: Vec::new(),
             touching_now: Vec::new(),
+            lingering: Vec::new(),
             touching_both_ways: Vec::new(),
             begun: Instant::now(),
         }
