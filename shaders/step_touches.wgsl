@@ -1,6 +1,5 @@
 // ForceScan of a step with contacts, before bodies fall asleep: who touched whom. `stages/solver/touches.rs` explains it. A thread a pair.
 #import faceoff::dispatch::group_index
-#import faceoff::islands::TOUCH
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -26,17 +25,18 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     var nearest = pair.first;
     var impulse = 0.0;
+    var pushes = false;
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         if contact_points[k].separation < contact_points[nearest].separation {
             nearest = k;
         }
-        impulse += points[k].total + points[k].impulse + points[k].bounce;
+        let now = points[k].total + points[k].impulse + points[k].bounce;
+        impulse += now;
+        // Those of bodies that sleep hold the impulse that they had last.
+        pushes |= now > 0.0 || points[k].impulse > 0.0;
     }
     let point = contact_points[nearest];
-    // What sleeps pushes unseen.
-    let asleep = states[pair.a].asleep != 0u || states[pair.b].asleep != 0u;
-    let near = pair.rest_offset * select(1.0, TOUCH, asleep);
-    if !(impulse > 0.0 || point.separation <= near) {
+    if !(pushes || point.separation <= pair.rest_offset) {
         return;
     }
     if pair.b < step.bodies {

@@ -144,6 +144,9 @@ pub struct Sleeping(pub bool);
 /// * Flag what is fast, not what is in its way. Doors and crates may move meanwhile, as far as bodies may move without this.
 /// * What is squeezed, between a closing door and a wall for example, overlaps the one that gives way more.
 /// * A body that overlaps another is pushed out of it by contacts alone.
+/// * It is not stopped by sensors, but these notice it on its way, from the first touch
+///   ([`Collision::passing`](crate::collisions::Collision::passing)). On a sensor or a kinematic body this does no more than that:
+///   they notice what they pass.
 /// * Planes need none of it: nothing passes them.
 /// * A GPU does not do it: while there is such a body in the world, steps run on the CPU.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -308,6 +308,7 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
                 normal: t.normal.into(),
             },
             impulse: 0.0,
+            passing: false,
         });
         first_face += t.hits;
     }

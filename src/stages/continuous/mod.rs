@@ -15,6 +15,7 @@
 //! |---|---|
 //! | `sweep` | how a body moves |
 //! | `clamp` | all pairs at once |
+//! | `passes` | what passes through sensors |
 //! | `search` | the order in which pairs of nodes and of triangles are looked at |
 //! | `spheres` | when bounding spheres overlap |
 //! | `relative` | how two bodies lie and move relative to each other at one time |
@@ -27,6 +28,7 @@ mod approach;
 mod clamp;
 mod distance;
 mod nodes;
+mod passes;
 mod relative;
 mod search;
 mod spheres;
@@ -34,6 +36,7 @@ mod sweep;
 mod triangles;
 
 pub use clamp::{ClampScratch, Stop, clamp};
+pub use passes::{PassScratch, passes};
 pub use search::Scratch;
 pub use sweep::{Pose, Sweep};
 

@@ -1,10 +1,10 @@
-//! Where bodies are stopped that are fast: so that they do not pass what is thin.
+//! Where bodies are stopped that are fast, so that they do not pass what is thin, and which sensors they pass.
 
 use super::SolverBodies;
-use crate::stages::continuous::{ClampScratch, Pose, Stop, Sweep, clamp};
+use crate::stages::continuous::{ClampScratch, PassScratch, Pose, Stop, Sweep, clamp, passes};
 use crate::stages::manifolds::{Manifolds, nearest};
 use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Bodies, StepConfig};
+use crate::stages::state::{Bodies, Contact, StepConfig};
 use std::f64::consts::TAU;
 
 /// How near bodies come before they are stopped, as a part of the gap that bodies at rest keep: what slides along another must
@@ -22,6 +22,9 @@ pub(super) struct Stops {
     found: Vec<Stop>,
     /// Those who were stopped in any interval of the step.
     stopped: Vec<bool>,
+    sensor_pairs: Vec<[u32; 2]>,
+    pass_scratch: PassScratch,
+    touched: Vec<Option<Contact>>,
 }
 
 impl Stops {
@@ -37,7 +40,8 @@ impl Stops {
 
     /// Puts those of the `moved` bodies that are continuous to where they are stopped by others, if they are, after an
     /// interval of a step. `bodies` are where they all were before, and `manifolds` how they lay; `pairs` those whose ways
-    /// may cross. Contacts alone look after those that overlap.
+    /// may cross. Contacts alone look after those that overlap. Calls `pass` with the pairs of a sensor and another body, of which
+    /// one is continuous, that touch on their ways, and with where they first do.
     pub fn stop(
         &mut self,
         moved: &mut SolverBodies,
@@ -46,6 +50,7 @@ impl Stops {
         meshes: &MeshArena,
         pairs: &[[u32; 2]],
         interval: &StepConfig,
+        mut pass: impl FnMut([u32; 2], Contact),
     ) {
         let Self {
             sweeps,
@@ -54,15 +59,22 @@ impl Stops {
             scratch,
             found,
             stopped,
+            sensor_pairs,
+            pass_scratch,
+            touched,
         } = self;
-        let wants = |i: u32| bodies.handling[i as usize].continuous && moved.bodies[i as usize].has_mass();
-        continuous.clear();
-        continuous.extend((0..bodies.len() as u32).map(wants));
-        if !continuous.contains(&true) {
+        found.clear();
+        let flagged = |i: u32| bodies.handling[i as usize].continuous;
+        if !(0..bodies.len() as u32).any(flagged) {
             return;
         }
-        solid_pairs.clear();
+        continuous.clear();
+        continuous.extend((0..bodies.len() as u32).map(|i| flagged(i) && moved.bodies[i as usize].has_mass()));
         let solid = |&i: &u32| moved.bodies[i as usize].solid;
+        sensor_pairs.clear();
+        let passes_sensor = |pair: &[u32; 2]| !pair.iter().all(solid) && pair.iter().any(|&i| flagged(i));
+        sensor_pairs.extend(pairs.iter().copied().filter(passes_sensor));
+        solid_pairs.clear();
         let matters = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
         let slack = |pair: [u32; 2]| {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
@@ -72,13 +84,19 @@ impl Stops {
             nearest(manifolds.find(pair, bodies.len() as u32)).is_some_and(|point| point.separation < -slack(pair))
         };
         solid_pairs.extend(pairs.iter().copied().filter(matters).filter(|&pair| !overlap(pair)));
-        if solid_pairs.is_empty() {
+        if solid_pairs.is_empty() && sensor_pairs.is_empty() {
             return;
         }
         let dt = f64::from(interval.dt);
         sweeps.clear();
         sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, moved, i, dt)));
         clamp(bodies, meshes, sweeps, continuous, solid_pairs, slack, scratch, found);
+        passes(bodies, meshes, sweeps, found, sensor_pairs, pass_scratch, touched);
+        for (&pair, touched) in sensor_pairs.iter().zip(&*touched) {
+            if let Some(contact) = *touched {
+                pass(pair, contact);
+            }
+        }
         for stop in found.iter() {
             let i = stop.body as usize;
             stopped.resize(bodies.len(), false);

@@ -1,12 +1,11 @@
-//! Who touched whom in a step, from what the solver did in each of its intervals.
+//! Who touched whom in a step, from what the solver did in each of its intervals, and from who passed sensors.
 
-use super::SolverBodies;
 use super::settings::SolverSettings;
-use super::sleep::TOUCH;
+use super::{Solver, SolverBodies};
 use crate::stages::manifolds::{ManifoldPoint, Manifolds, nearest, place};
 use crate::stages::state::{Bodies, Contact, Contacts, PlaneContact, TouchingPair};
 
-/// The pairs that touched so far in a step: that pushed each other, or lay nearer than bodies at rest do.
+/// The pairs that touched so far in a step: that pushed each other, lay nearer than bodies at rest do, or passed each other.
 #[derive(Default)]
 pub(crate) struct Touches {
     all: Vec<Touch>,
@@ -23,6 +22,8 @@ struct Touch {
     separation: f32,
     /// Newton seconds.
     impulse: f32,
+    /// See [`TouchingPair::passing`].
+    passing: bool,
 }
 
 impl Touches {
@@ -31,35 +32,46 @@ impl Touches {
         self.all.clear();
     }
 
-    /// Adds those of an interval, which began with `bodies` where they are. `impulse_of` tells the impulse of a point.
+    /// Adds those of an interval, which began with `bodies` where they are, and which `solver` has solved.
     pub fn note(
         &mut self,
         bodies: &Bodies,
         moved: &SolverBodies,
         manifolds: &Manifolds,
         settings: &SolverSettings,
-        impulse_of: impl Fn(usize) -> f32,
+        solver: &Solver,
     ) {
         for pair in &manifolds.pairs {
             let first = pair.first_point as usize;
-            let impulse = (first..first + pair.point_count as usize).map(&impulse_of).sum();
+            let points = first..first + pair.point_count as usize;
+            let impulse = points.clone().map(|point| solver.impulse_of(point)).sum();
             let Some(nearest) = nearest(manifolds.points_of(pair)) else {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
             let diameter = 2.0 * moved.bodies[a].radius.min(moved.bodies[b].radius);
-            // What sleeps pushes unseen.
-            let asleep = moved.sleep[a].asleep || moved.sleep[b].asleep;
-            let near = settings.rest_offset * diameter * if asleep { TOUCH } else { 1.0 };
-            if impulse > 0.0 || nearest.separation <= near {
+            let near = nearest.separation <= settings.rest_offset * diameter;
+            if near || points.clone().any(|point| solver.pushes(point)) {
                 self.all.push(Touch {
                     bodies: pair.bodies,
                     contact: contact(bodies, a, nearest),
                     separation: nearest.separation,
                     impulse,
+                    passing: false,
                 });
             }
         }
+    }
+
+    /// Adds a pair of which one is a sensor, and where it touched on its way.
+    pub fn pass(&mut self, bodies: [u32; 2], contact: Contact) {
+        self.all.push(Touch {
+            bodies,
+            contact,
+            separation: 0.0,
+            impulse: 0.0,
+            passing: true,
+        });
     }
 
     /// Those that a device found, in any order.
@@ -74,6 +86,7 @@ impl Touches {
             },
             separation: touch.separation,
             impulse: touch.impulse,
+            passing: false,
         };
         Self {
             all: found.iter().map(touch).collect(),
@@ -152,6 +165,7 @@ impl From<Touch> for TouchingPair {
             face_count: 0,
             contact: touch.contact,
             impulse: 0.0,
+            passing: touch.passing,
         }
     }
 }
