@@ -140,7 +140,8 @@ pub struct Sleeping(pub bool);
 /// with this make a step be cut into more detection intervals only after they met something.
 ///
 /// * It costs a search per body within reach of such a body's way: some microseconds where it flies past, tens to
-///   hundreds where it comes near many triangles.
+///   hundreds where it comes near many triangles, and another one for each neighbour of those that met. A heap of 100
+///   balls that all have it costs some ten times as much as one without.
 /// * Flag what is fast, not what is in its way. Doors and crates may move meanwhile, as far as bodies may move without this.
 /// * What is squeezed, between a closing door and a wall for example, overlaps the one that gives way more.
 /// * A body that overlaps another is pushed out of it by contacts alone.

@@ -56,6 +56,7 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
         clamp(
             &state.bodies,
             &state.meshes,
+            &[],
             &world.sweeps,
             &[false, true],
             &[[0, 1]],

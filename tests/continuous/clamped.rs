@@ -6,6 +6,7 @@ use crate::world::{Random, World, flight, stay};
 use bevy_faceoff::components::{LockedAxes, RigidBody};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::stages::continuous::{ClampScratch, Pose, Stop, clamp};
+use bevy_faceoff::stages::state::Plane;
 use glam::{DQuat, DVec3, Vec3};
 
 const SLACK: f32 = 0.005;
@@ -16,6 +17,7 @@ fn stops(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut C
     clamp(
         bodies,
         meshes,
+        &world.state.planes,
         &world.sweeps,
         continuous,
         pairs,
@@ -215,6 +217,29 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
             panic!("{found:?}");
         };
         assert!((0.24..0.27).contains(&end.center.z), "{end:?}");
+    }
+}
+
+/// A ball lies on the ground: neither one that falls on it nor a door that comes down carries it into the ground.
+#[test]
+fn nothing_is_carried_into_a_half_space() {
+    for with_door in [true, false] {
+        let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+        world.state.planes.push(Plane {
+            normal: Vec3::Z,
+            ..Plane::default()
+        });
+        world.add(1, Vec3::ONE, stay(DVec3::Z * 0.26, DQuat::IDENTITY));
+        let way = DVec3::new(0.5, 0.0, -3.0);
+        let above = flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO);
+        world.add(usize::from(!with_door), Vec3::ONE, above);
+        let found = stops(&world, &[true, !with_door], &[[0, 1]], &mut ClampScratch::default());
+        assert_eq!(found[0].body, 0);
+        assert!((found[0].end.center.z - 0.26).abs() < 1.0e-9, "{found:?}");
+        assert!(found[0].end.center.x > 0.1, "along the ground it is");
+        if let Some(other) = found.get(1) {
+            assert!(other.end.center.z > 0.74, "{found:?}");
+        }
     }
 }
 

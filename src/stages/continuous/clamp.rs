@@ -5,9 +5,10 @@ use super::{Pose, Scratch, Sweep, meeting, rounded_down};
 use crate::components::RigidBody;
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::per_thread::PerThread;
-use crate::stages::state::Bodies;
+use crate::stages::state::{Bodies, Plane};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Memory kept between intervals.
 #[derive(Default)]
@@ -61,7 +62,8 @@ const CLOSER: u32 = 12;
 /// Two bodies meet at their [`time_of_impact`](super::time_of_impact). From then on they lose their motion relative to each other:
 /// * A continuous body that meets one that is not is carried by it to the end of the interval. That other body makes all of its
 ///   motion, and so does not pass the one it met, however thin it is.
-/// * Continuous bodies that meet each other go on with their common velocity, as momentum has it, and do not turn.
+/// * Two continuous bodies that meet go on with their common velocity, as momentum has it, and do not turn. Who meets
+///   more than one that move so goes along with them.
 /// * What is carried may meet further bodies, and so on: of all pairs the earliest is next. What is carried by one body and
 ///   meets another that carries, is squeezed. It goes on with the one that gives way less: static before kinematic before dynamic. The
 ///   other one may then overlap it.
@@ -69,7 +71,7 @@ const CLOSER: u32 = 12;
 /// Pairs that start nearer than `slack` are looked at with half of it, up to 12 times; if they are as near as that, or overlap,
 /// they meet at once. `sweeps` and `continuous` have an entry for each of `bodies`; what is missing counts as not continuous. `pairs`
 /// must hold those whose bounding spheres overlap anywhere on their ways; `slack` tells how near each may come, metres. What
-/// is carried keeps to its [`LockedAxes`](crate::components::LockedAxes). Runs on rayon's current thread pool; the same input
+/// is carried keeps to its [`LockedAxes`](crate::components::LockedAxes), and is not carried into `planes`. Runs on rayon's current thread pool; the same input
 /// gives the same bits, however many threads there are.
 ///
 /// What that guarantees: but for those that are squeezed, no pair with a continuous body comes nearer than `slack`. What not:
@@ -77,6 +79,7 @@ const CLOSER: u32 = 12;
 pub fn clamp(
     bodies: &Bodies,
     meshes: &MeshArena,
+    planes: &[Plane],
     sweeps: &[Sweep],
     continuous: &[bool],
     pairs: &[[u32; 2]],
@@ -152,9 +155,9 @@ pub fn clamp(
             continue;
         }
         match groups.map(|group| !is_continuous(group)) {
-            [false, false] => go_together(bodies, ways, groups, time),
-            [true, false] => carry(bodies, ways, groups[0], time, |_, way| way.group == groups[1]),
-            [false, true] => carry(bodies, ways, groups[1], time, |_, way| way.group == groups[0]),
+            [false, false] => go_together(bodies, planes, ways, groups, time),
+            [true, false] => carry(bodies, planes, ways, groups[0], time, |_, way| way.group == groups[1]),
+            [false, true] => carry(bodies, planes, ways, groups[1], time, |_, way| way.group == groups[0]),
             [true, true] => {
                 let yields = |group: u32| match bodies.kind[group as usize] {
                     RigidBody::Static => 0,
@@ -173,7 +176,7 @@ pub fn clamp(
                             && pair.iter().any(|&i| i != yielding && ways[i as usize].group == left);
                         *is_over |= others;
                     }
-                    carry(bodies, ways, held, time, |i, _| i == yielding);
+                    carry(bodies, planes, ways, held, time, |i, _| i == yielding);
                 }
             }
         }
@@ -209,40 +212,80 @@ pub fn clamp(
     );
 }
 
-/// From `time` on the continuous bodies of two groups move with the mean of their velocities, weighted by mass.
-fn go_together(bodies: &Bodies, ways: &mut [Way], groups: [u32; 2], time: f64) {
-    let (mut momentum, mut mass) = (DVec3::ZERO, 0.0);
+/// From `time` on the continuous bodies of two groups move as one. Two bodies take the mean of their velocities, weighted by mass; who
+/// joins a larger group goes along with it, so that in a heap no body is looked at again for each one that joins.
+fn go_together(bodies: &Bodies, planes: &[Plane], ways: &mut [Way], groups: [u32; 2], time: f64) {
+    let (mut momentum, mut mass) = ([DVec3::ZERO; 2], [0.0; 2]);
+    let mut members = [0, 0];
     for (way, &inverse_mass) in ways.iter().zip(&bodies.inverse_mass) {
-        if groups.contains(&way.group) {
-            // Of what has no mass to speak of all count alike.
-            let own = if inverse_mass > 0.0 {
-                1.0 / f64::from(inverse_mass)
-            } else {
-                1.0
-            };
-            momentum += own * way.after(time).travel;
-            mass += own;
+        for side in 0..2 {
+            if way.group == groups[side] {
+                // Of what has no mass to speak of all count alike.
+                let own = if inverse_mass > 0.0 {
+                    1.0 / f64::from(inverse_mass)
+                } else {
+                    1.0
+                };
+                momentum[side] += own * way.after(time).travel;
+                mass[side] += own;
+                members[side] += 1;
+            }
         }
     }
-    let travel = momentum / mass;
+    let travel = match members[0].cmp(&members[1]) {
+        Ordering::Equal => (momentum[0] + momentum[1]) / (mass[0] + mass[1]),
+        Ordering::Greater => momentum[0] / mass[0],
+        Ordering::Less => momentum[1] / mass[1],
+    };
+    let mut common = travel;
+    for (i, way) in ways.iter().enumerate().filter(|(_, way)| groups.contains(&way.group)) {
+        common = kept_out(bodies, planes, i, &way.after(time), common);
+    }
     let group = groups[0].min(groups[1]);
     for (i, way) in ways.iter_mut().enumerate() {
-        if groups.contains(&way.group) {
+        let Some(side) = groups.iter().position(|&group| group == way.group) else {
+            continue;
+        };
+        if members[side] > members[1 - side] && common == travel {
+            way.group = group;
+        } else {
             let free = bodies.handling[i].locked_axes.free_translation().as_dvec3();
-            way.change(time, group, travel * free, DVec3::ZERO);
+            way.change(time, group, common * free, DVec3::ZERO);
         }
     }
 }
 
+/// What is left of `travel` if body `i` goes no farther into half-spaces than by its `own` motion, to which contacts with them have
+/// seen.
+fn kept_out(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
+    for plane in planes {
+        let normal = plane.normal.as_dvec3();
+        let height = normal.dot(own.before.center + travel) - f64::from(plane.distance);
+        let lowest = normal.dot(own.travel).min(0.0);
+        if height < f64::from(bodies.radius[i]) {
+            travel += normal * (lowest - normal.dot(travel)).max(0.0);
+        }
+    }
+    travel
+}
+
 /// From `time` on the bodies `which` are carried by body `carrier`, as if they were one with it.
-fn carry(bodies: &Bodies, ways: &mut [Way], carrier: u32, time: f64, which: impl Fn(u32, &Way) -> bool) {
+fn carry(
+    bodies: &Bodies,
+    planes: &[Plane],
+    ways: &mut [Way],
+    carrier: u32,
+    time: f64,
+    which: impl Fn(u32, &Way) -> bool,
+) {
     let by = ways[carrier as usize].after(time);
     let turned = by.at(1.0).rotation * by.before.rotation.inverse();
     for (i, way) in (0..).zip(ways) {
         if !which(i, way) {
             continue;
         }
-        let arm = way.after(time).before.center - by.before.center;
+        let own = way.after(time);
+        let arm = own.before.center - by.before.center;
         // Exactly nothing if nothing turns.
         let swing = if by.turn == DVec3::ZERO {
             DVec3::ZERO
@@ -250,7 +293,8 @@ fn carry(bodies: &Bodies, ways: &mut [Way], carrier: u32, time: f64, which: impl
             turned * arm - arm
         };
         let locked = bodies.handling[i as usize].locked_axes;
-        let travel = (by.travel + swing) * locked.free_translation().as_dvec3();
+        let travel = kept_out(bodies, planes, i as usize, &own, by.travel + swing);
+        let travel = travel * locked.free_translation().as_dvec3();
         way.change(time, carrier, travel, by.turn * locked.free_rotation().as_dvec3());
     }
 }

@@ -200,6 +200,7 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         config,
         meshes,
         bodies,
+        planes,
         sphere_pairs,
         manifolds,
         dynamics,
@@ -213,7 +214,7 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         ..
     } = dynamics;
     let pass = |pair, contact| touches.pass(pair, contact);
-    stops.stop(moved, manifolds, bodies, meshes, sphere_pairs, &interval, pass);
+    stops.stop(moved, manifolds, bodies, meshes, planes, sphere_pairs, &interval, pass);
     dynamics.bodies.write(bodies, meshes);
     dynamics.margins.set_reach(bodies, config);
 }

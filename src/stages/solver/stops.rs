@@ -4,7 +4,7 @@ use super::SolverBodies;
 use crate::stages::continuous::{ClampScratch, PassScratch, Pose, Stop, Sweep, clamp, passes};
 use crate::stages::manifolds::{Manifolds, nearest};
 use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Bodies, Contact, StepConfig};
+use crate::stages::state::{Bodies, Contact, Plane, StepConfig};
 use std::f64::consts::TAU;
 
 /// How near bodies come before they are stopped, as a part of the gap that bodies at rest keep: what slides along another must
@@ -48,6 +48,7 @@ impl Stops {
         manifolds: &Manifolds,
         bodies: &Bodies,
         meshes: &MeshArena,
+        planes: &[Plane],
         pairs: &[[u32; 2]],
         interval: &StepConfig,
         mut pass: impl FnMut([u32; 2], Contact),
@@ -90,7 +91,17 @@ impl Stops {
         let dt = f64::from(interval.dt);
         sweeps.clear();
         sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, moved, i, dt)));
-        clamp(bodies, meshes, sweeps, continuous, solid_pairs, slack, scratch, found);
+        clamp(
+            bodies,
+            meshes,
+            planes,
+            sweeps,
+            continuous,
+            solid_pairs,
+            slack,
+            scratch,
+            found,
+        );
         passes(bodies, meshes, sweeps, found, sensor_pairs, pass_scratch, touched);
         for (&pair, touched) in sensor_pairs.iter().zip(&*touched) {
             if let Some(contact) = *touched {
