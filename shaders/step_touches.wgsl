@@ -1,6 +1,5 @@
 // ForceScan of a step with contacts, before bodies fall asleep: who touched whom, and where. `stages/solver/touches.rs` explains it. A thread a pair.
 #import faceoff::dispatch::group_index
-#import faceoff::islands::TOUCH
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -25,17 +24,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var nearest = pair.first;
-    var impulse = 0.0;
+    var pushes = false;
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         if contact_points[k].separation < contact_points[nearest].separation {
             nearest = k;
         }
-        impulse += impulse_of(points[k]);
+        // Those of bodies that sleep hold the impulse that they had last.
+        pushes |= impulse_of(points[k]) > 0.0 || points[k].impulse > 0.0;
     }
-    // What sleeps pushes unseen.
-    let asleep = states[pair.a].asleep != 0u || states[pair.b].asleep != 0u;
-    let near = pair.rest_offset * select(1.0, TOUCH, asleep);
-    if !(impulse > 0.0 || contact_points[nearest].separation <= near) {
+    if !(pushes || contact_points[nearest].separation <= pair.rest_offset) {
         return;
     }
     if pair.b < step.bodies {

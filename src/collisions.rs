@@ -12,7 +12,9 @@ use std::time::Duration;
 /// Bodies touch if their surfaces meet at the beginning of the step, or one contains the other. With
 /// [`Response::Contacts`](crate::settings::Response) they also do if they pushed each other at some time in the step, or came
 /// nearer than the gap that bodies at rest keep
-/// ([`SolverSettings::rest_offset`](crate::settings::SolverSettings::rest_offset)).
+/// ([`SolverSettings::rest_offset`](crate::settings::SolverSettings::rest_offset)). So do a sensor and another body that touched at
+/// some time in the step, if one of the two has [`ContinuousCollision`](crate::components::ContinuousCollision). Whether they sleep
+/// does not matter.
 ///
 /// "Ascending" and "smaller" are meant in the order of [`Entity`], in which a younger entity may come first.
 #[derive(Resource, Debug, Default)]
@@ -38,7 +40,7 @@ pub struct Collision<'a> {
     /// Where they push each other, in one point; the normal points from the first to the second.
     pub contact: Contact,
     /// Intersecting faces as indices of the input meshes, the first body's as `a`, with their common segments.
-    /// Empty where the two only lie on each other, with the gap that bodies at rest keep, or sleep; and for planes.
+    /// Empty where the two only lie on each other, with the gap that bodies at rest keep; and for planes.
     pub faces: &'a [FacePair],
     /// The points at which they pushed each other, in the world, and how strongly at each: the impulses of all add up to
     /// [`Collision::impulse`]. Some did not push: their impulse is 0.
@@ -53,6 +55,9 @@ pub struct Collision<'a> {
     /// rest gives its weight times the length of the step. 0 unless the response is
     /// [`Response::Contacts`](crate::settings::Response), and for bodies asleep.
     pub impulse: f32,
+    /// They did not touch at the beginning of the step, but on their ways within it: a sensor and another body, one of them with
+    /// [`ContinuousCollision`](crate::components::ContinuousCollision). The contact is where they first touched.
+    pub passing: bool,
 }
 
 impl Collisions {
@@ -111,6 +116,7 @@ impl Collisions {
             faces: self.contacts.faces_of(pair),
             points: self.contacts.points_of(pair),
             impulse: pair.impulse,
+            passing: pair.passing,
         }
     }
 
@@ -126,6 +132,7 @@ impl Collisions {
             faces: &[],
             points: self.contacts.points_on(contact),
             impulse: contact.impulse,
+            passing: false,
         }
     }
 

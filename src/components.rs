@@ -92,7 +92,9 @@ impl CollisionLayers {
     }
 }
 
-/// A body that reports collisions and is not pushed by them.
+/// A body that reports collisions and is not pushed by them. It touches what it overlaps or has inside, asleep or not, at the
+/// beginning of a step. What passes it within one step is seen only if that body, or the sensor if it is the one that moves,
+/// has [`ContinuousCollision`], and with [`Response::Contacts`](crate::settings::Response).
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Sensor;
@@ -103,7 +105,8 @@ pub struct Sensor;
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct BodyCulling(pub Culling);
 
-/// The entities a body touches, in ascending order; kept up to date where the component is present.
+/// The entities a body touches, in ascending order; kept up to date where the component is present. They stay for as long as
+/// [`EventHysteresis`](crate::settings::EventHysteresis) says after the last touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollidingEntities(pub(crate) Vec<Entity>);

@@ -3,7 +3,8 @@
 use crate::stages::bodies::BodyFault;
 use bevy::prelude::*;
 
-/// Two bodies, or a body and a plane, began to touch in this step.
+/// Two bodies, or a body and a plane, began to touch in this step. Bodies whose last touch was too short a time ago for a
+/// [`CollisionEnd`] go on with that one.
 ///
 /// Written once per pair as a message, `entity1 < entity2`. Triggered as an event for each of the two that has
 /// [`CollisionEventsEnabled`](crate::components::CollisionEventsEnabled), with that one as `entity1`.
@@ -16,7 +17,8 @@ pub struct CollisionStart {
     pub entity2: Entity,
 }
 
-/// Two bodies, or a body and a plane, touched in the last step and no longer do; also if one was despawned.
+/// Two bodies, or a body and a plane, no longer touch, and have not for as long as
+/// [`EventHysteresis`](crate::settings::EventHysteresis) says; told at once if one of them was despawned or rejected.
 ///
 /// Written and triggered like [`CollisionStart`].
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]

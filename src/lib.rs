@@ -54,7 +54,7 @@ pub mod prelude {
     pub use crate::mesh_collider_from::MeshColliderFrom;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;
-    pub use crate::settings::{Backend, Culling, Gravity, Reading, Response, SolverSettings};
+    pub use crate::settings::{Backend, Culling, EventHysteresis, Gravity, Reading, Response, SolverSettings};
     pub use crate::snapshot::Snapshot;
 }
 

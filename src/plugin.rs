@@ -9,7 +9,7 @@ use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
 #[cfg(feature = "gpu")]
 use crate::gpu::{device::Gpu, step::Poses};
 use crate::renderer;
-use crate::settings::{Backend, Culling, Gravity, Reading, Response, SolverSettings};
+use crate::settings::{Backend, Culling, EventHysteresis, Gravity, Reading, Response, SolverSettings};
 use crate::stages::Stage;
 use crate::sync::{Step, collect, publish};
 use bevy::app::PluginGroupBuilder;
@@ -141,6 +141,7 @@ impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(self.backend)
             .init_resource::<Culling>()
+            .init_resource::<EventHysteresis>()
             .init_resource::<Gravity>()
             .init_resource::<Response>()
             .init_resource::<SolverSettings>()
@@ -300,6 +301,7 @@ fn register_types(app: &mut App) {
         .register_type::<CollidingEntities>()
         .register_type::<CollisionEventsEnabled>()
         .register_type::<Culling>()
+        .register_type::<EventHysteresis>()
         .register_type::<Gravity>()
         .register_type::<Response>()
         .register_type::<SolverSettings>()

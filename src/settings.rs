@@ -69,6 +69,28 @@ pub enum Culling {
     FrontFacing,
 }
 
+/// For how many seconds two bodies must not have touched before [`CollisionEnd`](crate::events::CollisionEnd) is told and
+/// [`CollidingEntities`](crate::components::CollidingEntities) drops them. Default 0.1.
+///
+/// What bounces or rolls in the rim of a sensor touches in one step and not in the next. Without a hysteresis each of these would be
+/// an end and a new beginning. With it, a beginning is told at once, and an end when it has lasted. An end is told at
+/// once all the same
+/// * if one of the two is despawned, loses its collider or is rejected, and
+/// * for a fast body that has passed a sensor within one step ([`Collision::passing`](crate::collisions::Collision::passing)).
+///
+/// `EventHysteresis(0.0)` turns it off: then beginnings and ends are exact, to the step. [`Collisions`](crate::collisions::Collisions)
+/// always holds those that touched in the last step and no others. An infinite time is one without end; a negative one
+/// counts as 0, and NaN as the default.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
+#[reflect(Resource, Default, Debug, PartialEq)]
+pub struct EventHysteresis(pub f32);
+
+impl Default for EventHysteresis {
+    fn default() -> Self {
+        Self(0.1)
+    }
+}
+
 /// Where the stages run; read when the app starts. [`ActiveBackend`](crate::backend::ActiveBackend) tells what was taken.
 ///
 /// Both find the same pairs. Where two faces are nearer to touching than rounding can tell, the CPU decides in double

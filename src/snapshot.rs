@@ -6,11 +6,11 @@ use crate::gpu::contacts::memory::DeviceMemory;
 use crate::stages::manifolds::Manifolds;
 use crate::stages::solver::step::Memory;
 use crate::stages::state::Motion;
-use crate::sync::Step;
+use crate::sync::{Step, Touching};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// Where all bodies were and how they moved after some step, and which of them touched.
+/// Where all bodies were and how they moved after some step, and which of them were told to touch.
 ///
 /// With what users decide, components like [`RigidBody`](crate::components::RigidBody) or resources like
 /// [`Gravity`](crate::settings::Gravity), unchanged, steps after [`Snapshot::restore`] repeat those after
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
-    touching: Vec<[Entity; 2]>,
+    touching: Vec<Touching>,
     /// What the solver keeps from step to step.
     memory: Memory,
     manifolds: Manifolds,

@@ -7,6 +7,9 @@ mod bakes;
 #[allow(dead_code)]
 mod contacts;
 mod gpu;
+#[path = "app_headless/sensors.rs"]
+#[allow(dead_code)]
+mod sensors;
 
 use app::{ON_GPU, Sim, resting};
 use bevy::prelude::*;
@@ -47,6 +50,14 @@ fn main() {
         the_walls_of_a_room_push_inward: bakes::the_walls_of_a_room_push_inward();
         the_same_mesh_as_a_solid_is_the_outward_one: bakes::the_same_mesh_as_a_solid_is_the_outward_one();
         no_ray_slips_through_a_seam: bakes::no_ray_slips_through_a_seam();
+        a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
+        a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
+        a_dynamic_sensor_that_sleeps_reports: sensors::a_dynamic_sensor_that_falls_asleep_goes_on_reporting();
+        who_sleeps_beside_a_wall_does_not_touch_it: sensors::who_falls_asleep_beside_a_wall_does_not_begin_to_touch_it();
+        what_is_fast_is_noticed_by_a_sensor_on_the_cpu:
+            sensors::what_is_fast_and_flagged_is_noticed_by_a_sensor_and_not_stopped();
+        touches_that_come_and_go_are_told_once:
+            sensors::touches_that_come_and_go_are_told_once_unless_they_are_to_be_exact();
         results_are_those_of_waiting_steps_two_steps_later: later();
         what_stays_on_the_gpu_comes_to_rest_there: resident();
         a_response_may_change_between_steps: responses();

@@ -160,15 +160,20 @@ pub struct Sleeping(pub bool);
 
 /// Lets a dynamic body that is faster than its size per step not pass what is thin (continuous collision detection).
 ///
-/// At the end of each step, or detection interval, it is put back to where it first came nearer to another solid body than
-/// bodies at rest lie; it keeps its velocity, loses the rest of that interval's motion, and meets the other one as usual in
-/// the next. Bodies with this make a step be cut into more detection intervals only after they met something.
+/// Where it first comes nearer to another solid body than bodies at rest lie, within a step or detection interval, it loses its
+/// motion relative to that one: for the rest of the interval it is carried by it, by a closing door for example. Two with this go
+/// on with their common velocity. It keeps its own velocity, and meets the other one as usual in the next interval. Bodies
+/// with this make a step be cut into more detection intervals only after they met something.
 ///
 /// * It costs a search per body within reach of such a body's way: some microseconds where it flies past, tens to
-///   hundreds where it comes near many triangles.
-/// * Flag what is fast, not what is in its way. What moves meanwhile without this may run into a body that was put back, or
-///   past it if it is thin and fast itself. Of two with this, both stop.
+///   hundreds where it comes near many triangles, and another one for each neighbour of those that met. A heap of 100
+///   balls that all have it costs some ten times as much as one without.
+/// * Flag what is fast, not what is in its way. Doors and crates may move meanwhile, as far as bodies may move without this.
+/// * What is squeezed, between a closing door and a wall for example, overlaps the one that gives way more.
 /// * A body that overlaps another is pushed out of it by contacts alone.
+/// * It is not stopped by sensors, but these notice it on its way, from the first touch
+///   ([`Collision::passing`](crate::collisions::Collision::passing)). On a sensor or a kinematic body this does no more than that:
+///   they notice what they pass.
 /// * Planes need none of it: nothing passes them.
 /// * A GPU does not do it: while there is such a body in the world, steps run on the CPU.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

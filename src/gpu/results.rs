@@ -315,6 +315,7 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
             first_point: 0,
             point_count: 0,
             impulse: 0.0,
+            passing: false,
         });
         first_face += t.hits;
     }

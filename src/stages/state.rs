@@ -341,6 +341,9 @@ pub struct TouchingPair {
     /// How strongly the two pushed each other along the normals of their points in the step, newton seconds; 0 unless the
     /// response is [`Response::Contacts`].
     pub impulse: f32,
+    /// They did not touch at the beginning of the step, but on their ways within it: a sensor and another body, one of them with
+    /// [`ContinuousCollision`](crate::components::ContinuousCollision). The contact is where they first touched.
+    pub passing: bool,
 }
 
 /// A point at which two bodies push each other.

@@ -54,10 +54,12 @@ pub(crate) struct Step {
     pub faults: Vec<(Entity, BodyFault)>,
     /// What does not do what it says.
     pub oddities: oddities::Oddities,
-    /// Pairs that touched in the last step, `first < second`, ascending.
-    pub touching: Vec<[Entity; 2]>,
+    /// Pairs that are told to touch, ascending.
+    pub touching: Vec<Touching>,
     /// Scratch: those of this step.
-    pub touching_now: Vec<[Entity; 2]>,
+    pub touching_now: Vec<Touching>,
+    /// Scratch: those that touched before and not in this step.
+    pub lingering: Vec<Touching>,
     /// Scratch: the same, each pair in both orders.
     pub touching_both_ways: Vec<[Entity; 2]>,
     /// When the step began.
@@ -66,6 +68,15 @@ pub(crate) struct Step {
     pub by_hand: bool,
     /// What `Time` is outside of the step.
     pub outer_time: Option<Time>,
+}
+
+/// A pair that is told to touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touching {
+    /// `first < second`.
+    pub pair: [Entity; 2],
+    /// For how many more seconds without a touch.
+    pub left: f32,
 }
 
 /// Who takes part in a step.
@@ -77,6 +88,13 @@ pub(crate) struct Collected {
     pub kinds: Vec<RigidBody>,
     /// Entity of each plane, ascending.
     pub planes: Vec<Entity>,
+}
+
+impl Collected {
+    /// Whether a body or plane took part.
+    pub fn has(&self, entity: Entity) -> bool {
+        self.entities.binary_search(&entity).is_ok() || self.planes.binary_search(&entity).is_ok()
+    }
 }
 
 impl Step {
@@ -97,6 +115,7 @@ impl Step {
             oddities: oddities::Oddities::default(),
             touching: Vec::new(),
             touching_now: Vec::new(),
+            lingering: Vec::new(),
             touching_both_ways: Vec::new(),
             begun: Instant::now(),
             by_hand: false,

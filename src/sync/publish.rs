@@ -1,10 +1,11 @@
 //! Results to components, resources, messages and events.
 
-use super::Step;
+use super::{Step, Touching};
 use crate::backend::{ActiveBackend, BackendFailed};
 use crate::collisions::{Collisions, StepReport};
 use crate::components::*;
 use crate::events::{CollisionEnd, CollisionStart};
+use crate::settings::EventHysteresis;
 use bevy::prelude::*;
 
 /// Impulses act once.
@@ -92,6 +93,7 @@ pub(crate) fn publish(
     mut step: ResMut<Step>,
     mut collisions: ResMut<Collisions>,
     mut report: ResMut<StepReport>,
+    hysteresis: Res<EventHysteresis>,
     mut started: MessageWriter<CollisionStart>,
     mut ended: MessageWriter<CollisionEnd>,
     observed: Query<(), With<CollisionEventsEnabled>>,
@@ -120,18 +122,32 @@ pub(crate) fn publish(
     };
 
     let contacts = &step.state.contacts;
-    let pairs = contacts
-        .pairs
-        .iter()
-        .map(|pair| pair.bodies.map(|i| results.entities[i as usize]));
+    let hold = seconds(*hysteresis);
+    let pairs = contacts.pairs.iter().map(|pair| Touching {
+        pair: pair.bodies.map(|i| results.entities[i as usize]),
+        left: if pair.passing { 0.0 } else { hold },
+    });
     let planes = contacts.planes.iter().map(|c| {
         let (body, plane) = (results.entities[c.body as usize], results.planes[c.plane as usize]);
-        [body.min(plane), body.max(plane)]
+        Touching {
+            pair: [body.min(plane), body.max(plane)],
+            left: hold,
+        }
     });
     let touching = &mut step.touching_now;
     touching.clear();
     touching.extend(pairs.chain(planes));
-    touching.sort_unstable();
+    touching.sort_unstable_by_key(|touching| touching.pair);
+    let dt = step.state.config.dt;
+    step.lingering.clear();
+    step.lingering.extend(step.touching.iter().filter_map(|before| {
+        let touches = touching.binary_search_by_key(&before.pair, |touching| touching.pair);
+        let left = before.left.min(hold) - dt;
+        let lingers = touches.is_err() && left > 0.0 && before.pair.iter().all(|&entity| results.has(entity));
+        lingers.then_some(Touching { left, ..*before })
+    }));
+    touching.append(&mut step.lingering);
+    touching.sort_unstable_by_key(|touching| touching.pair);
 
     let mut tell = |pair: [Entity; 2], start: bool| {
         let [entity1, entity2] = pair;
@@ -155,7 +171,11 @@ pub(crate) fn publish(
     if !colliding.is_empty() {
         let both = &mut step.touching_both_ways;
         both.clear();
-        both.extend(touching.iter().flat_map(|&[a, b]| [[a, b], [b, a]]));
+        both.extend(
+            touching
+                .iter()
+                .flat_map(|&Touching { pair: [a, b], .. }| [[a, b], [b, a]]),
+        );
         both.sort_unstable();
         for (entity, mut list) in &mut colliding {
             let first = both.partition_point(|&[a, _]| a < entity);
@@ -176,9 +196,21 @@ pub(crate) fn publish(
     collisions.manifolds.copy(&step.state.manifolds);
 }
 
-/// Walks two ascending lists and tells what is only in the second (`true`) or only in the first (`false`).
-fn differences<T: Ord + Copy>(before: &[T], after: &[T], tell: &mut impl FnMut(T, bool)) {
-    let (mut before, mut after) = (before.iter().copied().peekable(), after.iter().copied().peekable());
+/// Of a hysteresis, 0 or more.
+fn seconds(hysteresis: EventHysteresis) -> f32 {
+    if hysteresis.is_nan() {
+        error_once!(
+            "EventHysteresis is NaN, and counts as its default: set it to a number of seconds, 0 to turn it off"
+        );
+        return *EventHysteresis::default();
+    }
+    hysteresis.max(0.0)
+}
+
+/// Walks two ascending lists and tells which pairs are only in the second (`true`) or only in the first (`false`).
+fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([Entity; 2], bool)) {
+    let pair = |touching: &Touching| touching.pair;
+    let (mut before, mut after) = (before.iter().map(pair).peekable(), after.iter().map(pair).peekable());
     loop {
         match (before.peek(), after.peek()) {
             (Some(b), Some(a)) if b == a => {

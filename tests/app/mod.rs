@@ -52,6 +52,12 @@ impl Sim {
         Self::of(app)
     }
 
+    /// Tells ends to the step.
+    pub fn exact(mut self) -> Self {
+        self.world().insert_resource(EventHysteresis(0.0));
+        self
+    }
+
     /// Takes over an app that has its plugins.
     pub fn of(mut app: App) -> Self {
         app.insert_resource(Time::<Fixed>::from_duration(STEP))

@@ -91,7 +91,7 @@ fn kinematic_bodies_pass_through_planes() {
 
 #[test]
 fn a_body_may_change_its_kind_between_steps() {
-    let mut sim = Sim::new();
+    let mut sim = Sim::new().exact();
     let cube = sim.mesh(&shapes::cube(1.0));
     let [one, other] = [0.0, 0.3].map(|x| sim.spawn((cube.clone(), Transform::from_translation(Vec3::splat(x)))));
     sim.step(1);
@@ -176,7 +176,7 @@ fn layers_let_two_bodies_meet_only_if_each_wants_the_other() {
 
 #[test]
 fn changing_layers_ends_a_touch_and_begins_it_again() {
-    let mut sim = Sim::new();
+    let mut sim = Sim::new().exact();
     let cube = sim.mesh(&shapes::cube(1.0));
     let one = sim.spawn((cube.clone(), Transform::default()));
     let other = sim.spawn(resting(&cube, Vec3::splat(0.3)));

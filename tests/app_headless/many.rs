@@ -154,7 +154,7 @@ fn check(sim: &Sim, told: &Told, bodies: &[Entity], planes: &[Entity]) {
 fn five_hundred_steps_of_coming_and_going_leave_no_stale_pair() {
     for seed in [1, 2] {
         let mut random = Random(fastrand::Rng::with_seed(seed));
-        let mut sim = Sim::with_threads(2);
+        let mut sim = Sim::with_threads(2).exact();
         let meshes = [
             sim.mesh(&shapes::torus_240()),
             sim.mesh(&shapes::cube(1.0)),

@@ -72,7 +72,7 @@ fn a_mesh_from_a_file_is_used_as_soon_as_it_is_loaded() {
 
 #[test]
 fn replacing_a_mesh_changes_collisions_in_the_next_step() {
-    let mut sim = Sim::new();
+    let mut sim = Sim::new().exact();
     let mesh = sim.mesh(&shapes::cube(1.0));
     let [one, other] = two(&mut sim, &mesh);
     sim.step(2);

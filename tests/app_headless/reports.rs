@@ -216,7 +216,7 @@ fn a_reused_entity_index_is_not_mistaken_for_the_old_body() {
 
 #[test]
 fn colliding_entities_lists_whoever_is_touched_in_ascending_order() {
-    let mut sim = Sim::new();
+    let mut sim = Sim::new().exact();
     sim.world().insert_resource(Response::None);
     let cube = sim.mesh(&shapes::cube(1.0));
     let mut others = vec![sim.spawn(resting(&cube, Vec3::X * 0.5))];

@@ -3,7 +3,7 @@
 use crate::shapes::{cuboid, moved, sheet};
 use crate::world::{Random, World, flight, stay};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::continuous::{ClampScratch, clamp};
+use bevy_faceoff::stages::continuous::{ClampScratch, Stop, clamp};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 const SLACK: f32 = 0.005;
@@ -25,7 +25,7 @@ fn bullets() -> [TriMesh; 3] {
 fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
     let [ball, needle, torus] = bullets();
     let mut world = World::new(&[target, ball, needle, torus]);
-    let (mut scratch, mut fractions) = (ClampScratch::default(), Vec::new());
+    let (mut scratch, mut stops) = (ClampScratch::default(), Vec::new());
     let mut random = Random::new(sizes as u64);
     let mut hits = 0;
     let count = 1000;
@@ -56,20 +56,23 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
         clamp(
             &state.bodies,
             &state.meshes,
+            &[],
             &world.sweeps,
             &[false, true],
             &[[0, 1]],
             |_| SLACK,
             &mut scratch,
-            &mut fractions,
+            &mut stops,
         );
-        assert_eq!(fractions[0], 1.0);
         if !aims_at {
-            assert_eq!(fractions[1], 1.0, "shot {shot} was stopped by nothing");
+            assert!(stops.is_empty(), "shot {shot} was stopped by nothing");
             continue;
         }
+        let [Stop { body: 1, fraction, .. }] = stops[..] else {
+            panic!("shot {shot} is not stopped: {stops:?}");
+        };
         // All of it is on the side from which it came.
-        let stopped = world.mover(1).at(f64::from(fractions[1]), far);
+        let stopped = world.mover(1).at(f64::from(fraction), far);
         let height = |p: &DVec3| (plate.inverse() * *p).z * from.z.signum();
         let lowest = stopped.iter().flatten().map(height).fold(f64::INFINITY, f64::min);
         assert!(lowest > 0.0, "shot {shot} is through: {lowest}");

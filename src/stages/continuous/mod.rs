@@ -2,7 +2,8 @@
 //! pass what is thin.
 //!
 //! [`time_of_impact`] answers that for one pair, triangle by triangle: a bullet flies through the hole of a ring. [`clamp`] does
-//! for all bodies that ask for it, and tells which part of their motion they may make.
+//! for all bodies that ask for it, and tells where they end up. [`first_touch`] tells where a pair touches on its way: what passes a
+//! sensor.
 //!
 //! The method is conservative advancement (Mirtich 1996): two bodies at a distance stay apart for as long as the distance
 //! divided by the speed at which their points can come nearer. As in Zhang, Lee and Kim (2006) the speed is that along the
@@ -14,6 +15,7 @@
 //! |---|---|
 //! | `sweep` | how a body moves |
 //! | `clamp` | all pairs at once |
+//! | `passes` | what passes through sensors |
 //! | `search` | the order in which pairs of nodes and of triangles are looked at |
 //! | `spheres` | when bounding spheres overlap |
 //! | `relative` | how two bodies lie and move relative to each other at one time |
@@ -26,19 +28,22 @@ mod approach;
 mod clamp;
 mod distance;
 mod nodes;
+mod passes;
 mod relative;
 mod search;
 mod spheres;
 mod sweep;
 mod triangles;
 
-pub use clamp::{ClampScratch, clamp};
+pub use clamp::{ClampScratch, Stop, clamp};
+pub use passes::{PassScratch, passes};
 pub use search::Scratch;
 pub use sweep::{Pose, Sweep};
 
 use super::mesh_arena::MeshArena;
-use super::state::Bodies;
+use super::state::{Bodies, Contact};
 use approach::Reach;
+use glam::DVec3;
 use search::{Meeting, Search, Side};
 
 /// Bodies are stopped at up to this part of the slack more than it.
@@ -70,12 +75,36 @@ pub fn time_of_impact(
     scratch: &mut Scratch,
 ) -> Option<f32> {
     match meeting(bodies, meshes, pair, sweeps, slack, scratch) {
-        Meeting::At(time) => Some(rounded_down(time)),
+        Meeting::At(encounter) => Some(rounded_down(encounter.time)),
         Meeting::Already | Meeting::Never => None,
     }
 }
 
-/// The same, and whether they are near at the start.
+/// Where two moving bodies first touch, and the unit vector from the first to the second there; `None` if they do not, if they
+/// touch from the start, and if the search takes too long to tell. For what else see [`time_of_impact`].
+pub fn first_touch(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pair: [u32; 2],
+    sweeps: [&Sweep; 2],
+    scratch: &mut Scratch,
+) -> Option<Contact> {
+    let search = search(bodies, meshes, pair, sweeps, 0.0)?;
+    let Meeting::At(encounter) = search.run(scratch) else {
+        return None;
+    };
+    let [point, normal] = search.contact(&encounter)?;
+    let [a, b] = sweeps.map(|sweep| sweep.at(encounter.time).center);
+    Some(Contact {
+        point: point.as_vec3(),
+        normal: normal
+            .try_normalize()
+            .unwrap_or_else(|| (b - a).normalize_or(DVec3::X))
+            .as_vec3(),
+    })
+}
+
+/// The same as [`time_of_impact`], and whether they are near at the start.
 fn meeting(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -84,10 +113,21 @@ fn meeting(
     slack: f32,
     scratch: &mut Scratch,
 ) -> Meeting {
+    search(bodies, meshes, pair, sweeps, slack).map_or(Meeting::Never, |search| search.run(scratch))
+}
+
+/// What to look for; `None` if not even bounding spheres meet.
+fn search<'a>(
+    bodies: &Bodies,
+    meshes: &'a MeshArena,
+    pair: [u32; 2],
+    sweeps: [&'a Sweep; 2],
+    slack: f32,
+) -> Option<Search<'a>> {
     let [a, b] = pair.map(|i| i as usize);
     let valid = a != b && a.max(b) < bodies.len() && sweeps.iter().all(|sweep| sweep.is_valid());
     if !valid || slack.is_nan() {
-        return Meeting::Never;
+        return None;
     }
     let radii = [a, b].map(|i| f64::from(bodies.radius[i]));
     let slack = f64::from(slack.clamp(0.0, f32::MAX));
@@ -96,9 +136,7 @@ fn meeting(
         aim: slack + 0.5 * tolerance,
         arrived: slack + tolerance,
     };
-    let Some(span) = spheres::overlap(sweeps, radii[0] + radii[1] + reach.arrived) else {
-        return Meeting::Never;
-    };
+    let span = spheres::overlap(sweeps, radii[0] + radii[1] + reach.arrived)?;
     let side = |end: usize, i: usize| {
         Some(Side {
             slot: meshes.get(bodies.mesh[i])?,
@@ -108,16 +146,12 @@ fn meeting(
         })
     };
     let turning = |end: usize| sweeps[end].turn.length() * radii[end];
-    let (Some(one), Some(other)) = (side(0, a), side(1, b)) else {
-        return Meeting::Never;
-    };
-    let search = Search {
-        sides: [one, other],
+    Some(Search {
+        sides: [side(0, a)?, side(1, b)?],
         reach,
         span,
         speed: (sweeps[0].travel - sweeps[1].travel).length() + turning(0) + turning(1),
-    };
-    search.run(scratch)
+    })
 }
 
 /// In single precision, but no later.

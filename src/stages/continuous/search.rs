@@ -6,11 +6,12 @@
 //! When the first of those arrives, all others stay apart until then. What never comes near runs over the end and is forgotten,
 //! and at most places of the meshes that is so a few levels below the root.
 
-use super::Sweep;
 use super::approach::{self, Reach};
+use super::distance::nearest;
 use super::nodes::{self, Placing};
 use super::relative::{Relative, Rounded};
 use super::triangles::Triangles;
+use super::{Pose, Sweep};
 use crate::geometry::cluster::CLUSTER;
 use crate::stages::mesh_arena::{BoxGroup, MeshSlot};
 use crate::stages::triangle_test::cpu::lanes::{bits, splat};
@@ -60,8 +61,17 @@ pub enum Meeting {
     Never,
     /// They are at the start.
     Already,
+    /// Within the interval.
+    At(Encounter),
+}
+
+/// How two bodies come near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encounter {
     /// At this part of the interval.
-    At(f64),
+    pub time: f64,
+    /// The first triangles to arrive; `None` if the search gave up before any had.
+    pub triangles: Option<[u32; 2]>,
 }
 
 /// Two nodes, or two triangles, and until when they stay apart.
@@ -92,7 +102,7 @@ impl Search<'_> {
             looks += 1;
             since += 1;
             if looks > MOST_LOOKS {
-                return Meeting::At(self.beginning(entry.tick));
+                return self.met(&entry, None);
             }
             if since > patience {
                 let time = self.beginning(entry.tick);
@@ -121,7 +131,7 @@ impl Search<'_> {
                     Some(stay) => add(entry, stay),
                     // What arrives within the first tick was there before.
                     None if entry.tick == 0 => return Meeting::Already,
-                    None => return Meeting::At(self.beginning(entry.tick)),
+                    None => return self.met(&entry, Some(entry.number)),
                 }
                 continue;
             }
@@ -133,6 +143,11 @@ impl Search<'_> {
             }
         }
         Meeting::Never
+    }
+
+    fn met(&self, entry: &Entry, triangles: Option<[u32; 2]>) -> Meeting {
+        let time = self.beginning(entry.tick);
+        Meeting::At(Encounter { time, triangles })
     }
 
     /// Where a search starts, at a time until which all is apart.
@@ -244,12 +259,23 @@ impl Search<'_> {
 
     /// For how long two triangles stay apart, if they have not arrived.
     fn approach(&self, triangles: [u32; 2], relative: &Relative) -> Option<f64> {
+        let [a, b] = [0, 1].map(|i| self.sides[i].triangle(triangles[i]));
+        approach::stay(&a, &b.map(|corner| relative.rotation * corner), relative, self.reach)
+    }
+
+    /// Where the bodies touch when the first triangles arrive, and the direction from the first body to the second there.
+    pub fn contact(&self, encounter: &Encounter) -> Option<[DVec3; 2]> {
+        let triangles = encounter.triangles?;
         let [a, b] = [0, 1].map(|i| {
             let side = &self.sides[i];
-            let corners = side.slot.mesh.mesh.corners(triangles[i] as usize);
-            corners.map(|corner| side.scale.as_dvec3() * side.about_center(corner))
+            let Pose { center, rotation } = side.sweep.at(encounter.time);
+            side.triangle(triangles[i]).map(|corner| center + rotation * corner)
         });
-        approach::stay(&a, &b.map(|corner| relative.rotation * corner), relative, self.reach)
+        let nearest = nearest(&a, &b);
+        Some([
+            nearest.from + 0.5 * nearest.distance * nearest.direction,
+            nearest.direction,
+        ])
     }
 }
 
@@ -288,6 +314,12 @@ impl Side<'_> {
                 half: splat(lanes.aabb.half_size()),
             },
         }
+    }
+
+    /// The corners of a triangle, in the body's axes.
+    fn triangle(&self, number: u32) -> [DVec3; 3] {
+        let corners = self.slot.mesh.mesh.corners(number as usize);
+        corners.map(|corner| self.scale.as_dvec3() * self.about_center(corner))
     }
 
     /// A point of the mesh, not scaled.

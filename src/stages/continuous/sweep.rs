@@ -55,6 +55,15 @@ impl Sweep {
         }
     }
 
+    /// The part of the motion between two times.
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        Self {
+            before: self.at(from),
+            travel: self.travel * (to - from),
+            turn: self.turn * (to - from),
+        }
+    }
+
     /// No point within `radius` of the centre of mass has a longer way, metres.
     pub fn longest_way(&self, radius: f64) -> f64 {
         self.travel.length() + self.turn.length() * radius

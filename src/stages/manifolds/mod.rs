@@ -33,6 +33,7 @@ pub(super) mod step;
 
 pub use manifold::{Manifold, ManifoldPoint, Manifolds};
 pub(crate) use manifold::{nearest, place};
+pub(crate) use step::push_each_other;
 
 /// How many points a pair has at most. With four a stack creeps by centimetres, with eight rings get into each other by
 /// some percent of their size.

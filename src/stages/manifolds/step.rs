@@ -61,7 +61,7 @@ pub fn run(state: &mut StepState) {
 }
 
 /// Whether contacts between two bodies move one of them.
-fn push_each_other(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {
+pub(crate) fn push_each_other(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {
     let (a, b) = (a as usize, b as usize);
     (bodies.inverse_mass[a] > 0.0 || bodies.inverse_mass[b] > 0.0) && !bodies.sensor[a] && !bodies.sensor[b]
 }

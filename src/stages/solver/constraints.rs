@@ -126,6 +126,12 @@ impl Constraints {
         self.points.get(index).map_or(0.0, |p| p.total + p.impulse + p.bounce)
     }
 
+    /// Frozen ones hold the impulse that they had last.
+    pub fn pushes(&self, index: usize) -> bool {
+        let point = self.points.get(index);
+        point.is_some_and(|p| p.impulse > 0.0 || p.total + p.impulse + p.bounce > 0.0)
+    }
+
     /// Makes a constraint of every manifold, with last interval's impulses where they fit.
     pub fn prepare(
         &mut self,

@@ -143,4 +143,9 @@ impl Solver {
     pub fn impulse_of(&self, index: usize) -> f32 {
         self.constraints.impulse_of(index)
     }
+
+    /// Whether that point pushed in the last call, or, if both bodies sleep, when they fell asleep.
+    pub(crate) fn pushes(&self, index: usize) -> bool {
+        self.constraints.pushes(index)
+    }
 }

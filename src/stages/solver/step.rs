@@ -175,7 +175,7 @@ pub(crate) fn solve(state: &mut StepState) {
     wake_on_new_ground(bodies, still, manifolds);
     sleeper.wake(bodies, manifolds, settings, &interval);
     solver.solve(bodies, manifolds, &mut memory.warm, settings, &interval);
-    touches.note(placed, bodies, manifolds, settings, |point| solver.impulse_of(point));
+    touches.note(placed, bodies, manifolds, settings, solver);
     sleeper.settle(bodies, manifolds, settings, interval.dt);
     // Who woke is looked at again in the next interval, and numbers stay.
     numbers.clear();
@@ -203,6 +203,7 @@ pub(crate) fn move_bodies(state: &mut StepState) {
         config,
         meshes,
         bodies,
+        planes,
         sphere_pairs,
         manifolds,
         dynamics,
@@ -210,9 +211,13 @@ pub(crate) fn move_bodies(state: &mut StepState) {
     } = state;
     let interval = dynamics.interval(config);
     let Dynamics {
-        bodies: moved, stops, ..
+        bodies: moved,
+        stops,
+        touches,
+        ..
     } = dynamics;
-    stops.stop(moved, manifolds, bodies, meshes, sphere_pairs, &interval);
+    let pass = |pair, contact| touches.pass(pair, contact);
+    stops.stop(moved, manifolds, bodies, meshes, planes, sphere_pairs, &interval, pass);
     dynamics.bodies.write(bodies, meshes);
     dynamics.margins.set_reach(bodies, config);
 }

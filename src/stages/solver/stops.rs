@@ -1,10 +1,10 @@
-//! Where bodies are stopped that are fast: so that they do not pass what is thin.
+//! Where bodies are stopped that are fast, so that they do not pass what is thin, and which sensors they pass.
 
 use super::SolverBodies;
-use crate::stages::continuous::{ClampScratch, Pose, Sweep, clamp};
+use crate::stages::continuous::{ClampScratch, PassScratch, Pose, Stop, Sweep, clamp, passes};
 use crate::stages::manifolds::{Manifolds, nearest};
 use crate::stages::mesh_arena::MeshArena;
-use crate::stages::state::{Bodies, StepConfig};
+use crate::stages::state::{Bodies, Contact, Plane, StepConfig};
 use std::f64::consts::TAU;
 
 /// How near bodies come before they are stopped, as a part of the gap that bodies at rest keep: what slides along another must
@@ -18,9 +18,13 @@ pub(super) struct Stops {
     continuous: Vec<bool>,
     pairs: Vec<[u32; 2]>,
     scratch: ClampScratch,
-    fractions: Vec<f32>,
+    /// Those of the last interval.
+    found: Vec<Stop>,
     /// Those who were stopped in any interval of the step.
     stopped: Vec<bool>,
+    sensor_pairs: Vec<[u32; 2]>,
+    pass_scratch: PassScratch,
+    touched: Vec<Option<Contact>>,
 }
 
 impl Stops {
@@ -34,34 +38,44 @@ impl Stops {
         self.stopped.get(i) == Some(&true)
     }
 
-    /// Puts those of the `moved` bodies that are continuous back to where they met others, if they did, after an
+    /// Puts those of the `moved` bodies that are continuous to where they are stopped by others, if they are, after an
     /// interval of a step. `bodies` are where they all were before, and `manifolds` how they lay; `pairs` those whose ways
-    /// may cross. Contacts alone look after those that overlap.
+    /// may cross. Contacts alone look after those that overlap. Calls `pass` with the pairs of a sensor and another body, of which
+    /// one is continuous, that touch on their ways, and with where they first do.
     pub fn stop(
         &mut self,
         moved: &mut SolverBodies,
         manifolds: &Manifolds,
         bodies: &Bodies,
         meshes: &MeshArena,
+        planes: &[Plane],
         pairs: &[[u32; 2]],
         interval: &StepConfig,
+        mut pass: impl FnMut([u32; 2], Contact),
     ) {
         let Self {
             sweeps,
             continuous,
             pairs: solid_pairs,
             scratch,
-            fractions,
+            found,
             stopped,
+            sensor_pairs,
+            pass_scratch,
+            touched,
         } = self;
-        let wants = |i: u32| bodies.handling[i as usize].continuous && moved.bodies[i as usize].has_mass();
-        continuous.clear();
-        continuous.extend((0..bodies.len() as u32).map(wants));
-        if !continuous.contains(&true) {
+        found.clear();
+        let flagged = |i: u32| bodies.handling[i as usize].continuous;
+        if !(0..bodies.len() as u32).any(flagged) {
             return;
         }
-        solid_pairs.clear();
+        continuous.clear();
+        continuous.extend((0..bodies.len() as u32).map(|i| flagged(i) && moved.bodies[i as usize].has_mass()));
         let solid = |&i: &u32| moved.bodies[i as usize].solid;
+        sensor_pairs.clear();
+        let passes_sensor = |pair: &[u32; 2]| !pair.iter().all(solid) && pair.iter().any(|&i| flagged(i));
+        sensor_pairs.extend(pairs.iter().copied().filter(passes_sensor));
+        solid_pairs.clear();
         let matters = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
         let slack = |pair: [u32; 2]| {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
@@ -71,7 +85,7 @@ impl Stops {
             nearest(manifolds.find(pair, bodies.len() as u32)).is_some_and(|point| point.separation < -slack(pair))
         };
         solid_pairs.extend(pairs.iter().copied().filter(matters).filter(|&pair| !overlap(pair)));
-        if solid_pairs.is_empty() {
+        if solid_pairs.is_empty() && sensor_pairs.is_empty() {
             return;
         }
         let dt = f64::from(interval.dt);
@@ -80,36 +94,43 @@ impl Stops {
         clamp(
             bodies,
             meshes,
+            planes,
             sweeps,
             continuous,
             solid_pairs,
             slack,
             scratch,
-            fractions,
+            found,
         );
-        for (i, &fraction) in fractions.iter().enumerate() {
-            if fraction < 1.0 {
-                stopped.resize(bodies.len(), false);
-                stopped[i] = true;
-                let Pose { center, rotation } = sweeps[i].at(f64::from(fraction));
-                (moved.motions[i].center, moved.motions[i].rotation) = (center, rotation);
+        passes(bodies, meshes, sweeps, found, sensor_pairs, pass_scratch, touched);
+        for (&pair, touched) in sensor_pairs.iter().zip(&*touched) {
+            if let Some(contact) = *touched {
+                pass(pair, contact);
             }
         }
+        for stop in found.iter() {
+            let i = stop.body as usize;
+            stopped.resize(bodies.len(), false);
+            stopped[i] = true;
+            (moved.motions[i].center, moved.motions[i].rotation) = (stop.end.center, stop.end.rotation);
+        }
         // Who cannot move at all has been stopped ever nearer, and gets the room back without which it could never be.
+        let is_stuck = |i: u32| {
+            let at = found.binary_search_by_key(&i, |stop| stop.body);
+            at.is_ok_and(|at| found[at].fraction == 0.0)
+        };
         for &pair in solid_pairs.iter() {
-            if !pair
-                .iter()
-                .any(|&i| continuous[i as usize] && fractions[i as usize] == 0.0)
-            {
+            let stuck = pair.map(is_stuck);
+            if stuck == [false; 2] {
                 continue;
             }
             let Some(point) = nearest(manifolds.find(pair, bodies.len() as u32)) else {
                 continue;
             };
             let room = (slack(pair) - point.separation).max(0.0) * point.normal;
-            for (i, away) in [(pair[0], -room), (pair[1], room)] {
-                if continuous[i as usize] && fractions[i as usize] == 0.0 {
-                    moved.motions[i as usize].center += away.as_dvec3();
+            for (end, away) in [-room, room].into_iter().enumerate() {
+                if stuck[end] {
+                    moved.motions[pair[end] as usize].center += away.as_dvec3();
                 }
             }
         }

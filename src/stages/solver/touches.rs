@@ -1,13 +1,13 @@
-//! Who touched whom in a step, from what the solver did in each of its intervals.
+//! Who touched whom in a step, from what the solver did in each of its intervals, and from who passed sensors.
 
-use super::SolverBodies;
 use super::settings::SolverSettings;
-use super::sleep::TOUCH;
+use super::{Solver, SolverBodies};
 use crate::stages::manifolds::{Manifold, ManifoldPoint, Manifolds, nearest, place};
 use crate::stages::state::{Bodies, Contact, ContactPoint, Contacts, PlaneContact, TouchingPair};
 use glam::Vec3;
 
-/// The points of all pairs that touched so far in a step: that pushed each other, or lay nearer than bodies at rest do.
+/// The points of all pairs that touched so far in a step: that pushed each other, lay nearer than bodies at rest do, or passed
+/// each other.
 #[derive(Default)]
 pub(crate) struct Touches {
     all: Vec<Touch>,
@@ -21,6 +21,8 @@ pub(crate) struct Touches {
 struct Touch {
     bodies: [u32; 2],
     point: ContactPoint,
+    /// See [`TouchingPair::passing`].
+    passing: bool,
 }
 
 impl Touches {
@@ -29,35 +31,47 @@ impl Touches {
         self.all.clear();
     }
 
-    /// Adds those of an interval, which began with `bodies` where they are. `impulse_of` tells the impulse of a point.
+    /// Adds those of an interval, which began with `bodies` where they are, and which `solver` has solved.
     pub fn note(
         &mut self,
         bodies: &Bodies,
         moved: &SolverBodies,
         manifolds: &Manifolds,
         settings: &SolverSettings,
-        impulse_of: impl Fn(usize) -> f32,
+        solver: &Solver,
     ) {
         for pair in &manifolds.pairs {
             let first = pair.first_point as usize;
-            let impulse: f32 = (first..first + pair.point_count as usize).map(&impulse_of).sum();
             let points = manifolds.points_of(pair);
             let Some(nearest) = nearest(points) else {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
             let diameter = 2.0 * moved.bodies[a].radius.min(moved.bodies[b].radius);
-            // What sleeps pushes unseen.
-            let asleep = moved.sleep[a].asleep || moved.sleep[b].asleep;
-            let near = settings.rest_offset * diameter * if asleep { TOUCH } else { 1.0 };
-            if impulse > 0.0 || nearest.separation <= near {
+            let near = nearest.separation <= settings.rest_offset * diameter;
+            if near || (first..first + points.len()).any(|point| solver.pushes(point)) {
                 let center = bodies.frame[a].center.as_vec3();
                 self.all.extend(points.iter().enumerate().map(|(k, point)| Touch {
                     bodies: pair.bodies,
-                    point: in_the_world(center, point, impulse_of(first + k)),
+                    point: in_the_world(center, point, solver.impulse_of(first + k)),
+                    passing: false,
                 }));
             }
         }
+    }
+
+    /// Adds a pair of which one is a sensor, and where it touched on its way.
+    pub fn pass(&mut self, bodies: [u32; 2], contact: Contact) {
+        self.all.push(Touch {
+            bodies,
+            point: ContactPoint {
+                point: contact.point,
+                normal: contact.normal,
+                separation: 0.0,
+                impulse: 0.0,
+            },
+            passing: true,
+        });
     }
 
     /// Those that a device found, in any order.
@@ -72,6 +86,7 @@ impl Touches {
                 separation: touch.separation,
                 impulse: touch.impulse,
             },
+            passing: false,
         };
         Self {
             all: found.iter().map(touch).collect(),
@@ -180,12 +195,13 @@ pub(crate) fn show_points(
     }
 }
 
-/// Adds the points of a pair, and tells where they begin, how many there are and the sum of their impulses.
+/// Adds the points of a pair, and tells where they begin, how many there are and the sum of their impulses. What only passes a
+/// sensor has none.
 fn add(run: &[Touch], points: &mut Vec<ContactPoint>) -> (u32, u32, f32) {
     let first = points.len() as u32;
-    points.extend(run.iter().map(|touch| touch.point));
+    points.extend(run.iter().filter(|touch| !touch.passing).map(|touch| touch.point));
     let impulse = run.iter().map(|touch| touch.point.impulse).sum();
-    (first, run.len() as u32, impulse)
+    (first, points.len() as u32 - first, impulse)
 }
 
 /// The nearest of a pair's points, of the first interval if there are several.
@@ -219,6 +235,7 @@ impl From<Touch> for TouchingPair {
             first_point: 0,
             point_count: 0,
             impulse: 0.0,
+            passing: touch.passing,
         }
     }
 }

@@ -15,8 +15,10 @@ mod product;
 mod setting;
 pub(in crate::stages) mod tree;
 
+use crate::stages::manifolds::{Manifolds, nearest, push_each_other};
 use crate::stages::mesh_arena::MeshArena;
 use crate::stages::per_thread::PerThread;
+use crate::stages::solver::step::Dynamics;
 use crate::stages::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};
 use rayon::prelude::*;
 use setting::Setting;
@@ -28,6 +30,8 @@ pub(crate) struct Scratch {
     tasks: Vec<Task>,
     workers: PerThread<Worker>,
     planes: planes::Scratch,
+    /// Pairs that sleep and overlap, ascending.
+    overlapping: Vec<[u32; 2]>,
 }
 
 #[derive(Default)]
@@ -64,10 +68,17 @@ pub fn run(state: &mut StepState) {
         meshes,
         near_pairs,
         contacts,
+        manifolds,
         dynamics,
         triangle_scratch,
         ..
     } = state;
+    let mut overlapping = std::mem::take(&mut triangle_scratch.overlapping);
+    find_overlapping(manifolds, dynamics, &mut overlapping);
+    // What pushes and sleeps has the points it had, and these tell that it touches. Its surfaces do not meet if they say so.
+    let is_known = |pair: [u32; 2]| {
+        dynamics.is_still(pair) && push_each_other(bodies, pair) && overlapping.binary_search(&pair).is_err()
+    };
     let (tasks, workers) = triangle_scratch.ready(near_pairs.len());
     tasks
         .par_iter_mut()
@@ -75,8 +86,7 @@ pub fn run(state: &mut StepState) {
         .for_each(|(task, pairs)| {
             task.found.clear();
             let mut worker = workers.lock();
-            // Pairs that sleep are told by the points they have.
-            for pair in pairs.iter().filter(|pair| !dynamics.is_still(pair.bodies)) {
+            for pair in pairs.iter().filter(|pair| !is_known(pair.bodies)) {
                 test_pair(bodies, meshes, pair, &mut worker, &mut task.found);
             }
         });
@@ -91,8 +101,24 @@ pub fn run(state: &mut StepState) {
         }));
         contacts.triangle_tests += found.triangle_tests;
     }
+    triangle_scratch.overlapping = overlapping;
     let scratch = &mut triangle_scratch.planes;
     planes::find(bodies, meshes, &state.planes, scratch, &mut contacts.planes);
+}
+
+/// Finds the pairs that sleep and whose surfaces cross, by the points they have from the last interval.
+fn find_overlapping(manifolds: &Manifolds, dynamics: &Dynamics, overlapping: &mut Vec<[u32; 2]>) {
+    overlapping.clear();
+    if !dynamics.has_still() {
+        return;
+    }
+    let crossing = manifolds.pairs.iter().filter(|pair| {
+        let nearest = nearest(manifolds.points_of(pair));
+        nearest.is_some_and(|point| point.separation <= 0.0)
+    });
+    let now = crossing.filter_map(|pair| dynamics.renumbered(pair.bodies));
+    overlapping.extend(now.filter(|&pair| dynamics.is_still(pair)));
+    overlapping.sort_unstable();
 }
 
 /// Which of `state.near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at
@@ -173,6 +199,7 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
             first_point: 0,
             point_count: 0,
             impulse: 0.0,
+            passing: false,
         });
     }
 }
