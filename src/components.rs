@@ -19,7 +19,8 @@ pub enum RigidBody {
     /// Moved by forces and collisions.
     #[default]
     Dynamic,
-    /// Moved by its velocity alone; pushes dynamic bodies and is never pushed.
+    /// Moved by its velocity alone; pushes dynamic bodies and is never pushed. It turns about its centre of mass, as all bodies
+    /// do: give a door that turns about a hinge the [`LinearVelocity`] that its centre has, or set its `Transform` in every step.
     Kinematic,
     /// Does not move by itself.
     Static,
@@ -61,7 +62,7 @@ impl PlaneCollider {
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct LinearVelocity(pub Vec3);
 
-/// Angular velocity in radians per second, as axis times speed, in world axes.
+/// Angular velocity about the centre of mass in radians per second, as axis times speed, in world axes.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct AngularVelocity(pub Vec3);

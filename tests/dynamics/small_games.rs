@@ -3,7 +3,7 @@
 use crate::world::{World, any_turn};
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::state::Body;
+use bevy_faceoff::stages::state::{Body, Plane};
 use glam::{Quat, Vec3};
 
 /// Of one step: pairs of spheres, pairs that are near, contact points, intervals.
@@ -207,4 +207,66 @@ pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
             assert!(distance > 0.2, "{i} and {j} are {distance} m apart");
         }
     }
+}
+
+#[test]
+fn few_bodies_are_little_work() {
+    for count in [1, 10] {
+        let mut world = World::new();
+        world.state.planes.push(Plane::default());
+        let cube = world.mesh(&shapes::cube(1.0));
+        for i in 0..count {
+            world.add(
+                RigidBody::Dynamic,
+                cube,
+                Vec3::ONE,
+                Vec3::new(1.5 * i as f32, 0.6, 0.0),
+                Quat::IDENTITY,
+            );
+        }
+        for _ in 0..64 {
+            world.step();
+            let [spheres, near, points, intervals] = work(&world);
+            // Neighbours' spheres overlap; the cubes are half a metre apart, and have a plane point for each corner below.
+            assert!(
+                spheres < count && near == 0 && points <= 4 * count && intervals == 1,
+                "{:?}",
+                work(&world)
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_far_and_fast_adds_no_pair_and_no_point() {
+    let play = |with_bullet: bool| -> Vec<[usize; 2]> {
+        let mut world = World::new();
+        let ball = world.mesh(&shapes::ball(0.05, 2));
+        let cube = world.mesh(&shapes::cube(1.0));
+        world.floor(cube);
+        for i in 0..6 {
+            world.add(
+                RigidBody::Dynamic,
+                cube,
+                Vec3::ONE,
+                Vec3::Y * (0.51 + 1.01 * i as f32),
+                Quat::IDENTITY,
+            );
+        }
+        if with_bullet {
+            world.put(&Body {
+                linear_velocity: Vec3::X * 100.0,
+                gravity_scale: 0.0,
+                ..Body::at_rest(ball, Vec3::new(100.0, 500.0, 0.0), Quat::IDENTITY, Vec3::ONE)
+            });
+        }
+        let works = (0..64).map(|_| {
+            world.step();
+            let [spheres, near, ..] = work(&world);
+            assert!(world.state.intervals == if with_bullet { 8 } else { 1 });
+            [spheres, near]
+        });
+        works.collect()
+    };
+    assert_eq!(play(false), play(true));
 }

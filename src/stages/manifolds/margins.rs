@@ -40,15 +40,15 @@ impl Margins {
             let travel = match self {
                 Self::Moving { interval, drift } if bodies.kind[i] != RigidBody::Static => {
                     let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, interval);
-                    SAFETY * speed * interval
+                    // All that a fast body may meet on its way must be known to stop it there.
+                    let bound = if bodies.handling[i].continuous {
+                        f32::INFINITY
+                    } else {
+                        BOUND * bodies.thickness[i]
+                    };
+                    (SAFETY * speed * interval).min(bound)
                 }
                 _ => 0.0,
-            };
-            // All that a fast body may meet on its way must be known to stop it there.
-            let travel = if bodies.handling.get(i).is_some_and(|h| h.continuous) {
-                travel
-            } else {
-                travel.min(BOUND * bodies.thickness[i])
             };
             radius + self.contact_margin(config) * radius + travel
         }));
