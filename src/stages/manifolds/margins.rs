@@ -36,17 +36,18 @@ impl Margins {
     pub fn set_reach(self, bodies: &mut Bodies, config: &StepConfig) {
         let mut reach = std::mem::take(&mut bodies.reach);
         reach.clear();
+        // All that a body may meet on its way must be known to stop it there: what is stopped, and what comes towards it.
+        let stops = bodies.handling.iter().any(|handling| handling.continuous);
         reach.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
             let travel = match self {
                 Self::Moving { interval, drift } if bodies.kind[i] != RigidBody::Static => {
                     let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, interval);
-                    // All that a fast body may meet on its way must be known to stop it there.
-                    let bound = if bodies.handling[i].continuous {
-                        f32::INFINITY
+                    let travel = SAFETY * speed * interval;
+                    if stops {
+                        travel
                     } else {
-                        BOUND * bodies.thickness[i]
-                    };
-                    (SAFETY * speed * interval).min(bound)
+                        travel.min(BOUND * bodies.thickness[i])
+                    }
                 }
                 _ => 0.0,
             };
