@@ -43,7 +43,7 @@ pub const GAMES: &[Game] = &[
     game("swarm of tori that falls for 3 s", 256, |world| {
         swarm(world, &torus(), 46.0)
     }),
-    game("pile of tori", 256, |world| pile(world)),
+    game("pile of tori, awake", 256, pile),
     game("pile of tori, awake, and a far bullet", 256, |world| {
         pile(world);
         let mesh = mesh(world, &shapes::ball(0.025, 2));

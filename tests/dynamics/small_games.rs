@@ -3,7 +3,7 @@
 use crate::world::{World, any_turn};
 use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::state::{Body, Plane};
+use bevy_faceoff::stages::state::Body;
 use glam::{Quat, Vec3};
 
 /// Of one step: pairs of spheres, pairs that are near, contact points, intervals.
@@ -213,7 +213,7 @@ pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
 fn few_bodies_are_little_work() {
     for count in [1, 10] {
         let mut world = World::new();
-        world.state.planes.push(Plane::default());
+        world.state.planes.push(Default::default());
         let cube = world.mesh(&shapes::cube(1.0));
         for i in 0..count {
             world.add(
