@@ -63,6 +63,8 @@ pub struct Counts {
     pub face_pairs: usize,
     /// Points at which bodies push each other, or may.
     pub contact_points: usize,
+    /// Bodies that sleep after the step.
+    pub asleep: usize,
 }
 
 /// What holds for all bodies in a step.
@@ -391,6 +393,7 @@ impl StepState {
             triangle_tests: self.contacts.triangle_tests,
             face_pairs: self.contacts.faces.len(),
             contact_points: self.manifolds.points.len(),
+            asleep: self.asleep.iter().filter(|&&asleep| asleep).count(),
         }
     }
 }
@@ -435,6 +438,16 @@ impl Body {
             sensor: false,
             culling: Culling::Exact,
             handling: Handling::default(),
+        }
+    }
+
+    /// Where it is and how it moves.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            position: self.position,
+            rotation: self.rotation,
+            linear_velocity: self.linear_velocity,
+            angular_velocity: self.angular_velocity,
         }
     }
 }

@@ -4,13 +4,19 @@ pub(crate) mod collect;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 pub(crate) mod publish;
+#[cfg(feature = "gpu")]
+mod shadow;
 mod tables;
 
 use crate::asset::CollisionMesh;
 use crate::backend::Engine;
 use crate::components::RigidBody;
 #[cfg(feature = "gpu")]
-use crate::gpu::contacts::memory::DeviceMemory;
+use crate::gpu::{
+    contacts::memory::DeviceMemory,
+    results::{Detail, Output},
+    step::GpuStep,
+};
 #[cfg(feature = "gpu")]
 use crate::settings::LATENCY;
 use crate::settings::Response;
@@ -154,8 +160,9 @@ impl Step {
         if stage != Stage::BroadPhase {
             return self.engine.latent().is_some();
         }
-        if self.engine.latent().is_some() {
-            self.latent.link(&self.collected.entities, &self.bodies);
+        if let Some(detail) = self.engine.latent() {
+            let resident = detail == Detail::Counts;
+            self.latent.link(&self.collected.entities, &self.bodies, resident);
             let handling = &mut self.state.bodies.handling;
             for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
                 handling.woken = woken;
@@ -169,14 +176,36 @@ impl Step {
                 continue;
             };
             self.latent.sent(std::mem::take(&mut self.collected));
-            self.results = output.and_then(|output| {
-                self.counts = output.counts;
-                let motions = output.put_lists(&mut self.state);
-                self.latent.arrived(motions)
-            });
+            self.results = output.and_then(|output| self.receive(output));
             return true;
         }
         false
+    }
+
+    /// Waits for the results of the oldest step on its way, if results come later, and tells whether there was one.
+    #[cfg(feature = "gpu")]
+    pub fn land(&mut self) -> bool {
+        self.begun = Instant::now();
+        if self.engine.latent().is_none() {
+            return false;
+        }
+        match self.engine.gpu_step().and_then(GpuStep::take) {
+            None => return false,
+            Some(Ok(output)) => self.results = self.receive(output),
+            Some(Err(error)) => {
+                self.engine.replace(&error);
+                self.forget();
+            }
+        }
+        self.results.is_some()
+    }
+
+    /// Takes in the results of the oldest step on its way, and tells what they are about.
+    #[cfg(feature = "gpu")]
+    fn receive(&mut self, output: Output) -> Option<Collected> {
+        self.counts = output.counts;
+        let motions = output.put_lists(&mut self.state);
+        self.latent.arrived(motions)
     }
 
     /// Brings `bodies`, which hold what the components say, up to the last step that was sent off.

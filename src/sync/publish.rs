@@ -7,6 +7,18 @@ use crate::components::*;
 use crate::events::{CollisionEnd, CollisionStart};
 use bevy::prelude::*;
 
+/// Impulses act once: whenever the results come, the step was told.
+pub(crate) fn spend_impulses(step: Res<Step>, mut acted_on: Query<&mut ExternalForces>) {
+    if !step.engine.runs() {
+        return;
+    }
+    for mut forces in &mut acted_on {
+        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
+            (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
+        }
+    }
+}
+
 /// Moves the bodies in the world.
 pub(crate) fn write_back(
     mut step: ResMut<Step>,
@@ -16,17 +28,8 @@ pub(crate) fn write_back(
         Option<&mut AngularVelocity>,
         Option<&mut Sleeping>,
     )>,
-    mut acted_on: Query<&mut ExternalForces>,
 ) {
     let step = &mut *step;
-    if step.engine.runs() {
-        // Whenever the results come: the step was told.
-        for mut forces in &mut acted_on {
-            if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
-                (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
-            }
-        }
-    }
     let Some(results) = &step.results else { return };
     let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>, asleep: Option<bool>| {
         let Ok((mut transform, linear, angular, sleeping)) = moving.get_mut(entity) else {
@@ -109,7 +112,7 @@ pub(crate) fn publish(
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
         intervals: step.state.intervals,
-        sleeping: step.state.asleep.iter().filter(|&&asleep| asleep).count(),
+        sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         ..*report
