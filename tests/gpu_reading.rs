@@ -23,6 +23,10 @@ const TESTS: &[Test] = &[
     ("a_lost_device_loses_no_body", lost),
     ("nothing_moves_until_the_kernels_are_compiled", ready),
     ("resident_bodies_move_on_the_gpu_alone", resident),
+    (
+        "contacts_are_the_same_wherever_components_say_bodies_are",
+        same_contacts,
+    ),
     ("a_snapshot_brings_everything_back", snapshots),
     ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
     ("all_is_published_while_time_stands_still", paused),
@@ -507,4 +511,34 @@ fn sleepers(_: &Gpu) {
     assert_eq!(sim.report().sleeping, 2);
     sim.step(128);
     assert_eq!(sim.report().sleeping, 3);
+}
+
+/// Cubes fall from one place, far from where they end, in three readings.
+fn same_contacts(_: &Gpu) {
+    let mut worlds = [Reading::Lockstep, Reading::Latent, Reading::Resident].map(|reading| {
+        let mut sim = app(Backend::Gpu, reading);
+        sim.app
+            .insert_resource(Response::Contacts)
+            .insert_resource(Gravity::default());
+        let cube = sim.mesh(&shapes::cube(0.5));
+        sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+        for i in 0..6 {
+            let place = Vec3::new(0.07 * i as f32, 0.3 + 0.6 * i as f32, 40.0);
+            let body = sim.spawn(resting(&cube, place));
+            sim.set(body, AngularVelocity(Vec3::new(0.3, 0.1 * i as f32, 0.2)));
+        }
+        sim
+    });
+    for step in 0..60 {
+        let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
+            sim.step(1);
+            let snapshot = Snapshot::take(sim.world());
+            snapshot
+                .bodies()
+                .map(|(entity, motion)| (entity, *motion))
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(latent, wanted, "latent, step {step}");
+        assert_eq!(resident, wanted, "resident, step {step}");
+    }
 }

@@ -290,7 +290,7 @@ fn compare(response: Response) {
                 found.angular_velocity.distance(wanted.angular_velocity),
                 1.0 - found.rotation.dot(wanted.rotation).abs(),
             ];
-            if off.iter().any(|&off| off.is_nan() || off > 2.0e-4) {
+            if off.iter().any(|&off| off.is_nan() || off > 1.0e-3) {
                 wrong.push(format!("{reading:?}, {name}: {off:?}, {found:?} and not {wanted:?}"));
             }
         }

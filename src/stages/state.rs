@@ -114,6 +114,8 @@ pub struct Bodies {
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
+    /// The same without what rounding its centre may cost: it does not depend on where the body is.
+    pub own_radius: Vec<f32>,
     /// Of the thinnest part, metres.
     pub thickness: Vec<f32>,
     /// The radius and how far from it the body looks for others: what the broad phase goes by.
