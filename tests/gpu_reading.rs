@@ -27,6 +27,7 @@ const TESTS: &[Test] = &[
         "contacts_are_the_same_wherever_components_say_bodies_are",
         same_contacts,
     ),
+    ("a_kinematic_body_is_as_fast_in_every_reading", kinematic_speed),
     ("a_snapshot_brings_everything_back", snapshots),
     ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
     ("all_is_published_while_time_stands_still", paused),
@@ -541,4 +542,22 @@ fn same_contacts(_: &Gpu) {
         assert_eq!(latent, wanted, "latent, step {step}");
         assert_eq!(resident, wanted, "resident, step {step}");
     }
+}
+
+/// How many intervals a step needs follows from how fast bodies are, whenever results are read.
+fn kinematic_speed(_: &Gpu) {
+    let intervals = [Reading::Lockstep, Reading::Latent, Reading::Resident].map(|reading| {
+        let mut sim = app(Backend::Gpu, reading);
+        sim.app.insert_resource(Response::Contacts);
+        let cube = sim.mesh(&shapes::cube(0.2));
+        sim.spawn(resting(&cube, Vec3::ZERO));
+        for k in 1..4 {
+            let body = sim.spawn(resting(&cube, Vec3::Y * 2.0 * k as f32));
+            sim.set(body, (RigidBody::Kinematic, LinearVelocity(Vec3::X * 10.0)));
+        }
+        sim.step(8);
+        sim.report().intervals
+    });
+    // 10 m/s are 0.16 m a step, a quarter of the thickness is 0.05 m.
+    assert_eq!(intervals, [4; 3]);
 }

@@ -53,10 +53,11 @@ impl Carried {
 
     /// The bits of `Body::carried`.
     fn bits(&self) -> u32 {
+        // Each is below the next one.
         u32::from(self.rotation) * CARRIED_ROTATION
-            | self.position.axes.bitmask() * CARRIED_POSITION
-            | self.linear.axes.bitmask() * CARRIED_LINEAR
-            | self.angular.axes.bitmask() * CARRIED_ANGULAR
+            + self.position.axes.bitmask() * CARRIED_POSITION
+            + self.linear.axes.bitmask() * CARRIED_LINEAR
+            + self.angular.axes.bitmask() * CARRIED_ANGULAR
     }
 
     /// Where the body is that was last at `last`, if the host says `own`.
