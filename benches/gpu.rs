@@ -101,13 +101,7 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
 /// Milliseconds a step if each goes on from the one before and results are taken some steps later.
 fn in_flight(step: &mut GpuStep, state: &StepState, detail: Detail, rounds: usize) -> Result<f64, StepError> {
     let carried: Vec<_> = (0..state.bodies.len() as u32)
-        .map(|source| {
-            Some(Carried {
-                source,
-                pose: true,
-                push: Some([Vec3::ZERO; 2]),
-            })
-        })
+        .map(|source| Some(Carried::all(source)))
         .collect();
     let start = Instant::now();
     step.submit(state, &[], detail)?;

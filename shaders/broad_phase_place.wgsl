@@ -1,5 +1,6 @@
 // BroadPhase, before all else: where each body is as the step begins. Bodies may go on from where the last step left them,
 // which the host need not know yet.
+#import faceoff::carried::onward
 #import faceoff::dispatch::group_index
 #import faceoff::margins::with_reach
 #import faceoff::types as t
@@ -14,20 +15,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= step.bodies {
         return;
     }
-    let carried = bodies[i].carried;
-    if carried != 0u {
-        let last = moved[bodies[i].source];
-        if (carried & t::CARRIED_POSE) != 0u {
-            bodies[i].position = last.position;
-            bodies[i].rotation = last.rotation;
-        }
-        if (carried & t::CARRIED_VELOCITY) != 0u {
-            bodies[i].linear_velocity += last.linear_velocity;
-            bodies[i].angular_velocity += last.angular_velocity;
-        }
-    }
+    var body = onward(bodies[i], moved[bodies[i].source]);
     // The sphere grows by what rounding its centre costs, four units in the last place.
-    let place = abs(bodies[i].position);
-    bodies[i].radius += 4.8e-7 * max(place.x, max(place.y, place.z));
-    bodies[i] = with_reach(step, bodies[i]);
+    let place = abs(body.position);
+    body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
+    bodies[i] = with_reach(step, body);
 }

@@ -1,6 +1,7 @@
 // BroadPhase of a step with contacts, before all else: where each body is as the step begins, and whether it sleeps. Bodies
 // go on from where the last step left them, in all the digits it had, unless the host has put them elsewhere.
 #import faceoff::arena::meshes
+#import faceoff::carried::onward
 #import faceoff::dispatch::group_index
 #import faceoff::margins::with_reach
 #import faceoff::math::rotate
@@ -27,31 +28,26 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         states[i] = state;
         return;
     }
-    var body = bodies[i];
-    let last = moved[body.source];
-    let known = settled[body.source];
-    let continues = (body.carried & t::CONTINUES) != 0u;
+    let last = moved[bodies[i].source];
+    let known = settled[bodies[i].source];
+    var body = onward(bodies[i], last);
     let same_place = all(body.position == last.position) && all(body.rotation == last.rotation);
-    let carried = (body.carried & t::CARRIED_POSE) != 0u;
-    let stays = continues && (carried || same_place);
-    if carried {
-        body.position = last.position;
-        body.rotation = last.rotation;
-        state.center = last.position + rotate(last.rotation, body.scale * meshes[body.mesh].center);
-        state.center_low = vec3(0.0);
-        state.rotation = carried_rotation(last.rotation);
-        state.rotation_low = last.rotation - state.rotation;
-    }
+    let stays = same_place && (body.carried & t::CONTINUES) != 0u;
     if stays {
         state.center = known.center;
         state.center_low = known.center_low;
         state.rotation = known.rotation;
         state.rotation_low = known.rotation_low;
+    } else if (body.carried & (t::CARRIED_ROTATION | (7u * t::CARRIED_POSITION))) != 0u {
+        state.center = body.position + rotate(body.rotation, body.scale * meshes[body.mesh].center);
+        state.center_low = vec3(0.0);
+        state.rotation = carried_rotation(body.rotation);
+        state.rotation_low = body.rotation - state.rotation;
     }
-    if (body.carried & t::CARRIED_VELOCITY) != 0u {
-        body.linear_velocity += last.linear_velocity;
-        body.angular_velocity += last.angular_velocity;
+    if (body.carried & (7u * t::CARRIED_LINEAR)) != 0u {
         state.linear_velocity = body.linear_velocity;
+    }
+    if (body.carried & (7u * t::CARRIED_ANGULAR)) != 0u {
         state.angular_velocity = body.angular_velocity;
     }
     let is_static = (body.flags & t::KIND_MASK) == t::STATIC;

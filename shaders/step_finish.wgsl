@@ -36,6 +36,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
     after.asleep = select(state.asleep, 0u, is_static);
     moved[i] = after;
+    atomicAdd(&tally[t::ASLEEP], u32(after.asleep != 0u));
     settled[i] = state;
     if !is_static {
         let v = state.linear_velocity;

@@ -65,10 +65,8 @@ struct Body {
     padding: u32,
 }
 
-// The pose is that of `moved[source]`; without it that which the host wrote.
-const CARRIED_POSE: u32 = 1u;
-// The velocities are those of `moved[source]`, and what the host wrote is added to them.
-const CARRIED_VELOCITY: u32 = 2u;
+// The rotation is that of `moved[source]`; without it that which the host wrote.
+const CARRIED_ROTATION: u32 = 1u;
 // It was there in that step, with its centre of mass where it is now: if the host wrote the pose of `moved[source]`, it is
 // where it was.
 const CONTINUES: u32 = 4u;
@@ -76,6 +74,10 @@ const CONTINUES: u32 = 4u;
 const CARRIED_SLEEP: u32 = 8u;
 // It is to be awake.
 const WOKEN: u32 = 16u;
+// The first of three bits, for x, y and z: along that axis it is that of `moved[source]`, and what the host wrote is added.
+const CARRIED_POSITION: u32 = 32u;
+const CARRIED_LINEAR: u32 = 256u;
+const CARRIED_ANGULAR: u32 = 2048u;
 
 const KIND_MASK: u32 = 3u;
 const DYNAMIC: u32 = 0u;
@@ -488,6 +490,7 @@ struct Touch {
 const INTERVALS: u32 = 16u; // so far
 const TOUCHES: u32 = 17u; // as many as there are, even if the list holds fewer
 const TOUCHING_NOW: u32 = 18u; // of two meshes, in the last interval
+const ASLEEP: u32 = 19u; // bodies, after the step
 const MOST_PAIRS: u32 = 20u; // of spheres, in any interval
 // Velocities after the step of what may move, m/s: the largest along each axis, the largest negated, and the largest speed of a
 // surface about its body's centre of mass. As `ascending` numbers, so that 0 stands for none.

@@ -178,7 +178,9 @@ pub struct StepReport {
     /// Meshes that run exact until the face table is baked for which
     /// [`FacesOfCollision`](crate::settings::Culling::FacesOfCollision) asks.
     pub tables_in_bake: usize,
-    /// Pairs of bodies that touch.
+    /// Pairs of bodies that touch. With [`Reading::Resident`](crate::settings::Reading::Resident) and
+    /// [`Response::Contacts`](crate::settings::Response::Contacts) those whose faces intersect, or those that push each other,
+    /// whichever are more: nobody compares the two lists.
     pub touching_pairs: usize,
     /// Contact points between bodies, and between bodies and planes, within the contact margin.
     pub contact_points: usize,

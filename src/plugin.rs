@@ -11,6 +11,8 @@ use crate::gpu::{device::Gpu, step::Poses};
 use crate::renderer;
 use crate::settings::{Backend, Culling, EventHysteresis, Gravity, Reading, Response, SolverSettings};
 use crate::stages::Stage;
+#[cfg(feature = "gpu")]
+use crate::sync::latent;
 use crate::sync::{Step, collect, publish};
 use bevy::app::PluginGroupBuilder;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -217,6 +219,14 @@ impl Plugin for StepPlugin {
             };
             schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
         }
+        #[cfg(feature = "gpu")]
+        {
+            let release = latent::release.after(collect::collect);
+            schedule.add_systems(release.in_set(FaceoffSystems::Collect));
+            latent::observe(app);
+            let after = RunFixedMainLoopSystems::AfterFixedMainLoop;
+            app.add_systems(RunFixedMainLoop, publish_while_time_stands.in_set(after));
+        }
         app.add_schedule(schedule)
             .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep));
     }
@@ -273,6 +283,21 @@ fn get_ready(world: &mut World) {
     }
 }
 
+/// No step will follow that would bring the results of those that are on their way: publishes those of one.
+#[cfg(feature = "gpu")]
+fn publish_while_time_stands(world: &mut World) {
+    let stands = (world.get_resource::<Time<Virtual>>()).is_some_and(|time| time.delta().is_zero());
+    if !stands || !world.resource_mut::<Step>().land() {
+        return;
+    }
+    let told = world
+        .run_system_cached(publish::write_back)
+        .and_then(|()| world.run_system_cached(publish::publish));
+    if let Err(error) = told {
+        error!("{error}");
+    }
+}
+
 fn register_types(app: &mut App) {
     app.register_type::<RigidBody>()
         .register_type::<MeshCollider>()
@@ -323,7 +348,8 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
 }
 
 /// Where all bodies are, for shaders that draw them with [`Reading::Resident`], or otherwise without waiting for results:
-/// two poses on the GPU, and the entities in their order. `None` if results are not read later than steps run.
+/// two poses on the GPU, and the entities in their order. There are none between [`Snapshot::restore`](crate::snapshot::Snapshot::restore)
+/// and the next step. `None` if results are not read later than steps run.
 #[cfg(feature = "gpu")]
 pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {
     let step = world.get_resource::<Step>()?;

@@ -112,6 +112,26 @@ pub enum Backend {
 
 /// When the results of a step on a GPU reach components, [`Collisions`](crate::collisions::Collisions) and messages; read
 /// when the app starts. On the CPU they are there at once, whatever this says.
+///
+/// # What a write means
+///
+/// What a system writes holds from the next step on, in each reading, and no result of an older step overwrites it. With `Lockstep`
+/// a body is where its components say. With the other two it is ahead of them, and goes on from where it is in all that was not
+/// written:
+///
+/// | written | `Lockstep`, or on the CPU | `Latent` | `Resident` |
+/// |---|---|---|---|
+/// | `Transform`, `LinearVelocity` or `AngularVelocity` **inserted**, to any value | holds | holds, all of it | holds, all of it |
+/// | an axis of `Transform::translation` or of a velocity **changed** | holds | the difference is added to what the body has by then | holds along this axis |
+/// | `Transform::rotation` changed | holds | holds | holds |
+/// | the same value assigned again | nothing | nothing | nothing |
+/// | `RigidBody` | the body goes on as that | the same | the same |
+/// | `MeshCollider` removed, or a component that cannot be used | the body stays where it is, and goes on from there when it returns | the same: its `Transform` and velocities are brought up to date | the same |
+/// | `Sleeping(false)` | wakes the body | wakes the body | inserted, it wakes the body |
+///
+/// So, whatever the reading: **insert** what is to hold as it is, to put a body somewhere, to stop it or to hold it; **change**
+/// what is to be different, to push or to turn it. A kinematic body without velocity is where its components say: there a change
+/// holds too.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, PartialEq)]
 #[non_exhaustive]
@@ -129,17 +149,15 @@ pub enum Reading {
     /// limited by Bevy's `Time<Virtual>::max_delta`. A step by hand, and a paused `Time<Physics>`, wait for all results: see
     /// [`clock`](crate::clock).
     ///
-    /// What a system writes takes effect in the next step and is not overwritten by results of earlier ones: a changed
-    /// `Transform` puts the body there; a changed velocity of a dynamic body is taken as a push, and the difference added to
-    /// the velocity that the body has by then.
+    /// While time stands still the steps that are on their way are published, one a frame.
     ///
     /// Until the kernels are compiled no step runs; then [`BackendReady`](crate::backend::BackendReady) is written. If the
     /// device is lost the bodies go on from where their components say, once there is something to go on with.
     Latent,
     /// As `Latent`, but the bodies stay on the GPU: neither their components nor `Collisions` are written, and no message
     /// tells of collisions. [`StepReport`](crate::collisions::StepReport) has the counts; draw from
-    /// [`poses`](crate::plugin::poses), and ask [`Snapshot::take`](crate::snapshot::Snapshot::take) where the bodies are. Bodies are
-    /// driven by writing to their components, as with `Latent`.
+    /// [`poses`](crate::plugin::poses), and ask [`Snapshot::take`](crate::snapshot::Snapshot::take) where the bodies are and how
+    /// they move. Components hold what users wrote last.
     Resident,
 }
 

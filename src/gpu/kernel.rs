@@ -104,6 +104,7 @@ pub const MODULES: &[(&str, &str)] = &[
     ("solver_mover.wgsl", include_str!("../../shaders/solver_mover.wgsl")),
     ("solver_overlap.wgsl", include_str!("../../shaders/solver_overlap.wgsl")),
     ("solver_contact.wgsl", include_str!("../../shaders/solver_contact.wgsl")),
+    ("carried.wgsl", include_str!("../../shaders/carried.wgsl")),
     ("placed.wgsl", include_str!("../../shaders/placed.wgsl")),
     ("solver_islands.wgsl", include_str!("../../shaders/solver_islands.wgsl")),
 ];

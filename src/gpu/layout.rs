@@ -218,11 +218,13 @@ constants! {
     CULLING_FACES = 8;
     CULLING_FRONT = 16;
 
-    CARRIED_POSE = 1;
-    CARRIED_VELOCITY = 2;
+    CARRIED_ROTATION = 1;
     CONTINUES = 4;
     CARRIED_SLEEP = 8;
     WOKEN = 16;
+    CARRIED_POSITION = 32;
+    CARRIED_LINEAR = 256;
+    CARRIED_ANGULAR = 2048;
 
     FAR = 0;
     NEAR = 1;
@@ -277,6 +279,7 @@ constants! {
     INTERVALS = 16;
     TOUCHES = 17;
     TOUCHING_NOW = 18;
+    ASLEEP = 19;
     MOST_PAIRS = 20;
     HIGHEST = 21;
     LOWEST = 24;

@@ -3,9 +3,9 @@
 use super::buffers::{Buffers, Sizes};
 use super::contacts::Contacts as ContactStep;
 use super::layout::{
-    APPROXIMATE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HIGHEST, HITS,
-    Hit, LOWEST, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, SPIN, TALLIES, TOUCHES,
-    TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HIGHEST,
+    HITS, Hit, LOWEST, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, SPIN, TALLIES,
+    TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use super::timer::{self, Timer};
 use super::upload::Input;
@@ -217,6 +217,7 @@ impl Raw {
                 triangle_tests: count(TRIANGLE_TESTS) as u64,
                 face_pairs: count(HITS),
                 contact_points: self.found,
+                asleep: self.tally[ASLEEP as usize] as usize,
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,

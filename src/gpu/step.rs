@@ -256,6 +256,7 @@ impl GpuStep {
         self.lineage.forget();
         self.told.clear();
         self.speeds = Speeds::NONE;
+        self.bodies = 0;
     }
 
     fn fail(&mut self) {

@@ -5,25 +5,87 @@ use super::contacts::Contacts;
 use super::contacts::input::SolverInput;
 use super::device::Gpu;
 use super::layout::{
-    self, BODIES, CARRIED_POSE, CARRIED_VELOCITY, COUNTERS, CULLING_FACES, CULLING_FRONT, DYNAMIC, KIND_MASK,
-    KINEMATIC, SENSOR, STATIC,
+    self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
+    CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, SENSOR, STATIC,
 };
 use crate::asset::CollisionMesh;
 use crate::components::RigidBody;
 use crate::settings::{Culling, Response};
 use crate::stages::state::{Bodies, Motion, Plane, StepState};
 use bytemuck::cast_slice;
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 
 /// A body that goes on from where the step before left it, which only the device may know as yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
     /// Its number in that step.
     pub source: u32,
-    /// Whether its pose is carried over. If not, it was put where [`Bodies`] says.
-    pub pose: bool,
-    /// Linear and angular velocity to be added to those that are carried over. Without, they are those of [`Bodies`].
-    pub push: Option<[Vec3; 2]>,
+    /// What of its position goes on.
+    pub position: Onward,
+    /// Whether its rotation goes on. If not, it is that of [`Bodies`].
+    pub rotation: bool,
+    /// What of its linear velocity goes on.
+    pub linear: Onward,
+    /// What of its angular velocity goes on.
+    pub angular: Onward,
+}
+
+/// What of a vector goes on from the step before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onward {
+    /// Along which axes it does. Along the others it is that of [`Bodies`].
+    pub axes: BVec3,
+    /// What is added along these axes.
+    pub push: Vec3,
+}
+
+impl Carried {
+    /// All of number `source` goes on, unchanged.
+    pub fn all(source: u32) -> Self {
+        Self {
+            source,
+            position: Onward::ALL,
+            rotation: true,
+            linear: Onward::ALL,
+            angular: Onward::ALL,
+        }
+    }
+
+    /// The bits of `Body::carried`.
+    fn bits(&self) -> u32 {
+        // Each is below the next one.
+        u32::from(self.rotation) * CARRIED_ROTATION
+            + self.position.axes.bitmask() * CARRIED_POSITION
+            + self.linear.axes.bitmask() * CARRIED_LINEAR
+            + self.angular.axes.bitmask() * CARRIED_ANGULAR
+    }
+
+    /// Where the body is that was last at `last`, if the host says `own`.
+    pub fn apply(&self, last: &Motion, own: &Motion) -> Motion {
+        Motion {
+            position: self.position.apply(last.position, own.position),
+            rotation: if self.rotation { last.rotation } else { own.rotation },
+            linear_velocity: self.linear.apply(last.linear_velocity, own.linear_velocity),
+            angular_velocity: self.angular.apply(last.angular_velocity, own.angular_velocity),
+        }
+    }
+}
+
+impl Onward {
+    /// The whole vector goes on, unchanged. Adding minus zero changes no bit of any number; zero would those of minus zero.
+    pub const ALL: Self = Self {
+        axes: BVec3::TRUE,
+        push: Vec3::splat(-0.0),
+    };
+
+    /// What the device is told.
+    pub fn told(&self, own: Vec3) -> Vec3 {
+        Vec3::select(self.axes, self.push, own)
+    }
+
+    fn apply(&self, last: Vec3, own: Vec3) -> Vec3 {
+        Vec3::select(self.axes, last + self.push, own)
+    }
 }
 
 /// All that a step is told. It is kept until the results are there: a step whose lists were too short runs again.
@@ -175,17 +237,21 @@ fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) 
     // from the origin adds is for the device to say, which knows the place.
     let arm = scale * mesh.mass.center;
     let radius = mesh.radius * scale.abs().max_element();
-    let own = [bodies.linear_velocity[i], bodies.angular_velocity[i]];
-    let [linear, angular] = carried.and_then(|carried| carried.push).unwrap_or(own);
+    let mut told = bodies.motion(i);
+    if let Some(carried) = carried {
+        told.position = carried.position.told(told.position);
+        told.linear_velocity = carried.linear.told(told.linear_velocity);
+        told.angular_velocity = carried.angular.told(told.angular_velocity);
+    }
     layout::Body {
-        position: bodies.position[i].to_array(),
+        position: told.position.to_array(),
         mesh: bodies.mesh[i],
         rotation: bodies.rotation[i].to_array(),
         scale: scale.to_array(),
         radius: radius * (1.0 + 1.0e-6) + 1.5e-6 * arm.length(),
-        linear_velocity: linear.to_array(),
+        linear_velocity: told.linear_velocity.to_array(),
         inverse_mass: bodies.inverse_mass[i],
-        angular_velocity: angular.to_array(),
+        angular_velocity: told.angular_velocity.to_array(),
         restitution: bodies.restitution[i],
         inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
         gravity_scale: bodies.gravity_scale[i],
@@ -195,10 +261,7 @@ fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) 
         filters: bodies.layers[i].filters,
         thickness: bodies.thickness[i],
         source: carried.map_or(0, |carried| carried.source),
-        carried: carried.map_or(0, |carried| {
-            let pose = if carried.pose { CARRIED_POSE } else { 0 };
-            pose | if carried.push.is_some() { CARRIED_VELOCITY } else { 0 }
-        }),
+        carried: carried.map_or(0, |carried| carried.bits()),
         ..Default::default()
     }
 }

@@ -98,6 +98,7 @@ impl Bodies {
             frame,
             center,
             radius,
+            own_radius,
             thickness,
             reach,
             inverse_mass,
@@ -120,6 +121,7 @@ impl Bodies {
         frame.clear();
         center.clear();
         radius.clear();
+        own_radius.clear();
         thickness.clear();
         reach.clear();
         inverse_mass.clear();
@@ -177,9 +179,9 @@ impl Bodies {
             return Err(BodyFault::ZeroRotation);
         }
         let slot = &meshes[body.mesh];
-        let radius = slot.mesh.radius * body.scale.abs().max_element();
+        let own_radius = slot.mesh.radius * body.scale.abs().max_element();
         let thinnest = slot.mesh.radius * body.scale.abs().min_element();
-        if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
+        if thinnest < MIN_RADIUS || own_radius > 1.0e6 * thinnest {
             return Err(BodyFault::ZeroScale(body.scale));
         }
         if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
@@ -191,12 +193,12 @@ impl Bodies {
 
         let frame = Frame::new(body, rotation.normalize(), slot.mesh.mass.center);
         let center = frame.center.as_vec3();
-        let reach = center.abs().max(body.position.abs()).max_element() + radius;
+        let reach = center.abs().max(body.position.abs()).max_element() + own_radius;
         if reach.is_nan() || reach > MAX_COORDINATE {
             return Err(BodyFault::TooFar);
         }
         // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
-        let radius = radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
+        let radius = own_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
         let (inverse_mass, own_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
         let inverse_inertia = frame.rotation * own_inertia * frame.rotation.transpose();
         if !inverse_mass.is_finite() {
@@ -213,6 +215,7 @@ impl Bodies {
         self.frame.push(frame);
         self.center.push(center);
         self.radius.push(radius);
+        self.own_radius.push(own_radius);
         let thickness = slot.mesh.mass.thickness * body.scale.abs().min_element();
         self.thickness.push(thickness);
         self.reach.push(radius);

@@ -63,6 +63,8 @@ pub struct Counts {
     pub face_pairs: usize,
     /// Points at which bodies push each other, or may.
     pub contact_points: usize,
+    /// Bodies that sleep after the step.
+    pub asleep: usize,
 }
 
 /// What holds for all bodies in a step.
@@ -112,6 +114,8 @@ pub struct Bodies {
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
+    /// The same without what rounding its centre may cost: it does not depend on where the body is.
+    pub own_radius: Vec<f32>,
     /// Of the thinnest part, metres.
     pub thickness: Vec<f32>,
     /// The radius and how far from it the body looks for others: what the broad phase goes by.
@@ -422,6 +426,7 @@ impl StepState {
             triangle_tests: self.contacts.triangle_tests,
             face_pairs: self.contacts.faces.len(),
             contact_points: self.manifolds.points.len(),
+            asleep: self.asleep.iter().filter(|&&asleep| asleep).count(),
         }
     }
 }
@@ -480,6 +485,16 @@ impl Body {
             sensor: false,
             culling: Culling::Exact,
             handling: Handling::default(),
+        }
+    }
+
+    /// Where it is and how it moves.
+    pub fn motion(&self) -> Motion {
+        Motion {
+            position: self.position,
+            rotation: self.rotation,
+            linear_velocity: self.linear_velocity,
+            angular_velocity: self.angular_velocity,
         }
     }
 }

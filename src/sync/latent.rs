@@ -3,12 +3,12 @@
 //! Bodies are numbered anew every step, in the order of entities. A body goes on from its number in the step before, so
 //! that slots, and results that reach the wrong one, do not exist: a step in flight knows its bodies by entity.
 //!
-//! What users wrote is found by comparing components with a *shadow*, what they held when we last read or wrote them.
+//! What users wrote is found by comparing components with a [`Shadow`] of them.
 
-use super::Collected;
-use crate::components::RigidBody;
+use super::shadow::{Part, Shadow, Written};
+use super::{Collected, Step};
+use crate::components::{AngularVelocity, LinearVelocity, Sleeping};
 use crate::gpu::upload::Carried;
-use crate::settings::LATENCY;
 use crate::stages::state::{Body, Motion};
 use bevy::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
@@ -18,6 +18,8 @@ use std::collections::{BTreeMap, VecDeque};
 pub(crate) struct Latent {
     /// Number of the step that was collected last.
     now: u64,
+    /// Whether nobody reads its results.
+    resident: bool,
     /// Whose results are to come, oldest first.
     flights: VecDeque<(u64, Collected)>,
     /// One per body of the last step, ascending.
@@ -30,34 +32,13 @@ pub(crate) struct Latent {
     arrived: (u64, Vec<Motion>),
 }
 
-#[derive(Clone, Copy)]
-struct Shadow {
-    /// What the components held.
-    motion: Motion,
-    /// The last step that was told where the body is. Results of earlier ones say where it would have been.
-    placed: u64,
-    /// The last step that was told how it moves.
-    launched: u64,
-    /// What was added to its velocities in the last steps, by step number.
-    pushes: [[Vec3; 2]; LATENCY],
-    /// Whether the component said that it sleeps.
-    asleep: bool,
-    /// The last step that was told to wake it. Results of earlier ones say that it would have slept.
-    woken: u64,
-}
-
-/// What is to be written to a body's components.
-pub(crate) struct Written {
-    pub pose: Option<(Vec3, Quat)>,
-    pub velocities: Option<[Vec3; 2]>,
-    pub asleep: Option<bool>,
-}
-
 impl Latent {
     /// Finds out, for a step over `entities`, which of them go on from the step before, and what users wrote. `bodies` holds
-    /// what the components say of these entities, and maybe of others; both are ascending.
-    pub fn link(&mut self, entities: &[Entity], bodies: &[(Entity, Body)]) {
+    /// what the components say of these entities, and maybe of others; both are ascending. Nobody reads results of `resident`
+    /// bodies.
+    pub fn link(&mut self, entities: &[Entity], bodies: &[(Entity, Body)], resident: bool) {
         self.now += 1;
+        self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
         let mut before = (0..).zip(&before).peekable();
         let mut bodies = bodies.iter();
@@ -67,27 +48,33 @@ impl Latent {
             let Some((_, body)) = bodies.find(|&&(other, _)| other == entity) else {
                 break;
             };
-            let seen = Motion {
-                position: body.position,
-                rotation: body.rotation,
-                linear_velocity: body.linear_velocity,
-                angular_velocity: body.angular_velocity,
-            };
+            let seen = body.motion();
             while before.next_if(|&(_, &(other, _))| other < entity).is_some() {}
-            let (mut shadow, carried) = match before.next_if(|&(_, &(other, _))| other == entity) {
-                Some((source, (_, shadow))) => shadow.next(source, seen, body.kind, self.now),
-                None => (Shadow::new(seen, self.now), None),
-            };
             // Components of those that fall asleep do not say so before their results are there.
             let says_asleep = !body.handling.woken;
-            let woken = shadow.asleep && !says_asleep;
-            if woken {
-                shadow.woken = self.now;
-            }
-            shadow.asleep = says_asleep;
+            let (shadow, carried, woken) = match before.next_if(|&(_, &(other, _))| other == entity) {
+                Some((source, &(_, mut shadow))) => {
+                    let carried = shadow.carry(source, &seen, resident);
+                    let woken = shadow.wake(says_asleep, self.now);
+                    shadow.tell(&seen, &carried, body.kind, self.now);
+                    (shadow, Some(carried), woken)
+                }
+                None => {
+                    let mut shadow = Shadow::new(&seen, body.kind, self.now);
+                    let woken = shadow.wake(says_asleep, self.now);
+                    (shadow, None, woken)
+                }
+            };
             self.shadows.push((entity, shadow));
             self.carried.push(carried);
             self.woken.push(woken);
+        }
+    }
+
+    /// A component of a body was inserted anew.
+    pub fn insert(&mut self, entity: Entity, part: Part) {
+        if let Ok(at) = self.shadows.binary_search_by_key(&entity, |&(entity, _)| entity) {
+            self.shadows[at].1.insert(part);
         }
     }
 
@@ -109,10 +96,7 @@ impl Latent {
         self.flights.clear();
         self.carried.clear();
         for (_, shadow) in &mut self.shadows {
-            *shadow = Shadow {
-                asleep: shadow.asleep,
-                ..Shadow::new(shadow.motion, self.now)
-            };
+            shadow.restart(self.now);
         }
     }
 
@@ -145,85 +129,71 @@ impl Latent {
     /// of it, and with what users wrote since.
     pub fn catch_up(&self, motions: &[Motion], bodies: &mut BTreeMap<Entity, Motion>) {
         for ((entity, shadow), motion) in self.shadows.iter().zip(motions) {
-            let Some(body) = bodies.get_mut(entity) else { continue };
-            let before = shadow.motion;
-            if before.same_pose(body) {
-                (body.position, body.rotation) = (motion.position, motion.rotation);
+            if let Some(body) = bodies.get_mut(entity) {
+                *body = shadow.carry(0, body, self.resident).apply(motion, body);
             }
-            body.linear_velocity = motion.linear_velocity + push(before.linear_velocity, body.linear_velocity);
-            body.angular_velocity = motion.angular_velocity + push(before.angular_velocity, body.angular_velocity);
         }
     }
 }
 
-impl Shadow {
-    fn new(seen: Motion, now: u64) -> Self {
-        Self {
-            motion: seen,
-            placed: now,
-            launched: now,
-            pushes: [[NO_PUSH; 2]; LATENCY],
-            asleep: false,
-            woken: now,
-        }
-    }
+/// Makes note of components that are inserted, which changes all of them, whatever they held.
+pub(crate) fn observe(app: &mut App) {
+    app.add_observer(|on: On<Insert, Transform>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Pose))
+        .add_observer(|on: On<Insert, LinearVelocity>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Linear))
+        .add_observer(|on: On<Insert, AngularVelocity>, step: Option<ResMut<Step>>| {
+            note(on.entity, step, Part::Angular)
+        })
+        .add_observer(|on: On<Insert, Sleeping>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Sleeping));
+}
 
-    /// The shadow for step `now`, and what that step carries over from number `source` of the step before.
-    fn next(&self, source: u32, seen: Motion, kind: RigidBody, now: u64) -> (Self, Option<Carried>) {
-        let mut next = Self { motion: seen, ..*self };
-        let push = [
-            push(self.motion.linear_velocity, seen.linear_velocity),
-            push(self.motion.angular_velocity, seen.angular_velocity),
-        ];
-        next.pushes[now as usize % LATENCY] = push;
-        let pose = kind != RigidBody::Static && self.motion.same_pose(&seen);
-        if !pose {
-            next.placed = now;
-        }
-        // Only dynamic bodies have velocities that the step changes.
-        let push = (kind == RigidBody::Dynamic).then_some(push);
-        if push.is_none() {
-            next.launched = now;
-        }
-        (next, Some(Carried { source, pose, push }))
-    }
-
-    /// What the results of `step` mean for the components, now that step `now` was told what it was told.
-    fn receive(&mut self, step: u64, now: u64, kind: RigidBody, motion: &Motion, asleep: bool) -> Written {
-        let pose = kind != RigidBody::Static && step >= self.placed;
-        if pose {
-            (self.motion.position, self.motion.rotation) = (motion.position, motion.rotation);
-        }
-        let velocities = kind == RigidBody::Dynamic && step >= self.launched;
-        if velocities {
-            let mut sums = [motion.linear_velocity, motion.angular_velocity];
-            for later in step + 1..=now {
-                let pushes = self.pushes[later as usize % LATENCY];
-                sums = [sums[0] + pushes[0], sums[1] + pushes[1]];
-            }
-            [self.motion.linear_velocity, self.motion.angular_velocity] = sums;
-        }
-        let sleep_known = step >= self.woken;
-        if sleep_known {
-            self.asleep = asleep;
-        }
-        Written {
-            asleep: sleep_known.then_some(asleep),
-            pose: pose.then_some((self.motion.position, self.motion.rotation)),
-            velocities: velocities.then_some([self.motion.linear_velocity, self.motion.angular_velocity]),
-        }
+fn note(entity: Entity, step: Option<ResMut<Step>>, part: Part) {
+    if let Some(mut step) = step {
+        step.latent.insert(entity, part);
     }
 }
 
-/// Minus zero: adding it changes no bit of any number, adding zero would those of minus zero.
-const NO_PUSH: Vec3 = Vec3::splat(-0.0);
-
-fn push(before: Vec3, after: Vec3) -> Vec3 {
-    Vec3::select(before.cmpeq(after), NO_PUSH, after - before)
-}
-
-impl Motion {
-    fn same_pose(&self, other: &Self) -> bool {
-        self.position == other.position && self.rotation == other.rotation
+/// Brings components of bodies that leave the step, but not the world, to where the bodies are: from there they go on when they
+/// return.
+pub(crate) fn release(
+    mut step: ResMut<Step>,
+    mut bodies: Query<(
+        &mut Transform,
+        Option<&mut LinearVelocity>,
+        Option<&mut AngularVelocity>,
+    )>,
+) {
+    if step.engine.latent().is_none() {
+        return;
+    }
+    let mut leaving = BTreeMap::new();
+    for entity in step.latent.entities() {
+        if step.collected.entities.binary_search(&entity).is_ok() {
+            continue;
+        }
+        if let Ok((transform, linear, angular)) = bodies.get(entity) {
+            let motion = Motion {
+                position: transform.translation,
+                rotation: transform.rotation,
+                linear_velocity: linear.map_or(Vec3::ZERO, |v| v.0),
+                angular_velocity: angular.map_or(Vec3::ZERO, |w| w.0),
+            };
+            leaving.insert(entity, motion);
+        }
+    }
+    if leaving.is_empty() {
+        return;
+    }
+    step.catch_up(&mut leaving);
+    for (entity, motion) in leaving {
+        let Ok((mut transform, linear, angular)) = bodies.get_mut(entity) else {
+            continue;
+        };
+        (transform.translation, transform.rotation) = (motion.position, motion.rotation);
+        if let Some(mut linear) = linear {
+            linear.0 = motion.linear_velocity;
+        }
+        if let Some(mut angular) = angular {
+            angular.0 = motion.angular_velocity;
+        }
     }
 }

@@ -5,15 +5,18 @@ pub(crate) mod collect;
 pub(crate) mod latent;
 mod oddities;
 pub(crate) mod publish;
+#[cfg(feature = "gpu")]
+mod shadow;
 mod tables;
 
 use crate::asset::CollisionMesh;
 use crate::backend::Engine;
 use crate::components::RigidBody;
 #[cfg(feature = "gpu")]
-use crate::gpu::contacts::memory::DeviceMemory;
-#[cfg(feature = "gpu")]
-use crate::gpu::results::Output;
+use crate::gpu::{
+    contacts::memory::DeviceMemory,
+    results::{Detail, Output},
+};
 #[cfg(feature = "gpu")]
 use crate::settings::LATENCY;
 use crate::settings::Response;
@@ -185,8 +188,9 @@ impl Step {
         if stage != Stage::BroadPhase {
             return self.engine.latent().is_some();
         }
-        if self.engine.latent().is_some() {
-            self.latent.link(&self.collected.entities, &self.bodies);
+        if let Some(detail) = self.engine.latent() {
+            let resident = detail == Detail::Counts;
+            self.latent.link(&self.collected.entities, &self.bodies, resident);
             let handling = &mut self.state.bodies.handling;
             for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
                 handling.woken = woken;

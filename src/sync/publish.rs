@@ -115,7 +115,7 @@ pub(crate) fn publish(
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
         intervals: step.state.intervals,
-        sleeping: step.state.asleep.iter().filter(|&&asleep| asleep).count(),
+        sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         ..*report

@@ -50,18 +50,26 @@ impl SolverInput {
         } = state;
         let mut bodies = SolverBodies::default();
         bodies.read(placed, planes, &state.dynamics.keys_of(placed.len()));
-        let is_unseen =
-            |i: usize| placed.kind.get(i).is_some_and(|kind| *kind != RigidBody::Static) && push(carried, i).is_some();
-        let seen = Speeds::of(&bodies, is_unseen);
-        let mut all = seen;
+        let unseen = |i: usize| unseen(carried, i).filter(|_| placed.kind.get(i) != Some(&RigidBody::Static));
+        let mut seen = Speeds::of(&bodies, |i| unseen(i).is_some());
         let mut added = 0.0f32;
-        for i in (0..placed.len()).filter(|&i| is_unseen(i)) {
-            let [linear, angular] = push(carried, i).unwrap_or_default();
-            (bodies.motions[i].linear_velocity, bodies.motions[i].angular_velocity) = (linear, angular);
-            added = added.max(linear.length() + angular.length() * placed.radius[i]);
-            all = all.and(speeds);
+        let mut goes_on = Speeds::NONE;
+        for (i, Carried { linear, angular, .. }) in (0..placed.len()).filter_map(|i| Some((i, unseen(i)?))) {
+            let motion = &mut bodies.motions[i];
+            seen.add_along(!linear.axes, motion.linear_velocity);
+            motion.linear_velocity = linear.told(motion.linear_velocity);
+            motion.angular_velocity = angular.told(motion.angular_velocity);
+            let spin = motion.angular_velocity.length() * placed.own_radius[i];
+            let push = Vec3::select(linear.axes, linear.push, Vec3::ZERO).length();
+            if angular.axes.any() {
+                added = added.max(push + spin);
+            } else {
+                added = added.max(push);
+                seen.spin_up(spin);
+            }
+            goes_on = speeds;
         }
-        all = all.after(added, Vec3::ZERO);
+        let all = seen.and(goes_on).after(added, Vec3::ZERO);
         let intervals = config.solver.detections_at(&all, &bodies, config.dt);
         let pushed = (bodies.bodies.iter().zip(&bodies.forces))
             .map(|(body, forces)| {
@@ -151,7 +159,8 @@ impl SolverInput {
     }
 }
 
-/// What is added to the velocities of a body that goes on with those it has, which the host need not know.
-fn push(carried: &[Option<Carried>], i: usize) -> Option<[Vec3; 2]> {
-    carried.get(i).copied().flatten()?.push
+/// What goes on of a body with velocities, or a part of them, that the host need not know.
+fn unseen(carried: &[Option<Carried>], i: usize) -> Option<Carried> {
+    let goes_on = |carried: &Carried| carried.linear.axes.any() || carried.angular.axes.any();
+    carried.get(i).copied().flatten().filter(goes_on)
 }

@@ -26,7 +26,7 @@ impl SolverBodies {
                 kind: bodies.kind[i],
                 inverse_mass: bodies.inverse_mass[i],
                 inverse_inertia: bodies.own_inverse_inertia[i],
-                radius: bodies.radius[i],
+                radius: bodies.own_radius[i],
                 thickness: bodies.thickness[i],
                 restitution: bodies.restitution[i],
                 restitution_combine: handling.restitution_combine,

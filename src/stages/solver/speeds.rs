@@ -1,7 +1,7 @@
 //! How fast bodies move against each other: what decides into how many detection intervals a step is cut.
 
 use super::bodies::SolverBodies;
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 
 /// Bounds on the velocities of some bodies. Only differences between velocities count, so that bodies which all move alike are
 /// as good as at rest.
@@ -64,6 +64,17 @@ impl Speeds {
     pub fn add(&mut self, velocity: Vec3, spin: f32) {
         self.low = self.low.min(velocity);
         self.high = self.high.max(velocity);
+        self.spin_up(spin);
+    }
+
+    /// Takes in a body of which only velocities along these axes are known.
+    pub fn add_along(&mut self, axes: BVec3, velocity: Vec3) {
+        self.low = Vec3::select(axes, self.low.min(velocity), self.low);
+        self.high = Vec3::select(axes, self.high.max(velocity), self.high);
+    }
+
+    /// Takes in a surface that turns about its body's centre of mass, m/s.
+    pub fn spin_up(&mut self, spin: f32) {
         self.spin = self.spin.max(spin);
     }
 
