@@ -57,6 +57,9 @@ impl Default for Physics {
     }
 }
 
+/// The largest speed of a [`Time<Physics>`](Physics): a tick of fixed time must end.
+pub const MAX_SPEED: f32 = 100.0;
+
 /// What `Time<Physics>` can do beside what every clock can.
 pub trait PhysicsTime {
     /// No body moves from the next tick of fixed time on. What is written to components meanwhile holds when the clock goes on.
@@ -84,7 +87,7 @@ pub trait PhysicsTime {
     /// quarter of it, at 2 two whole ones, at 2.5 three. So slow motion is smooth, and fast motion costs more and is as exact as
     /// ever. At whole speeds steps give the same bits as at 1.
     ///
-    /// A speed that is negative or not finite is refused: an error in the log, and the old one stays.
+    /// A speed that is negative, not finite or more than [`MAX_SPEED`] is refused: an error in the log, and the old one stays.
     fn set_relative_speed(&mut self, speed: f32);
 
     /// The speed that was set.
@@ -117,11 +120,11 @@ impl PhysicsTime for Time<Physics> {
     }
 
     fn set_relative_speed(&mut self, speed: f32) {
-        if speed.is_finite() && speed >= 0.0 {
+        if (0.0..=MAX_SPEED).contains(&speed) {
             self.context_mut().speed = speed.into();
         } else {
             error!(
-                "the speed {speed} of Time<Physics> is refused, and the old one stays: set a finite number of 0 or more"
+                "the speed {speed} of Time<Physics> is refused, and the old one stays: set a number from 0 to {MAX_SPEED}"
             );
         }
     }
@@ -147,6 +150,10 @@ pub(crate) fn tick(world: &mut World) {
         run(world);
     }
     for _ in 0..steps {
+        // The device may have been lost in the step before, and time in which no body moves does not pass.
+        if !world.resource::<Step>().engine.runs() {
+            break;
+        }
         world.resource_mut::<Time<Physics>>().advance_by(length);
         run(world);
     }
@@ -157,14 +164,13 @@ pub(crate) fn tick(world: &mut World) {
 
 /// Runs a step to where the clock stands.
 fn run(world: &mut World) {
-    // The device may have been lost in the step before.
     if world.resource::<Step>().engine.runs() {
         world.resource_mut::<Time<Physics>>().context_mut().advanced = true;
         world.run_schedule(FaceoffStep);
     }
 }
 
-/// How many steps of what length make `speed` times a timestep.
+/// How many steps of what length make `speed` times a timestep. None if they would have no length.
 fn cut(timestep: Duration, speed: f64) -> (u32, Duration) {
     let steps = speed.ceil();
     let length = if speed == steps {
@@ -172,7 +178,7 @@ fn cut(timestep: Duration, speed: f64) -> (u32, Duration) {
     } else {
         timestep.mul_f64(speed / steps)
     };
-    (steps as u32, length)
+    (if length.is_zero() { 0 } else { steps as u32 }, length)
 }
 
 /// Begins a step: makes `Time` the clock of the step, and advances that for a step by hand.

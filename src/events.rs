@@ -3,8 +3,8 @@
 use crate::stages::bodies::BodyFault;
 use bevy::prelude::*;
 
-/// Two bodies, or a body and a plane, began to touch in this step. Bodies whose last touch was too short a time ago for a
-/// [`CollisionEnd`] go on with that one.
+/// Two bodies, or a body and a plane, began to touch in this step. Not written again if the two touch again before their
+/// [`CollisionEnd`] was written.
 ///
 /// Written once per pair as a message, `entity1 < entity2`. Triggered as an event for each of the two that has
 /// [`CollisionEventsEnabled`](crate::components::CollisionEventsEnabled), with that one as `entity1`.

@@ -12,7 +12,6 @@
 //!   [`events`].
 //! * To check placed meshes without an app, call [`queries::check`].
 //! * The stages run on a GPU or on the CPU: see [`Backend`](settings::Backend) and [`backend`].
-//!
 //! * Pause, step by hand, slow down: see [`clock`].
 //!
 //! Units are metres, kilograms, seconds and radians. Bodies move in `FixedPostUpdate`, in the schedule

@@ -1,4 +1,4 @@
-//! [`CollisionMesh`]: everything the five stages need to know about a mesh.
+//! [`CollisionMesh`]: everything the stages need to know about a mesh.
 
 use crate::geometry::cluster::cluster_order;
 use crate::geometry::features::MeshFeatures;

@@ -33,8 +33,8 @@ impl AngularInertia {
     }
 }
 
-/// Where the centre of mass of a body is in the space of its mesh, before scale, rotation and translation; on a static body if
-/// you insert it. Written by the step, from the first one in which the mesh is loaded.
+/// Where a body's centre of mass is, in the space of its mesh: unscaled, unrotated, not moved. A [`RigidBody`](super::RigidBody)
+/// brings it; on a static collider without one, insert it yourself. The step writes it once the mesh is loaded.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -89,7 +89,7 @@ impl Restitution {
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Friction {
-    /// Largest friction over normal force, 0 or more, as a negative one counts: the tangent of the slope on which a body just holds.
+    /// Largest friction over normal force: the tangent of the slope on which a body just holds. A negative one counts as 0.
     pub coefficient: f32,
     /// How that of a pair follows from both bodies'.
     pub combine: CombineRule,
@@ -138,12 +138,12 @@ pub struct LinearDamping(pub f32);
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct AngularDamping(pub f32);
 
-/// Largest speed of a body's centre of mass, m/s. Without it there is none; a negative one counts as none.
+/// Largest speed of a body's centre of mass, m/s. Without it, or if it is negative, there is no limit.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct MaxLinearSpeed(pub f32);
 
-/// Largest angular speed of a body, rad/s. Without it there is none; a negative one counts as none.
+/// Largest angular speed of a body, rad/s. Without it, or if it is negative, there is no limit.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct MaxAngularSpeed(pub f32);
@@ -168,12 +168,13 @@ pub struct Sleeping(pub bool);
 /// * It costs a search per body within reach of such a body's way: some microseconds where it flies past, tens to
 ///   hundreds where it comes near many triangles, and another one for each neighbour of those that met. A heap of 100
 ///   balls that all have it costs some ten times as much as one without.
-/// * Flag what is fast, not what is in its way. Doors and crates may move meanwhile, as far as bodies may move without this.
-/// * What is squeezed, between a closing door and a wall for example, overlaps the one that gives way more.
+/// * Flag what is fast, not what is in its way. Doors and crates need it only if they are fast themselves.
+/// * A body squeezed between two others may overlap one of them: the dynamic one before the kinematic one, that before the
+///   static one.
 /// * A body that overlaps another is pushed out of it by contacts alone.
 /// * It is not stopped by sensors, but these notice it on its way, from the first touch
-///   ([`Collision::passing`](crate::collisions::Collision::passing)). On a sensor or a kinematic body this does no more than that:
-///   they notice what they pass.
+///   ([`Collision::passing`](crate::collisions::Collision::passing)). On a sensor or a kinematic body it
+///   only lets sensors be noticed.
 /// * Planes need none of it: nothing passes them.
 /// * A GPU does not do it: while there is such a body in the world, steps run on the CPU.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -9,7 +9,8 @@
 //! | [`force_scan`] | contacts, or with [`Response::Contacts`](crate::settings::Response) the points, for the [`solver`] | one sum of impulses per body, or motions |
 //! | [`integrate`] | those, gravity | velocities and poses |
 //!
-//! With `Response::Contacts` a step is cut into as many *detection intervals* as its fastest body needs, and all stages but
+//! With `Response::Contacts` a step is cut into as many *detection intervals* as its bodies need, by how fast they move against
+//! each other, and all stages but
 //! the triangle test run in each; see [`solver`].
 //!
 //! Each stage has a file per backend: `cpu.rs` runs on rayon, `gpu.rs` declares the kernels in `shaders/` that do the same

@@ -200,7 +200,7 @@ pub struct Handling {
     pub can_sleep: bool,
     /// Whether it is to be awake at the beginning of the step.
     pub woken: bool,
-    /// Whether it is stopped where it first meets others.
+    /// Whether it is stopped by what it meets within a step, and carried by it for the rest.
     pub continuous: bool,
 }
 

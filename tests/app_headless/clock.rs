@@ -322,3 +322,15 @@ fn a_run_condition_of_the_set_holds_the_steps() {
     sim.step(3);
     assert_eq!(sim.position(body).x, 3.0);
 }
+
+#[test]
+fn a_speed_without_end_is_refused_and_one_too_small_makes_no_step() {
+    let (mut sim, body) = flyer();
+    for speed in [f32::MAX, 101.0, -1.0, f32::NAN, f32::INFINITY] {
+        physics(&mut sim).set_relative_speed(speed);
+        assert_eq!(physics(&mut sim).relative_speed(), 1.0);
+    }
+    physics(&mut sim).set_relative_speed(1.0e-30);
+    sim.step(3);
+    assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
+}

@@ -58,6 +58,7 @@ tests_of! {
 
 tests_of! {
     sensors as sensors_on_the_cpu:
+    who_flies_in_company_is_noticed_by_a_sensor_too
     a_sensor_keeps_what_falls_asleep_in_it
     a_sensor_spawned_over_sleepers_reports_them_until_it_goes
     a_dynamic_sensor_that_falls_asleep_goes_on_reporting

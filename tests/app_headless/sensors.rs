@@ -309,3 +309,18 @@ pub fn an_end_is_told_at_once_if_one_of_the_two_is_gone() {
         assert!(sim.get::<CollidingEntities>(zone).is_empty());
     }
 }
+
+/// Without any ground, and beside another body that flies alike.
+pub fn who_flies_in_company_is_noticed_by_a_sensor_too() {
+    for start in starts() {
+        let mut sim = Sim::new();
+        let gate = gate(&mut sim);
+        let ball = sim.mesh(&shapes::ball(0.05, 2));
+        let fly = |at: Vec3| (resting(&ball, at), LinearVelocity(Vec3::X * 30.0));
+        sim.spawn(fly(Vec3::new(start, 50.0, 0.0)));
+        let body = sim.spawn(fly(Vec3::X * start));
+        sim.set(body, ContinuousCollision);
+        sim.step(32);
+        assert_eq!(told(&sim, gate, body), [1, 1], "from {start}");
+    }
+}

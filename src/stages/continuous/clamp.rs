@@ -74,7 +74,7 @@ const CLOSER: u32 = 12;
 /// is carried keeps to its [`LockedAxes`](crate::components::LockedAxes), and is not carried into `planes`. Runs on rayon's current thread pool; the same input
 /// gives the same bits, however many threads there are.
 ///
-/// What that guarantees: but for those that are squeezed, no pair with a continuous body comes nearer than `slack`. What not:
+/// What that guarantees: but for those that are squeezed or have `LockedAxes`, no pair with a continuous body comes nearer than `slack`. What not:
 /// sweeps are straight, and what turns aside within the interval, by a contact say, is not where its sweep says.
 pub fn clamp(
     bodies: &Bodies,
@@ -255,8 +255,8 @@ fn go_together(bodies: &Bodies, planes: &[Plane], ways: &mut [Way], groups: [u32
     }
 }
 
-/// What is left of `travel` if body `i` goes no farther into half-spaces than by its `own` motion, to which contacts with them have
-/// seen.
+/// The part of `travel` that takes body `i` no deeper into half-spaces than its `own` motion does, which contacts have already
+/// limited.
 fn kept_out(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
     for plane in planes {
         let normal = plane.normal.as_dvec3();

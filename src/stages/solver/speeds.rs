@@ -47,12 +47,13 @@ impl Speeds {
     pub fn of(bodies: &SolverBodies, skip: impl Fn(usize) -> bool) -> Self {
         let mut speeds = Self::NONE;
         for (i, ((body, motion), sleep)) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep).enumerate() {
+            // Sensors that stand still are ground too: what flies past them is seen from there.
+            speeds.ground |= !body.moves();
             if !body.solid || (body.continuous && body.moves()) || skip(i) {
                 continue;
             }
             if !body.moves() || sleep.asleep {
                 speeds.add(Vec3::ZERO, 0.0);
-                speeds.ground |= !body.moves();
             } else {
                 speeds.add(motion.linear_velocity, motion.angular_velocity.length() * body.radius);
             }

@@ -54,7 +54,7 @@ pub struct Memory {
 struct Kept {
     sleep: SleepState,
     seen: Seen,
-    /// It was put back to where it met others.
+    /// It was stopped by others that it met.
     stopped: bool,
 }
 
