@@ -125,11 +125,12 @@ impl Engine for Faceoff {
     }
 
     fn touching(&mut self) -> Vec<[u32; 2]> {
-        let index = |entity| self.indices[&entity];
+        // The walls are planes, which have none.
+        let index = |entity| self.indices.get(&entity).copied();
         let collisions = self.app.world().resource::<Collisions>();
         collisions
             .iter()
-            .map(|c| [index(c.entity1), index(c.entity2)])
+            .filter_map(|c| Some([index(c.entity1)?, index(c.entity2)?]))
             .collect()
     }
 }
