@@ -221,14 +221,7 @@ pub(crate) fn was_by_hand(step: Res<Step>) -> bool {
 
 /// Waits for all results that are on their way, and publishes them.
 pub(crate) fn settle(world: &mut World) {
-    while world.resource_mut::<Step>().land() {
-        let published = world
-            .run_system_cached(publish::write_back)
-            .and_then(|()| world.run_system_cached(publish::publish));
-        if let Err(error) = published {
-            error!("{error}");
-        }
-    }
+    while publish::land(world) {}
     if world.resource::<Step>().engine.has_failed()
         && let Err(error) = world.run_system_cached(publish::tell_failure)
     {

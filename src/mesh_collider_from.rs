@@ -3,6 +3,7 @@
 use crate::asset::CollisionMesh;
 use crate::asset::bevy_mesh::Triangles;
 use crate::components::MeshCollider;
+use crate::sync::named;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on};
@@ -50,10 +51,10 @@ enum Bake {
 /// Tells of those that stay without collider.
 fn tell(waiting: Query<(Entity, Option<&Name>), (Added<MeshColliderFrom>, Without<MeshCollider>)>) {
     for (entity, name) in &waiting {
-        let name = name.map(|name| format!(" \"{name}\"")).unwrap_or_default();
         error!(
-            "{entity}{name}: its MeshColliderFrom gives it no collider, since there is no Assets<Mesh>: add Bevy's MeshPlugin, \
-             which DefaultPlugins has, or use a MeshCollider"
+            "{}: its MeshColliderFrom gives it no collider, since there is no Assets<Mesh>: add Bevy's MeshPlugin, which \
+             DefaultPlugins has, or use a MeshCollider",
+            named(entity, name)
         );
     }
 }

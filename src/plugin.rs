@@ -287,14 +287,8 @@ fn get_ready(world: &mut World) {
 #[cfg(feature = "gpu")]
 fn publish_while_time_stands(world: &mut World) {
     let stands = (world.get_resource::<Time<Virtual>>()).is_some_and(|time| time.delta().is_zero());
-    if !stands || !world.resource_mut::<Step>().land() {
-        return;
-    }
-    let told = world
-        .run_system_cached(publish::write_back)
-        .and_then(|()| world.run_system_cached(publish::publish));
-    if let Err(error) = told {
-        error!("{error}");
+    if stands {
+        publish::land(world);
     }
 }
 

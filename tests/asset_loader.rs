@@ -1,5 +1,7 @@
 //! Collision meshes through Bevy's asset server, in an app without window or renderer.
 
+mod log;
+
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::{AssetLoader, LoadContext, LoadState, io::Reader};
 use bevy::prelude::*;
@@ -10,6 +12,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
+use tracing::Level;
 
 /// Another asset, loaded by another loader that does next to nothing.
 #[derive(Asset, TypePath)]
@@ -393,35 +396,6 @@ fn registering_without_assets_is_an_error_not_a_panic() {
     stage.app.update();
 }
 
-/// Keeps the warnings that this library logs.
-struct Warnings;
-
-static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-impl tracing::Subscriber for Warnings {
-    fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
-        *metadata.level() == tracing::Level::WARN && metadata.target().starts_with("bevy_faceoff")
-    }
-    fn new_span(&self, _: &tracing::span::Attributes<'_>) -> tracing::span::Id {
-        tracing::span::Id::from_u64(1)
-    }
-    fn record(&self, _: &tracing::span::Id, _: &tracing::span::Record<'_>) {}
-    fn record_follows_from(&self, _: &tracing::span::Id, _: &tracing::span::Id) {}
-    fn event(&self, event: &tracing::Event<'_>) {
-        struct Message(String);
-        impl tracing::field::Visit for Message {
-            fn record_debug(&mut self, _: &tracing::field::Field, value: &dyn std::fmt::Debug) {
-                self.0 = format!("{value:?}");
-            }
-        }
-        let mut message = Message(String::new());
-        event.record(&mut message);
-        WARNINGS.lock().unwrap().push(message.0);
-    }
-    fn enter(&self, _: &tracing::span::Id) {}
-    fn exit(&self, _: &tracing::span::Id) {}
-}
-
 #[test]
 fn an_imperfect_mesh_is_named_once_in_the_log() {
     let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n";
@@ -431,14 +405,14 @@ fn an_imperfect_mesh_is_named_once_in_the_log() {
         ("cube.obj", to_obj(&shapes::cube(1.0)).as_bytes()),
     ]);
     // Fails only if some other test of this file comes to set a subscriber as well.
-    tracing::subscriber::set_global_default(Warnings).unwrap();
+    log::keep(&[Level::WARN]);
     assert!(stage.loaded("sheet.bake.ron").mass.approximate);
     stage.loaded("sheet.bake.ron");
     stage.loaded("cube.obj");
     for _ in 0..10 {
         stage.app.update();
     }
-    let warnings = WARNINGS.lock().unwrap();
+    let warnings = log::lines();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(
         warnings.iter().all(|w| w.starts_with("sheet.bake.ron: ")),

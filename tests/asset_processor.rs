@@ -2,6 +2,7 @@
 
 mod asset_app;
 mod gltf_files;
+mod log;
 
 use asset_app::*;
 use bevy::asset::io::{AssetSourceBuilder, AssetSourceEvent, AssetSourceId, AssetWatcher};
@@ -15,8 +16,8 @@ use bevy_faceoff::geometry::shapes;
 use gltf_files::Gltf;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::time::{Duration, SystemTime};
+use tracing::Level;
 
 const RECIPES: [&str; 3] = ["cube.bake.ron", "sub/torus.bake.ron", "scene.bake.ron"];
 
@@ -277,38 +278,9 @@ fn what_is_baked_after_it_was_loaded_is_swapped_in() {
     assert!(has_triangles(&mut app, scene, 320));
 }
 
-/// Keeps the errors that this library logs.
-struct Errors;
-
-static ERRORS: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-impl tracing::Subscriber for Errors {
-    fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
-        *metadata.level() == tracing::Level::ERROR && metadata.target().starts_with("bevy_faceoff")
-    }
-    fn new_span(&self, _: &tracing::span::Attributes<'_>) -> tracing::span::Id {
-        tracing::span::Id::from_u64(1)
-    }
-    fn record(&self, _: &tracing::span::Id, _: &tracing::span::Record<'_>) {}
-    fn record_follows_from(&self, _: &tracing::span::Id, _: &tracing::span::Id) {}
-    fn event(&self, event: &tracing::Event<'_>) {
-        struct Message(String);
-        impl tracing::field::Visit for Message {
-            fn record_debug(&mut self, _: &tracing::field::Field, value: &dyn std::fmt::Debug) {
-                self.0 = format!("{value:?}");
-            }
-        }
-        let mut message = Message(String::new());
-        event.record(&mut message);
-        ERRORS.lock().unwrap().push(message.0);
-    }
-    fn enter(&self, _: &tracing::span::Id) {}
-    fn exit(&self, _: &tracing::span::Id) {}
-}
-
 #[test]
 fn processed_meshes_are_loaded_through_recipes_and_the_log_says_so() {
-    tracing::subscriber::set_global_default(Errors).unwrap();
+    log::keep(&[Level::ERROR]);
     let folder = project();
     let folder = folder.path();
     let baked = CollisionMesh::new(&shapes::knot_1120());
@@ -327,10 +299,10 @@ fn processed_meshes_are_loaded_through_recipes_and_the_log_says_so() {
         }
         assert_eq!(loaded(&mut app, "knot.faceoff").unwrap(), baked);
         for raw in ["cube.obj", "scene.gltf", "cube.stl"] {
-            ERRORS.lock().unwrap().clear();
+            log::lines().clear();
             loaded(&mut app, raw).unwrap_err();
             app.update();
-            let errors = ERRORS.lock().unwrap();
+            let errors = log::lines();
             let told = |error: &&String| error.starts_with(raw) && error.contains(&format!("(mesh: \"{raw}\")"));
             assert_eq!(errors.iter().filter(told).count(), 1, "{errors:?}");
         }

@@ -14,6 +14,7 @@ use std::collections::BTreeSet;
 
 #[path = "culling/app.rs"]
 mod app;
+mod log;
 
 const MODES: [Culling; 3] = [Culling::Exact, Culling::FacesOfCollision, Culling::FrontFacing];
 

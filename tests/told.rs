@@ -1,52 +1,14 @@
 //! What is told in the log, by entity and name: once, and again only after it was mended.
 
 mod app;
+mod log;
 
 use app::{Sim, resting};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
-use std::fmt::Debug;
-use std::sync::Mutex;
-use tracing::field::{Field, Visit};
-
-/// What was logged as a warning or an error.
-static LOG: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-struct Log;
-
-struct Message<'a>(&'a mut String);
-
-impl Visit for Message<'_> {
-    fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
-        if field.name() == "message" {
-            *self.0 = format!("{value:?}");
-        }
-    }
-}
-
-impl tracing::Subscriber for Log {
-    fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
-        metadata.target().starts_with("bevy_faceoff") && *metadata.level() <= tracing::Level::WARN
-    }
-    fn new_span(&self, _: &tracing::span::Attributes<'_>) -> tracing::span::Id {
-        tracing::span::Id::from_u64(1)
-    }
-    fn record(&self, _: &tracing::span::Id, _: &tracing::span::Record<'_>) {}
-    fn record_follows_from(&self, _: &tracing::span::Id, _: &tracing::span::Id) {}
-    fn event(&self, event: &tracing::Event<'_>) {
-        let mut message = String::new();
-        event.record(&mut Message(&mut message));
-        LOG.lock().unwrap().push(message);
-    }
-    fn enter(&self, _: &tracing::span::Id) {}
-    fn exit(&self, _: &tracing::span::Id) {}
-}
-
-/// What was logged since the last call. There is one log, and so one test, in this process.
-fn told() -> Vec<String> {
-    std::mem::take(&mut LOG.lock().unwrap())
-}
+use log::take as told;
+use tracing::Level;
 
 #[track_caller]
 fn assert_told(entity: Entity, name: &str, words: &[&str]) {
@@ -61,7 +23,7 @@ fn assert_told(entity: Entity, name: &str, words: &[&str]) {
 
 #[test]
 fn what_does_not_do_what_it_says_is_told_by_entity_and_name() {
-    tracing::subscriber::set_global_default(Log).unwrap();
+    log::keep(&[Level::WARN, Level::ERROR]);
     components();
     without_collider();
     planes();

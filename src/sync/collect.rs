@@ -2,7 +2,7 @@
 
 use super::oddities::{Oddities, Oddity};
 use super::tables::Tables;
-use super::{Collected, Step};
+use super::{Collected, Step, named};
 use crate::asset::CollisionMesh;
 use crate::clock::Physics;
 use crate::components::*;
@@ -184,10 +184,7 @@ pub(crate) fn collect(
     step.state.planes.clear();
     step.state.planes.extend(step.planes.iter().map(|&(_, plane)| plane));
 
-    let named = |entity: Entity| {
-        let name = names.get(entity).map(|name| format!(" \"{name}\""));
-        format!("{entity}{}", name.unwrap_or_default())
-    };
+    let named = |entity: Entity| named(entity, names.get(entity).ok());
     faults.sort_unstable_by_key(|&(entity, _)| entity);
     for &(entity, fault) in &faults {
         let known = step.faults.binary_search_by_key(&entity, |&(entity, _)| entity);

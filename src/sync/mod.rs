@@ -73,6 +73,12 @@ pub(crate) struct Step {
     pub outer_time: Option<Time>,
 }
 
+/// An entity as it is named in the log.
+pub(crate) fn named(entity: Entity, name: Option<&Name>) -> String {
+    let name = name.map(|name| format!(" \"{name}\""));
+    format!("{entity}{}", name.unwrap_or_default())
+}
+
 /// A pair that is told to touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touching {

@@ -21,6 +21,20 @@ pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut External
     }
 }
 
+/// Waits for the results of the oldest step that is on its way, and publishes them; false if there are none.
+pub(crate) fn land(world: &mut World) -> bool {
+    if !world.resource_mut::<Step>().land() {
+        return false;
+    }
+    let published = world
+        .run_system_cached(write_back)
+        .and_then(|()| world.run_system_cached(publish));
+    if let Err(error) = published {
+        error!("{error}");
+    }
+    true
+}
+
 /// Moves the bodies in the world.
 pub(crate) fn write_back(
     mut step: ResMut<Step>,

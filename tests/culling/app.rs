@@ -1,14 +1,13 @@
 //! The modes in an app: who bakes when, and whose choice counts.
 
+use crate::log;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::projection::{Progress, bake_pool};
-use std::fmt::Debug;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
-use tracing::field::{Field, Visit};
+use tracing::Level;
 
 const STEP: Duration = Duration::from_millis(10);
 
@@ -47,42 +46,9 @@ fn step(app: &mut App) -> StepReport {
     app.world().resource::<StepReport>().clone()
 }
 
-/// Keeps the warnings of this crate: a subscriber holds for the whole process.
-struct Warnings;
-
-static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-struct Message<'a>(&'a mut String);
-
-impl Visit for Message<'_> {
-    fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
-        if field.name() == "message" {
-            *self.0 = format!("{value:?}");
-        }
-    }
-}
-
-impl tracing::Subscriber for Warnings {
-    fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
-        metadata.target().starts_with("bevy_faceoff") && *metadata.level() <= tracing::Level::WARN
-    }
-    fn new_span(&self, _: &tracing::span::Attributes<'_>) -> tracing::span::Id {
-        tracing::span::Id::from_u64(1)
-    }
-    fn record(&self, _: &tracing::span::Id, _: &tracing::span::Record<'_>) {}
-    fn record_follows_from(&self, _: &tracing::span::Id, _: &tracing::span::Id) {}
-    fn event(&self, event: &tracing::Event<'_>) {
-        let mut message = String::new();
-        event.record(&mut Message(&mut message));
-        WARNINGS.lock().unwrap().push(message);
-    }
-    fn enter(&self, _: &tracing::span::Id) {}
-    fn exit(&self, _: &tracing::span::Id) {}
-}
-
 #[test]
 fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
-    tracing::subscriber::set_global_default(Warnings).unwrap();
+    log::keep(&[Level::WARN, Level::ERROR]);
     let (mut app, _, handle) = app(Culling::Exact);
     let exact = step(&mut app);
     assert!(exact.face_pairs > 0 && exact.approximate_pairs == 0 && exact.tables_in_bake == 0);
@@ -123,7 +89,7 @@ fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
     assert_eq!(step(&mut app).face_pairs, switched.face_pairs);
     let assets = app.world().resource::<Assets<CollisionMesh>>();
     assert!(assets.get(&handle).unwrap().faces.is_none());
-    let warnings = WARNINGS.lock().unwrap();
+    let warnings = log::lines();
     let about_tables: Vec<_> = warnings.iter().filter(|w| w.contains("no table")).collect();
     assert_eq!(about_tables.len(), 1, "{warnings:?}");
 }
