@@ -8,12 +8,12 @@
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device;
-use bevy_faceoff::gpu::results::Detail;
-use bevy_faceoff::gpu::step::{GpuStep, StepError};
-use bevy_faceoff::gpu::upload::Carried;
-use bevy_faceoff::settings::LATENCY;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::plugin::settings::LATENCY;
+use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::step::gpu::results::Detail;
+use bevy_faceoff::step::gpu::upload::Carried;
+use bevy_faceoff::step::gpu::{GpuStep, StepError};
+use bevy_faceoff::types::stage::Stage;
 use glam::{Quat, Vec3};
 use std::time::{Duration, Instant};
 
@@ -78,7 +78,7 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
         let mut state = scene(&mesh, count);
         let start = Instant::now();
         for stage in Stage::ALL {
-            stage.run_on_cpu(&mut state);
+            bevy_faceoff::step::cpu::run(stage, &mut state);
         }
         cpu.push(start.elapsed());
     }

@@ -6,10 +6,9 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
 use bevy_faceoff::queries::{Placement, touching};
-use bevy_faceoff::stages::manifolds::Manifolds;
-use bevy_faceoff::stages::manifolds::{MarginPair, cpu};
-use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::state::{Body, StepState};
 use glam::{Quat, Vec3};
 use std::time::Instant;
 

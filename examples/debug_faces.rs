@@ -8,7 +8,7 @@
 mod common;
 
 use bevy::prelude::*;
-use bevy_faceoff::asset::CollisionMeshSettings;
+use bevy_faceoff::plugin::assets::CollisionMeshSettings;
 use bevy_faceoff::prelude::*;
 
 fn main() -> AppExit {
@@ -63,7 +63,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
         #[cfg(feature = "window")]
         commands
             .entity(body)
-            .insert(bevy_faceoff::debug::ShowFacesTowards(partner));
+            .insert(bevy_faceoff::plugin::debug::ShowFacesTowards(partner));
     }
 }
 

@@ -17,44 +17,53 @@
 //! Units are metres, kilograms, seconds and radians. Bodies move in `FixedPostUpdate`, in the schedule
 //! [`FaceoffStep`](plugin::FaceoffStep).
 
+pub mod angles;
 pub mod asset;
-pub mod backend;
-pub mod clock;
-pub mod collisions;
-pub mod components;
-#[cfg(feature = "debug_gizmos")]
-pub mod debug;
-pub mod diagnostics;
-pub mod events;
+pub mod broad_phase;
+pub mod ccd;
+pub mod force_scan;
 pub mod geometry;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-#[cfg(feature = "bevy_mesh")]
-pub mod mesh_collider_from;
+pub mod integrate;
+pub mod manifolds;
+pub(crate) mod parallel;
+#[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod projection;
 pub mod queries;
-mod renderer;
-pub mod settings;
-pub mod snapshot;
-pub mod stages;
-mod sync;
+pub(crate) mod simd;
+pub mod sleep;
+pub mod solver;
+pub mod state;
+pub mod step;
+#[cfg(feature = "gpu")]
+pub mod testing;
+pub mod triangle_test;
+pub mod types;
 
+#[cfg(feature = "bevy")]
 /// What most programs need: `use bevy_faceoff::prelude::*;`
 pub mod prelude {
     pub use crate::asset::CollisionMesh;
-    pub use crate::backend::{ActiveBackend, BackendFailed, BackendReady};
-    pub use crate::clock::{Physics, PhysicsTime};
-    pub use crate::collisions::{Collision, Collisions, StepReport};
-    pub use crate::components::*;
-    pub use crate::events::{BodyRejected, CollisionEnd, CollisionStart};
     pub use crate::geometry::TriMesh;
+    pub use crate::plugin::backend::{ActiveBackend, BackendFailed, BackendReady};
+    pub use crate::plugin::clock::{Physics, PhysicsTime};
+    pub use crate::plugin::collisions::{Collision, Collisions, StepReport};
+    pub use crate::plugin::components::*;
+    pub use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
     #[cfg(feature = "bevy_mesh")]
-    pub use crate::mesh_collider_from::MeshColliderFrom;
+    pub use crate::plugin::mesh_collider_from::MeshColliderFrom;
+    pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Reading};
+    pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;
-    pub use crate::settings::{Backend, Culling, EventHysteresis, Gravity, Reading, Response, SolverSettings};
-    pub use crate::snapshot::Snapshot;
+    pub use crate::types::body::{
+        AngularVelocity, CenterOfMass, CollisionLayers, ExternalForces, LinearVelocity, LockedAxes, RigidBody, Sleeping,
+    };
+    pub use crate::types::material::{CombineRule, Friction, Restitution};
+    pub use crate::types::settings::{Culling, Response};
+    pub use crate::types::solver_settings::SolverSettings;
 }
 
 /// Runs the programs of the README as tests.

@@ -5,8 +5,8 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::FaceoffStep;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, Counts, Plane, StepState};
+use bevy_faceoff::state::{Body, Counts, Plane, StepState};
+use bevy_faceoff::types::stage::Stage;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 use std::alloc::System;
 
@@ -64,7 +64,7 @@ fn steps(state: &mut StepState, scene: &[Body], bodies: &mut Vec<Body>, counts: 
             state.bodies.push(body, &state.meshes).expect("a usable body");
         }
         for stage in Stage::ALL {
-            stage.run_on_cpu(state);
+            bevy_faceoff::step::cpu::run(stage, state);
         }
         counts.push(state.counts());
         for (i, body) in bodies.iter_mut().enumerate() {

@@ -5,10 +5,10 @@ mod app;
 use app::{Sim, ball_like, sorted};
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
-use bevy_faceoff::diagnostics::{COUNTS, stage_path};
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::plugin::diagnostics::{COUNTS, stage_path};
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::Stage;
+use bevy_faceoff::types::stage::Stage;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 fn default_app() -> App {
@@ -140,7 +140,7 @@ fn the_diagnostics_can_be_left_out() {
         MinimalPlugins,
         FaceoffHeadlessPlugins::default()
             .build()
-            .disable::<bevy_faceoff::diagnostics::FaceoffDiagnosticsPlugin>(),
+            .disable::<bevy_faceoff::plugin::diagnostics::FaceoffDiagnosticsPlugin>(),
     ));
     let (poses, ..) = meet(Sim::of(app));
     assert_eq!(poses, meet(Sim::new()).0);

@@ -5,8 +5,9 @@ mod gltf_files;
 
 use asset_app::*;
 use bevy::prelude::*;
-use bevy_faceoff::asset::{CollisionMesh, CollisionMeshSettings, register};
+use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::plugin::assets::{CollisionMeshSettings, register};
 use gltf_files::{Gltf, U16};
 use serde_json::json;
 
@@ -92,7 +93,7 @@ fn settings_choose_a_part() {
     write(
         folder.path(),
         "meta.glb.meta",
-        "(meta_format_version: \"1.0\", asset: Load(loader: \"bevy_faceoff::asset::loader::CollisionMeshLoader\", \
+        "(meta_format_version: \"1.0\", asset: Load(loader: \"bevy_faceoff::plugin::assets::loader::CollisionMeshLoader\", \
          settings: (part: Some((mesh: \"Cube\", primitive: Some(0))))))",
     );
     write(folder.path(), "meta.glb", two_meshes().glb());

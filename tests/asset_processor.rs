@@ -10,9 +10,10 @@ use bevy::asset::processor::{AssetProcessor, FileTransactionLogFactory, Processo
 use bevy::prelude::*;
 use bevy::tasks::block_on;
 use bevy_faceoff::asset::format::{self, BAKER_VERSION};
-use bevy_faceoff::asset::processor::ProcessorSettings;
-use bevy_faceoff::asset::{CollisionMesh, Imported, import_file, register, to_obj};
+use bevy_faceoff::asset::{CollisionMesh, Imported, import_file, to_obj};
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::plugin::assets::processor::ProcessorSettings;
+use bevy_faceoff::plugin::assets::register;
 use gltf_files::Gltf;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -184,7 +185,7 @@ fn changes_are_baked_again() {
     for (version, degrees) in [(BAKER_VERSION, 45), (BAKER_VERSION, 30), (BAKER_VERSION + 1, 30)] {
         let meta = format!(
             "(meta_format_version: \"1.0\", asset: Process(\
-             processor: \"bevy_faceoff::asset::processor::CollisionMeshProcessor\", \
+             processor: \"bevy_faceoff::plugin::assets::processor::CollisionMeshProcessor\", \
              settings: (baker_version: {version}, bake: Some((faces: true, degrees: {degrees}, image: 16)))))"
         );
         write(&at, "cube.bake.ron.meta", meta);

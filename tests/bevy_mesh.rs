@@ -7,8 +7,8 @@ use asset_app::*;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshPlugin, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy_faceoff::asset::bevy_mesh::BevyMeshError;
 use bevy_faceoff::geometry::{MeshError, Orientation, TriMesh, shapes};
+use bevy_faceoff::plugin::assets::bevy_mesh::BevyMeshError;
 use bevy_faceoff::prelude::*;
 
 fn bevy_mesh(topology: PrimitiveTopology, positions: Vec<[f32; 3]>, indices: Option<Indices>) -> Mesh {

@@ -1,8 +1,8 @@
 //! The broad phase against all pairs of spheres, tested one by one.
 
-use bevy_faceoff::components::{CollisionLayers, RigidBody};
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Bodies, StepState};
+use bevy_faceoff::state::{Bodies, StepState};
+use bevy_faceoff::types::body::{CollisionLayers, RigidBody};
+use bevy_faceoff::types::stage::Stage;
 use fastrand::Rng;
 use glam::Vec3;
 
@@ -87,7 +87,7 @@ fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&
 /// Compares, as all dynamic and as a mixture, and again after some have moved; returns the pairs of the first.
 fn check(state: &mut StepState, random: &mut Rng, what: &str) -> usize {
     let compare = |state: &mut StepState| {
-        Stage::BroadPhase.run_on_cpu(state);
+        bevy_faceoff::step::cpu::run(Stage::BroadPhase, state);
         let expected = all_pairs(&state.bodies);
         let missing = expected.iter().find(|p| state.sphere_pairs.binary_search(p).is_err());
         assert!(missing.is_none(), "{what}: {missing:?} is missing");
@@ -254,7 +254,7 @@ fn bodies_spread_out_and_come_together() {
             for center in &mut state.bodies.center {
                 *center = somewhere(&mut random, side);
             }
-            Stage::BroadPhase.run_on_cpu(&mut state);
+            bevy_faceoff::step::cpu::run(Stage::BroadPhase, &mut state);
             assert!(state.sphere_pairs == all_pairs(&state.bodies), "{side} m");
             pairs.push(state.sphere_pairs.len());
         }

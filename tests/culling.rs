@@ -6,9 +6,9 @@ use bevy_faceoff::geometry::direction::{Angles, DirectionGrid};
 use bevy_faceoff::geometry::{Orientation, TriMesh, shapes};
 use bevy_faceoff::projection::{BakeSettings, Progress, bake_pool};
 use bevy_faceoff::queries::{CheckOptions, Placement, TouchingPair, check, check_with};
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, StepState, View};
+use bevy_faceoff::state::{Body, StepState, View};
+use bevy_faceoff::types::settings::Culling;
+use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DVec3, Quat, Vec3};
 use std::collections::BTreeSet;
 
@@ -54,7 +54,7 @@ fn collide(state: &mut StepState, bodies: [Body; 2], culling: [Culling; 2]) -> B
         state.bodies.push(&Body { culling, ..body }, &state.meshes).unwrap();
     }
     for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
-        stage.run_on_cpu(state);
+        bevy_faceoff::step::cpu::run(stage, state);
     }
     state.contacts.faces.iter().map(|f| [f.a, f.b]).collect()
 }

@@ -4,8 +4,8 @@
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy::prelude::*;
-use bevy_faceoff::debug::{FaceoffGizmos, FaceoffGizmosPlugin, ShowFacesTowards};
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::plugin::debug::{FaceoffGizmos, FaceoffGizmosPlugin, ShowFacesTowards};
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::projection::{Progress, bake_pool};
 use std::any::TypeId;

@@ -15,8 +15,8 @@ use app::{ON_GPU, Sim, resting};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::settings::LATENCY;
 use std::sync::atomic::Ordering;
 
 macro_rules! tests {

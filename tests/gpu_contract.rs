@@ -2,10 +2,10 @@
 
 use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, MAX_ROW, MODULES, composer, read, uniform, write};
 use bevy_faceoff::gpu::layout::{self, Struct};
-use bevy_faceoff::gpu::step::kernels;
 use bevy_faceoff::gpu::{mesh_features, radix_sort, scan};
-use bevy_faceoff::stages::manifolds;
-use bevy_faceoff::stages::solver::gpu as solver;
+use bevy_faceoff::manifolds;
+use bevy_faceoff::solver::gpu as solver;
+use bevy_faceoff::step::gpu::kernels;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgpu::naga::{

@@ -10,8 +10,8 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::readback::read_words;
+use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::settings::LATENCY;
 use gpu::Test;
 
 const TESTS: &[Test] = &[

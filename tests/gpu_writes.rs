@@ -7,9 +7,9 @@ use app::{STEP, Sim, ball_like};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::settings::LATENCY;
-use bevy_faceoff::stages::state::Motion;
+use bevy_faceoff::state::Motion;
 use gpu::Test;
 
 const TESTS: &[Test] = &[

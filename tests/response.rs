@@ -1,15 +1,15 @@
 //! Contacts and impulses: where they push, and what they keep.
 
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::stage::Stage;
 use glam::{Mat3, Quat, Vec3};
 
 fn step(state: &mut StepState) {
     for stage in Stage::ALL {
-        stage.run_on_cpu(state);
+        bevy_faceoff::step::cpu::run(stage, state);
     }
 }
 
@@ -146,7 +146,7 @@ fn a_crowd_keeps_momentum_and_gains_no_energy() {
     for _ in 0..120 {
         // Impulses alone: turning a lopsided body at constant angular velocity is no free motion, and changes energy.
         for stage in Stage::ALL {
-            stage.run_on_cpu(&mut state);
+            bevy_faceoff::step::cpu::run(stage, &mut state);
             if stage == Stage::TriangleTest {
                 touched += state.contacts.pairs.len();
                 energy = measure(&state).1;

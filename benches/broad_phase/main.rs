@@ -5,9 +5,9 @@
 
 mod scenes;
 
-use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::state::StepState;
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::stage::Stage;
 use scenes::Scene;
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ fn table(count: usize) {
     for round in 0..=rounds {
         for (state, times) in states.iter_mut().zip(&mut times) {
             drift(state, round);
-            Stage::BroadPhase.run_on_cpu(state);
+            bevy_faceoff::step::cpu::run(Stage::BroadPhase, state);
             // The first round allocates.
             if round > 0 {
                 times.push(state.times[Stage::BroadPhase as usize]);

@@ -1,7 +1,7 @@
 //! Spheres at the paper's density: about 0.7 pairs a body.
 
-use bevy_faceoff::components::{CollisionLayers, RigidBody};
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::state::StepState;
+use bevy_faceoff::types::body::{CollisionLayers, RigidBody};
 use glam::Vec3;
 
 /// Sizes and kinds of the bodies of a scene.

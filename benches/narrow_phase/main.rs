@@ -7,8 +7,9 @@ mod plain;
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::state::{Body, StepState};
-use bevy_faceoff::stages::{Stage, triangle_test};
+use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::triangle_test;
+use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use std::time::{Duration, Instant};
 
@@ -71,8 +72,8 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
             plain_hits += plain::count(&a, &triangles, *matrix, *translation, &mut placed);
         }
         plain_times.push(start.elapsed());
-        Stage::Angles.run_on_cpu(&mut state);
-        Stage::TriangleTest.run_on_cpu(&mut state);
+        bevy_faceoff::step::cpu::run(Stage::Angles, &mut state);
+        bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
         angles.push(state.times[Stage::Angles as usize]);
         triangle_tests.push(state.times[Stage::TriangleTest as usize]);
         let start = Instant::now();

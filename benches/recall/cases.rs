@@ -2,9 +2,9 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, Contacts, StepState};
+use bevy_faceoff::state::{Body, Contacts, StepState};
+use bevy_faceoff::types::settings::Culling;
+use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f64::consts::TAU;
 
@@ -115,8 +115,8 @@ impl Tester {
         }
         state.sphere_pairs.clear();
         state.sphere_pairs.push([0, 1]);
-        Stage::Angles.run_on_cpu(state);
-        Stage::TriangleTest.run_on_cpu(state);
+        bevy_faceoff::step::cpu::run(Stage::Angles, state);
+        bevy_faceoff::step::cpu::run(Stage::TriangleTest, state);
         &state.contacts
     }
 

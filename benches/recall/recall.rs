@@ -4,8 +4,8 @@ use crate::cases::{self, Pair, REGIMES, Regime, Tester};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::projection::{FaceTable, Group};
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::state::Contacts;
+use bevy_faceoff::state::Contacts;
+use bevy_faceoff::types::settings::Culling;
 use glam::DVec3;
 use std::collections::HashSet;
 

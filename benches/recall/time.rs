@@ -4,9 +4,9 @@ use crate::cases::{Pair, rotation};
 use crate::plain;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::state::StepState;
+use bevy_faceoff::types::settings::Culling;
+use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use std::time::{Duration, Instant};
 
@@ -53,8 +53,8 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
         plain.times.push(start.elapsed());
         for ((culling, _), measured) in MODES.iter().zip(&mut modes) {
             state.bodies.culling.fill(*culling);
-            Stage::Angles.run_on_cpu(&mut state);
-            Stage::TriangleTest.run_on_cpu(&mut state);
+            bevy_faceoff::step::cpu::run(Stage::Angles, &mut state);
+            bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
             let [angles, triangle_test] = [Stage::Angles, Stage::TriangleTest].map(|s| state.times[s as usize]);
             measured.times.push(angles + triangle_test);
             measured.tests = state.contacts.triangle_tests;

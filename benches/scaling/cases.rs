@@ -2,8 +2,8 @@
 
 use bevy_faceoff::asset::{CollisionMesh, import_file};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, Quat, Vec3};
 
 /// Scenes of growing meshes.
@@ -212,8 +212,8 @@ impl Pair<'_> {
                 .expect("a usable body");
         }
         self.state.sphere_pairs = vec![[0, 1]];
-        Stage::Angles.run_on_cpu(self.state);
-        Stage::TriangleTest.run_on_cpu(self.state);
+        bevy_faceoff::step::cpu::run(Stage::Angles, self.state);
+        bevy_faceoff::step::cpu::run(Stage::TriangleTest, self.state);
     }
 
     fn face_pairs(&mut self, way: f32) -> usize {

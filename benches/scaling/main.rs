@@ -6,7 +6,8 @@
 
 mod cases;
 
-use bevy_faceoff::stages::{Stage, triangle_test};
+use bevy_faceoff::triangle_test;
+use bevy_faceoff::types::stage::Stage;
 use cases::{Case, Scene};
 use std::time::{Duration, Instant};
 
@@ -49,7 +50,7 @@ fn run(case: &Case, poses: usize) {
             let pairs = scene.state.sphere_pairs.len();
             for _ in 0..3 {
                 for (least, stage) in least.iter_mut().zip([Stage::Angles, Stage::TriangleTest]) {
-                    stage.run_on_cpu(&mut scene.state);
+                    bevy_faceoff::step::cpu::run(stage, &mut scene.state);
                     *least = least.min(micros(scene.state.times[stage as usize], pairs));
                 }
                 let start = Instant::now();

@@ -3,7 +3,7 @@
 use super::Options;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
-use bevy_faceoff::debug::FaceoffGizmosPlugin;
+use bevy_faceoff::plugin::debug::FaceoffGizmosPlugin;
 use bevy_faceoff::prelude::*;
 
 /// Colours of bodies, in the order in which they are drawn first.

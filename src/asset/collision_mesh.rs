@@ -4,8 +4,12 @@ use crate::geometry::cluster::cluster_order;
 use crate::geometry::features::MeshFeatures;
 use crate::geometry::lanes::MeshLanes;
 use crate::geometry::{MassProperties, Orientation, TriMesh};
-use crate::projection::{BakeSettings, Cancelled, FaceTable, Group, Inward, Progress, SupportHeights};
-use bevy::prelude::*;
+#[cfg(feature = "bevy")]
+use crate::projection::Group;
+use crate::projection::{BakeSettings, Cancelled, FaceTable, Inward, Progress, SupportHeights};
+#[cfg(feature = "bevy")]
+use bevy::prelude::{Asset, Transform, TypePath};
+use glam::Vec3;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -14,7 +18,8 @@ use std::sync::Arc;
 ///
 /// It comes with what the stages derive from a mesh, so that no step has to: making one, be it by a bake or from a file, takes
 /// about a millisecond for a thousand triangles.
-#[derive(Asset, TypePath, Clone)]
+#[derive(Clone)]
+#[cfg_attr(feature = "bevy", derive(Asset, TypePath))]
 pub struct CollisionMesh {
     baked: Arc<BakedMesh>,
     features: Arc<MeshFeatures>,
@@ -113,6 +118,7 @@ impl CollisionMesh {
     /// The *faces of collision* that the mesh, placed by `pose`, shows a body whose centre of mass is at `point`, both in
     /// the world: triangles of [`BakedMesh::mesh`] that can be seen from there, along the line of centres. `None` without a
     /// face table, and where the centres coincide, since then there is no direction.
+    #[cfg(feature = "bevy")]
     pub fn faces_towards(&self, pose: &Transform, point: Vec3) -> Option<Group<'_>> {
         let to_point = point - pose.transform_point(self.mass.center);
         // Directions between points of a mesh are scaled as the mesh is.

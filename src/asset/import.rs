@@ -103,7 +103,7 @@ fn import_mesh_file(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Res
 }
 
 /// A mesh file of known format, with all that is read of it before other files.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     bytes: Cow<'a, [u8]>,
     format: Format,
 }
@@ -117,14 +117,14 @@ enum Format {
 
 impl<'a> Source<'a> {
     /// Recognises the format.
-    pub(super) fn open(name: &str, bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self, ImportError> {
+    pub(crate) fn open(name: &str, bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self, ImportError> {
         let bytes = bytes.into();
         let format = Format::of(name, &bytes)?;
         Ok(Self { bytes, format })
     }
 
     /// The other files it needs, relative to its own.
-    pub(super) fn files(&self) -> &[String] {
+    pub(crate) fn files(&self) -> &[String] {
         match &self.format {
             Format::Gltf(document) => &document.files,
             _ => &[],
@@ -132,7 +132,7 @@ impl<'a> Source<'a> {
     }
 
     /// Reads the triangles. `files` holds the contents of [`Source::files`].
-    pub(super) fn read(&self, part: Option<&MeshPart>, files: &[Vec<u8>]) -> Result<Imported, ImportError> {
+    pub(crate) fn read(&self, part: Option<&MeshPart>, files: &[Vec<u8>]) -> Result<Imported, ImportError> {
         let bytes = &*self.bytes;
         if part.is_some() && !matches!(self.format, Format::Gltf(_)) {
             return Err(ImportError::NoParts);

@@ -3,18 +3,13 @@
 //! A [`CollisionMesh`] comes from a file through Bevy's asset server (see [`loader`]), from a file on disk through
 //! [`import::import_file`], or from vertices and faces through [`CollisionMesh::new`].
 
-#[cfg(feature = "bevy_mesh")]
-pub mod bevy_mesh;
 mod bytes;
 pub mod collision_mesh;
 pub mod format;
 pub mod gltf;
 pub mod import;
 mod import_error;
-pub(crate) mod jobs;
-pub mod loader;
 mod obj;
-pub mod processor;
 pub mod recipe;
 mod stl;
 mod text;
@@ -22,6 +17,5 @@ mod text;
 pub use collision_mesh::{BakedMesh, CollisionMesh};
 pub use gltf::{GltfError, MeshChoice, MeshPart};
 pub use import::{ImportError, Imported, import_bytes, import_file, import_part};
-pub use loader::{CollisionMeshLoader, CollisionMeshSettings, register};
 pub use obj::to_obj;
 pub use recipe::Recipe;

@@ -126,6 +126,6 @@ fn is_relative(path: &str) -> bool {
 }
 
 /// Whether a file of this name is a recipe.
-pub(super) fn is_recipe(name: &str) -> bool {
+pub(crate) fn is_recipe(name: &str) -> bool {
     name.to_ascii_lowercase().ends_with(".bake.ron")
 }

@@ -5,7 +5,7 @@ use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID};
 use super::mesh_features;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
-use crate::stages::mesh_arena::{MeshArena, MeshSlot, Points};
+use crate::state::mesh_arena::{MeshArena, MeshSlot, Points};
 use glam::Vec3;
 use std::ops::Range;
 

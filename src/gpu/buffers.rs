@@ -1,8 +1,7 @@
 //! Every buffer of a step, and how large it is.
 
 use super::layout::*;
-use super::scan;
-use super::{device::Gpu, radix_sort};
+use super::{device::Gpu, radix_sort, scan};
 use thiserror::Error;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages};
 
@@ -84,7 +83,7 @@ impl Sizes {
 
 macro_rules! buffers {
     ($($name:ident: $what:literal, $element:ty, $usage:expr, |$sizes:ident| $count:expr;)*) => {
-        /// Every buffer of a step; `shaders/types.wgsl` explains their elements.
+        /// Every buffer of a step; `shaders/shared/types.wgsl` explains their elements.
         #[derive(Debug)]
         #[allow(missing_docs)]
         pub struct Buffers {

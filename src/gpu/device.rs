@@ -29,7 +29,7 @@ pub enum NoGpu {
         "there is no graphics card: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
     )]
     NoCard,
-    /// The adapter computes on the CPU, which [`Backend::Auto`](crate::settings::Backend) does not take.
+    /// The adapter computes on the CPU, which [`Backend::Auto`](crate::plugin::settings::Backend) does not take.
     #[error("the adapter {0} computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
     OnlySoftware(String),
     /// Bevy's renderer uses OpenGL, on which no stage has been tried.
@@ -74,7 +74,7 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     if !software && !may_have_card() {
         return Err(NoGpu::NoCard);
     }
-    bevy::tasks::block_on(async {
+    pollster::block_on(async {
         // From the environment: WGPU_BACKEND chooses among several, WGPU_VALIDATION and the like switch checks.
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = instance.enumerate_adapters(Backends::all()).await;

@@ -2,7 +2,7 @@
 //! the test that compares it with its WGSL.
 
 use super::device::Gpu;
-use crate::stages::Stage;
+use crate::types::stage::Stage;
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue, ShaderLanguage,
     ShaderType,
@@ -83,30 +83,114 @@ pub const fn write(slot: u32, name: &'static str, element: &'static str) -> Bind
 
 /// What kernels import.
 pub const MODULES: &[(&str, &str)] = &[
-    ("types.wgsl", include_str!("../../shaders/types.wgsl")),
-    ("math.wgsl", include_str!("../../shaders/math.wgsl")),
-    ("dispatch.wgsl", include_str!("../../shaders/dispatch.wgsl")),
-    ("scan.wgsl", include_str!("../../shaders/scan.wgsl")),
-    ("grid.wgsl", include_str!("../../shaders/grid.wgsl")),
-    ("arena.wgsl", include_str!("../../shaders/arena.wgsl")),
-    ("margins.wgsl", include_str!("../../shaders/margins.wgsl")),
-    ("tree.wgsl", include_str!("../../shaders/tree.wgsl")),
-    ("containment.wgsl", include_str!("../../shaders/containment.wgsl")),
-    ("triangles.wgsl", include_str!("../../shaders/triangles.wgsl")),
-    ("response.wgsl", include_str!("../../shaders/response.wgsl")),
-    ("sides.wgsl", include_str!("../../shaders/sides.wgsl")),
-    ("features.wgsl", include_str!("../../shaders/features.wgsl")),
-    ("smooth.wgsl", include_str!("../../shaders/smooth.wgsl")),
-    ("contact_slots.wgsl", include_str!("../../shaders/contact_slots.wgsl")),
-    ("solver_types.wgsl", include_str!("../../shaders/solver_types.wgsl")),
-    ("solver_math.wgsl", include_str!("../../shaders/solver_math.wgsl")),
-    ("tensor.wgsl", include_str!("../../shaders/tensor.wgsl")),
-    ("solver_mover.wgsl", include_str!("../../shaders/solver_mover.wgsl")),
-    ("solver_overlap.wgsl", include_str!("../../shaders/solver_overlap.wgsl")),
-    ("solver_contact.wgsl", include_str!("../../shaders/solver_contact.wgsl")),
-    ("carried.wgsl", include_str!("../../shaders/carried.wgsl")),
-    ("placed.wgsl", include_str!("../../shaders/placed.wgsl")),
-    ("solver_islands.wgsl", include_str!("../../shaders/solver_islands.wgsl")),
+    (
+        "types.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/types.wgsl")),
+    ),
+    (
+        "math.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/math.wgsl")),
+    ),
+    (
+        "dispatch.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/dispatch.wgsl")),
+    ),
+    (
+        "scan.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/scan.wgsl")),
+    ),
+    (
+        "grid.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/broad_phase/grid.wgsl")),
+    ),
+    (
+        "arena.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/arena.wgsl")),
+    ),
+    (
+        "margins.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/margins.wgsl")),
+    ),
+    (
+        "tree.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/tree.wgsl")),
+    ),
+    (
+        "containment.wgsl",
+        include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/shaders/triangle_test/containment.wgsl"
+        )),
+    ),
+    (
+        "triangles.wgsl",
+        include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/shaders/triangle_test/triangles.wgsl"
+        )),
+    ),
+    (
+        "response.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/force_scan/response.wgsl")),
+    ),
+    (
+        "sides.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/manifolds/sides.wgsl")),
+    ),
+    (
+        "features.wgsl",
+        include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/shaders/manifolds/feature_pairs.wgsl"
+        )),
+    ),
+    (
+        "smooth.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/manifolds/smooth.wgsl")),
+    ),
+    (
+        "contact_slots.wgsl",
+        include_str!(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/shaders/manifolds/contact_slots.wgsl"
+        )),
+    ),
+    (
+        "solver_types.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/solver/types.wgsl")),
+    ),
+    (
+        "solver_math.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/solver/math.wgsl")),
+    ),
+    (
+        "tensor.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/tensor.wgsl")),
+    ),
+    (
+        "solver_mover.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/solver/mover.wgsl")),
+    ),
+    (
+        "solver_overlap.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/solver/overlap.wgsl")),
+    ),
+    (
+        "solver_contact.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/solver/contact.wgsl")),
+    ),
+    (
+        "carried.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/step/carried.wgsl")),
+    ),
+    (
+        "placed.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/manifolds/placed.wgsl")),
+    ),
+    (
+        "solver_islands.wgsl",
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/sleep/islands.wgsl")),
+    ),
 ];
 
 /// A composer that knows [`MODULES`].

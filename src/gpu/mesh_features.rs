@@ -1,8 +1,8 @@
-//! The vertices and edges of a mesh as words, as `shaders/sides.wgsl` reads them.
+//! The vertices and edges of a mesh as words, as `shaders/manifolds/sides.wgsl` reads them.
 
 use super::layout::NOTHING;
 use crate::geometry::features::{EVERY_WAY, MeshFeatures, NONE};
-use crate::stages::mesh_arena::MeshSlot;
+use crate::state::mesh_arena::MeshSlot;
 use glam::Vec3;
 
 /// Words before the triangles' records, of which seven are in use: how many vertices there are, and where their places, the

@@ -10,17 +10,12 @@
 
 pub mod arena;
 pub mod buffers;
-pub mod contacts;
 pub mod device;
-mod flight;
 pub mod kernel;
 pub mod layout;
 pub mod mesh_features;
 pub mod radix_sort;
 pub mod readback;
-pub mod results;
 pub mod run_once;
 pub mod scan;
-pub mod step;
 pub mod timer;
-pub mod upload;

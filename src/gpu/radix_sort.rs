@@ -16,7 +16,7 @@ pub const DIGIT: u32 = 8;
 /// Counts digits.
 pub const COUNT: Kernel = Kernel {
     name: "sort/count",
-    source: include_str!("../../shaders/sort_count.wgsl"),
+    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/sort_count.wgsl")),
     emit: false,
     workgroup: 256,
     bindings: &[
@@ -30,7 +30,7 @@ pub const COUNT: Kernel = Kernel {
 /// Moves keys and values.
 pub const MOVE: Kernel = Kernel {
     name: "sort/move",
-    source: include_str!("../../shaders/sort_move.wgsl"),
+    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/sort_move.wgsl")),
     emit: false,
     workgroup: 256,
     bindings: &[

@@ -16,7 +16,7 @@ pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, String> {
     let mut first = None;
     // The last one pushed is the first to be popped.
     for scope in scopes.into_iter().rev() {
-        let error = bevy::tasks::block_on(scope.pop());
+        let error = pollster::block_on(scope.pop());
         first = first.or(error);
     }
     first.map_or(Ok(result), |error| Err(error.to_string()))

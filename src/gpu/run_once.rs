@@ -3,7 +3,7 @@
 use super::device::Gpu;
 use super::kernel::{Builder, Kernel, Kernels};
 use super::readback::{read_words, scoped};
-use crate::stages::Stage;
+use crate::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 

@@ -12,7 +12,7 @@ pub const BLOCK: u32 = 1024;
 /// Sums blocks.
 pub const SUMS: Kernel = Kernel {
     name: "scan/sums",
-    source: include_str!("../../shaders/scan_sums.wgsl"),
+    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/scan_sums.wgsl")),
     emit: false,
     workgroup: 256,
     bindings: &[
@@ -26,7 +26,7 @@ pub const SUMS: Kernel = Kernel {
 /// Scans the sums.
 pub const SPINE: Kernel = Kernel {
     name: "scan/spine",
-    source: include_str!("../../shaders/scan_spine.wgsl"),
+    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/scan_spine.wgsl")),
     emit: false,
     workgroup: 256,
     bindings: &[
@@ -39,7 +39,7 @@ pub const SPINE: Kernel = Kernel {
 /// Applies them.
 pub const APPLY: Kernel = Kernel {
     name: "scan/apply",
-    source: include_str!("../../shaders/scan_apply.wgsl"),
+    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/scan_apply.wgsl")),
     emit: false,
     workgroup: 256,
     bindings: &[

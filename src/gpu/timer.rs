@@ -1,7 +1,7 @@
 //! How long each stage took on the device, where it can tell.
 
 use super::device::Gpu;
-use crate::stages::Stage;
+use crate::types::stage::Stage;
 use std::time::Duration;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Features, QuerySet,
@@ -21,7 +21,7 @@ const COUNT: u32 = 2 * Stage::ALL.len() as u32;
 /// Bytes that they take.
 pub const BYTES: u32 = 8 * COUNT;
 /// The most intervals there can be.
-const LAPS: u32 = crate::stages::solver::settings::MOST_DETECTIONS;
+const LAPS: u32 = crate::types::solver_settings::MOST_DETECTIONS;
 
 impl Timer {
     /// `None` if the device has no time stamps.

@@ -4,7 +4,7 @@ use crate::app::{DT, Sim, assert_near, resting, sorted};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::state::ContactPoint;
+use bevy_faceoff::state::ContactPoint;
 
 /// Gravity, and ground at height 0.
 fn on_the_ground() -> (Sim, MeshCollider) {

@@ -4,7 +4,7 @@ use crate::app::{Sim, ball_like, resting, sorted};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::Stage;
+use bevy_faceoff::types::stage::Stage;
 use std::time::Duration;
 
 /// Events that observers saw: whether it began, the observed entity, the other one.

@@ -6,8 +6,7 @@ use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use crate::scene::{body, cube, degrees, depth, oracle_mesh, points, push, state};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::manifolds::Manifolds;
-use bevy_faceoff::stages::manifolds::{MarginPair, cpu};
+use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 

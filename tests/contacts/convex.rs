@@ -4,7 +4,7 @@ use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
 use crate::scene::{body, cube, degrees, depth, first_touch, oracle_mesh, points, push, turn};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::manifolds::ManifoldPoint;
+use bevy_faceoff::manifolds::ManifoldPoint;
 use glam::{DVec3, Quat, Vec3};
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 

@@ -4,9 +4,8 @@ use crate::oracle::rng::Rng;
 use crate::scene::require_sane;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::manifolds::Manifolds;
-use bevy_faceoff::stages::manifolds::{MarginPair, cpu};
-use bevy_faceoff::stages::state::{Body as StageBody, StepState};
+use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
+use bevy_faceoff::state::{Body as StageBody, StepState};
 use glam::Vec3;
 
 #[test]

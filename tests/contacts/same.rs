@@ -5,7 +5,7 @@ use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use crate::scene::{body, first_touch, points, state};
-use bevy_faceoff::stages::manifolds::ManifoldPoint;
+use bevy_faceoff::manifolds::ManifoldPoint;
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 

@@ -5,10 +5,9 @@ use crate::oracle::brute::surfaces_meet;
 use crate::oracle::product::Product;
 use crate::oracle::shapes::Shapes;
 use bevy_faceoff::geometry::TriMesh;
+use bevy_faceoff::manifolds::{ManifoldPoint, Manifolds, MarginPair, cpu};
 use bevy_faceoff::queries::Placement;
-use bevy_faceoff::stages::manifolds::{ManifoldPoint, Manifolds};
-use bevy_faceoff::stages::manifolds::{MarginPair, cpu};
-use bevy_faceoff::stages::state::{Body as StageBody, StepState};
+use bevy_faceoff::state::{Body as StageBody, StepState};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 
 use crate::shapes::{cuboid, moved, sheet};
 use crate::world::{Random, World, flight, stay};
+use bevy_faceoff::ccd::{ClampScratch, Stop, clamp};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::continuous::{ClampScratch, Stop, clamp};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 const SLACK: f32 = 0.005;

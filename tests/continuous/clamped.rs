@@ -3,10 +3,10 @@
 use crate::oracle::distance;
 use crate::shapes::sheet;
 use crate::world::{Random, World, flight, stay};
-use bevy_faceoff::components::{LockedAxes, RigidBody};
+use bevy_faceoff::ccd::{ClampScratch, Pose, Stop, clamp};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::continuous::{ClampScratch, Pose, Stop, clamp};
-use bevy_faceoff::stages::state::Plane;
+use bevy_faceoff::state::Plane;
+use bevy_faceoff::types::body::{LockedAxes, RigidBody};
 use glam::{DQuat, DVec3, Vec3};
 
 const SLACK: f32 = 0.005;

@@ -2,8 +2,8 @@
 
 use crate::shapes::sheet;
 use crate::world::{Random, World, flight, stay};
+use bevy_faceoff::ccd::{Pose, Sweep, time_of_impact};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::continuous::{Pose, Sweep, time_of_impact};
 use glam::{DQuat, DVec3, Vec3};
 
 const SLACK: f32 = 0.005;

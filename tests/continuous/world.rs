@@ -2,9 +2,9 @@
 
 use crate::oracle::Mover;
 use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::ccd::{Pose, Scratch, Sweep, time_of_impact};
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::stages::continuous::{Pose, Scratch, Sweep, time_of_impact};
-use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::state::{Body, StepState};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 #[derive(Default)]

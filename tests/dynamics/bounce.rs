@@ -2,10 +2,11 @@
 
 use crate::world::{World, any_turn};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::components::{Friction, RigidBody};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::settings::SolverSettings;
-use bevy_faceoff::stages::state::{Body, Handling};
+use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::material::Friction;
+use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{DVec3, Quat, Vec3};
 
 const RADIUS: f32 = 0.5;

@@ -1,9 +1,9 @@
 //! Bodies faster than their size per step, shot at a thin plate.
 
 use crate::world::World;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::state::{Body, Handling};
+use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 const DT: f32 = 1.0 / 64.0;

@@ -1,8 +1,8 @@
 //! Chains of rings: they hang, are shaken, and stay linked.
 
 use crate::world::World;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 

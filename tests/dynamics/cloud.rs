@@ -2,9 +2,9 @@
 
 use crate::motion::Motion;
 use crate::world::{World, any_turn, any_vector};
-use bevy_faceoff::components::Friction;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::state::{Body, Handling};
+use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::types::material::Friction;
 use glam::Vec3;
 
 /// `count` knots that fly inward and past each other, of restitution 1 or, if `mixed`, of any restitution, friction, size

@@ -2,9 +2,10 @@
 
 use crate::world::World;
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::components::{Friction, RigidBody};
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::state::{Body, Handling};
+use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::material::Friction;
 use glam::{Quat, Vec3};
 
 /// A ball without friction that bounces without loss.

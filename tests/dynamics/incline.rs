@@ -2,9 +2,9 @@
 
 use crate::world::{GAP, World, any_turn};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::state::Plane;
+use bevy_faceoff::state::Plane;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 
 const GRAVITY: f64 = 9.81;

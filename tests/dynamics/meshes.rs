@@ -1,8 +1,8 @@
 //! Mixed meshes, poured.
 
 use crate::world::World;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 #[test]

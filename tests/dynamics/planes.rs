@@ -1,10 +1,10 @@
 //! Meshes on half-spaces.
 
 use crate::world::{GAP, World};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::manifolds::cpu::planes::MAX_POINTS;
-use bevy_faceoff::stages::state::Plane;
+use bevy_faceoff::manifolds::cpu::planes::MAX_POINTS;
+use bevy_faceoff::state::Plane;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 fn on_the_ground() -> World {

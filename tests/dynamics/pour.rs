@@ -1,8 +1,8 @@
 //! Knots poured into a bin. Sleep is off: the pile has to come to rest by itself.
 
 use crate::world::{World, any_turn};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 /// How deep pairs in contact overlap, as parts of the diameter.

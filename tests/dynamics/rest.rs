@@ -1,8 +1,8 @@
 //! What stands and lies still: by itself, in stacks, in piles. Sleep is off, so that it is contacts that hold.
 
 use crate::world::{GAP, World};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 

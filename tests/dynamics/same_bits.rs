@@ -1,8 +1,8 @@
 //! The same scene gives the same bits, run after run and with any number of threads.
 
 use crate::world::{World, any_turn};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::types::body::RigidBody;
 use glam::Vec3;
 
 /// Twenty bodies that fall onto each other.

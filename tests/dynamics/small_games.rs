@@ -1,9 +1,9 @@
 //! Scenes as games have them: bodies in flight together, bodies put into each other, and landings. What they cost is counted.
 
 use crate::world::{World, any_turn};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::stages::state::Body;
+use bevy_faceoff::state::Body;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 /// Of one step: pairs of spheres, pairs that are near, contact points, intervals.

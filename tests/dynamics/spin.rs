@@ -2,8 +2,8 @@
 
 use crate::motion::{Motion, inertia};
 use crate::world::World;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{DMat3, DVec3, Quat, Vec3};
 
 /// A knot, squeezed, that turns with `spin` in its own axes.

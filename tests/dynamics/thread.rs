@@ -4,9 +4,10 @@
 
 use crate::world::World;
 use bevy_faceoff::asset::{CollisionMesh, import_file};
-use bevy_faceoff::components::{Friction, RigidBody};
-use bevy_faceoff::settings::SolverSettings;
-use bevy_faceoff::stages::state::{Body, Handling};
+use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::material::Friction;
+use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use std::f64::consts::TAU;
 

@@ -1,16 +1,17 @@
 //! Bodies of meshes and planes, moved by whole steps.
 
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::settings::{Response, SolverSettings};
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, StepConfig, StepState};
+use bevy_faceoff::state::{Body, StepConfig, StepState};
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::settings::Response;
+use bevy_faceoff::types::solver_settings::SolverSettings;
+use bevy_faceoff::types::stage::Stage;
 use glam::{DVec3, Quat, Vec3};
 
 /// Where worlds move, if not on the CPU: a device for all of them in turn.
 #[cfg(feature = "gpu")]
-pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::gpu::step::GpuStep>> = std::sync::Mutex::new(None);
+pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::step::gpu::GpuStep>> = std::sync::Mutex::new(None);
 
 pub struct World {
     pub state: StepState,
@@ -69,7 +70,7 @@ impl World {
             return;
         }
         for stage in Stage::ALL {
-            stage.run_on_cpu(&mut self.state);
+            bevy_faceoff::step::cpu::run(stage, &mut self.state);
         }
     }
 

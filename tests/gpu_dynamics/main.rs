@@ -30,7 +30,7 @@ mod world;
 
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::GpuStep;
+use bevy_faceoff::step::gpu::GpuStep;
 use glam::Vec3;
 
 /// Lets all worlds of a test move on the device.

@@ -2,9 +2,9 @@
 
 use crate::motion::Motion;
 use crate::world::{World, any_turn, any_vector};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::stages::state::{Body, Plane};
+use bevy_faceoff::state::{Body, Plane};
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 /// The scene on the CPU and on the device.
@@ -213,7 +213,7 @@ pub fn reports() {
         worlds.iter_mut().for_each(World::step);
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
         assert_eq!(cpu.intervals, gpu.intervals);
-        let bodies = |state: &bevy_faceoff::stages::state::StepState| -> Vec<[u32; 2]> {
+        let bodies = |state: &bevy_faceoff::state::StepState| -> Vec<[u32; 2]> {
             state.contacts.pairs.iter().map(|pair| pair.bodies).collect()
         };
         let (of_cpu, of_gpu) = (bodies(cpu), bodies(gpu));

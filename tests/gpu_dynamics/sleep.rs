@@ -1,10 +1,10 @@
 //! Who sleeps, and what goes on from step to step.
 
 use crate::world::{DEVICE, GAP, World};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::gpu::results::Detail;
-use bevy_faceoff::stages::state::Body;
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::gpu::results::Detail;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 /// Three cubes on each other, on a floor; they may sleep. Body 0 is the floor.

@@ -3,9 +3,9 @@
 use crate::oracle::body::Body;
 use crate::oracle::product::Product;
 use crate::scene::state;
+use bevy_faceoff::manifolds::MarginPair;
 use bevy_faceoff::queries::touching;
-use bevy_faceoff::stages::manifolds::MarginPair;
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::state::StepState;
 use glam::DVec3;
 
 /// Moves the second along `way`, from `start` on, until it overlaps the first by `overlap`; negative for a gap. Nothing if

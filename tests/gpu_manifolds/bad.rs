@@ -8,10 +8,10 @@ use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use crate::scene::{body, state};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::StepError;
-use bevy_faceoff::stages::manifolds::gpu::GpuManifolds;
-use bevy_faceoff::stages::manifolds::{Manifolds, MarginPair};
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::manifolds::{Manifolds, MarginPair};
+use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::gpu::StepError;
+use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 

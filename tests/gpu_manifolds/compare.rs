@@ -2,10 +2,10 @@
 
 use crate::scene::require_sane;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::manifolds::cpu::{self, planes};
-use bevy_faceoff::stages::manifolds::gpu::GpuManifolds;
-use bevy_faceoff::stages::manifolds::{ManifoldPoint, Manifolds, MarginPair};
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::manifolds::cpu::planes;
+use bevy_faceoff::manifolds::{ManifoldPoint, Manifolds, MarginPair, cpu};
+use bevy_faceoff::state::StepState;
+use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use std::collections::BTreeMap;
 
 /// Distances of points, in units of the smaller body's diameter, that count as the same.

@@ -9,7 +9,7 @@ use crate::oracle::shapes::Shapes;
 use crate::scene::{body, oracle_mesh, state};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::manifolds::MarginPair;
+use bevy_faceoff::manifolds::MarginPair;
 use glam::{DVec3, Quat, Vec3};
 use std::f32::consts::TAU;
 use std::sync::Arc;

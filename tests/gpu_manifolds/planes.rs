@@ -7,10 +7,10 @@ use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use crate::scene::{body, oracle_mesh, state};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::state::{Plane, StepState};
+use bevy_faceoff::state::{Plane, StepState};
+use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 
 fn plane(normal: Vec3, distance: f32) -> Plane {
@@ -99,9 +99,8 @@ pub fn among_pairs(gpu: &Gpu) {
     state.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::Y, -0.4)];
     require("among pairs", gpu, &state, &pairs, 0, 0.01);
     let [wanted, found] = [on_cpu(&state, &pairs), on_gpu(gpu, &state, &pairs)];
-    let bodies = |list: &bevy_faceoff::stages::manifolds::Manifolds| {
-        list.pairs.iter().map(|pair| pair.bodies).collect::<Vec<_>>()
-    };
+    let bodies =
+        |list: &bevy_faceoff::manifolds::Manifolds| list.pairs.iter().map(|pair| pair.bodies).collect::<Vec<_>>();
     assert_eq!(bodies(&wanted), bodies(&found));
     assert!(found.pairs.iter().any(|pair| pair.bodies[1] >= 40));
 }

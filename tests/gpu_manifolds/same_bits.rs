@@ -4,9 +4,10 @@ use crate::oracle::rng::Rng;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::manifolds::gpu::{ContactSizes, GpuManifolds};
-use bevy_faceoff::stages::manifolds::{Manifolds, MarginPair};
-use bevy_faceoff::stages::state::{Body, Plane, StepState};
+use bevy_faceoff::manifolds::gpu::ContactSizes;
+use bevy_faceoff::manifolds::{Manifolds, MarginPair};
+use bevy_faceoff::state::{Body, Plane, StepState};
+use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use glam::Vec3;
 
 /// Eighty bodies in a heap, and all pairs of them.

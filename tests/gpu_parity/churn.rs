@@ -7,9 +7,9 @@ use crate::scene::{Scene, Shape, step_on_cpu};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::buffers::Sizes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::GpuStep;
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::state::{Body, StepState};
+use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::step::gpu::GpuStep;
+use bevy_faceoff::types::settings::Culling;
 use glam::Vec3;
 
 const STEPS: usize = 3000;

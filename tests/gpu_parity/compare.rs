@@ -2,8 +2,8 @@
 
 use crate::band::Oracle;
 use crate::scene::Scene;
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::state::{StepState, TouchingPair};
+use bevy_faceoff::state::{StepState, TouchingPair};
+use bevy_faceoff::types::settings::Culling;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What came out of comparing.

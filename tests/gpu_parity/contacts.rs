@@ -1,7 +1,7 @@
 //! Contacts, half-spaces and the bodies after the step, where both sides found the same faces.
 
 use crate::scene::Scene;
-use bevy_faceoff::stages::state::StepState;
+use bevy_faceoff::state::StepState;
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -8,8 +8,8 @@ use crate::scene::{Scene, Shape};
 use crate::scenes::half_spaces;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::{GpuStep, StepError};
-use bevy_faceoff::stages::state::{Body, Plane, StepConfig};
+use bevy_faceoff::state::{Body, Plane, StepConfig};
+use bevy_faceoff::step::gpu::{GpuStep, StepError};
 use glam::Vec3;
 
 /// An open strip of so many triangles, wound about the z axis, at most `turns` radians.

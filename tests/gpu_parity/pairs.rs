@@ -6,7 +6,7 @@ use crate::contacts::{Differences, differences};
 use crate::scene::Scene;
 use crate::scenes::{COUNT, KINDS, Kit};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::GpuStep;
+use bevy_faceoff::step::gpu::GpuStep;
 use std::time::Instant;
 
 /// Fewer than these would prove little.

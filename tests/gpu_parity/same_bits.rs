@@ -5,9 +5,9 @@ use crate::scene::Scene;
 use crate::scenes::{ANY, BALL, CUBE, Kit, TORUS, crowd, half_spaces};
 use bevy_faceoff::gpu::buffers::Sizes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::GpuStep;
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::state::{StepConfig, StepState};
+use bevy_faceoff::state::{StepConfig, StepState};
+use bevy_faceoff::step::gpu::GpuStep;
+use bevy_faceoff::types::settings::Culling;
 use glam::Vec3;
 
 /// Room for nothing: every list has to grow.

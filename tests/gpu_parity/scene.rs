@@ -3,10 +3,10 @@
 use crate::oracle::body::{self, Mesh, World};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::gpu::step::GpuStep;
 use bevy_faceoff::projection::{BakeSettings, Progress, bake_pool};
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, Plane, StepConfig, StepState};
+use bevy_faceoff::state::{Body, Plane, StepConfig, StepState};
+use bevy_faceoff::step::gpu::GpuStep;
+use bevy_faceoff::types::stage::Stage;
 use std::sync::Arc;
 
 /// One mesh, for both sides.
@@ -108,6 +108,6 @@ impl Scene {
 /// All five stages.
 pub fn step_on_cpu(state: &mut StepState) {
     for stage in Stage::ALL {
-        stage.run_on_cpu(state);
+        bevy_faceoff::step::cpu::run(stage, state);
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::oracle::rng::Rng;
 use crate::scene::{Scene, Shape};
-use bevy_faceoff::components::{CollisionLayers, RigidBody};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::settings::Culling;
-use bevy_faceoff::stages::state::{Body, Plane, StepConfig};
+use bevy_faceoff::state::{Body, Plane, StepConfig};
+use bevy_faceoff::types::body::{CollisionLayers, RigidBody};
+use bevy_faceoff::types::settings::Culling;
 use glam::{DVec3, Quat, Vec3};
 
 /// Bodies in a scene.

@@ -5,9 +5,10 @@ use crate::compare::{Tally, compare};
 use crate::oracle::rng::Rng;
 use crate::scenes::{BALL, CUBE, Kit, RING, TORUS, crowd};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::GpuStep;
-use bevy_faceoff::settings::{Response, SolverSettings};
-use bevy_faceoff::stages::state::{Body, StepConfig};
+use bevy_faceoff::state::{Body, StepConfig};
+use bevy_faceoff::step::gpu::GpuStep;
+use bevy_faceoff::types::settings::Response;
+use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
 const STEPS: usize = 50;

@@ -1,15 +1,16 @@
 //! More workgroups than one dimension holds: every one runs, once, whoever counted them.
 
+use bevy_faceoff::broad_phase::gpu::ARGUMENTS;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::kernel::{Builder, Groups, Kernel, Kernels, MAX_ROW, read, rows, write};
 use bevy_faceoff::gpu::layout::{
     COUNTERS, ENTRIES, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_PAIR, GROUPS_PER_SORT_BLOCK, PAIRS,
     SKIPPED, SPHERE_PAIRS, Step,
 };
+use bevy_faceoff::gpu::radix_sort;
 use bevy_faceoff::gpu::readback::{read_words, scoped};
-use bevy_faceoff::gpu::{radix_sort, scan};
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::broad_phase::gpu::ARGUMENTS;
+use bevy_faceoff::gpu::scan;
+use bevy_faceoff::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 

@@ -4,10 +4,12 @@ use crate::shapes::Shape;
 use crate::twin::Twin;
 use crate::world::{World, check};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::step::StepError;
-use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint, Manifolds};
-use bevy_faceoff::stages::solver::gpu::{GpuSolver, Room};
-use bevy_faceoff::stages::solver::{Interval, SolverBodies, SolverBody, SolverSettings};
+use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds};
+use bevy_faceoff::solver::gpu::Room;
+use bevy_faceoff::solver::{Interval, SolverBodies, SolverBody};
+use bevy_faceoff::step::gpu::StepError;
+use bevy_faceoff::testing::gpu_solver::GpuSolver;
+use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{DQuat, DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));

@@ -3,9 +3,9 @@
 use crate::shapes::Shape;
 use crate::twin::{Apart, Twin, all, both};
 use crate::world::{World, check};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::{CombineRule, LockedAxes};
+use bevy_faceoff::types::body::{LockedAxes, RigidBody};
+use bevy_faceoff::types::material::CombineRule;
 use glam::{DQuat, DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));

@@ -3,9 +3,9 @@
 use crate::shapes::Shape;
 use crate::twin::{Apart, Twin, all, both, solve_on_cpu};
 use crate::world::{World, check};
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::{Interval, LockedAxes};
+use bevy_faceoff::solver::Interval;
+use bevy_faceoff::types::body::{LockedAxes, RigidBody};
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
 const BRICK: Shape = Shape::Box(DVec3::new(1.0, 0.5, 0.2));

@@ -4,11 +4,12 @@ use crate::twin::{Apart, all};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::manifolds::cpu::{self, planes};
-use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
-use bevy_faceoff::stages::solver::gpu::GpuSolver;
-use bevy_faceoff::stages::solver::{Interval, Solver, SolverBodies, SolverSettings, WarmStart};
-use bevy_faceoff::stages::state::{Body, Plane, StepConfig, StepState};
+use bevy_faceoff::manifolds::cpu::planes;
+use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair, cpu};
+use bevy_faceoff::solver::{Interval, Solver, SolverBodies, WarmStart};
+use bevy_faceoff::state::{Body, Plane, StepConfig, StepState};
+use bevy_faceoff::testing::gpu_solver::GpuSolver;
+use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 
 struct Scene {

@@ -4,8 +4,8 @@ use crate::shapes::Shape;
 use crate::twin::{Apart, Twin, all, both, solve_on_cpu};
 use crate::world::World;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::manifolds::ManifoldPoint;
-use bevy_faceoff::stages::solver::Interval;
+use bevy_faceoff::manifolds::ManifoldPoint;
+use bevy_faceoff::solver::Interval;
 use glam::{DQuat, DVec3, Vec3};
 
 const BALL: Shape = Shape::Sphere(0.5);

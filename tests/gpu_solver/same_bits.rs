@@ -5,7 +5,7 @@ use crate::shapes::Shape;
 use crate::twin::{Apart, Twin, all};
 use crate::world::World;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::gpu::Room;
+use bevy_faceoff::solver::gpu::Room;
 use glam::{DVec3, Vec3};
 
 fn heap() -> World {

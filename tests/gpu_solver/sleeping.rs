@@ -3,10 +3,10 @@
 use crate::shapes::Shape;
 use crate::twin::{Twin, solve_on_cpu};
 use crate::world::World;
-use bevy_faceoff::components::RigidBody;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint};
-use bevy_faceoff::stages::solver::{ExternalForces, Interval};
+use bevy_faceoff::manifolds::{Manifold, ManifoldPoint};
+use bevy_faceoff::solver::Interval;
+use bevy_faceoff::types::body::{ExternalForces, RigidBody};
 use glam::{DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));

@@ -2,8 +2,10 @@
 
 use crate::world::World;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::stages::solver::gpu::{GpuSolver, Room};
-use bevy_faceoff::stages::solver::{Interval, SolverBodies, SolverMotion};
+use bevy_faceoff::solver::gpu::Room;
+use bevy_faceoff::solver::speeds::Speeds;
+use bevy_faceoff::solver::{Interval, SolverBodies, SolverMotion};
+use bevy_faceoff::testing::gpu_solver::GpuSolver;
 
 pub struct Twin {
     /// Its bodies are where the device says.
@@ -39,9 +41,9 @@ impl Twin {
     pub fn step(&mut self, count: usize) {
         for _ in 0..count {
             let world = &mut self.world;
-            let detections = world
-                .detections
-                .unwrap_or_else(|| world.settings.detections(&world.bodies, world.dt));
+            let detections = world.detections.unwrap_or_else(|| {
+                Speeds::of(&world.bodies, |_| false).detections(&world.settings, &world.bodies, world.dt)
+            });
             let interval = Interval {
                 dt: world.dt / detections as f32,
                 substeps: world.settings.substeps_per_detection(detections),

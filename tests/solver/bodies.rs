@@ -2,9 +2,10 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check};
-use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::manifolds::{Manifold, ManifoldPoint};
-use bevy_faceoff::stages::solver::{LockedAxes, SolverBody};
+use bevy_faceoff::manifolds::{Manifold, ManifoldPoint};
+use bevy_faceoff::solver::SolverBody;
+use bevy_faceoff::solver::speeds::Speeds;
+use bevy_faceoff::types::body::{LockedAxes, RigidBody};
 use glam::{DQuat, DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
@@ -209,7 +210,7 @@ fn input_that_makes_no_sense_is_left_out() {
             pair([cube, odd], u32::MAX, u32::MAX),
             pair([cube, lost], first + 4, 0),
         ]);
-        let interval = bevy_faceoff::stages::solver::Interval {
+        let interval = bevy_faceoff::solver::Interval {
             dt: world.dt,
             substeps: 8,
             gravity: world.gravity,
@@ -239,7 +240,7 @@ fn input_that_makes_no_sense_is_left_out() {
 
     let before = world.bodies.motions.clone();
     for dt in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let interval = bevy_faceoff::stages::solver::Interval {
+        let interval = bevy_faceoff::solver::Interval {
             dt,
             substeps: 0,
             gravity: world.gravity,
@@ -260,7 +261,8 @@ fn faster_and_thinner_bodies_are_looked_at_more_often() {
     let mut world = World::new();
     let settings = world.settings;
     world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
-    let detections = |world: &World| settings.detections(&world.bodies, world.dt);
+    let detections =
+        |world: &World| Speeds::of(&world.bodies, |_| false).detections(&settings, &world.bodies, world.dt);
     assert_eq!(detections(&world), 1, "at rest");
     world.motion(0).linear_velocity = Vec3::X * 1000.0;
     assert_eq!(detections(&world), 1, "nothing moves against it");

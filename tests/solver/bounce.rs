@@ -2,8 +2,8 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check};
-use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::solver::CombineRule;
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::material::CombineRule;
 use glam::{DVec3, Vec3};
 
 const BALL: Shape = Shape::Sphere(0.5);

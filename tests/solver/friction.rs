@@ -2,7 +2,7 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check, check_below};
-use bevy_faceoff::components::RigidBody;
+use bevy_faceoff::types::body::RigidBody;
 use glam::{DQuat, DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));

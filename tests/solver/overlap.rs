@@ -2,8 +2,8 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check_below};
-use bevy_faceoff::stages::manifolds::ManifoldPoint;
-use bevy_faceoff::stages::solver::Interval;
+use bevy_faceoff::manifolds::ManifoldPoint;
+use bevy_faceoff::solver::Interval;
 use glam::{DQuat, DVec3, Vec3};
 
 const BALL: Shape = Shape::Sphere(0.5);

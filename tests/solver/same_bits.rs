@@ -2,8 +2,8 @@
 
 use crate::shapes::Shape;
 use crate::world::{World, check_below};
-use bevy_faceoff::stages::manifolds::Manifolds;
-use bevy_faceoff::stages::solver::SolverBodies;
+use bevy_faceoff::manifolds::Manifolds;
+use bevy_faceoff::solver::SolverBodies;
 use glam::DVec3;
 
 fn heap() -> World {

@@ -1,7 +1,7 @@
 //! Contact points of spheres, boxes and half-spaces.
 
-use bevy_faceoff::stages::manifolds::ManifoldPoint;
-use bevy_faceoff::stages::solver::SolverMotion;
+use bevy_faceoff::manifolds::ManifoldPoint;
+use bevy_faceoff::solver::SolverMotion;
 use glam::{DQuat, DVec3, Mat3, Vec3};
 
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,8 @@
 
 use crate::shapes::Shape;
 use crate::world::World;
-use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::solver::{ExternalForces, Sleeper};
+use bevy_faceoff::sleep::cpu::Sleeper;
+use bevy_faceoff::types::body::{ExternalForces, RigidBody};
 use glam::{DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));

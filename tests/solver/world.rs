@@ -1,9 +1,12 @@
 //! A world of spheres, boxes and planes, and what is measured about it.
 
 use crate::shapes::{self, Shape};
-use bevy_faceoff::components::RigidBody;
-use bevy_faceoff::stages::manifolds::{Manifold, Manifolds};
-use bevy_faceoff::stages::solver::*;
+use bevy_faceoff::manifolds::{Manifold, Manifolds};
+use bevy_faceoff::sleep::cpu::Sleeper;
+use bevy_faceoff::solver::speeds::Speeds;
+use bevy_faceoff::solver::*;
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{DQuat, DVec3, Vec3};
 
 pub struct World {
@@ -94,9 +97,9 @@ impl World {
 
     pub fn step(&mut self, count: usize) {
         for _ in 0..count {
-            let detections = self
-                .detections
-                .unwrap_or_else(|| self.settings.detections(&self.bodies, self.dt));
+            let detections = self.detections.unwrap_or_else(|| {
+                Speeds::of(&self.bodies, |_| false).detections(&self.settings, &self.bodies, self.dt)
+            });
             let interval = Interval {
                 dt: self.dt / detections as f32,
                 substeps: self.settings.substeps_per_detection(detections),

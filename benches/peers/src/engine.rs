@@ -5,7 +5,7 @@
 
 use crate::scene::{Scene, Shape};
 use crate::{avian, ours, rapier};
-use bevy_faceoff::settings::Response;
+use bevy_faceoff::types::settings::Response;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read, Write};

@@ -6,8 +6,9 @@ use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::state::{Body, StepState};
-use bevy_faceoff::stages::{Stage, triangle_test};
+use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::types::stage::Stage;
+use bevy_faceoff::triangle_test;
 use std::collections::HashMap;
 
 /// The stages without an app.
@@ -34,7 +35,7 @@ impl Stages {
 
     /// Finds the pairs whose bounding spheres overlap.
     pub fn broad_phase(&mut self) {
-        Stage::BroadPhase.run_on_cpu(&mut self.state);
+        bevy_faceoff::step::cpu::run(Stage::BroadPhase, &mut self.state);
     }
 
     /// What [`Self::broad_phase`] found.
@@ -44,13 +45,13 @@ impl Stages {
 
     /// Finds all intersecting faces of those pairs, with their segments, and the contacts.
     pub fn narrow_phase(&mut self) {
-        Stage::Angles.run_on_cpu(&mut self.state);
-        Stage::TriangleTest.run_on_cpu(&mut self.state);
+        bevy_faceoff::step::cpu::run(Stage::Angles, &mut self.state);
+        bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut self.state);
     }
 
     /// Finds which of those pairs touch, whether or not their surfaces intersect.
     pub fn first_hits(&mut self) -> Vec<[u32; 2]> {
-        Stage::Angles.run_on_cpu(&mut self.state);
+        bevy_faceoff::step::cpu::run(Stage::Angles, &mut self.state);
         triangle_test::cpu::touching(&mut self.state)
     }
 

@@ -2,8 +2,9 @@
 
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::gpu::{device, step::GpuStep};
+use bevy_faceoff::gpu::device;
 use bevy_faceoff::queries::{Check, CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu};
+use bevy_faceoff::step::gpu::GpuStep;
 use glam::{Quat, Vec3};
 use indicatif::ProgressBar;
 use serde::de::{Error, MapAccess, Visitor};

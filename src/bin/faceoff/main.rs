@@ -14,7 +14,7 @@ mod scene;
 mod scenes;
 mod simulate;
 
-use bevy_faceoff::settings::Culling;
+use bevy_faceoff::types::settings::Culling;
 use clap::{Parser, Subcommand, ValueEnum};
 use std::error::Error;
 use std::process::ExitCode;

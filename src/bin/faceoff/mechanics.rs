@@ -54,6 +54,6 @@ fn penetrations(world: &World) -> Option<Vec<f64>> {
     Some(manifolds.map(|(.., points)| depth(points)).collect())
 }
 
-fn separation(point: &bevy_faceoff::stages::manifolds::ManifoldPoint) -> f64 {
+fn separation(point: &bevy_faceoff::manifolds::ManifoldPoint) -> f64 {
     f64::from(point.separation)
 }

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::mesh::MAX_COORDINATE;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::stages::Stage;
+use bevy_faceoff::types::stage::Stage;
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use serde::Serialize;

@@ -3,10 +3,12 @@
 use super::scene::Scene;
 use super::world::{State, World};
 use crate::scene::STEP;
-use bevy_faceoff::components::{Friction, RigidBody};
-use bevy_faceoff::settings::{Response, SolverSettings};
-use bevy_faceoff::stages::Stage;
-use bevy_faceoff::stages::state::{Body, Handling, StepConfig, StepState};
+use bevy_faceoff::types::material::Friction;
+use bevy_faceoff::types::body::RigidBody;
+use bevy_faceoff::types::settings::Response;
+use bevy_faceoff::types::solver_settings::SolverSettings;
+use bevy_faceoff::types::stage::Stage;
+use bevy_faceoff::state::{Body, Handling, StepConfig, StepState};
 
 /// The stages without an app.
 pub struct Faceoff(StepState);
@@ -53,7 +55,7 @@ impl Faceoff {
 impl World for Faceoff {
     fn step(&mut self) {
         for stage in Stage::ALL {
-            stage.run_on_cpu(&mut self.0);
+            bevy_faceoff::step::cpu::run(stage, &mut self.0);
         }
     }
 

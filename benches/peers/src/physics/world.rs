@@ -30,7 +30,7 @@ impl Engine {
     /// begin a hair apart: on meshes that touch exactly its contacts fail, and a pyramid falls in the first steps.
     pub fn gap(self) -> f32 {
         match self {
-            Self::Ours => bevy_faceoff::settings::SolverSettings::default().rest_offset,
+            Self::Ours => bevy_faceoff::types::solver_settings::SolverSettings::default().rest_offset,
             _ => 1.0e-5,
         }
     }

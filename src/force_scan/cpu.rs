@@ -1,0 +1,94 @@
+//! ForceScan on the CPU.
+
+use super::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
+use crate::parallel::in_order::InOrder;
+use crate::state::{Impulse, StepState};
+use crate::types::settings::Response;
+use rayon::prelude::*;
+
+/// Memory kept between steps.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    counts: Vec<u32>,
+    lists: InOrder<Entry>,
+    entries: Vec<Entry>,
+    starts: Vec<u32>,
+}
+
+/// A contact's share in the motion of a body.
+#[derive(Clone, Copy)]
+struct Entry {
+    body: u32,
+    /// The contact's number, planes after pairs.
+    contact: u32,
+    impulse: Impulse,
+}
+
+/// Contacts per task.
+const TASK: usize = 256;
+
+/// Fills `state.impulses`, one per body.
+pub fn run(state: &mut StepState) {
+    let StepState {
+        bodies,
+        config,
+        contacts,
+        planes,
+        impulses,
+        force_scratch:
+            Scratch {
+                counts,
+                lists,
+                entries,
+                starts,
+            },
+        ..
+    } = state;
+    impulses.clear();
+    impulses.resize(bodies.len(), Impulse::default());
+    if config.response == Response::None {
+        return;
+    }
+    count_contacts(bodies, config, planes, contacts, counts);
+    entries.clear();
+    lists.extend(entries, &contacts.pairs, TASK, |number, pair, entries| {
+        if pair_closes(bodies, config, pair) {
+            let impulses = pair_impulses(bodies, config, counts, pair);
+            entries.extend(pair.bodies.iter().zip(impulses).map(|(&body, impulse)| Entry {
+                body,
+                contact: number as u32,
+                impulse,
+            }));
+        }
+    });
+    lists.extend(entries, &contacts.planes, TASK, |number, contact, entries| {
+        let plane = &planes[contact.plane as usize];
+        if plane_pushes(bodies, config, plane, contact) {
+            entries.push(Entry {
+                body: contact.body,
+                contact: (contacts.pairs.len() + number) as u32,
+                impulse: plane_impulse(bodies, config, counts, plane, contact),
+            });
+        }
+    });
+    // Each body's entries stay in the order of contacts, so that the sum does not depend on threads.
+    entries.par_sort_unstable_by_key(|entry| (entry.body, entry.contact));
+
+    // Each segment is summed where it starts.
+    starts.clear();
+    starts.extend(
+        (0..entries.len() as u32).filter(|&i| i == 0 || entries[i as usize - 1].body != entries[i as usize].body),
+    );
+    for &start in starts.iter() {
+        let segment = &entries[start as usize..];
+        let body = segment[0].body;
+        let sum = segment
+            .iter()
+            .take_while(|entry| entry.body == body)
+            .fold(Impulse::default(), |sum, entry| Impulse {
+                linear: sum.linear + entry.impulse.linear,
+                angular: sum.angular + entry.impulse.angular,
+            });
+        impulses[body as usize] = sum;
+    }
+}

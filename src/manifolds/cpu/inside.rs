@@ -1,0 +1,148 @@
+//! One body inside the other, and the short way out.
+
+use super::feature::Feature;
+use super::side::Side;
+use crate::angles::PAD;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::lanes::{mul, splat, sub};
+use crate::simd::levels::visit;
+use crate::state::mesh_arena::BoxGroup;
+use crate::triangle_test::cpu::containment::contains;
+use glam::DVec3;
+use std::cell::Cell;
+use wide::f32x8;
+
+/// The contact of two bodies whose surfaces do not cross, if one is solid and has a connected component of the other inside:
+/// from the nearest point of the outer surface to the far end of what is inside, on the line through its middle.
+pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
+    (0..2).find_map(|outer| {
+        let (outer_side, inner_side) = (&sides[outer], &sides[1 - outer]);
+        let start = component_inside(outer_side, inner_side)?;
+        Some(push_out(outer_side, inner_side, start, outer == 0))
+    })
+}
+
+/// A point of `inner` inside `outer`: its centre of mass, or else a vertex.
+fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
+    if !outer.slot.mesh.mesh.is_solid() {
+        return None;
+    }
+    let vertices = inner.slot.mesh.mesh.vertices();
+    let mut points = inner.slot.lanes.components.iter().map(|&v| vertices[v as usize]);
+    let vertex = points.find_map(|p| {
+        let p = inner.place(p);
+        is_inside(outer, p).then_some(p)
+    })?;
+    let center = inner.center;
+    Some(if is_inside(outer, center) { center } else { vertex })
+}
+
+fn is_inside(outer: &Side, p: DVec3) -> bool {
+    let p = outer.to_mesh(p);
+    let aabb = outer.slot.lanes.aabb;
+    let from = (p - outer.slot.mesh.mass.center.as_dvec3()).as_vec3();
+    // Only saves work: a hair outside the box is outside the body.
+    from.cmpge(aabb.min).all() && from.cmple(aabb.max).all() && contains(outer.slot, p)
+}
+
+fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> Feature {
+    let (surface, triangle) = nearest(outer, start);
+    let way = (surface - start).normalize_or(outer.normal(triangle));
+    // Of several components only what is inside moves the way to the far end.
+    let several = inner.slot.lanes.components.len() > 1;
+    let mut far = (0.0, 0);
+    for (v, position) in (0..).zip(&inner.features.vertices) {
+        let p = inner.place(*position);
+        let along = way.dot(p - start);
+        if along < far.0 && (!several || is_inside(outer, p)) {
+            far = (along, v);
+        }
+    }
+    let (end, vertex) = (start + way * far.0, far.1);
+    let inner_triangle = inner.features.triangles.iter().position(|t| t.contains(&vertex));
+    let inner_triangle = inner_triangle.unwrap_or(0) as u32;
+    let separation = way.dot(end - surface);
+    if outer_is_first {
+        Feature {
+            points: [surface, end],
+            normal: way,
+            separation,
+            triangles: [triangle, inner_triangle],
+            vertex: None,
+        }
+    } else {
+        Feature {
+            points: [end, surface],
+            normal: -way,
+            separation,
+            triangles: [inner_triangle, triangle],
+            vertex: None,
+        }
+    }
+}
+
+/// The point of a body's surface nearest to `p`, and its triangle.
+fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
+    let mesh = &side.slot.mesh.mesh;
+    let lanes = &side.slot.lanes;
+    let local = side.to_mesh(p);
+    // Distances are those of the scaled mesh in its own axes.
+    let scale = side.scale.as_dvec3();
+    let center = side.slot.mesh.mass.center.as_dvec3();
+    let from = splat(((local - center) * scale).as_vec3());
+    let (scales, sizes) = (splat(side.scale), splat(side.scale.abs()));
+    let pad = f32x8::splat(PAD * ((lanes.aabb.max - lanes.aabb.min) * side.scale).length());
+    let best = Cell::new((f64::INFINITY, side.vertex(0), 0));
+    let met = |group: &BoxGroup| {
+        let apart = sub(mul(group.center, scales), from);
+        let half = mul(group.half, sizes);
+        let outside = |i: usize| (apart[i].abs() - half[i] - pad).fast_max(f32x8::ZERO);
+        let (x, y, z) = (outside(0), outside(1), outside(2));
+        let near = (x * x + y * y + z * z).simd_le(f32x8::splat(best.get().0 as f32 * 1.000_01));
+        (near & f32x8::ZERO.simd_le(group.half[0])).to_bitmask()
+    };
+    visit(&lanes.levels, &met, &mut |cluster| {
+        let first = cluster as usize * CLUSTER;
+        for t in first..mesh.triangles().len().min(first + CLUSTER) {
+            let corners = side.features.triangles[t].map(|v| side.vertex(v));
+            let q = closest(p, &corners);
+            let distance = q.distance_squared(p);
+            if distance < best.get().0 {
+                best.set((distance, q, t as u32));
+            }
+        }
+        true
+    });
+    let (_, q, triangle) = best.get();
+    (q, triangle)
+}
+
+/// The point of a triangle nearest to `p`, by the region of its plane over which `p` lies (Ericson 2005, Real-Time Collision
+/// Detection, 5.1.5).
+fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        // Corners that were joined leave an edge without length.
+        return a + ab * (d1 / (d1 - d3).max(f64::MIN_POSITIVE));
+    }
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    a + (ab * vb + ac * vc) / (va + vb + vc)
+}

@@ -1,0 +1,93 @@
+//! Rays from inside a body to where they leave it.
+
+use super::side::Side;
+use crate::angles::PAD;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::lanes::{bits, cross, dot, each, norm1, splat, sub};
+use crate::simd::levels::visit;
+use crate::state::mesh_arena::{BoxGroup, Cluster};
+use glam::DVec3;
+use std::cell::Cell;
+use wide::f32x8;
+
+/// How far outside a triangle a ray may pass, in barycentric coordinates, so that none slips through an edge.
+const SLACK: f64 = 1.0e-9;
+
+/// How far the ray from `start` along the unit vector `direction` runs until it meets the body, and which triangle is there,
+/// if that is not beyond `most` and the ray leaves the body.
+pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f64, u32)> {
+    let mesh = &side.slot.mesh.mesh;
+    let lanes = &side.slot.lanes;
+    let (from, way) = (side.to_mesh(start), side.direction_to_mesh(direction));
+    // Boxes are met in single precision, about the centre of mass, by the direction's unit vector.
+    let length = way.length();
+    let center = side.slot.mesh.mass.center.as_dvec3();
+    let local = splat((from - center).as_vec3());
+    let inverse = (way / length).to_array().map(|d| {
+        // Far from overflow, and never zero.
+        let d = if d.abs() < 1.0e-12 { 1.0e-12 } else { d };
+        f32x8::splat(d.recip() as f32)
+    });
+    let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
+    let nearest = Cell::new((most, None));
+    let met = |group: &BoxGroup| {
+        let (mut enter, mut leave) = (f32x8::ZERO, f32x8::splat((nearest.get().0 * length * 1.000_001) as f32));
+        let apart = sub(group.center, local);
+        let mut held = f32x8::splat(0.0).simd_le(group.half[0]);
+        for i in 0..3 {
+            let half = group.half[i] + pad;
+            let (s, t) = ((apart[i] - half) * inverse[i], (apart[i] + half) * inverse[i]);
+            enter = enter.fast_max(s.fast_min(t));
+            leave = leave.fast_min(s.fast_max(t));
+        }
+        // Rounding of the products.
+        let slack = (enter.abs() + leave.abs()) * f32x8::splat(1.0e-6) + pad;
+        held &= enter.simd_le(leave + slack);
+        held.to_bitmask()
+    };
+    visit(&lanes.levels, &met, &mut |cluster| {
+        let first = cluster as usize * CLUSTER;
+        for t in bits(may_meet(&lanes.clusters[cluster as usize], from, way / length)).map(|lane| first + lane) {
+            if let Some(distance) = meets(mesh.corners(t).map(|p| p.as_dvec3() - from), way)
+                && distance < nearest.get().0
+            {
+                nearest.set((distance, Some(t as u32)));
+            }
+        }
+        true
+    });
+    let (distance, triangle) = nearest.get();
+    let leaves = |t: &u32| way.dot(side.features.normals[*t as usize].as_dvec3()) > 0.0;
+    Some((distance, triangle.filter(leaves)?))
+}
+
+/// What single precision costs a product of three vectors, relative to their lengths.
+const ERROR: f32 = 4.0e-6;
+
+/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: it turns the same way about all
+/// three edges.
+fn may_meet(cluster: &Cluster, from: DVec3, way: DVec3) -> u32 {
+    let from = splat((from - cluster.origin.as_dvec3()).as_vec3());
+    let way = splat(way.as_vec3());
+    let arms = each(|k| sub(cluster.corners[k], from));
+    let turns = each(|k| dot(way, cross(arms[k], arms[(k + 1) % 3])));
+    let errors = each(|k| norm1(arms[k]) * norm1(arms[(k + 1) % 3]) * f32x8::splat(ERROR));
+    let left = |k: usize| turns[k].simd_ge(-errors[k]);
+    let right = |k: usize| turns[k].simd_le(errors[k]);
+    let same = (left(0) & left(1) & left(2)) | (right(0) & right(1) & right(2));
+    same.to_bitmask() & cluster.lanes
+}
+
+/// How far along `way` the ray from the origin meets the triangle.
+fn meets([a, b, c]: [DVec3; 3], way: DVec3) -> Option<f64> {
+    let (ab, ac) = (b - a, c - a);
+    let normal = ab.cross(ac);
+    let slope = way.dot(normal);
+    if slope * slope <= 1.0e-18 * way.length_squared() * normal.length_squared() {
+        return None;
+    }
+    let turn = a.cross(way);
+    let (v, w) = (turn.dot(ac) / slope, -turn.dot(ab) / slope);
+    let distance = a.dot(normal) / slope;
+    (v >= -SLACK && w >= -SLACK && v + w <= 1.0 + SLACK && distance >= 0.0).then_some(distance)
+}

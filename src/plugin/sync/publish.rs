@@ -1,0 +1,246 @@
+//! Results to components, resources, messages and events.
+
+use super::{Step, Touching};
+use crate::plugin::backend::{ActiveBackend, BackendFailed};
+use crate::plugin::collisions::{Collisions, StepReport};
+use crate::plugin::components::*;
+use crate::plugin::events::{CollisionEnd, CollisionStart};
+use crate::plugin::settings::EventHysteresis;
+use crate::types::body::*;
+use bevy::prelude::*;
+
+/// Impulses act once.
+pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut ExternalForces>) {
+    if !step.engine.runs() {
+        return;
+    }
+    // Whenever the results come: the step was told.
+    for mut forces in &mut acted_on {
+        if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
+            (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
+        }
+    }
+}
+
+/// Waits for the results of the oldest step that is on its way, and publishes them; false if there are none.
+pub(crate) fn land(world: &mut World) -> bool {
+    if !world.resource_mut::<Step>().land() {
+        return false;
+    }
+    let published = world
+        .run_system_cached(write_back)
+        .and_then(|()| world.run_system_cached(publish));
+    if let Err(error) = published {
+        error!("{error}");
+    }
+    true
+}
+
+/// Moves the bodies in the world.
+pub(crate) fn write_back(
+    mut step: ResMut<Step>,
+    mut moving: Query<(
+        &mut Transform,
+        Option<&mut LinearVelocity>,
+        Option<&mut AngularVelocity>,
+        Option<&mut Sleeping>,
+    )>,
+) {
+    let step = &mut *step;
+    let Some(results) = &step.results else { return };
+    let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>, asleep: Option<bool>| {
+        let Ok((mut transform, linear, angular, sleeping)) = moving.get_mut(entity) else {
+            return;
+        };
+        if let Some((mut sleeping, asleep)) = sleeping.zip(asleep) {
+            sleeping.set_if_neq(Sleeping(asleep));
+        }
+        if let Some((translation, rotation)) = pose {
+            let scale = transform.scale;
+            transform.set_if_neq(Transform {
+                translation,
+                rotation,
+                scale,
+            });
+        }
+        if let Some([v, w]) = velocities {
+            if let Some(mut linear) = linear {
+                linear.set_if_neq(LinearVelocity(v));
+            }
+            if let Some(mut angular) = angular {
+                angular.set_if_neq(AngularVelocity(w));
+            }
+        }
+    };
+    #[cfg(feature = "gpu")]
+    if step.engine.latent().is_some() {
+        step.latent.write(results, &step.state.asleep, |entity, written| {
+            write(entity, written.pose, written.velocities, written.asleep)
+        });
+        return;
+    }
+    for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
+        let motion = step.state.bodies.motion(i);
+        write(
+            entity,
+            (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
+            (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
+            Some(step.state.asleep.get(i) == Some(&true)),
+        );
+    }
+}
+
+/// Tells that a device failed.
+pub(crate) fn tell_failure(
+    mut step: ResMut<Step>,
+    mut active: ResMut<ActiveBackend>,
+    mut failed: MessageWriter<BackendFailed>,
+) {
+    if let Some(reason) = step.engine.take_failure() {
+        error!("{reason}");
+        *active = step.engine.active().clone();
+        failed.write(BackendFailed { reason });
+    }
+}
+
+/// Hands out contacts and tells who began and who ceased to touch.
+pub(crate) fn publish(
+    mut step: ResMut<Step>,
+    mut collisions: ResMut<Collisions>,
+    mut report: ResMut<StepReport>,
+    hysteresis: Res<EventHysteresis>,
+    mut started: MessageWriter<CollisionStart>,
+    mut ended: MessageWriter<CollisionEnd>,
+    observed: Query<(), With<CollisionEventsEnabled>>,
+    mut colliding: Query<(Entity, &mut CollidingEntities)>,
+    mut commands: Commands,
+) {
+    let step = &mut *step;
+    (report.in_flight, report.waits) = step.engine.flights();
+    let Some(results) = &mut step.results else { return };
+    let counts = step.counts;
+    *report = StepReport {
+        step: report.step + 1,
+        bodies: results.entities.len(),
+        stages: step.state.times,
+        total: std::time::Duration::ZERO,
+        sphere_pairs: counts.sphere_pairs,
+        approximate_pairs: counts.approximate_pairs,
+        tables_in_bake: step.tables.in_bake(),
+        touching_pairs: counts.touching_pairs,
+        contact_points: counts.contact_points,
+        intervals: step.state.intervals,
+        sleeping: counts.asleep,
+        triangle_tests: counts.triangle_tests,
+        face_pairs: counts.face_pairs,
+        ..*report
+    };
+
+    let contacts = &step.state.contacts;
+    let hold = seconds(*hysteresis);
+    let pairs = contacts.pairs.iter().map(|pair| Touching {
+        pair: pair.bodies.map(|i| results.entities[i as usize]),
+        left: if pair.passing { 0.0 } else { hold },
+    });
+    let planes = contacts.planes.iter().map(|c| {
+        let (body, plane) = (results.entities[c.body as usize], results.planes[c.plane as usize]);
+        Touching {
+            pair: [body.min(plane), body.max(plane)],
+            left: hold,
+        }
+    });
+    let touching = &mut step.touching_now;
+    touching.clear();
+    touching.extend(pairs.chain(planes));
+    touching.sort_unstable_by_key(|touching| touching.pair);
+    let dt = step.state.config.dt;
+    step.lingering.clear();
+    step.lingering.extend(step.touching.iter().filter_map(|before| {
+        let touches = touching.binary_search_by_key(&before.pair, |touching| touching.pair);
+        let left = before.left.min(hold) - dt;
+        let lingers = touches.is_err() && left > 0.0 && before.pair.iter().all(|&entity| results.has(entity));
+        lingers.then_some(Touching { left, ..*before })
+    }));
+    touching.append(&mut step.lingering);
+    touching.sort_unstable_by_key(|touching| touching.pair);
+
+    let mut tell = |pair: [Entity; 2], start: bool| {
+        let [entity1, entity2] = pair;
+        if start {
+            started.write(CollisionStart { entity1, entity2 });
+        } else {
+            ended.write(CollisionEnd { entity1, entity2 });
+        }
+        for [entity1, entity2] in [[entity1, entity2], [entity2, entity1]] {
+            if observed.contains(entity1) {
+                if start {
+                    commands.trigger(CollisionStart { entity1, entity2 });
+                } else {
+                    commands.trigger(CollisionEnd { entity1, entity2 });
+                }
+            }
+        }
+    };
+    differences(&step.touching, touching, &mut tell);
+
+    if !colliding.is_empty() {
+        let both = &mut step.touching_both_ways;
+        both.clear();
+        both.extend(
+            touching
+                .iter()
+                .flat_map(|&Touching { pair: [a, b], .. }| [[a, b], [b, a]]),
+        );
+        both.sort_unstable();
+        for (entity, mut list) in &mut colliding {
+            let first = both.partition_point(|&[a, _]| a < entity);
+            let others = both[first..].iter().take_while(|&&[a, _]| a == entity).map(|&[_, b]| b);
+            if !list.iter().copied().eq(others.clone()) {
+                list.0.clear();
+                list.0.extend(others);
+            }
+        }
+    }
+    std::mem::swap(&mut step.touching, &mut step.touching_now);
+
+    report.total = step.begun.elapsed();
+    std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);
+    std::mem::swap(&mut collisions.entities, &mut results.entities);
+    std::mem::swap(&mut collisions.planes, &mut results.planes);
+    // The next step reads what those had that sleep.
+    collisions.manifolds.copy(&step.state.manifolds);
+}
+
+/// Of a hysteresis, 0 or more.
+fn seconds(hysteresis: EventHysteresis) -> f32 {
+    if hysteresis.is_nan() {
+        error_once!(
+            "EventHysteresis is NaN, and counts as its default: set it to a number of seconds, 0 to turn it off"
+        );
+        return *EventHysteresis::default();
+    }
+    hysteresis.max(0.0)
+}
+
+/// Walks two ascending lists and tells which pairs are only in the second (`true`) or only in the first (`false`).
+fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([Entity; 2], bool)) {
+    let pair = |touching: &Touching| touching.pair;
+    let (mut before, mut after) = (before.iter().map(pair).peekable(), after.iter().map(pair).peekable());
+    loop {
+        match (before.peek(), after.peek()) {
+            (Some(b), Some(a)) if b == a => {
+                before.next();
+                after.next();
+            }
+            (Some(b), a) if a.is_none_or(|a| b < a) => {
+                tell(*b, false);
+                before.next();
+            }
+            (_, Some(a)) => {
+                tell(*a, true);
+                after.next();
+            }
+            _ => return,
+        }
+    }
+}

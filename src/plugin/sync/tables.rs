@@ -1,0 +1,109 @@
+//! Face tables that are baked while the simulation runs, because bodies ask for them and their meshes have none.
+
+use crate::asset::CollisionMesh;
+use crate::plugin::assets::jobs::on_bake_pool;
+use crate::plugin::assets::loader::LoadError;
+use crate::projection::BakeSettings;
+use bevy::platform::cell::SyncCell;
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+use bevy::tasks::BoxedFuture;
+use bevy::tasks::futures::check_ready;
+
+/// One entry per mesh that was found without a table.
+#[derive(Default)]
+pub(crate) struct Tables(HashMap<AssetId<CollisionMesh>, Entry>);
+
+struct Entry {
+    /// The mesh for its log messages.
+    name: String,
+    /// The asset as it was found. Another one under the same id, after a hot reload say, is another mesh.
+    source: CollisionMesh,
+    state: State,
+}
+
+enum State {
+    /// Dropping it cancels the bake.
+    Baking(SyncCell<BoxedFuture<'static, Result<CollisionMesh, LoadError>>>),
+    /// The source with its table.
+    Baked(CollisionMesh),
+    Failed,
+}
+
+impl Tables {
+    /// Begins to bake a table for `mesh` and says so, unless that was done before.
+    pub fn request(&mut self, id: AssetId<CollisionMesh>, mesh: &CollisionMesh, name: impl FnOnce() -> String) {
+        if self.0.get(&id).is_some_and(|entry| entry.source.is_same(mesh)) {
+            return;
+        }
+        let name = name();
+        warn!(
+            "the mesh {name} has no table of faces of collision; one is baked in the background, and until it is done its \
+             bodies run Culling::Exact. To have it from the start, set `faces: true` in the mesh's BakeSettings"
+        );
+        let settings = BakeSettings {
+            faces: true,
+            ..mesh.settings
+        };
+        let source = mesh.clone();
+        let bake = on_bake_pool(move |pool, progress| Ok(source.rebake(settings, pool, progress)?));
+        let mut entry = Entry {
+            name,
+            source: mesh.clone(),
+            state: State::Baking(SyncCell::new(Box::pin(bake))),
+        };
+        // A future does nothing before it is polled.
+        entry.poll();
+        self.0.insert(id, entry);
+    }
+
+    /// Takes in what is done; never waits.
+    pub fn poll(&mut self) {
+        self.0.values_mut().for_each(Entry::poll);
+    }
+
+    /// `mesh` with its table if that was baked here, else as it is.
+    pub fn best<'a>(&'a self, id: AssetId<CollisionMesh>, mesh: &'a CollisionMesh) -> &'a CollisionMesh {
+        match self.0.get(&id) {
+            Some(Entry {
+                source,
+                state: State::Baked(baked),
+                ..
+            }) if source.is_same(mesh) => baked,
+            _ => mesh,
+        }
+    }
+
+    /// How many bakes are under way.
+    pub fn in_bake(&self) -> usize {
+        let baking = |entry: &&Entry| matches!(entry.state, State::Baking(_));
+        self.0.values().filter(baking).count()
+    }
+
+    /// Forgets the tables of meshes that are gone, baked or not.
+    pub fn retain(&mut self, keep: impl Fn(AssetId<CollisionMesh>) -> bool) {
+        self.0.retain(|&id, _| keep(id));
+    }
+}
+
+impl Entry {
+    fn poll(&mut self) {
+        let State::Baking(bake) = &mut self.state else {
+            return;
+        };
+        match check_ready(bake.get()) {
+            Some(Ok(mesh)) => {
+                info!("the table of faces of collision of the mesh {} is baked", self.name);
+                self.state = State::Baked(mesh);
+            }
+            Some(Err(error)) => {
+                error!(
+                    "the mesh {} keeps running Culling::Exact: its table of faces of collision could not be baked: {error}",
+                    self.name
+                );
+                self.state = State::Failed;
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Eight boxes, triangles or points at a time: vector arithmetic, and the descent of two trees of boxes.
+
+pub mod descent;
+pub mod lanes;
+pub mod levels;
+pub mod tree;

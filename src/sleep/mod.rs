@@ -1,0 +1,5 @@
+//! Sleep: which bodies are frozen, by islands.
+
+pub mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;

@@ -1,0 +1,148 @@
+//! What passes between the solver's kernels and the host, byte for byte as in `shaders/solver/types.wgsl`, where every
+//! field is explained.
+
+use crate::gpu::layout::{Struct, constants, layout};
+use bytemuck::{Pod, Zeroable};
+
+type Vec3 = [f32; 3];
+type Quat = [f32; 4];
+
+layout! {
+    /// A detection interval, and how contacts are solved in it.
+    Interval {
+        gravity: Vec3, h: f32,
+        bodies: u32, old_bodies: u32, pair_capacity: u32, point_capacity: u32,
+        bias_rate: f32, mass_scale: f32, impulse_scale: f32, relaxation: f32,
+        sweeps: u32, push_speed: f32, untangle_speed: f32, untangle_depth: f32,
+        rest_offset: f32, restitution_threshold: f32, match_distance: f32, match_normal: f32,
+        dt: f32, sleep_speed: f32, sleep_time: f32, padding: u32,
+    }
+    /// What a body is.
+    SolverBody {
+        inverse_inertia: Vec3, inverse_mass: f32,
+        inverse_inertia_mixed: Vec3, flags: u32,
+        radius: f32, restitution: f32, friction: f32, gravity_scale: f32,
+        linear_damping: f32, angular_damping: f32, max_linear_speed: f32, max_angular_speed: f32,
+    }
+    /// Where a body is and how it moves.
+    BodyState {
+        center: Vec3, asleep: u32,
+        center_low: Vec3, rest_time: f32,
+        rotation: Quat,
+        rotation_low: Quat,
+        linear_velocity: Vec3, neighbours: u32,
+        angular_velocity: Vec3, key: u32,
+    }
+    /// What acts on a body from outside.
+    BodyForces {
+        force: Vec3, padding_a: f32,
+        torque: Vec3, padding_b: f32,
+        impulse: Vec3, padding_c: f32,
+        angular_impulse: Vec3, padding_d: f32,
+    }
+    /// What about a body holds for an interval.
+    Mover {
+        rotation: Quat,
+        inertia: Vec3, linear_decay: f32,
+        inertia_mixed: Vec3, angular_decay: f32,
+        inverse_inertia: Vec3, max_linear_speed: f32,
+        inverse_inertia_mixed: Vec3, max_angular_speed: f32,
+        acceleration: Vec3, flags: u32,
+        force: Vec3, padding_a: f32,
+        torque: Vec3, padding_b: f32,
+    }
+    /// How a body moves.
+    Velocity {
+        linear: Vec3, padding_a: f32,
+        angular: Vec3, padding_b: f32,
+    }
+    /// How a body gives way.
+    Mass {
+        inverse_mass: Vec3, share: f32,
+        inverse_inertia: Vec3, flags: u32,
+        inverse_inertia_mixed: Vec3, padding: f32,
+    }
+    /// How far a body has come since the start of the interval.
+    Shift {
+        moved: Vec3, padding: f32,
+        turned: Quat,
+    }
+    /// Two bodies and what holds for all their points.
+    SolverPair {
+        a: u32, b: u32, first: u32, count: u32,
+        friction: f32, restitution: f32, rest_offset: f32, flags: u32,
+        direction: Vec3, kept: u32,
+        between: Vec3, diameter: f32,
+        closing: Vec3, swing: f32,
+    }
+    /// What of a point stays as it is for an interval.
+    PointShape {
+        arm_a: Vec3, first_separation: f32,
+        arm_b: Vec3, along: f32,
+        round_a: Vec3, padding_a: f32,
+        round_b: Vec3, padding_b: f32,
+        offset: Vec3, padding_c: f32,
+        normal: Vec3, turn: f32,
+    }
+    /// What of a point changes.
+    PointState {
+        normal: Vec3, separation: f32,
+        lever_a: Vec3, flags: u32,
+        lever_b: Vec3, impact: f32,
+        give: [f32; 4],
+        friction: [f32; 2], impulse: f32, largest: f32,
+        bounce_friction: [f32; 2], bounce: f32, total: f32,
+    }
+    /// What is kept of a pair until the next interval.
+    KeptPair {
+        a: u32, b: u32, first: u32, count: u32,
+        direction: Vec3, untangling: u32,
+        rotation_a: Quat,
+        rotation_b: Quat,
+    }
+    /// What is kept of a point.
+    KeptPoint {
+        arm_a: Vec3, impulse: f32,
+        arm_b: Vec3, padding_a: f32,
+        normal: Vec3, padding_b: f32,
+        friction: Vec3, padding_c: f32,
+    }
+    /// A body's place in its island.
+    Island {
+        parent: u32, neighbours: u32, restless: u32, padding: u32,
+    }
+}
+
+constants! {
+    CHANGED = 2;
+
+    RESTITUTION_RULE = 8;
+    FRICTION_RULE = 12;
+    LOCKED_AXES = 16;
+
+    PAIRS = 0;
+    POINTS = 1;
+    ENTRIES = 2;
+    SKIPPED = 3;
+    KEPT_PAIRS = 4;
+    SUBSTEP = 5;
+    KEPT_SUBSTEP = 6;
+    PAIRS_FOUND = 7;
+    POINTS_FOUND = 8;
+    COUNTERS = 16;
+
+    GROUPS_PER_64_PAIRS = 0;
+    GROUPS_PER_SORT_BLOCK = 1;
+    GROUPS_PER_DIGIT_BLOCK = 2;
+    GROUPS_PER_64_BODIES = 3;
+    GROUPS_PER_64_OLD_BODIES = 4;
+    SLOTS = 5;
+
+    PASS_BIASED = 1;
+    PASS_MEASURES = 2;
+    THEN_ADVANCE = 1;
+    THEN_ACCELERATE = 2;
+
+    WAKE = 0;
+    SETTLE = 1;
+}

@@ -1,0 +1,188 @@
+//! From the solver's arrays on the host to those on the device, and back.
+
+use super::layout;
+use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
+use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, KINEMATIC, SENSOR, STATIC};
+use crate::manifolds::{Manifold, ManifoldPoint};
+use crate::sleep::cpu::hash;
+use crate::solver::softness::Softness;
+use crate::solver::{Interval, SleepState, SolverBody, SolverMotion};
+use crate::types::body::{ExternalForces, RigidBody};
+use crate::types::material::CombineRule;
+use crate::types::solver_settings::SolverSettings;
+use glam::{DQuat, DVec3, DVec4, Vec3};
+
+/// Stands for an infinite length: WGSL has no dependable infinity.
+pub const ENDLESS: f32 = 1.0e30;
+
+/// The square of a speed limit must be a finite number.
+const FASTEST: f32 = 1.0e18;
+
+/// The coarse parts of rotations are multiples of this, as in `solver_math.wgsl`.
+const ROTATION_DIGIT: f64 = 1.0 / (1 << 21) as f64;
+
+/// What holds for an interval with so many bodies, of which `old_bodies` were there before, and for lists of this room.
+pub fn interval(
+    settings: &SolverSettings,
+    interval: &Interval,
+    [bodies, old_bodies]: [u32; 2],
+    room: super::Room,
+) -> layout::Interval {
+    let h = interval.dt / interval.substeps.max(1) as f32;
+    let softness = Softness::new(settings, h);
+    layout::Interval {
+        gravity: interval.gravity.to_array(),
+        h,
+        bodies,
+        old_bodies,
+        pair_capacity: room.pairs,
+        point_capacity: room.points,
+        bias_rate: softness.bias_rate,
+        mass_scale: softness.mass_scale,
+        impulse_scale: softness.impulse_scale,
+        relaxation: settings.relaxation,
+        sweeps: settings.sweeps,
+        push_speed: settings.push_speed,
+        untangle_speed: settings.untangle_speed,
+        untangle_depth: settings.untangle_depth,
+        rest_offset: settings.rest_offset,
+        restitution_threshold: settings.restitution_threshold,
+        match_distance: settings.match_distance,
+        match_normal: settings.match_normal,
+        dt: interval.dt,
+        sleep_speed: settings.sleep_speed,
+        sleep_time: settings.sleep_time,
+        padding: 0,
+    }
+}
+
+/// What a body is.
+pub fn body(body: &SolverBody) -> layout::SolverBody {
+    let inertia = body.inverse_inertia;
+    let limit = |limit: f32| if limit >= 0.0 { limit.min(FASTEST) } else { FASTEST };
+    // `max` returns the other operand for NaN.
+    let positive = |value: f32| value.max(0.0);
+    layout::SolverBody {
+        inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
+        inverse_mass: body.inverse_mass,
+        inverse_inertia_mixed: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
+        flags: flags(body),
+        radius: length(body.radius),
+        restitution: positive(body.restitution),
+        friction: positive(body.friction),
+        gravity_scale: body.gravity_scale,
+        linear_damping: positive(body.linear_damping),
+        angular_damping: positive(body.angular_damping),
+        max_linear_speed: limit(body.max_linear_speed),
+        max_angular_speed: limit(body.max_angular_speed),
+    }
+}
+
+fn flags(body: &SolverBody) -> u32 {
+    let kind = match body.kind {
+        RigidBody::Dynamic => DYNAMIC,
+        RigidBody::Kinematic => KINEMATIC,
+        RigidBody::Static => STATIC,
+    };
+    kind | if body.solid { 0 } else { SENSOR }
+        | rule(body.restitution_combine) << RESTITUTION_RULE
+        | rule(body.friction_combine) << FRICTION_RULE
+        | u32::from(body.locked_axes.bits()) << LOCKED_AXES
+}
+
+/// The place of a rule in the order in which they overrule each other.
+fn rule(rule: CombineRule) -> u32 {
+    match rule {
+        CombineRule::Average => 0,
+        CombineRule::GeometricMean => 1,
+        CombineRule::Min => 2,
+        CombineRule::Multiply => 3,
+        CombineRule::Max => 4,
+    }
+}
+
+/// 0 for what is no length.
+fn length(value: f32) -> f32 {
+    if value > 0.0 { value.min(ENDLESS) } else { 0.0 }
+}
+
+/// Where a body is.
+pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u64) -> layout::BodyState {
+    let center = motion.center.as_vec3();
+    let rotation = DVec4::from(motion.rotation);
+    let coarse = (rotation / ROTATION_DIGIT).round() * ROTATION_DIGIT;
+    layout::BodyState {
+        center: center.to_array(),
+        center_low: (motion.center - center.as_dvec3()).as_vec3().to_array(),
+        rotation: coarse.as_vec4().to_array(),
+        rotation_low: (rotation - coarse).as_vec4().to_array(),
+        linear_velocity: motion.linear_velocity.to_array(),
+        angular_velocity: motion.angular_velocity.to_array(),
+        asleep: u32::from(sleep.asleep),
+        rest_time: sleep.rest_time,
+        // Half of a sum is the sum of halves.
+        neighbours: sleep.neighbours as u32,
+        key: hash(key) as u32,
+    }
+}
+
+impl From<&layout::BodyState> for SolverMotion {
+    fn from(state: &layout::BodyState) -> Self {
+        let sum = |high: [f32; 4], low: [f32; 4]| DVec4::from(high.map(f64::from)) + DVec4::from(low.map(f64::from));
+        let rotation = DQuat::from_vec4(sum(state.rotation, state.rotation_low));
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(state.center[axis]) + f64::from(state.center_low[axis]));
+        Self {
+            center: DVec3::new(x, y, z),
+            rotation,
+            linear_velocity: Vec3::from(state.linear_velocity),
+            angular_velocity: Vec3::from(state.angular_velocity),
+        }
+    }
+}
+
+impl From<&layout::BodyState> for SleepState {
+    fn from(state: &layout::BodyState) -> Self {
+        Self {
+            asleep: state.asleep != 0,
+            rest_time: state.rest_time,
+            neighbours: state.neighbours.into(),
+        }
+    }
+}
+
+/// What acts on a body.
+pub fn forces(forces: &ExternalForces) -> layout::BodyForces {
+    layout::BodyForces {
+        force: forces.force.to_array(),
+        torque: forces.torque.to_array(),
+        impulse: forces.impulse.to_array(),
+        angular_impulse: forces.angular_impulse.to_array(),
+        ..Default::default()
+    }
+}
+
+/// A pair that touches.
+pub fn contact_pair(manifold: &Manifold) -> ContactPair {
+    ContactPair {
+        a: manifold.bodies[0],
+        b: manifold.bodies[1],
+        first_point: manifold.first_point,
+        point_count: manifold.point_count,
+    }
+}
+
+/// One of its points.
+pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
+    ContactPoint {
+        arm_a: point.arms[0].to_array(),
+        separation: point.separation,
+        arm_b: point.arms[1].to_array(),
+        roundness_a: length(point.roundness[0]),
+        normal: point.normal.to_array(),
+        roundness_b: length(point.roundness[1]),
+        face_a: point.faces[0],
+        face_b: point.faces[1],
+        turn: point.turn,
+        ..Default::default()
+    }
+}

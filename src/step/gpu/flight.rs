@@ -1,0 +1,65 @@
+//! A step whose results are on their way.
+
+use super::results::{Detail, Parts, Raw};
+use super::upload::Input;
+use crate::gpu::device::Gpu;
+use crate::gpu::readback::{poll, request, view};
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::{Mutex, PoisonError};
+use wgpu::{Buffer, BufferAsyncError, PollType, SubmissionIndex};
+
+/// A step that was submitted.
+pub(super) struct Flight {
+    /// What it was told.
+    pub input: Input,
+    /// How much of it is wanted.
+    pub detail: Detail,
+    /// In which the results come.
+    pub staging: Buffer,
+    parts: Parts,
+    submission: SubmissionIndex,
+    /// A receiver is not `Sync`, and steps are shared with systems; nobody but [`Flight::wait`] locks it.
+    mapped: Mutex<Receiver<Result<(), BufferAsyncError>>>,
+}
+
+impl Flight {
+    /// After the submission that copies the results into `staging`.
+    pub fn new(input: Input, detail: Detail, parts: Parts, staging: Buffer, submission: SubmissionIndex) -> Self {
+        let mapped = request(&staging, parts.total);
+        Self {
+            input,
+            detail,
+            staging,
+            parts,
+            submission,
+            mapped: Mutex::new(mapped),
+        }
+    }
+
+    /// The results, for which it waits if they are not there yet; and whether it had to.
+    ///
+    /// # Errors
+    /// If the device is lost.
+    pub fn wait(&mut self, gpu: &Gpu) -> Result<(Raw, bool), String> {
+        poll(gpu, PollType::Poll)?;
+        let mapped = self.mapped.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let (result, waited) = match mapped.try_recv() {
+            Err(TryRecvError::Empty) => {
+                let this = PollType::Wait {
+                    submission_index: Some(self.submission.clone()),
+                    timeout: None,
+                };
+                poll(gpu, this)?;
+                (mapped.recv().map_err(|error| error.to_string())?, true)
+            }
+            Err(TryRecvError::Disconnected) => return Err("the results of a step were dropped".into()),
+            Ok(result) => (result, false),
+        };
+        result.map_err(|error| error.to_string())?;
+        let bytes = view(gpu, &self.staging, self.parts.total)?;
+        let raw = self.parts.read(&bytes);
+        drop(bytes);
+        self.staging.unmap();
+        Ok((raw, waited))
+    }
+}

@@ -1,0 +1,381 @@
+//! What a step found, brought back into the host's arrays, in an order that does not depend on which workgroup was first.
+
+use super::contacts::Contacts as ContactStep;
+use super::upload::Input;
+use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::layout::{
+    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HIGHEST,
+    HITS, Hit, LOWEST, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, SPIN, TALLIES,
+    TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+};
+use crate::gpu::timer::{self, Timer};
+use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, place};
+use crate::solver::speeds::Speeds;
+use crate::state;
+use crate::state::{Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
+use crate::step::touches::{Touches, show_points};
+use crate::types::settings::Response;
+use crate::types::stage::Stage;
+use bytemuck::Pod;
+use glam::{Quat, Vec3};
+use std::ops::Range;
+use std::time::Duration;
+use wgpu::{Buffer, CommandEncoder};
+
+/// How much of a step's results comes back to the host.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// Contacts and motions.
+    #[default]
+    All,
+    /// How many there are of each.
+    Counts,
+}
+
+/// The results of a step.
+#[derive(Clone, Debug, Default)]
+pub struct Output {
+    /// Where every body is after the step; empty with [`Detail::Counts`].
+    pub motions: Vec<Motion>,
+    /// Bodies whose spheres overlap, `a < b`, ascending; empty with [`Detail::Counts`].
+    pub sphere_pairs: Vec<[u32; 2]>,
+    /// What touches; empty but for the number of tests with [`Detail::Counts`].
+    pub contacts: Contacts,
+    /// Where bodies push each other, with [`Response::None`] and [`Response::Contacts`]; empty with [`Detail::Counts`].
+    pub manifolds: Manifolds,
+    /// Of each body whether it sleeps; empty with [`Detail::Counts`].
+    pub asleep: Vec<bool>,
+    /// Pairs of triangles near each other, in the interval that had most: what contact generation had to look at.
+    pub near_triangles: usize,
+    /// Into how many detection intervals the step was cut.
+    pub intervals: u32,
+    /// How fast bodies move after the step, with [`Response::Contacts`].
+    pub speeds: Speeds,
+    /// How many there are.
+    pub counts: Counts,
+    /// How long each stage took on the device; zero where it cannot tell.
+    pub times: [Duration; Stage::COUNT],
+}
+
+/// What lies where in the buffer in which the results come back.
+pub(super) struct Parts {
+    counters: Range<u64>,
+    times: Range<u64>,
+    moved: Range<u64>,
+    sphere_pairs: Range<u64>,
+    touching: Range<u64>,
+    hits: Range<u64>,
+    planes: Range<u64>,
+    tally: Range<u64>,
+    found: Range<u64>,
+    contact_pairs: Range<u64>,
+    contact_points: Range<u64>,
+    touches: Range<u64>,
+    /// Bytes of all.
+    pub total: u64,
+}
+
+impl Parts {
+    /// Room for as much as the lists hold: how much there will be is not known when the copy is recorded.
+    pub fn new(sizes: &Sizes, contacts: Option<&ContactStep>, input: &Input, detail: Detail) -> Self {
+        let mut total = 0;
+        let mut part = |count: u32, size: usize| {
+            let start = total;
+            // Copies are made of words of four bytes, and these are all made of such.
+            total += u64::from(count) * size as u64;
+            start..total
+        };
+        let counters = part(COUNTERS, 4);
+        let times = part(timer::BYTES * input.intervals(), 1);
+        let lists = |count: u32| if detail == Detail::All { count } else { 0 };
+        let moved = part(lists(input.len()), size_of::<Moved>());
+        let sphere_pairs = part(lists(sizes.pairs), 8);
+        let touching = part(lists(sizes.pairs), size_of::<Touching>());
+        let hits = part(lists(sizes.hits), size_of::<Hit>());
+        let planes = part(lists(sizes.plane_contacts), size_of::<PlaneContact>());
+        let room = contacts.map(|contacts| contacts.room);
+        let [pairs, points, touched] =
+            room.map_or([0; 3], |room| [room.contacts.pairs, room.contacts.points, room.touches]);
+        let tally = part(if room.is_some() { TALLIES } else { 0 }, 4);
+        let found = part(if room.is_some() { CONTACT_COUNTERS } else { 0 }, 4);
+        let contact_pairs = part(lists(pairs), size_of::<ContactPair>());
+        let contact_points = part(lists(points), size_of::<ContactPoint>());
+        let touches = part(lists(touched), size_of::<Touch>());
+        Self {
+            counters,
+            times,
+            moved,
+            sphere_pairs,
+            touching,
+            hits,
+            planes,
+            tally,
+            found,
+            contact_pairs,
+            contact_points,
+            touches,
+            total,
+        }
+    }
+
+    /// To be recorded after the stages.
+    pub fn copy(
+        &self,
+        buffers: &Buffers,
+        contacts: Option<&ContactStep>,
+        timer: Option<&Timer>,
+        encoder: &mut CommandEncoder,
+        to: &Buffer,
+    ) {
+        let times = timer.map(|timer| (timer.resolved(), &self.times));
+        let lists = [
+            (&buffers.counters, &self.counters),
+            (&buffers.moved, &self.moved),
+            (&buffers.sphere_pairs, &self.sphere_pairs),
+            (&buffers.touching, &self.touching),
+            (&buffers.hits, &self.hits),
+            (&buffers.plane_contacts, &self.planes),
+        ];
+        let found = contacts.map(|contacts| {
+            [
+                (&contacts.lists.tally, &self.tally),
+                (&contacts.contacts.counters, &self.found),
+                (&contacts.contacts.contact_pairs, &self.contact_pairs),
+                (&contacts.contacts.contact_points, &self.contact_points),
+                (&contacts.lists.touches, &self.touches),
+            ]
+        });
+        for (from, range) in lists.into_iter().chain(found.into_iter().flatten()).chain(times) {
+            if !range.is_empty() {
+                encoder.copy_buffer_to_buffer(from, 0, to, range.start, range.end - range.start);
+            }
+        }
+    }
+
+    /// What is there among `bytes`.
+    pub fn read(&self, bytes: &[u8]) -> Raw {
+        let counters: Vec<u32> = list(bytes, &self.counters, COUNTERS as usize);
+        // Of a list that is too short there is nothing.
+        let skipped = counters[SKIPPED as usize] != 0;
+        let count = |counter: u32| {
+            if skipped {
+                0
+            } else {
+                counters[counter as usize] as usize
+            }
+        };
+        let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
+        tally.resize(TALLIES as usize, 0);
+        // Of the last interval.
+        let mut found: Vec<u32> = list(bytes, &self.found, CONTACT_COUNTERS as usize);
+        found.resize(CONTACT_COUNTERS as usize, 0);
+        let all = |many: u32| if skipped { 0 } else { many as usize };
+        Raw {
+            contact_pairs: list(bytes, &self.contact_pairs, all(found[CONTACT_PAIRS as usize])),
+            contact_points: list(bytes, &self.contact_points, all(found[CONTACT_POINTS as usize])),
+            touches: list(bytes, &self.touches, all(tally[TOUCHES as usize])),
+            found: found[CONTACT_POINTS as usize] as usize,
+            tally,
+            stamps: list(bytes, &self.times, usize::MAX),
+            moved: list(bytes, &self.moved, usize::MAX),
+            sphere_pairs: list(bytes, &self.sphere_pairs, count(SPHERE_PAIRS)),
+            touching: list(bytes, &self.touching, count(TOUCHING)),
+            hits: list(bytes, &self.hits, count(HITS)),
+            planes: list(bytes, &self.planes, count(PLANE_CONTACTS)),
+            counters,
+        }
+    }
+}
+
+/// Results as the device wrote them.
+pub(super) struct Raw {
+    /// The counters.
+    pub counters: Vec<u32>,
+    /// What counts over all intervals.
+    pub tally: Vec<u32>,
+    /// Contact points of the last one.
+    found: usize,
+    contact_pairs: Vec<ContactPair>,
+    contact_points: Vec<ContactPoint>,
+    touches: Vec<Touch>,
+    stamps: Vec<u64>,
+    moved: Vec<Moved>,
+    sphere_pairs: Vec<[u32; 2]>,
+    touching: Vec<Touching>,
+    hits: Vec<Hit>,
+    planes: Vec<PlaneContact>,
+}
+
+impl Raw {
+    /// In order, and in the words of the input.
+    pub fn sort(mut self, input: &Input, timer: Option<&Timer>) -> Output {
+        let count = |counter: u32| self.counters[counter as usize] as usize;
+        let mut output = Output {
+            counts: Counts {
+                sphere_pairs: count(SPHERE_PAIRS),
+                approximate_pairs: count(APPROXIMATE),
+                touching_pairs: count(TOUCHING),
+                triangle_tests: count(TRIANGLE_TESTS) as u64,
+                face_pairs: count(HITS),
+                contact_points: self.found,
+                asleep: self.tally[ASLEEP as usize] as usize,
+            },
+            times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
+            near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
+            intervals: input.intervals(),
+            speeds: speeds(&self.tally),
+            ..Default::default()
+        };
+        output.contacts.triangle_tests = output.counts.triangle_tests;
+        self.sphere_pairs.sort_unstable();
+        output.sphere_pairs = self.sphere_pairs;
+        put_contacts(&mut output.contacts, input, self.touching, &self.hits);
+        put_planes(&mut output.contacts, input, self.planes);
+        output.motions = self.moved.iter().map(Motion::from).collect();
+        output.asleep = self.moved.iter().map(|moved| moved.asleep != 0).collect();
+        let mut pairs: Vec<_> = self.contact_pairs.iter().map(Manifold::from).collect();
+        pairs.sort_by_key(|pair| place(pair.bodies, input.len()));
+        output.manifolds = Manifolds {
+            pairs,
+            points: self.contact_points.iter().map(ManifoldPoint::from).collect(),
+        };
+        if input.response == Response::None && !output.motions.is_empty() {
+            let center_of = |body: u32| input.center_before(body, &output.motions[body as usize]);
+            show_points(&output.manifolds, input.len(), &mut output.contacts, center_of);
+        }
+        if input.response == Response::Contacts {
+            if output.motions.is_empty() {
+                // Nobody asked who touched whom.
+                let now = self.tally[TOUCHING_NOW as usize] as usize;
+                output.counts.touching_pairs = output.counts.touching_pairs.max(now);
+            } else {
+                Touches::from_device(self.touches).tell(input.len(), &mut output.contacts);
+                output.counts.touching_pairs = output.contacts.pairs.len();
+            }
+        }
+        output
+    }
+}
+
+impl Output {
+    /// Puts everything where the CPU's stages would.
+    pub fn put(self, state: &mut StepState) {
+        for (i, motion) in self.put_lists(state).iter().enumerate() {
+            state.bodies.set_motion(i, motion);
+        }
+    }
+
+    /// Puts everything but the motions there, and returns those.
+    pub fn put_lists(self, state: &mut StepState) -> Vec<Motion> {
+        state.sphere_pairs = self.sphere_pairs;
+        state.near_pairs.clear();
+        state.approximate_pairs = self.counts.approximate_pairs;
+        state.contacts = self.contacts;
+        state.manifolds = self.manifolds;
+        state.asleep = self.asleep;
+        state.intervals = self.intervals;
+        state.times = self.times;
+        self.motions
+    }
+}
+
+impl From<&Moved> for Motion {
+    fn from(moved: &Moved) -> Self {
+        Self {
+            position: moved.position.into(),
+            rotation: Quat::from_array(moved.rotation),
+            linear_velocity: moved.linear_velocity.into(),
+            angular_velocity: moved.angular_velocity.into(),
+        }
+    }
+}
+
+/// The first `count` elements of a part, or as many as it holds.
+fn list<T: Pod>(bytes: &[u8], range: &Range<u64>, count: usize) -> Vec<T> {
+    let part = &bytes[range.start as usize..range.end as usize];
+    let size = count.saturating_mul(size_of::<T>()).min(part.len());
+    bytemuck::pod_collect_to_vec(&part[..size])
+}
+
+fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touching>, hits: &[Hit]) {
+    touching.sort_unstable_by_key(|t| [t.a, t.b]);
+    // Where the faces of each pair begin, by the pair's number on the device.
+    let most = touching.iter().map(|t| t.pair as usize + 1).max().unwrap_or(0);
+    let mut starts = vec![(0, 0); most];
+    let mut first_face = 0;
+    for (rank, t) in touching.iter().enumerate() {
+        starts[t.pair as usize] = (rank, first_face);
+        contacts.pairs.push(TouchingPair {
+            bodies: [t.a, t.b],
+            contained: t.contained != 0,
+            first_face,
+            face_count: t.hits,
+            contact: Contact {
+                point: t.point.into(),
+                normal: t.normal.into(),
+            },
+            first_point: 0,
+            point_count: 0,
+            impulse: 0.0,
+            passing: false,
+        });
+        first_face += t.hits;
+    }
+    let none = FacePair {
+        a: 0,
+        b: 0,
+        start: Vec3::ZERO,
+        end: Vec3::ZERO,
+    };
+    contacts.faces.resize(first_face as usize, none);
+    for hit in hits {
+        let (rank, first) = starts[hit.pair as usize];
+        let [a, b] = contacts.pairs[rank].bodies;
+        let id = |body: u32, triangle: u32| {
+            let mesh = input
+                .mesh_of(body)
+                .expect("the step's input holds the meshes of its bodies");
+            mesh.mesh.face_ids()[triangle as usize]
+        };
+        contacts.faces[(first + hit.index) as usize] = FacePair {
+            a: id(a, hit.a),
+            b: id(b, hit.b),
+            start: Vec3::new(hit.start_x, hit.start_y, hit.start_z),
+            end: Vec3::new(hit.end_x, hit.end_y, hit.end_z),
+        };
+    }
+}
+
+fn put_planes(contacts: &mut Contacts, input: &Input, mut planes: Vec<PlaneContact>) {
+    planes.retain(|contact| contact.depth > 0.0);
+    planes.sort_unstable_by_key(|contact| [contact.body, contact.plane]);
+    contacts.planes.extend(planes.iter().map(|contact| state::PlaneContact {
+        body: contact.body,
+        plane: contact.plane,
+        point: contact.point.into(),
+        normal: -Vec3::from_array(input.planes()[contact.plane as usize].normal),
+        depth: contact.depth,
+        first_point: 0,
+        point_count: 0,
+        impulse: 0.0,
+    }));
+}
+
+/// What a tally says of velocities.
+fn speeds(tally: &[u32]) -> Speeds {
+    let [highest, lowest] = [HIGHEST, LOWEST].map(|first| {
+        let axes = [0, 1, 2].map(|axis| descending(tally[(first + axis) as usize]));
+        Vec3::from_array(axes.map(|speed| speed.unwrap_or(f32::NEG_INFINITY)))
+    });
+    Speeds::between(-lowest, highest, descending(tally[SPIN as usize]).unwrap_or(0.0))
+}
+
+/// The number that the kernels made one of, in the order of the floats; `None` for 0, which stands for none.
+fn descending(ascending: u32) -> Option<f32> {
+    let bits = if ascending >> 31 == 1 {
+        ascending ^ 0x8000_0000
+    } else {
+        !ascending
+    };
+    (ascending != 0).then(|| f32::from_bits(bits))
+}

@@ -1,0 +1,112 @@
+//! Room on the device: for what a step needs, and for what only steps with contacts need.
+
+use super::{GpuStep, StepError, program};
+use crate::gpu::arena::Change;
+use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
+use crate::gpu::layout;
+use crate::gpu::readback::scoped;
+use crate::step::gpu::contacts::lists::StepRoom;
+use crate::step::gpu::contacts::{self, Contacts};
+
+impl GpuStep {
+    /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
+    pub(super) fn want_contacts(&mut self) -> Result<(), StepError> {
+        if self.contacts.is_some() {
+            return Ok(());
+        }
+        self.settle()?;
+        let Self {
+            gpu,
+            kernels,
+            buffers,
+            has_features,
+            ..
+        } = self;
+        let made = scoped(gpu, || {
+            if !*has_features {
+                kernels.add(gpu, contacts::all_kernels())?;
+            }
+            Ok::<_, String>(Contacts::new(gpu, kernels, buffers, contacts::START))
+        });
+        let contacts = made.and_then(|made| made).map_err(StepError::Device)?;
+        if !self.has_features {
+            self.has_features = true;
+            self.arena = self.empty_arena();
+        }
+        self.contacts = Some(contacts?);
+        Ok(())
+    }
+
+    /// Whether some list does not suffice.
+    pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepRoom>) -> bool {
+        let room = self.contacts.as_ref().map(|contacts| contacts.room);
+        self.buffers.sizes.grown(needed) != self.buffers.sizes
+            || room
+                .zip(for_contacts)
+                .is_some_and(|(room, needed)| room.grown(needed) != room)
+    }
+
+    /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
+    pub(super) fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepRoom>) -> Result<bool, StepError> {
+        if !self.lacks(needed, for_contacts) {
+            return Ok(false);
+        }
+        let grown = self.buffers.sizes.grown(needed);
+        let longer = grown != self.buffers.sizes;
+        let made = scoped(&self.gpu, || {
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            let buffers = if longer {
+                let buffers = Buffers::new(&self.gpu, grown)?;
+                // The only thing here that outlives a step.
+                let (from, to) = (&self.buffers.moved, &buffers.moved);
+                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+                Some((program(&self.gpu, &self.kernels, &buffers), buffers))
+            } else {
+                None
+            };
+            let contacts = match (&self.contacts, for_contacts) {
+                (Some(old), Some(needed)) => {
+                    let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
+                    let contacts = Contacts::new(&self.gpu, &self.kernels, buffers, old.room.grown(needed))?;
+                    contacts.take_memory(old, &mut encoder);
+                    Some(contacts)
+                }
+                _ => None,
+            };
+            self.gpu.queue.submit([encoder.finish()]);
+            Ok::<_, TooLarge>((buffers, contacts))
+        });
+        let (buffers, contacts) = made.map_err(StepError::Device)??;
+        if let Some((program, buffers)) = buffers {
+            (self.program, self.buffers) = (program, buffers);
+        }
+        self.contacts = contacts;
+        self.spare.clear();
+        if longer {
+            self.write(self.arena.contents())?;
+        }
+        Ok(longer)
+    }
+
+    /// Writes meshes.
+    pub(super) fn write(&self, changes: Vec<Change>) -> Result<(), StepError> {
+        if changes.is_empty() {
+            return Ok(());
+        }
+        scoped(&self.gpu, || {
+            for change in changes {
+                let queue = &self.gpu.queue;
+                match change {
+                    Change::Words(at, words) => {
+                        queue.write_buffer(&self.buffers.words, 4 * u64::from(at), bytemuck::cast_slice(&words));
+                    }
+                    Change::Header(slot, header) => {
+                        let at = u64::from(slot) * size_of::<layout::Mesh>() as u64;
+                        queue.write_buffer(&self.buffers.meshes, at, bytemuck::bytes_of(&header));
+                    }
+                }
+            }
+        })
+        .map_err(StepError::Device)
+    }
+}

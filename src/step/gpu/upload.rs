@@ -1,0 +1,290 @@
+//! From the host's arrays to the device's.
+
+use super::contacts::Contacts;
+use super::contacts::input::SolverInput;
+use crate::asset::CollisionMesh;
+use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::device::Gpu;
+use crate::gpu::layout::{
+    self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
+    CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, SENSOR, STATIC,
+};
+use crate::state::{Bodies, Motion, Plane, StepState};
+use crate::types::body::RigidBody;
+use crate::types::settings::{Culling, Response};
+use bytemuck::cast_slice;
+use glam::{BVec3, Vec3};
+
+/// A body that goes on from where the step before left it, which only the device may know as yet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Carried {
+    /// Its number in that step.
+    pub source: u32,
+    /// What of its position goes on.
+    pub position: Onward,
+    /// Whether its rotation goes on. If not, it is that of [`Bodies`].
+    pub rotation: bool,
+    /// What of its linear velocity goes on.
+    pub linear: Onward,
+    /// What of its angular velocity goes on.
+    pub angular: Onward,
+}
+
+/// What of a vector goes on from the step before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Onward {
+    /// Along which axes it does. Along the others it is that of [`Bodies`].
+    pub axes: BVec3,
+    /// What is added along these axes.
+    pub push: Vec3,
+}
+
+impl Carried {
+    /// All of number `source` goes on, unchanged.
+    pub fn all(source: u32) -> Self {
+        Self {
+            source,
+            position: Onward::ALL,
+            rotation: true,
+            linear: Onward::ALL,
+            angular: Onward::ALL,
+        }
+    }
+
+    /// The bits of `Body::carried`.
+    fn bits(&self) -> u32 {
+        // Each is below the next one.
+        u32::from(self.rotation) * CARRIED_ROTATION
+            + self.position.axes.bitmask() * CARRIED_POSITION
+            + self.linear.axes.bitmask() * CARRIED_LINEAR
+            + self.angular.axes.bitmask() * CARRIED_ANGULAR
+    }
+
+    /// Where the body is that was last at `last`, if the host says `own`.
+    pub fn apply(&self, last: &Motion, own: &Motion) -> Motion {
+        Motion {
+            position: self.position.apply(last.position, own.position),
+            rotation: if self.rotation { last.rotation } else { own.rotation },
+            linear_velocity: self.linear.apply(last.linear_velocity, own.linear_velocity),
+            angular_velocity: self.angular.apply(last.angular_velocity, own.angular_velocity),
+        }
+    }
+}
+
+impl Onward {
+    /// The whole vector goes on, unchanged. Adding minus zero changes no bit of any number; zero would those of minus zero.
+    pub const ALL: Self = Self {
+        axes: BVec3::TRUE,
+        push: Vec3::splat(-0.0),
+    };
+
+    /// What the device is told.
+    pub fn told(&self, own: Vec3) -> Vec3 {
+        Vec3::select(self.axes, self.push, own)
+    }
+
+    fn apply(&self, last: Vec3, own: Vec3) -> Vec3 {
+        Vec3::select(self.axes, last + self.push, own)
+    }
+}
+
+/// All that a step is told. It is kept until the results are there: a step whose lists were too short runs again.
+pub struct Input {
+    step: layout::Step,
+    bodies: Vec<layout::Body>,
+    planes: Vec<layout::Plane>,
+    meshes: Vec<Option<CollisionMesh>>,
+    /// What happens to bodies that touch.
+    pub(super) response: Response,
+    /// With [`Response::Contacts`].
+    pub(super) solver: Option<SolverInput>,
+}
+
+impl Input {
+    /// Packs the bodies, planes and settings of `state`. `carried` has an entry for each body, or none at all.
+    pub fn new(state: &StepState, carried: &[Option<Carried>]) -> Self {
+        let StepState {
+            config, bodies, planes, ..
+        } = state;
+        let count = bodies.len();
+        let body = |i: usize| body(bodies, state, i, carried.get(i).copied().flatten());
+        Self {
+            step: layout::Step {
+                gravity: config.gravity.to_array(),
+                dt: config.dt,
+                bodies: count as u32,
+                planes: planes.len() as u32,
+                response: u32::from(config.response != Response::None),
+                contact_margin: match config.response {
+                    Response::Impulse => 0.0,
+                    Response::None | Response::Contacts => config.solver.margin(),
+                },
+                ..Default::default()
+            },
+            bodies: (0..count).map(body).collect(),
+            planes: planes.iter().map(plane).collect(),
+            meshes: (0..state.meshes.len() as u32)
+                .map(|slot| state.meshes.get(slot).map(|slot| slot.mesh.clone()))
+                .collect(),
+            response: config.response,
+            solver: None,
+        }
+    }
+
+    /// Adds what the solver is told, with [`Response::Contacts`].
+    pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
+        self.step.dt = solver.dt();
+        self.step.look_ahead = solver.look_ahead();
+        self.step.drift = solver.drift.to_array();
+        self.step.new_ground = solver.new_ground().into();
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            let (source, carried) = solver.source(i);
+            // Whoever continues has the same number there.
+            body.source = if carried == 0 { body.source } else { source };
+            body.carried |= carried;
+        }
+        self.solver = Some(solver);
+        self
+    }
+
+    /// How many detection intervals the step has.
+    pub(super) fn intervals(&self) -> u32 {
+        self.solver.as_ref().map_or(1, |solver| solver.intervals)
+    }
+
+    /// How many bodies and half-spaces there were in the step before, as far as the solver knows.
+    pub(super) fn old_bodies(&self) -> u32 {
+        self.solver.as_ref().map_or(0, SolverInput::old_bodies)
+    }
+
+    /// How many bodies there are.
+    pub fn len(&self) -> u32 {
+        self.step.bodies
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.step.bodies == 0
+    }
+
+    /// What holds for all bodies; the sizes of lists are still missing.
+    pub(crate) fn step(&self) -> &layout::Step {
+        &self.step
+    }
+
+    /// All bodies.
+    pub(crate) fn bodies(&self) -> &[layout::Body] {
+        &self.bodies
+    }
+
+    /// All half-spaces.
+    pub(crate) fn planes(&self) -> &[layout::Plane] {
+        &self.planes
+    }
+
+    /// The mesh of a body.
+    pub(super) fn mesh_of(&self, body: u32) -> Option<&CollisionMesh> {
+        self.meshes[self.bodies[body as usize].mesh as usize].as_ref()
+    }
+
+    /// Where the centre of mass of a body was before a step without pushes, after which it is there.
+    pub(super) fn center_before(&self, body: u32, after: &Motion) -> Vec3 {
+        let packed = &self.bodies[body as usize];
+        let center = self.mesh_of(body).map_or(Vec3::ZERO, |mesh| mesh.mass.center);
+        let now = after.position + after.rotation * (Vec3::from_array(packed.scale) * center);
+        if packed.flags & KIND_MASK == STATIC {
+            return now;
+        }
+        now - self.step.dt * after.linear_velocity
+    }
+
+    /// Writes everything.
+    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&Contacts>) {
+        let sizes = &buffers.sizes;
+        let held = Sizes {
+            bodies: self.step.bodies,
+            ..*sizes
+        };
+        let step = layout::Step {
+            // By the bodies there are and not by the room for them: the order of pairs, and so of sums, follows the buckets.
+            bucket_mask: held.buckets() - 1,
+            pair_capacity: sizes.pairs,
+            hit_capacity: sizes.hits,
+            plane_contact_capacity: sizes.plane_contacts,
+            touch_capacity: contacts.map_or(0, |contacts| contacts.room.touches),
+            ..self.step
+        };
+        let mut counters = [0u32; COUNTERS as usize];
+        counters[BODIES as usize] = step.bodies;
+        gpu.queue.write_buffer(&buffers.step, 0, bytemuck::bytes_of(&step));
+        gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
+        gpu.queue.write_buffer(&buffers.bodies, 0, cast_slice(&self.bodies));
+        gpu.queue.write_buffer(&buffers.planes, 0, cast_slice(&self.planes));
+        if let Some(contacts) = contacts {
+            contacts.write_limits(gpu, step.bodies, step.planes);
+            if let Some(solver) = &self.solver {
+                solver.write(gpu, &contacts.lists, contacts.solver_room());
+            }
+        }
+    }
+}
+
+fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) -> layout::Body {
+    let inertia = bodies.own_inverse_inertia[i];
+    let scale = bodies.scale[i];
+    let mesh = &state.meshes[bodies.mesh[i]].mesh;
+    // The device places the centre of mass in single precision: the sphere grows by what that can cost. What the distance
+    // from the origin adds is for the device to say, which knows the place.
+    let arm = scale * mesh.mass.center;
+    let radius = mesh.radius * scale.abs().max_element();
+    let mut told = bodies.motion(i);
+    if let Some(carried) = carried {
+        told.position = carried.position.told(told.position);
+        told.linear_velocity = carried.linear.told(told.linear_velocity);
+        told.angular_velocity = carried.angular.told(told.angular_velocity);
+    }
+    layout::Body {
+        position: told.position.to_array(),
+        mesh: bodies.mesh[i],
+        rotation: bodies.rotation[i].to_array(),
+        scale: scale.to_array(),
+        radius: radius * (1.0 + 1.0e-6) + 1.5e-6 * arm.length(),
+        linear_velocity: told.linear_velocity.to_array(),
+        inverse_mass: bodies.inverse_mass[i],
+        angular_velocity: told.angular_velocity.to_array(),
+        restitution: bodies.restitution[i],
+        inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
+        gravity_scale: bodies.gravity_scale[i],
+        inverse_inertia_mixed: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
+        flags: flags(bodies, i),
+        memberships: bodies.layers[i].memberships,
+        filters: bodies.layers[i].filters,
+        thickness: bodies.thickness[i],
+        source: carried.map_or(0, |carried| carried.source),
+        carried: carried.map_or(0, |carried| carried.bits()),
+        ..Default::default()
+    }
+}
+
+fn flags(bodies: &Bodies, i: usize) -> u32 {
+    let kind = match bodies.kind[i] {
+        RigidBody::Dynamic => DYNAMIC,
+        RigidBody::Kinematic => KINEMATIC,
+        RigidBody::Static => STATIC,
+    };
+    let culling = match bodies.culling[i] {
+        Culling::Exact => 0,
+        Culling::FacesOfCollision => CULLING_FACES,
+        Culling::FrontFacing => CULLING_FRONT,
+    };
+    kind | culling | if bodies.sensor[i] { SENSOR } else { 0 }
+}
+
+fn plane(plane: &Plane) -> layout::Plane {
+    layout::Plane {
+        normal: plane.normal.to_array(),
+        distance: plane.distance,
+        restitution: plane.restitution,
+        ..Default::default()
+    }
+}

@@ -1,0 +1,272 @@
+//! Contact generation on its own: bodies and pairs in, manifolds out.
+
+use crate::gpu::arena::{Arena, Change};
+use crate::gpu::buffers::TooLarge;
+use crate::gpu::device::{Gpu, NoGpu};
+use crate::gpu::kernel::{Builder, Kernels, Program};
+use crate::gpu::layout::{
+    self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
+    ContactPoint, MARGIN_PAIRS,
+};
+use crate::gpu::readback::{read_words, scoped};
+use crate::gpu::scan;
+use crate::manifolds::gpu::buffers::{ContactBuffers, ContactSizes};
+use crate::manifolds::gpu::kernels::{KERNELS, Shared, record};
+use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
+use crate::state::StepState;
+use crate::step::gpu::StepError;
+use crate::step::gpu::upload::Input;
+use crate::types::stage::Stage;
+use bytemuck::{Pod, bytes_of, cast_slice};
+use glam::Vec3;
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use wgpu::{Buffer, BufferUsages};
+
+/// Contact generation on a device.
+pub struct GpuManifolds {
+    gpu: Gpu,
+    kernels: Kernels,
+    sizes: ContactSizes,
+    /// How often lists had to be made longer.
+    repeats: usize,
+}
+
+/// Lists start with room for this many things, and grow.
+const START: ContactSizes = ContactSizes {
+    margin_pairs: 256,
+    slots: 1024,
+    near_triangles: 1 << 16,
+    features: 1 << 14,
+    segments: 1 << 13,
+    staged_points: 4096,
+    pairs: 256,
+    points: 4096,
+};
+
+/// Each repeat needs at least one list to grow, and an earlier list may hide what a later one needs.
+const REPEATS: usize = 12;
+
+impl GpuManifolds {
+    /// Compiles the kernels.
+    ///
+    /// # Errors
+    /// If the device cannot run them.
+    pub fn new(gpu: &Gpu) -> Result<Self, NoGpu> {
+        Self::with_room(gpu, START)
+    }
+
+    /// With lists of these sizes to begin with: results do not depend on them.
+    ///
+    /// # Errors
+    /// If the device cannot run the kernels.
+    pub fn with_room(gpu: &Gpu, sizes: ContactSizes) -> Result<Self, NoGpu> {
+        let all = KERNELS.into_iter().chain(scan::KERNELS);
+        let compiled = scoped(gpu, || Kernels::new(gpu, all)).and_then(|kernels| kernels);
+        match compiled {
+            Ok(kernels) => Ok(Self {
+                gpu: gpu.clone(),
+                kernels,
+                sizes,
+                repeats: 0,
+            }),
+            Err(reason) => Err(NoGpu::Failed {
+                adapter: gpu.info.name.clone(),
+                reason,
+            }),
+        }
+    }
+
+    /// What fits at present.
+    pub fn sizes(&self) -> ContactSizes {
+        self.sizes
+    }
+
+    /// How often a list was too short so far, and everything ran again with longer ones.
+    pub fn repeats(&self) -> usize {
+        self.repeats
+    }
+
+    /// The contact points of `pairs`, which must ascend, and of the bodies of `state` with its half-spaces, ascending by the
+    /// numbers of bodies; half-space `i` has the number `bodies.len() + i`. A pair of numbers that name no two bodies has no
+    /// points; a margin that is negative or not a number is none.
+    ///
+    /// # Errors
+    /// If the device cannot hold the lists, or fails.
+    pub fn run(&mut self, state: &StepState, pairs: &[MarginPair]) -> Result<Manifolds, StepError> {
+        let scene = self.upload(state)?;
+        let own = |pair: &MarginPair| layout::MarginPair {
+            a: pair.bodies[0],
+            b: pair.bodies[1],
+            margin: pair.margin,
+            still: 0,
+        };
+        let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
+        let count = pairs.len() as u32;
+        let slots = scene.bodies.saturating_mul(scene.planes).saturating_add(count);
+        self.sizes = self.sizes.grown(ContactSizes {
+            margin_pairs: count,
+            slots,
+            ..ContactSizes::default()
+        });
+        for _ in 0..REPEATS {
+            let buffers = self.scoped(|gpu| ContactBuffers::new(gpu, self.sizes))??;
+            let counters = self.attempt(&scene, &buffers, &pairs)?;
+            if counters[CONTACTS_CUT_SHORT as usize] != 0 {
+                return Err(StepError::CutShort);
+            }
+            if counters[CONTACTS_SKIPPED as usize] == 0 {
+                return self.read(&buffers, &counters);
+            }
+            self.sizes = self.sizes.grown(ContactSizes::needed(&counters));
+            self.repeats += 1;
+        }
+        Err(StepError::Device(
+            "lists stay too short however long they are made".into(),
+        ))
+    }
+
+    fn scoped<T>(&self, work: impl FnOnce(&Gpu) -> T) -> Result<T, StepError> {
+        scoped(&self.gpu, || work(&self.gpu)).map_err(StepError::Device)
+    }
+
+    fn upload(&self, state: &StepState) -> Result<Scene, StepError> {
+        let input = Input::new(state, &[]);
+        let mut arena = Arena::with_features();
+        let (mut headers, mut words) = (vec![layout::Mesh::default(); state.meshes.len().max(1)], Vec::new());
+        for change in arena.update(&state.meshes)? {
+            match change {
+                Change::Words(at, own) => {
+                    words.resize(words.len().max(at as usize + own.len()), 0);
+                    words[at as usize..at as usize + own.len()].copy_from_slice(&own);
+                }
+                Change::Header(slot, header) => headers[slot as usize] = header,
+            }
+        }
+        let limit = self.gpu.device.limits().max_storage_buffer_binding_size;
+        let bytes = 4 * words.len() as u64;
+        if bytes > limit {
+            return Err(TooLarge {
+                what: "mesh data",
+                bytes,
+                limit,
+            }
+            .into());
+        }
+        self.scoped(|_| Scene {
+            step: self.buffer(&[*input.step()], BufferUsages::UNIFORM),
+            bodies_at: self.buffer(input.bodies(), BufferUsages::STORAGE),
+            planes_at: self.buffer(input.planes(), BufferUsages::STORAGE),
+            meshes: self.buffer(&headers, BufferUsages::STORAGE),
+            words: self.buffer(&words, BufferUsages::STORAGE),
+            bodies: input.len(),
+            planes: state.planes.len() as u32,
+        })
+    }
+
+    /// An array with contents, at least one element long.
+    fn buffer<T: Pod>(&self, elements: &[T], usage: BufferUsages) -> Buffer {
+        let none = [T::zeroed()];
+        let elements = if elements.is_empty() { &none } else { elements };
+        self.gpu.device.create_buffer_init(&BufferInitDescriptor {
+            label: Some("contact input"),
+            contents: cast_slice(elements),
+            usage,
+        })
+    }
+
+    /// Runs everything once, and tells the counters.
+    fn attempt(
+        &self,
+        scene: &Scene,
+        buffers: &ContactBuffers,
+        pairs: &[layout::MarginPair],
+    ) -> Result<Vec<u32>, StepError> {
+        self.scoped(|gpu| {
+            let limits = buffers.sizes.limits(scene.bodies, scene.planes);
+            let mut counters = [0u32; CONTACT_COUNTERS as usize];
+            counters[MARGIN_PAIRS as usize] = pairs.len() as u32;
+            gpu.queue.write_buffer(&buffers.limits, 0, bytes_of(&limits));
+            gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
+            gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
+            let program = self.program(scene, buffers);
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            program.record(
+                Stage::TriangleTest,
+                &mut encoder,
+                scene.bodies,
+                &buffers.arguments,
+                None,
+            );
+            gpu.queue.submit([encoder.finish()]);
+        })?;
+        self.words(&buffers.counters, CONTACT_COUNTERS as usize)
+    }
+
+    fn program(&self, scene: &Scene, buffers: &ContactBuffers) -> Program {
+        let mut builder = Builder::new(&self.gpu, &self.kernels);
+        builder.stage(Stage::TriangleTest);
+        let shared = Shared {
+            step: &scene.step,
+            bodies: &scene.bodies_at,
+            planes: &scene.planes_at,
+            meshes: &scene.meshes,
+            words: &scene.words,
+        };
+        record(&mut builder, shared, buffers);
+        builder.finish()
+    }
+
+    fn words(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, StepError> {
+        read_words(&self.gpu, buffer, words).map_err(StepError::Device)
+    }
+
+    fn read(&self, buffers: &ContactBuffers, counters: &[u32]) -> Result<Manifolds, StepError> {
+        let [pairs, points] = [
+            (CONTACT_PAIRS, size_of::<ContactPair>()),
+            (CONTACT_POINTS, size_of::<ContactPoint>()),
+        ]
+        .map(|(counter, size)| counters[counter as usize] as usize * size / 4);
+        let pairs = self.words(&buffers.contact_pairs, pairs)?;
+        let points = self.words(&buffers.contact_points, points)?;
+        Ok(Manifolds {
+            pairs: cast_slice(&pairs).iter().map(Manifold::from).collect(),
+            points: cast_slice(&points).iter().map(ManifoldPoint::from).collect(),
+        })
+    }
+}
+
+/// What a run is told, on the device.
+struct Scene {
+    step: Buffer,
+    bodies_at: Buffer,
+    planes_at: Buffer,
+    meshes: Buffer,
+    words: Buffer,
+    bodies: u32,
+    planes: u32,
+}
+
+impl From<&ContactPair> for Manifold {
+    fn from(pair: &ContactPair) -> Self {
+        Self {
+            bodies: [pair.a, pair.b],
+            first_point: pair.first_point,
+            point_count: pair.point_count,
+        }
+    }
+}
+
+impl From<&ContactPoint> for ManifoldPoint {
+    fn from(point: &ContactPoint) -> Self {
+        // What stands for it on the device.
+        let roundness = |r: f32| if r >= 1.0e30 { f32::INFINITY } else { r };
+        Self {
+            arms: [Vec3::from(point.arm_a), Vec3::from(point.arm_b)],
+            normal: Vec3::from(point.normal),
+            separation: point.separation,
+            roundness: [roundness(point.roundness_a), roundness(point.roundness_b)],
+            turn: point.turn,
+            faces: [point.face_a, point.face_b],
+        }
+    }
+}

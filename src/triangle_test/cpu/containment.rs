@@ -1,0 +1,127 @@
+//! Whether one body lies inside the other when no faces intersect.
+//!
+//! Without intersecting faces each connected component lies inside a closed mesh as a whole or not at all, so one
+//! vertex of each decides, by the winding number along a ray.
+
+use crate::angles::PAD;
+use crate::geometry::Orientation;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::lanes::{Rows, each, splat, sub};
+use crate::simd::levels::visit;
+use crate::state::mesh_arena::{BoxGroup, MeshArena, MeshSlot};
+use crate::state::{Bodies, Frame, NearPair};
+use glam::{DVec3, Mat3, Vec3};
+use wide::f32x8;
+
+/// Whether either body of the pair is a solid and has some component of the other inside.
+pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
+    let [a, b] = pair.bodies.map(|i| {
+        let i = i as usize;
+        End {
+            slot: &meshes[bodies.mesh[i]],
+            frame: &bodies.frame[i],
+            scale: bodies.scale[i],
+        }
+    });
+    let back = pair.rotation.transpose();
+    let pad = PAD * (bodies.radius[pair.bodies[0] as usize] + bodies.radius[pair.bodies[1] as usize]);
+    a.any_inside(&b, back, -(back * pair.translation), pad) || b.any_inside(&a, pair.rotation, pair.translation, pad)
+}
+
+struct End<'a> {
+    slot: &'a MeshSlot,
+    frame: &'a Frame,
+    scale: Vec3,
+}
+
+impl End<'_> {
+    /// Whether `outer` has a component of this body inside. `rotation` and `translation` lead from the axes of this body,
+    /// about its centre of mass, to those of `outer`.
+    fn any_inside(&self, outer: &End, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
+        if !outer.slot.mesh.mesh.is_solid() {
+            return false;
+        }
+        let matrix = rotation * Mat3::from_diagonal(self.scale);
+        let (turn, spread) = (Rows::new(matrix), Rows::new(matrix.abs()));
+        let aabb = outer.slot.lanes.aabb;
+        let middle = splat(translation - aabb.center() * outer.scale);
+        let outer_half = splat(aabb.half_size() * outer.scale.abs() + pad);
+        // Only saves work, so it may be a little large.
+        let boxed = |group: &BoxGroup| {
+            let (center, half) = (turn.times(group.center), spread.times(group.half));
+            let near = |i: usize| (center[i] + middle[i]).abs().simd_le(half[i] + outer_half[i]);
+            (near(0) & near(1) & near(2)).to_bitmask()
+        };
+        let (mesh, lanes) = (&self.slot.mesh.mesh, &self.slot.lanes);
+        let to_outer = outer.frame.rotation.transpose();
+        let none = visit(&lanes.component_levels, &boxed, &mut |run| {
+            let first = run as usize * CLUSTER;
+            !lanes.components[first..lanes.components.len().min(first + CLUSTER)]
+                .iter()
+                .any(|&v| {
+                    let world = self.frame.rotation * (self.frame.scale * mesh.vertices()[v as usize].as_dvec3())
+                        + (self.frame.position - outer.frame.position);
+                    contains(outer.slot, (to_outer * world) / outer.frame.scale)
+                })
+        });
+        !none
+    }
+}
+
+/// Whether a closed mesh has `p`, in its own space, inside: the signed crossings of the ray from `p` along +z do not
+/// cancel, or, if neighbouring faces disagree about the outside, their number is odd. Corners that count as one are joined, so
+/// that no ray slips through a seam.
+///
+/// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
+pub fn contains(slot: &MeshSlot, p: DVec3) -> bool {
+    let (mesh, lanes) = (&slot.mesh.mesh, &slot.lanes);
+    let from = (p - slot.mesh.mass.center.as_dvec3()).as_vec3();
+    let start = splat(from);
+    // Boxes and start are rounded, by less than a millionth of the mesh, which is about as far as the start can be.
+    let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
+    let met = |group: &BoxGroup| {
+        let [x, y, z] = sub(group.center, start);
+        let half = each(|i| group.half[i] + pad);
+        (x.abs().simd_le(half[0]) & y.abs().simd_le(half[1]) & z.simd_ge(-half[2])).to_bitmask()
+    };
+    let mut winding = 0i32;
+    let mut crossings = 0u32;
+    visit(&lanes.levels, &met, &mut |cluster| {
+        let first = cluster as usize * CLUSTER;
+        for t in first..mesh.triangles().len().min(first + CLUSTER) {
+            let corners = mesh.welded_corners(t).map(|v| v.as_dvec3() - p);
+            if let Some(sign) = crossing(&corners) {
+                winding += sign;
+                crossings += 1;
+            }
+        }
+        true
+    });
+    match mesh.orientation() {
+        Orientation::Mixed => crossings % 2 == 1,
+        _ => winding != 0,
+    }
+}
+
+/// Whether the ray from the origin along +z crosses the triangle, and from which side. A ray through an edge or corner
+/// is moved aside by an infinitely small step, the same for all triangles, so that neighbours never both count it, nor
+/// neither.
+fn crossing(t: &[DVec3; 3]) -> Option<i32> {
+    let left = |p: DVec3, q: DVec3| {
+        // Exactly antisymmetric in p and q, as are the ties: both triangles at an edge agree.
+        let side = p.x * q.y - p.y * q.x;
+        if side != 0.0 {
+            side > 0.0
+        } else {
+            (q.x, q.y) > (p.x, p.y)
+        }
+    };
+    let sides = [left(t[0], t[1]), left(t[1], t[2]), left(t[2], t[0])];
+    if sides != [sides[0]; 3] {
+        return None;
+    }
+    // The plane's height over the origin.
+    let normal = (t[1] - t[0]).cross(t[2] - t[0]);
+    let above = normal.dot(t[0]) * normal.z > 0.0;
+    above.then_some(if sides[0] { 1 } else { -1 })
+}

@@ -1,0 +1,185 @@
+//! Whether two bodies touch at all: the search ends at the first certain hit.
+//!
+//! Down the trees of both meshes, always on at the pair of nodes whose centres are nearest: where bodies overlap, their
+//! surfaces probably cross. What single precision cannot tell is put off until nothing else is left.
+
+use super::placed::{Placed, PlacedList};
+use super::product::first_hit;
+use super::setting::Setting;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::lanes::bits;
+use crate::simd::tree::{Group, Tree};
+
+/// Memory kept between pairs.
+#[derive(Default)]
+pub struct Search {
+    ends: [End; 2],
+    /// Pairs of nodes that may touch, the most promising one last.
+    stack: Vec<[At; 2]>,
+    /// Triangles that may intersect.
+    unsure: Vec<[u32; 2]>,
+}
+
+/// In place of a group: the root, which is in none.
+const ROOT: u32 = u32::MAX;
+
+/// A node: a lane of an opened group, or the root.
+#[derive(Clone, Copy)]
+struct At {
+    group: u32,
+    lane: u8,
+    /// Clusters are on level 0.
+    level: u8,
+}
+
+/// What was opened of one tree, each thing once.
+#[derive(Default)]
+struct End {
+    groups: Vec<Opened>,
+    placed: PlacedList,
+    /// Where each group lies in `groups`, if that one says so too; else anything, so that nothing needs clearing.
+    group_at: Vec<u32>,
+    /// The same for clusters and `placed`.
+    cluster_at: Vec<u32>,
+    /// For each level the number of groups on those below.
+    below: Vec<u32>,
+}
+
+struct Opened {
+    /// Among the groups of all levels.
+    id: u32,
+    parent: u32,
+    group: Group,
+}
+
+impl Search {
+    /// Whether two triangles certainly intersect; if not, calls `sure` for those that may until it agrees.
+    pub fn any(&mut self, setting: &Setting, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
+        let trees = setting.trees();
+        let [a, b] = &mut self.ends;
+        a.start(&trees[0], setting.a.lanes.clusters.len());
+        b.start(&trees[1], setting.b.lanes.clusters.len());
+        self.stack.clear();
+        self.unsure.clear();
+        self.stack.push([0, 1].map(|end| At {
+            group: ROOT,
+            lane: 0,
+            level: trees[end].height() as u8,
+        }));
+        while let Some(at) = self.stack.pop() {
+            if at.iter().all(|at| at.level == 0) {
+                if self.clusters_hit(setting, at) {
+                    return true;
+                }
+            } else {
+                self.open(&trees, at);
+            }
+        }
+        self.unsure.iter().any(sure)
+    }
+
+    fn open(&mut self, trees: &[Tree; 2], at: [At; 2]) {
+        let larger = trees[0].size(at[0].level.into()) >= trees[1].size(at[1].level.into());
+        let end = usize::from(at[1].level > 0 && (at[0].level == 0 || !larger));
+        let other = match self.ends[1 - end].groups.get(at[1 - end].group as usize) {
+            Some(Opened { parent, group, .. }) => group.node(*parent, at[1 - end].lane.into()),
+            None => trees[1 - end].root(),
+        };
+        let group = self.ends[end].children(&trees[end], at[end]);
+        let opened = &self.ends[end].groups[group as usize].group;
+        let meet = other.meets(opened);
+        if meet == 0 {
+            return;
+        }
+        let distances = other.distances(opened);
+        let mut nearest = [(f32::INFINITY, 0); CLUSTER];
+        let mut count = 0;
+        for lane in bits(meet) {
+            // The farthest first.
+            let mut i = count;
+            while i > 0 && nearest[i - 1].0 < distances[lane] {
+                nearest[i] = nearest[i - 1];
+                i -= 1;
+            }
+            nearest[i] = (distances[lane], lane as u8);
+            count += 1;
+        }
+        for &(_, lane) in &nearest[..count] {
+            let mut next = at;
+            next[end] = At {
+                group,
+                lane,
+                level: at[end].level - 1,
+            };
+            self.stack.push(next);
+        }
+    }
+
+    /// Whether triangles of two clusters certainly intersect. Remembers those that may.
+    fn clusters_hit(&mut self, setting: &Setting, at: [At; 2]) -> bool {
+        let [a, b] = &mut self.ends;
+        let a = a.cluster(at[0], |placed, cluster| {
+            setting.place_a(placed, cluster, setting.a.choice.lanes(cluster));
+        });
+        let b = b.cluster(at[1], |placed, cluster| {
+            setting.place_b(placed, cluster, setting.b.choice.lanes(cluster));
+        });
+        first_hit(a, b, &setting.placing, &mut self.unsure)
+    }
+}
+
+impl End {
+    fn start(&mut self, tree: &Tree, clusters: usize) {
+        self.groups.clear();
+        self.placed.clear();
+        self.below.clear();
+        let mut groups = 0;
+        for level in 0..tree.height() {
+            self.below.push(groups);
+            groups += tree.groups(level) as u32;
+        }
+        if self.group_at.len() < groups as usize {
+            self.group_at.resize(groups as usize, 0);
+        }
+        if self.cluster_at.len() < clusters {
+            self.cluster_at.resize(clusters, 0);
+        }
+    }
+
+    fn number(&self, at: At) -> u32 {
+        let group = self.groups.get(at.group as usize);
+        group.map_or(0, |group| group.parent * CLUSTER as u32) + u32::from(at.lane)
+    }
+
+    /// Where a node's children lie in `groups`.
+    fn children(&mut self, tree: &Tree, at: At) -> u32 {
+        let (number, level) = (self.number(at), usize::from(at.level) - 1);
+        let id = self.below[level] + number;
+        let place = &mut self.group_at[id as usize];
+        if self.groups.get(*place as usize).is_none_or(|opened| opened.id != id) {
+            *place = self.groups.len() as u32;
+            self.groups.push(Opened {
+                id,
+                parent: number,
+                group: tree.children(level, number),
+            });
+        }
+        *place
+    }
+
+    /// A cluster, which `place` places if it is not yet.
+    fn cluster(&mut self, at: At, place: impl FnOnce(&mut Placed, u32)) -> &Placed {
+        let number = self.number(at);
+        let known = &mut self.cluster_at[number as usize];
+        let first = number * CLUSTER as u32;
+        if self
+            .placed
+            .get(*known as usize)
+            .is_none_or(|placed| placed.first != first)
+        {
+            *known = self.placed.len() as u32;
+            place(self.placed.push(), number);
+        }
+        &self.placed[*known as usize]
+    }
+}

@@ -1,0 +1,269 @@
+//! Clusters of triangles in the axes of a pair's first body, in the pair's own unit of length.
+//!
+//! Corners are relative to one of the cluster's own, whose place is known in double precision: so rounding is small
+//! beside the cluster, however much larger the bodies are, and single precision can decide about small triangles too.
+
+use super::choice::Choice;
+use super::decide::Eight;
+use crate::geometry::Aabb;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
+use crate::state::mesh_arena::{Cluster, MeshLanes, Points, points};
+use glam::{DVec3, Mat3, Vec3};
+use std::ops::{Deref, DerefMut};
+use wide::f32x8;
+
+/// Placed clusters. Memory is kept, and clusters are placed where they stay: they are large, and moving them costs as much
+/// as placing them.
+#[derive(Default)]
+pub struct PlacedList {
+    /// In the first `len`.
+    slots: Vec<Placed>,
+    len: usize,
+}
+
+impl PlacedList {
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Room for one more, which holds anything.
+    #[inline(always)]
+    pub fn push(&mut self) -> &mut Placed {
+        if self.len == self.slots.len() {
+            self.slots.push(Placed::default());
+        }
+        self.len += 1;
+        &mut self.slots[self.len - 1]
+    }
+
+    /// Forgets the last.
+    #[inline(always)]
+    pub fn pop(&mut self) {
+        self.len -= 1;
+    }
+}
+
+impl Deref for PlacedList {
+    type Target = [Placed];
+    #[inline(always)]
+    fn deref(&self) -> &[Placed] {
+        &self.slots[..self.len]
+    }
+}
+
+impl DerefMut for PlacedList {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [Placed] {
+        &mut self.slots[..self.len]
+    }
+}
+
+/// Eight triangles.
+#[derive(Default)]
+pub struct Placed {
+    /// Triangle in lane 0.
+    pub first: u32,
+    /// What the corners and boxes are relative to: about the first body's centre of mass.
+    pub origin: DVec3,
+    /// The same, rounded.
+    pub at: Vec3,
+    pub corners: [Points; 3],
+    pub min: Points,
+    pub max: Points,
+    pub normal: Points,
+    /// How wrong a height over the triangle's plane, times the normal's length, can be, per error of a coordinate.
+    pub slack: f32x8,
+    /// Lanes that still matter.
+    pub lanes: u32,
+    /// Around those lanes.
+    pub aabb: Aabb,
+    /// The largest coordinate of all corners.
+    pub extent: f32,
+}
+
+/// Error of a coordinate beside the extents of two clusters that meet: a handful of roundings of `2^-24`.
+const ERROR: f32 = 2.0e-6;
+
+/// The power of two that brings `size` between 1 and 2. Multiplying by it is exact.
+pub fn unit_of(size: f32) -> f32 {
+    let exponent = (size.to_bits() >> 23) & 0xff;
+    // Bounding radii are far from the ends of the range, so this is a normal number.
+    f32::from_bits((254 - exponent.clamp(1, 253)) << 23)
+}
+
+/// What holds for all clusters of a pair.
+pub struct Placing {
+    /// The pair's unit of length per metre: a power of two near the inverse of the pair's size. Products of five lengths
+    /// occur, and in this unit none overflows or vanishes, whatever the size of the bodies.
+    pub unit: f32,
+    /// Longest sides of both meshes together.
+    pub reach: f32,
+    /// Rounding allowance of boxes.
+    pub pad: f32,
+    /// How wrong an origin can be.
+    pub origin_error: f32,
+}
+
+impl Placing {
+    /// From the coordinates of `a` to those of `b`, and how wrong a coordinate can be if their boxes meet.
+    #[inline]
+    pub fn between(&self, a: &Placed, b: &Placed) -> (Vec3, f32) {
+        let way = (b.origin - a.origin).as_vec3();
+        (way, ERROR * (a.extent + b.extent) + self.origin_error)
+    }
+}
+
+/// Brings the clusters of a mesh into the pair.
+pub struct Place {
+    matrix: Rows,
+}
+
+impl Place {
+    /// From the mesh's axes.
+    pub fn new(matrix: Mat3) -> Self {
+        Self {
+            matrix: Rows::new(matrix),
+        }
+    }
+
+    /// Places `lanes` of a cluster, whose origin is at `origin`, in metres.
+    #[inline(always)]
+    pub fn cluster(
+        &self,
+        placed: &mut Placed,
+        mesh: &MeshLanes,
+        cluster: u32,
+        lanes: u32,
+        origin: DVec3,
+        placing: &Placing,
+    ) {
+        let Cluster {
+            corners, lanes: all, ..
+        } = &mesh.clusters[cluster as usize];
+        let [p, q, r] = each(|k| self.matrix.times(corners[k]));
+        let (u, v) = (sub(q, p), sub(r, p));
+        let normal = cross(u, v);
+        placed.first = cluster * CLUSTER as u32;
+        placed.origin = origin * f64::from(placing.unit);
+        placed.at = placed.origin.as_vec3();
+        placed.corners = [p, q, r];
+        placed.normal = normal;
+        // The height n . (x - p) is wrong by the error of x and p along n, and by the error of n along x - p, which is
+        // no longer than the two triangles together if their boxes overlap.
+        placed.slack = f32x8::splat(3.0) * (norm1(normal) + (norm1(u) + norm1(v)) * f32x8::splat(placing.reach));
+        let pad = splat(Vec3::splat(0.5 * placing.pad));
+        let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
+        placed.min = sub(low, pad);
+        placed.max = each(|i| high[i] + pad[i]);
+        placed.lanes = *all;
+        placed.fit();
+        placed.extent = placed.aabb.min.abs().max(placed.aabb.max.abs()).max_element();
+        if lanes & all != *all {
+            placed.lanes &= lanes;
+            placed.fit();
+        }
+    }
+}
+
+impl Placed {
+    #[inline]
+    fn keep(&mut self, mask: f32x8) {
+        let lanes = self.lanes & mask.to_bitmask();
+        if lanes != self.lanes {
+            self.lanes = lanes;
+            self.fit();
+        }
+    }
+
+    /// Lanes that `choice` looks at.
+    #[inline]
+    pub fn keep_chosen(&mut self, choice: &Choice) {
+        if let Some(facing) = choice.facing(self.normal) {
+            self.keep(facing);
+        }
+    }
+
+    /// Lanes that reach at least `least` along an axis.
+    #[inline]
+    pub fn keep_beyond(&mut self, axis: Vec3, least: f32) {
+        let along = each(|k| dot(self.corners[k], splat(axis)));
+        let least = f32x8::splat(least - self.at.dot(axis));
+        self.keep(along[0].fast_max(along[1]).fast_max(along[2]).simd_ge(least));
+    }
+
+    /// Lanes in a box that is about the first body's centre.
+    #[inline]
+    pub fn keep_inside(&mut self, aabb: Aabb) {
+        self.keep(boxes_meet(
+            self.min,
+            self.max,
+            splat(aabb.min - self.at),
+            splat(aabb.max - self.at),
+        ));
+    }
+
+    /// The box about the first body's centre.
+    #[inline]
+    pub fn around(&self) -> Aabb {
+        Aabb {
+            min: self.aabb.min + self.at,
+            max: self.aabb.max + self.at,
+        }
+    }
+
+    fn fit(&mut self) {
+        let mut around = Aabb::EMPTY;
+        for lane in bits(self.lanes) {
+            around = around.union(Aabb {
+                min: lane_of(&self.min, lane),
+                max: lane_of(&self.max, lane),
+            });
+        }
+        self.aabb = around;
+    }
+}
+
+/// Two triangles that may intersect.
+#[derive(Clone, Copy)]
+pub struct Candidate {
+    /// Lanes of placed clusters: eight times the place of the cluster, and the lane.
+    pub lanes: [u32; 2],
+    /// [`Placing::between`] their clusters.
+    pub way: Vec3,
+    pub error: f32,
+}
+
+/// Eight pairs of triangles from anywhere among the placed ones: those of the first body, and those of the second in the
+/// coordinates of the first.
+#[inline(always)]
+pub fn gather(a: &[Placed], b: &[Placed], pairs: &[Candidate; CLUSTER]) -> [Eight; 2] {
+    let error = f32x8::new(pairs.each_ref().map(|pair| pair.error));
+    let way = points(|lane| pairs[lane].way);
+    let mut of_b = eight(b, pairs, 1, error);
+    of_b.corners = each(|k| each(|i| of_b.corners[k][i] + way[i]));
+    [eight(a, pairs, 0, error), of_b]
+}
+
+#[inline(always)]
+fn eight(placed: &[Placed], pairs: &[Candidate; CLUSTER], end: usize, error: f32x8) -> Eight {
+    let mut rows = [[0f32; CLUSTER]; 13];
+    for (lane, pair) in pairs.iter().enumerate() {
+        let at = pair.lanes[end] as usize;
+        let (from, i) = (&placed[at / CLUSTER], at % CLUSTER);
+        for axis in 0..3 {
+            for k in 0..3 {
+                rows[3 * k + axis][lane] = from.corners[k][axis].as_array()[i];
+            }
+            rows[9 + axis][lane] = from.normal[axis].as_array()[i];
+        }
+        rows[12][lane] = from.slack.as_array()[i];
+    }
+    let at = |row: usize| each(|i| f32x8::new(rows[row + i]));
+    Eight {
+        corners: [at(0), at(3), at(6)],
+        normal: at(9),
+        tolerance: error * f32x8::new(rows[12]),
+        error,
+    }
+}

@@ -1,0 +1,84 @@
+//! Bodies that reach into half-spaces.
+
+use crate::angles::PAD;
+use crate::parallel::in_order::InOrder;
+use crate::simd::lanes::{bits, dot, splat};
+use crate::simd::levels::visit;
+use crate::state::mesh_arena::{BoxGroup, MeshArena};
+use crate::state::{Bodies, Plane, PlaneContact};
+use crate::types::body::RigidBody;
+use glam::{DVec3, Vec3};
+use wide::f32x8;
+
+/// Memory kept between steps.
+pub type Scratch = InOrder<PlaneContact>;
+
+/// Bodies per task.
+const TASK: usize = 64;
+
+/// Appends the contacts of all dynamic bodies with all planes, by body, then plane.
+pub fn find(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    planes: &[Plane],
+    scratch: &mut Scratch,
+    contacts: &mut Vec<PlaneContact>,
+) {
+    if planes.is_empty() {
+        return;
+    }
+    scratch.extend(contacts, &bodies.kind, TASK, |body, _, contacts| {
+        let planes = planes.iter().enumerate();
+        contacts.extend(planes.filter_map(|(i, plane)| contact(bodies, meshes, body, i as u32, plane)));
+    });
+}
+
+fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: &Plane) -> Option<PlaneContact> {
+    if bodies.kind[body] != RigidBody::Dynamic {
+        return None;
+    }
+    let frame = &bodies.frame[body];
+    let normal = plane.normal.as_dvec3();
+    let height = (normal.dot(frame.center) - plane.distance as f64) as f32;
+    if height >= bodies.radius[body] {
+        return None;
+    }
+    let local = frame.scale * (frame.rotation.transpose() * normal);
+    let direction = splat(local.as_vec3());
+    // Vertices inside, weighted by depth: a body lying flat is held over its whole face, one on its corner there. Each
+    // counts once, however many triangles meet there: a cube that lands flat must not begin to turn.
+    let (mut deepest, mut weight, mut sum) = (0f32, 0f32, Vec3::ZERO);
+    let lanes = &meshes[bodies.mesh[body]].lanes;
+    // Only vertices inside count, so leaving out others, in whatever order, changes no bit of the sums.
+    let size = splat(local.as_vec3().abs());
+    let limit = f32x8::splat(PAD * bodies.radius[body] - height);
+    let reaches = |group: &BoxGroup| {
+        let lowest = dot(group.center, direction) - dot(group.half, size);
+        lowest.simd_lt(limit).to_bitmask()
+    };
+    visit(&lanes.vertex_levels, &reaches, &mut |group| {
+        let (vertices, lanes) = &lanes.vertices[group as usize];
+        let heights = dot(*vertices, direction);
+        for lane in bits(*lanes) {
+            let depth = -(heights.as_array()[lane] + height);
+            if depth > 0.0 {
+                let p = Vec3::from_array(vertices.each_ref().map(|x| x.as_array()[lane]));
+                deepest = deepest.max(depth);
+                weight += depth;
+                sum += depth * p;
+            }
+        }
+        true
+    });
+    let offset: DVec3 = frame.rotation * (frame.scale * (sum / weight).as_dvec3());
+    (deepest > 0.0).then(|| PlaneContact {
+        body: body as u32,
+        plane: index,
+        point: (frame.center + offset).as_vec3(),
+        normal: -plane.normal,
+        depth: deepest,
+        first_point: 0,
+        point_count: 0,
+        impulse: 0.0,
+    })
+}

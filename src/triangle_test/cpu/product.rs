@@ -1,0 +1,264 @@
+//! Pairs of triangles that single precision cannot tell apart.
+
+use super::cull;
+use super::decide::{Eight, beside, decide, decide_by, heights};
+use super::placed::{Candidate, Placed, PlacedList, Placing, gather};
+use super::setting::Setting;
+use crate::geometry::Aabb;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::descent::Descent;
+use crate::simd::lanes::{bits, boxes_meet, each, lane_of, splat};
+use crate::state::mesh_arena::{Points, points};
+use glam::{DVec3, Vec3};
+use wide::f32x8;
+
+/// Memory kept between pairs.
+#[derive(Default)]
+pub struct Scratch {
+    nodes: Vec<u32>,
+    clusters: Vec<u32>,
+    a: PlacedList,
+    b: PlacedList,
+    boxes: Vec<[Points; 2]>,
+    descent: Descent,
+    /// For each of the descent's second clusters its place in `b`.
+    places: Vec<u32>,
+    /// The result: triangles of the first and second mesh.
+    candidates: Vec<Candidate>,
+}
+
+/// Pairs of clusters from which on going down the trees is faster than to cull each body's clusters on their own.
+const MANY: usize = 20_000;
+
+impl Scratch {
+    /// Finds the candidates, and tells how many pairs of triangles had overlapping boxes.
+    pub fn find(&mut self, setting: &Setting) -> u64 {
+        self.candidates.clear();
+        self.a.clear();
+        self.b.clear();
+        if setting.a.lanes.clusters.len() * setting.b.lanes.clusters.len() < MANY {
+            self.all(setting)
+        } else {
+            self.descend(setting)
+        }
+    }
+
+    /// Small meshes: clusters of each body that may touch the other, all against all.
+    fn all(&mut self, setting: &Setting) -> u64 {
+        let Self {
+            nodes, clusters, a, b, ..
+        } = self;
+        let axis = setting.near.axis;
+        let unit = setting.placing.unit;
+        cull::clusters(setting.a.lanes, setting.a.scale, &setting.a_from_b(), nodes, clusters);
+        let least = unit * (setting.near.b_above - setting.pad);
+        let mut around_a = Aabb::EMPTY;
+        for &cluster in clusters.iter() {
+            let lanes = setting.a.choice.lanes(cluster);
+            if lanes == 0 {
+                continue;
+            }
+            let placed = a.push();
+            setting.place_a(placed, cluster, lanes);
+            placed.keep_beyond(axis, least);
+            if placed.lanes != 0 {
+                around_a = around_a.union(placed.around());
+            } else {
+                a.pop();
+            }
+        }
+        if a.is_empty() {
+            return 0;
+        }
+
+        cull::clusters(setting.b.lanes, setting.b.scale, &setting.b_from_a(), nodes, clusters);
+        let most = unit * (setting.near.a_below + setting.pad);
+        let mut around_b = Aabb::EMPTY;
+        for &cluster in clusters.iter() {
+            let lanes = setting.b.choice.lanes(cluster);
+            if lanes == 0 {
+                continue;
+            }
+            let placed = b.push();
+            setting.place_b(placed, cluster, lanes);
+            placed.keep_beyond(-axis, -most);
+            placed.keep_inside(around_a);
+            if placed.lanes != 0 {
+                around_b = around_b.union(placed.around());
+            } else {
+                b.pop();
+            }
+        }
+        for placed in a.iter_mut() {
+            placed.keep_inside(around_b);
+        }
+        self.product(&setting.placing)
+    }
+
+    /// Large meshes: only pairs of clusters that may touch.
+    fn descend(&mut self, setting: &Setting) -> u64 {
+        let [tree_a, tree_b] = setting.trees();
+        self.descent.run(&tree_a, &tree_b);
+        let mut tests = 0;
+        self.places.clear();
+        for cluster in self.descent.second() {
+            self.places.push(self.b.len() as u32);
+            setting.place_b(self.b.push(), cluster, setting.b.choice.lanes(cluster));
+        }
+        for (cluster, others) in self.descent.pairs() {
+            let lanes = setting.a.choice.lanes(cluster);
+            if lanes == 0 {
+                continue;
+            }
+            let index = self.a.len();
+            let placed = self.a.push();
+            setting.place_a(placed, cluster, lanes);
+            for &other in others {
+                let at = self.places[other as usize] as usize;
+                tests += cluster_pair(index, placed, at, &self.b[at], &setting.placing, &mut self.candidates);
+            }
+        }
+        tests
+    }
+
+    /// All clusters of `a` against all of `b`: boxes of clusters, boxes of triangles, planes.
+    fn product(&mut self, placing: &Placing) -> u64 {
+        self.boxes.clear();
+        for run in self.b.chunks(CLUSTER) {
+            let mut lanes = [Aabb::EMPTY; CLUSTER];
+            for (lane, placed) in lanes.iter_mut().zip(run) {
+                *lane = placed.around();
+            }
+            self.boxes.push([points(|i| lanes[i].min), points(|i| lanes[i].max)]);
+        }
+        let mut tests = 0;
+        for (i, a) in self.a.iter().enumerate() {
+            let around = a.around();
+            let (low, high) = (splat(around.min), splat(around.max));
+            for (run, [min, max]) in self.boxes.iter().enumerate() {
+                for lane in bits(boxes_meet(low, high, *min, *max).to_bitmask()) {
+                    let j = run * CLUSTER + lane;
+                    tests += cluster_pair(i, a, j, &self.b[j], placing, &mut self.candidates);
+                }
+            }
+        }
+        tests
+    }
+}
+
+/// Whether triangles of two clusters certainly intersect; if not, those that may are added to `unsure`.
+pub fn first_hit(a: &Placed, b: &Placed, placing: &Placing, unsure: &mut Vec<[u32; 2]>) -> bool {
+    let (way, error) = placing.between(a, b);
+    let mut hit = false;
+    for_each_triangle(a, b, way, error, |i, left, [heights_a, heights_b]| {
+        // Eight at once, although few are wanted: to collect some first costs more, and these may be enough.
+        let error_lanes = f32x8::splat(error);
+        let one = Eight {
+            corners: each(|k| splat(lane_of(&a.corners[k], i) - way)),
+            normal: splat(lane_of(&a.normal, i)),
+            tolerance: f32x8::splat(error * a.slack.as_array()[i]),
+            error: error_lanes,
+        };
+        let all = Eight {
+            corners: b.corners,
+            normal: b.normal,
+            tolerance: error_lanes * b.slack,
+            error: error_lanes,
+        };
+        let verdicts = decide_by([&one, &all], heights_a, heights_b);
+        hit = verdicts.hit & left != 0;
+        if !hit {
+            unsure.extend(bits(verdicts.unsure & left).map(|j| [a.first + i as u32, b.first + j as u32]));
+        }
+        !hit
+    });
+    hit
+}
+
+#[inline]
+fn cluster_pair(
+    index_a: usize,
+    a: &Placed,
+    index_b: usize,
+    b: &Placed,
+    placing: &Placing,
+    candidates: &mut Vec<Candidate>,
+) -> u64 {
+    let (way, error) = placing.between(a, b);
+    for_each_triangle(a, b, way, error, |i, left, _| {
+        for j in bits(left) {
+            candidates.push(Candidate {
+                lanes: [index_a * CLUSTER + i, index_b * CLUSTER + j].map(|at| at as u32),
+                way,
+                error,
+            });
+        }
+        true
+    })
+}
+
+/// Calls `found` for each triangle of `a` that may intersect some of `b`, with the lanes of those, and the heights of each
+/// triangle's corners over the other's plane, until it says no. Tells how many pairs of triangles had overlapping boxes.
+/// `way` and `error` are [`Placing::between`] the two.
+#[inline(always)]
+fn for_each_triangle(
+    a: &Placed,
+    b: &Placed,
+    way: Vec3,
+    error: f32,
+    mut found: impl FnMut(usize, u32, [&[f32x8; 3]; 2]) -> bool,
+) -> u64 {
+    let meet = boxes_meet(a.min, a.max, splat(b.aabb.min + way), splat(b.aabb.max + way));
+    let mut tests = 0;
+    for i in bits(meet.to_bitmask() & a.lanes) {
+        let (low, high) = (lane_of(&a.min, i) - way, lane_of(&a.max, i) - way);
+        let meet = boxes_meet(b.min, b.max, splat(low), splat(high));
+        let overlapping = meet.to_bitmask() & b.lanes;
+        if overlapping == 0 {
+            continue;
+        }
+        tests += overlapping.count_ones() as u64;
+        let corners = each(|k| splat(lane_of(&a.corners[k], i) - way));
+        let heights_b = heights(&b.corners, corners[0], splat(lane_of(&a.normal, i)));
+        let left = overlapping & !beside(&heights_b, f32x8::splat(error * a.slack.as_array()[i]));
+        if left == 0 {
+            continue;
+        }
+        let heights_a = heights(&corners, b.corners[0], b.normal);
+        let left = left & !beside(&heights_a, f32x8::splat(error) * b.slack);
+        if left != 0 && !found(i, left, [&heights_a, &heights_b]) {
+            break;
+        }
+    }
+    tests
+}
+
+/// One candidate, decided.
+pub struct Decided {
+    /// Triangles of the first and second mesh.
+    pub triangles: [u32; 2],
+    /// The common segment about the first body's centre in its axes; `None` if single precision cannot tell.
+    pub segment: Option<[DVec3; 2]>,
+}
+
+impl Scratch {
+    /// Goes through the candidates in order, and reports those that intersect and those that may.
+    pub fn decide(&self, placing: &Placing, mut report: impl FnMut(Decided)) {
+        let metres = 1.0 / f64::from(placing.unit);
+        for run in self.candidates.chunks(CLUSTER) {
+            // Lanes without a candidate repeat the last.
+            let pairs: [Candidate; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
+            let verdicts = decide(&gather(&self.a, &self.b, &pairs));
+            let wanted = (1u32 << run.len()) - 1;
+            for lane in bits((verdicts.hit | verdicts.unsure) & wanted) {
+                let [a, b] = [0, 1].map(|end| pairs[lane].lanes[end] as usize);
+                let (in_a, in_b) = (&self.a[a / CLUSTER], &self.b[b / CLUSTER]);
+                let segment = (verdicts.hit >> lane & 1 == 1).then(|| verdicts.segment(lane));
+                report(Decided {
+                    triangles: [in_a.first + (a % CLUSTER) as u32, in_b.first + (b % CLUSTER) as u32],
+                    segment: segment.map(|ends| ends.map(|p| (in_a.origin + p.as_dvec3()) * metres)),
+                });
+            }
+        }
+    }
+}

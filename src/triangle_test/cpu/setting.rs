@@ -1,0 +1,153 @@
+//! What the test of a pair starts from.
+
+use super::choice::Choice;
+use super::contact::PairView;
+use super::cull::Other;
+use super::placed::{Place, Placed, Placing, unit_of};
+use crate::angles::PAD;
+use crate::geometry::Aabb;
+use crate::simd::tree::{Tree, Way};
+use crate::state::mesh_arena::{MeshArena, MeshLanes};
+use crate::state::{Bodies, NearPair};
+use glam::{DVec3, Mat3, Vec3};
+
+/// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
+const COARSE: usize = 300;
+
+/// A pair in its own unit of length.
+pub struct Setting<'a> {
+    pub a: Side<'a>,
+    pub b: Side<'a>,
+    /// Rounding allowance, in metres.
+    pub pad: f32,
+    pub placing: Placing,
+    pub near: &'a NearPair,
+    view: &'a PairView,
+    back: Mat3,
+}
+
+/// One body of a pair.
+pub struct Side<'a> {
+    pub lanes: &'a MeshLanes,
+    pub choice: Choice<'a>,
+    pub scale: Vec3,
+    pub radius: f32,
+    place: Place,
+}
+
+impl<'a> Setting<'a> {
+    /// `masks` may be overwritten.
+    pub fn new(
+        bodies: &Bodies,
+        meshes: &'a MeshArena,
+        near: &'a NearPair,
+        view: &'a PairView,
+        masks: &'a mut [Vec<u8>; 2],
+    ) -> Self {
+        let [masks_a, masks_b] = masks;
+        let [ia, ib] = near.bodies.map(|i| i as usize);
+        let size = bodies.radius[ia] + bodies.radius[ib];
+        let (unit, pad) = (unit_of(size), PAD * size);
+        let side = |i: usize, view, masks, rotation: Mat3| {
+            let slot = &meshes[bodies.mesh[i]];
+            let scale = bodies.scale[i];
+            Side {
+                lanes: &slot.lanes,
+                choice: Choice::new(view, &slot.mesh, masks),
+                scale,
+                radius: bodies.radius[i],
+                place: Place::new(rotation * Mat3::from_diagonal(unit * scale)),
+            }
+        };
+        let a = side(ia, near.views[0], masks_a, Mat3::IDENTITY);
+        let b = side(ib, near.views[1], masks_b, near.rotation);
+        let reach = |side: &Side| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();
+        Self {
+            pad,
+            placing: Placing {
+                unit,
+                reach: unit * (reach(&a) + reach(&b)),
+                pad: unit * pad,
+                origin_error: 2.0 * unit * view.placing as f32,
+            },
+            a,
+            b,
+            near,
+            view,
+            back: near.rotation.transpose(),
+        }
+    }
+
+    /// Places `lanes` of a cluster of the first body, but for those that its view does not show.
+    #[inline]
+    pub fn place_a(&self, placed: &mut Placed, cluster: u32, lanes: u32) {
+        let origin = self.view.place_a(self.a.lanes.clusters[cluster as usize].origin);
+        self.a.placed(placed, cluster, lanes, origin, &self.placing);
+    }
+
+    /// Places `lanes` of a cluster of the second body, but for those that its view does not show.
+    #[inline]
+    pub fn place_b(&self, placed: &mut Placed, cluster: u32, lanes: u32) {
+        let origin = self.view.place_b(self.b.lanes.clusters[cluster as usize].origin);
+        self.b.placed(placed, cluster, lanes, origin, &self.placing);
+    }
+
+    /// What the first body knows about the second.
+    pub fn a_from_b(&self) -> Other {
+        Other {
+            rotation: self.back,
+            translation: -(self.back * self.near.translation),
+            aabb: scaled(self.b.lanes.aabb, self.b.scale),
+            center: self.near.translation,
+            radius: self.b.radius,
+            axis: self.near.axis,
+            least: self.near.b_above,
+            pad: self.pad,
+        }
+    }
+
+    /// What the second body knows about the first.
+    pub fn b_from_a(&self) -> Other {
+        Other {
+            rotation: self.near.rotation,
+            translation: self.near.translation,
+            aabb: scaled(self.a.lanes.aabb, self.a.scale),
+            center: -(self.back * self.near.translation),
+            radius: self.a.radius,
+            axis: -(self.back * self.near.axis),
+            least: self.near.translation.dot(self.near.axis) - self.near.a_below,
+            pad: self.pad,
+        }
+    }
+
+    /// Both trees.
+    pub fn trees(&self) -> [Tree<'a>; 2] {
+        let Placing { unit, pad, .. } = self.placing;
+        let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > COARSE;
+        let tree = |side: &Side<'a>, second, other: Other| {
+            let way = Way {
+                rotation: other.rotation,
+                translation: unit * other.translation,
+                axis: other.axis,
+                least: unit * other.least,
+            };
+            Tree::new(side.lanes, second, unit * side.scale, way, pad, slabs)
+        };
+        [
+            tree(&self.a, false, self.a_from_b()),
+            tree(&self.b, true, self.b_from_a()),
+        ]
+    }
+}
+
+impl Side<'_> {
+    #[inline(always)]
+    fn placed(&self, placed: &mut Placed, cluster: u32, lanes: u32, origin: DVec3, placing: &Placing) {
+        self.place.cluster(placed, self.lanes, cluster, lanes, origin, placing);
+        placed.keep_chosen(&self.choice);
+    }
+}
+
+fn scaled(aabb: Aabb, scale: Vec3) -> Aabb {
+    Aabb::around([aabb.min * scale, aabb.max * scale])
+}
