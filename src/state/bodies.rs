@@ -5,6 +5,7 @@ use super::{Bodies, Body, Frame, Motion};
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{ExternalForces, RigidBody};
 use glam::{DMat3, DQuat, Mat3, Quat, Vec3};
+#[cfg(feature = "bevy")]
 use std::mem::discriminant;
 use thiserror::Error;
 
