@@ -14,7 +14,7 @@
 //! the triangle test run in each; see [`solver`].
 //!
 //! Each stage has a file per backend: `cpu.rs` runs on rayon, `gpu.rs` declares the kernels in `shaders/` that do the same
-//! on a device (see `crate::gpu`, and `crate::step::gpu::contacts` for a step with contacts). Continuous collision is the CPU's alone:
+//! on a device (see `crate::gpu`, and `crate::step::gpu` for the whole step). Continuous collision is the CPU's alone:
 //! steps with a body that asks for it run there.
 //!
 //! [`state`] holds every array that passes between them. Stages know nothing of the ECS: the plugin copies components

@@ -18,7 +18,7 @@ use crate::state::bodies::BodyFault;
 use crate::state::{Body, Counts, Motion, Plane, StepState};
 use crate::step::dynamics::Memory;
 #[cfg(feature = "gpu")]
-use crate::step::gpu::contacts::memory::DeviceMemory;
+use crate::step::gpu::memory::DeviceMemory;
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
