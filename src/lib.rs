@@ -37,7 +37,6 @@ pub mod sleep;
 pub mod solver;
 pub mod state;
 pub mod step;
-#[cfg(feature = "gpu")]
 pub mod testing;
 pub mod triangle_test;
 pub mod types;
