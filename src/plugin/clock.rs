@@ -26,7 +26,7 @@
 //! `Time<Fixed>` says how long a step is, and nothing here changes it. `Time<Virtual>`, paused or at another speed, holds or
 //! drives the whole game, steps too.
 
-use crate::plugin::FaceoffStep;
+use crate::plugin::schedule::FaceoffStep;
 use crate::plugin::sync::{Step, publish};
 use bevy::prelude::*;
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! Times and counts as Bevy diagnostics, for overlays and logs.
 
 use crate::plugin::collisions::StepReport;
-use crate::plugin::{FaceoffStep, FaceoffSystems};
+use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::types::stage::Stage;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
