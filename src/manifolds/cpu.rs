@@ -2,6 +2,7 @@
 
 mod contour;
 mod feature;
+mod ids;
 mod inside;
 mod near;
 mod pair;
@@ -11,14 +12,17 @@ mod reduce;
 mod side;
 mod smooth;
 
+pub(crate) use feature::Feature;
+pub(crate) use ids::ids;
+pub(crate) use pair::{Pair, Worker};
+pub(crate) use side::PlacedMesh;
+
 use super::MarginPair;
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::per_thread::PerThread;
 use crate::state::Bodies;
 use crate::state::mesh_arena::MeshArena;
-use pair::{Pair, Worker};
 use rayon::prelude::*;
-use side::PlacedMesh;
 
 /// Memory kept between steps.
 #[derive(Default)]

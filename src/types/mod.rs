@@ -2,6 +2,7 @@
 //! feature `bevy` they are components and resources.
 
 pub mod body;
+pub mod feature_id;
 pub mod material;
 pub mod settings;
 pub mod solver_settings;

@@ -157,10 +157,7 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
         normal: patch.normal,
         separation: -depth,
         triangles: segments[patch.first].triangles,
-        origin: Origin::Patch {
-            place: MIDDLE,
-            key,
-        },
+        origin: Origin::Patch { place: MIDDLE, key },
     })
 }
 
