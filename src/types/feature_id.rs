@@ -24,7 +24,9 @@ pub enum FeatureKind {
     /// The inside of a face. The index is that of the face in the input mesh.
     Face,
     /// A place in a region of overlap, which is found by a ray through both bodies. The index stands for the region: it is
-    /// that of an edge or a face of the region's contour, in an order of the bake. It changes when the contour leaves them.
+    /// that of an edge or a face of the region's contour, in an order of the bake. It changes when the contour leaves them,
+    /// and as the region changes its shape its places may exchange numbers: such points may be matched better by where they
+    /// are.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
         place: u8,

@@ -8,7 +8,7 @@ use glam::{DVec3, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
 /// Of the points that are there before and after a small motion, how many there are and how many have the same ids.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Share {
     same: usize,
     all: usize,
@@ -39,48 +39,66 @@ fn by_ids(points: &[MeshContact]) -> HashMap<[FeatureId; 2], &MeshContact> {
 
 #[test]
 fn ids_last_while_bodies_move_a_little() {
-    let mut random = fastrand::Rng::with_seed(5);
-    let mut worker = ContactWorker::new();
-    for (name, mesh) in &meshes()[..3] {
-        // All points, and those of manifolds, of which some are chosen that were not before.
-        let mut shares = [Share::default(), Share::default()];
-        let mut kinds = BTreeMap::new();
-        let (mut named, mut far) = (0, 0);
-        for _ in 0..100 {
-            let [first, mut second] = touching(&mut random, mesh, mesh);
-            let a = first.place(mesh, DVec3::ZERO);
-            let mut find = |b: &Pose| {
-                let b = b.place(mesh, DVec3::ZERO);
-                [points(&mut worker, &a, &b, 0.01), manifold(&mut worker, &a, &b, 0.01)]
-            };
-            let mut before = find(&second);
-            for _ in 0..20 {
-                second = second.moved(&mut random, 2.0e-4, 4.0e-4);
-                let after = find(&second);
-                for i in 0..2 {
-                    shares[i].add(&before[i], &after[i]);
-                }
-                let names = by_ids(&before[0]);
-                for point in &after[0] {
-                    *kinds.entry(point.features.map(|id| id.kind())).or_insert(0) += 1;
-                    if let Some(other) = names.get(&point.features) {
-                        named += 1;
-                        far += usize::from(point.anchors[0].distance(other.anchors[0]) > 0.02);
-                    }
-                }
-                before = after;
+    // As a step of 1/60 s moves bodies at 1 cm/s and at 10 cm/s; `least` is how many percent of the ids have to last.
+    for (motion, least) in [(2.0e-4, 99.5), (2.0e-3, 97.0)] {
+        for (name, mesh) in &meshes()[..3] {
+            for depth in [0.0, 0.03] {
+                let share = ids_that_last(mesh, depth, motion);
+                println!("{name}, {depth} m deeper, moved by {motion} m: {share:?}");
+                assert!(share.all.all > 1000 && share.all.percent() > least);
+                assert!(share.chosen.percent() > least);
+                assert_eq!(share.far, 0);
             }
         }
-        let [all, chosen] = shares.each_ref().map(Share::percent);
-        println!(
-            "{name}: ids last of {all:.2} % of {} points, {chosen:.2} % of {} chosen ones",
-            shares[0].all, shares[1].all
-        );
-        println!("{name}: {far} of {named} points with the same ids are far from each other");
-        println!("{name}: {kinds:?}");
-        assert!(shares[1].all > 2000 && all > 97.0 && chosen > 95.0);
-        assert!(far * 1000 <= named, "{far} of {named}");
     }
+}
+
+#[derive(Debug, Default)]
+struct Shares {
+    /// Of all points.
+    all: Share,
+    /// Of those of manifolds, of which some are chosen that were not before.
+    chosen: Share,
+    /// Points that have ids that a point had before, and how many are far from it. In an overlap places may exchange numbers.
+    named: usize,
+    far: usize,
+    far_in_overlaps: usize,
+    kinds: BTreeMap<[FeatureKind; 2], usize>,
+}
+
+fn ids_that_last(mesh: &CollisionMesh, depth: f32, motion: f32) -> Shares {
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut worker = ContactWorker::new();
+    let mut shares = Shares::default();
+    for _ in 0..50 {
+        let [first, mut second] = touching(&mut random, mesh, mesh);
+        second.translation *= 1.0 - depth;
+        let a = first.place(mesh, DVec3::ZERO);
+        let mut find = |b: &Pose| {
+            let b = b.place(mesh, DVec3::ZERO);
+            [points(&mut worker, &a, &b, 0.01), manifold(&mut worker, &a, &b, 0.01)]
+        };
+        let mut before = find(&second);
+        for _ in 0..20 {
+            second = second.moved(&mut random, motion, 2.0 * motion);
+            let after = find(&second);
+            shares.all.add(&before[0], &after[0]);
+            shares.chosen.add(&before[1], &after[1]);
+            let names = by_ids(&before[0]);
+            for point in &after[0] {
+                *shares.kinds.entry(point.features.map(|id| id.kind())).or_default() += 1;
+                if let Some(other) = names.get(&point.features) {
+                    shares.named += 1;
+                    let is_far = point.anchors[0].distance(other.anchors[0]) > 0.05;
+                    let is_overlap = matches!(point.features[0].kind(), FeatureKind::Overlap { .. });
+                    shares.far += usize::from(is_far && !is_overlap);
+                    shares.far_in_overlaps += usize::from(is_far && is_overlap);
+                }
+            }
+            before = after;
+        }
+    }
+    shares
 }
 
 #[test]
@@ -99,10 +117,11 @@ fn a_box_at_rest_keeps_all_its_ids() {
         for _ in 0..100 {
             let pose = rest.moved(&mut random, 1.0e-4, 1.0e-4);
             let mut found = manifold(&mut worker, &ground, &pose.place(&small, DVec3::ZERO), 0.01);
-            found.retain(|point| point.normal.y > 0.9);
+            // Where a corner sinks in by a thousandth of a millimetre there are points of the overlap beside it.
+            found.retain(|point| point.features[1].kind() == FeatureKind::Vertex);
             let mut ids: Vec<_> = found.iter().map(|point| point.features).collect();
             ids.sort_unstable();
-            assert!(ids.len() >= 4, "{found:?}");
+            assert_eq!(ids.len(), 4, "{found:?}");
             assert_eq!(*wanted.get_or_insert_with(|| ids.clone()), ids, "{found:?}");
         }
     }

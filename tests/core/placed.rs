@@ -9,8 +9,9 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 #[test]
 fn the_box_fits_exactly() {
     let mut random = fastrand::Rng::with_seed(3);
+    let meshes = meshes();
     for case in 0..400 {
-        let (name, mesh) = &meshes()[case % 4];
+        let (name, mesh) = &meshes[case % 4];
         let scale = Vec3::ONE + 0.7 * vector(&mut random);
         let (turn, at) = (rotation(&mut random).as_dquat(), 1e3 * vector(&mut random).as_dvec3());
         let placed = Placed::new(mesh, at, turn, scale).unwrap();
