@@ -1,4 +1,4 @@
-//! The plugin groups of a game and of a headless app.
+//! Plugin groups: [`FaceoffPlugins`] for games, [`FaceoffHeadlessPlugins`] for tests, tools and servers.
 
 use super::assets;
 use super::diagnostics::FaceoffDiagnosticsPlugin;
@@ -6,14 +6,14 @@ use super::step_plugin::StepPlugin;
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
 
-/// Everything of bevy_faceoff, to be added after `DefaultPlugins` or whatever else brings Bevy's `AssetPlugin`.
+/// All plugins of bevy_faceoff. Add them after `DefaultPlugins`, or after other plugins that contain Bevy's `AssetPlugin`.
 ///
 /// With the feature `bevy_render` the stages share the device of the app's renderer: see [`backend`](crate::plugin::backend).
 ///
-/// Parts can be replaced or disabled like those of any plugin group.
+/// Plugins can be replaced or disabled as in any plugin group.
 #[derive(Default)]
 pub struct FaceoffPlugins {
-    /// How the step runs.
+    /// Backend and threads of the step.
     pub step: StepPlugin,
 }
 
@@ -29,15 +29,15 @@ impl PluginGroup for FaceoffPlugins {
     }
 }
 
-/// [`FaceoffPlugins`] and `AssetPlugin`, to be added after `MinimalPlugins`: no window, no renderer, no GPU needed.
+/// [`FaceoffPlugins`] with Bevy's `AssetPlugin`, for apps without a window or renderer. Add them after `MinimalPlugins`.
 ///
-/// Add Bevy's `LogPlugin` too: without it nobody hears why a body is left out, or where the stages run. It is not part of this
-/// group since a process has one log, and tests build many apps.
+/// Add Bevy's `LogPlugin` too. Without it you do not see why a body is rejected, or where the stages run. It is not part of
+/// this group because a process has one logger, while a test process builds many apps.
 #[derive(Default)]
 pub struct FaceoffHeadlessPlugins {
-    /// How the step runs.
+    /// Backend and threads of the step.
     pub step: StepPlugin,
-    /// Where assets lie.
+    /// The asset folder.
     pub assets: AssetPlugin,
 }
 
@@ -52,7 +52,7 @@ impl PluginGroup for FaceoffHeadlessPlugins {
 /// Registers [`CollisionMesh`](crate::asset::CollisionMesh) and its loader.
 ///
 /// # Panics
-/// When it is added without Bevy's `AssetPlugin` before it; the message says what to add.
+/// If Bevy's `AssetPlugin` was not added before. The message says what to add.
 pub struct CollisionMeshPlugin;
 
 impl Plugin for CollisionMeshPlugin {
@@ -60,7 +60,7 @@ impl Plugin for CollisionMeshPlugin {
         assert!(
             app.is_plugin_added::<AssetPlugin>(),
             "FaceoffPlugins needs Bevy's AssetPlugin: add DefaultPlugins before FaceoffPlugins, \
-             or use FaceoffHeadlessPlugins, which brings it"
+             or use FaceoffHeadlessPlugins, which contains it"
         );
         assets::register(app);
     }

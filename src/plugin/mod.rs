@@ -1,16 +1,18 @@
-//! All that knows of Bevy: components, resources, messages, assets, the schedule of the step.
+//! The Bevy plugin: components, resources, messages, assets and the schedule of the step. Needs the feature `bevy`.
+//!
+//! The rest of the crate does not depend on Bevy.
 //!
 //! | to | see |
 //! |---|---|
 //! | add the plugins | [`FaceoffPlugins`], [`FaceoffHeadlessPlugins`] |
-//! | spawn bodies | [`components`], and [`types`](crate::types) for those that the core shares |
+//! | spawn bodies | [`components`], and [`types`](crate::types) for the components that the core shares |
 //! | load meshes | [`assets`] |
-//! | set what holds for all bodies | [`settings`] |
+//! | set gravity, backend and other global settings | [`settings`], and [`types::settings`](crate::types::settings) |
 //! | read results | [`collisions`], [`events`], [`diagnostics`] |
 //! | order systems against the step | [`FaceoffStep`], [`FaceoffSystems`] |
 //! | pause, slow down, step by hand | [`clock`] |
-//! | go back in time | [`snapshot`] |
-//! | know what runs the step | [`backend`] |
+//! | save and restore the state of the simulation | [`snapshot`] |
+//! | see where the step runs | [`backend`] |
 
 pub mod assets;
 pub mod backend;

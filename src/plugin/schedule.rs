@@ -1,29 +1,32 @@
-//! The schedule of a step and its ordered sets.
+//! The schedule of a step, [`FaceoffStep`], and its ordered system sets, [`FaceoffSystems`].
 
 use crate::types::stage::Stage;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 
-/// The schedule of one step. Add systems around [`FaceoffSystems`] to it to see or change what passes between components and
-/// stages; in it `Time` is the clock of the steps, [`Time<Physics>`](super::clock::Physics).
+/// The schedule of one step. To read or write components between the parts of a step, add systems before or after one of the
+/// [`FaceoffSystems`]. Within the schedule the resource `Time` is the physics clock, [`Time<Physics>`](super::clock::Physics).
 ///
-/// It runs in `FixedPostUpdate`, in the system set of the same name: other systems there can be ordered before or after
-/// `FaceoffStep`, and a run condition of the set decides whether there are steps at all.
+/// The schedule runs in `FixedPostUpdate`, in the system set `FaceoffStep`. Order other systems there before or after this
+/// set. A run condition on the set enables or disables the steps.
 ///
-/// To do a step by hand run it yourself, wherever and whenever: `world.run_schedule(FaceoffStep)`. Such a step is as long as the
-/// fixed timestep, even if a clock is paused, and is waited for: results of a GPU are published in it, whatever the
-/// [`Reading`](super::settings::Reading). While [`ActiveBackend`](super::backend::ActiveBackend) has nothing to run on it does nothing.
+/// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. Such a step has the length of the fixed timestep,
+/// even if a clock is paused. It waits for the results of a GPU and publishes them, whatever the
+/// [`Reading`](super::settings::Reading). It does nothing while [`ActiveBackend`](super::backend::ActiveBackend) is neither
+/// `Cpu` nor `Gpu`.
 #[derive(ScheduleLabel, SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct FaceoffStep;
 
 /// The parts of [`FaceoffStep`], in order.
 ///
-/// With [`Response::Contacts`](crate::types::settings::Response) a step may consist of several detection intervals: systems between the stages run in the first
-/// one, and the stages of the others in [`FaceoffSystems::Integrate`]. On a GPU all stages are one submission, made and
-/// waited for in [`FaceoffSystems::BroadPhase`]; systems between them see its results.
+/// With [`Response::Contacts`](crate::types::settings::Response::Contacts) a step may have several collision substeps. Systems
+/// between the stages run in the first collision substep. The stages of the others run in [`FaceoffSystems::Integrate`].
+///
+/// On a GPU all stages are one submission. [`FaceoffSystems::BroadPhase`] submits it and waits for it, so systems between the
+/// stages see its results.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FaceoffSystems {
-    /// Copies components into the stages' arrays and leaves out what cannot be used.
+    /// Reads components into the stages' arrays and rejects invalid bodies.
     Collect,
     /// See [`broad_phase`](crate::broad_phase).
     BroadPhase,
@@ -37,7 +40,8 @@ pub enum FaceoffSystems {
     ForceScan,
     /// See [`integrate`](crate::integrate).
     Integrate,
-    /// Writes poses, velocities, [`Collisions`](super::collisions::Collisions), messages and events.
+    /// Writes poses and velocities to components, and publishes [`Collisions`](super::collisions::Collisions), messages and
+    /// events.
     Publish,
 }
 

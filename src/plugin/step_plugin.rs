@@ -1,4 +1,4 @@
-//! [`StepPlugin`]: resources, messages and the schedule of the fixed step.
+//! [`StepPlugin`]: adds the resources, messages and schedule of the fixed step.
 
 #[cfg(feature = "gpu")]
 use crate::gpu::device::Gpu;
@@ -23,14 +23,14 @@ use crate::types::stage::Stage;
 use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, SingleThreadedExecutor};
 use bevy::prelude::*;
 
-/// Runs the fixed step.
+/// Runs the step in every tick of fixed time.
 #[derive(Clone, Debug, Default)]
 pub struct StepPlugin {
-    /// Where the stages run.
+    /// Where the stages run. Default [`Backend::Auto`].
     pub backend: Backend,
-    /// Threads of the CPU stages; 0 for one per core.
+    /// Number of threads of the CPU stages. 0, the default, means one per core.
     pub threads: usize,
-    /// When results of a GPU reach the world.
+    /// When the results of a GPU are published. Default [`Reading::Auto`].
     pub reading: Reading,
 }
 
@@ -88,7 +88,7 @@ impl Plugin for StepPlugin {
                     .chain(),
             )
             .add_systems((
-                (get_ready.run_if(clock::is_by_hand), clock::begin)
+                (poll_backend.run_if(clock::is_by_hand), clock::begin)
                     .chain()
                     .before(FaceoffSystems::Collect)
                     .ambiguous_with_all(),
@@ -108,7 +108,7 @@ impl Plugin for StepPlugin {
             let run = move |mut step: ResMut<Step>| {
                 step.run(stage);
                 if !step.engine.runs() {
-                    // The device is lost, and another one has to be waited for.
+                    // The device is lost. The next step starts on another device, from the components.
                     step.forget();
                 }
             };
@@ -131,7 +131,7 @@ impl Plugin for StepPlugin {
     }
 }
 
-/// Chooses what the stages run on, if that is not done yet or Bevy's renderer has a new device.
+/// Chooses the backend, if that is still to be done or if Bevy's renderer has a new device.
 fn choose(world: &mut World) {
     renderer::follow(world);
     let Some(mut step) = world.get_resource_mut::<Step>() else {
@@ -144,9 +144,9 @@ fn choose(world: &mut World) {
     }
 }
 
-/// Runs the steps of a tick of fixed time, if there is something to run them on by now.
+/// Runs the steps of a tick of fixed time, if the backend is ready.
 fn run_step(world: &mut World) {
-    get_ready(world);
+    poll_backend(world);
     let engine = &world.resource::<Step>().engine;
     if engine.runs() {
         clock::tick(world);
@@ -157,8 +157,8 @@ fn run_step(world: &mut World) {
     }
 }
 
-/// Takes what there is to run steps on by now, and tells of it.
-fn get_ready(world: &mut World) {
+/// Updates the backend, and logs and publishes it once it is ready.
+fn poll_backend(world: &mut World) {
     choose(world);
     let engine = &mut world.resource_mut::<Step>().engine;
     if let Some(active) = engine.poll() {
@@ -178,7 +178,7 @@ fn get_ready(world: &mut World) {
     }
 }
 
-/// No step will follow that would bring the results of those that are on their way: publishes those of one.
+/// While time stands still no step publishes earlier results: publishes those of one pending step per frame.
 #[cfg(feature = "gpu")]
 fn publish_while_time_stands(world: &mut World) {
     let stands = (world.get_resource::<Time<Virtual>>()).is_some_and(|time| time.delta().is_zero());
@@ -223,22 +223,24 @@ fn register_types(app: &mut App) {
         .register_type::<Time<Physics>>();
 }
 
-/// How many threads the CPU stages run on; 0 without a [`StepPlugin`].
+/// Number of threads of the CPU stages. 0 without a [`StepPlugin`].
 pub fn threads(world: &World) -> usize {
     world
         .get_resource::<Step>()
         .map_or(0, |step| step.engine.pool.current_num_threads())
 }
 
-/// The device that the stages run on, if it is a GPU.
+/// The device on which the stages run, if they run on a GPU.
 #[cfg(feature = "gpu")]
 pub fn gpu(world: &World) -> Option<&Gpu> {
     world.get_resource::<Step>()?.engine.device()
 }
 
-/// Where all bodies are, for shaders that draw them with [`Reading::Resident`], or otherwise without waiting for results:
-/// two poses on the GPU, and the entities in their order. There are none between [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore)
-/// and the next step. `None` if results are not read later than steps run.
+/// The poses of all bodies on the GPU, for shaders that draw them without reading results back: buffers with the poses before
+/// and after the last submitted step, and the entities in the same order.
+///
+/// `None` unless the stages run on a GPU with [`Reading::Latent`] or [`Reading::Resident`]. There are no entities between
+/// [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore) and the next step.
 #[cfg(feature = "gpu")]
 pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {
     let step = world.get_resource::<Step>()?;
