@@ -3,6 +3,7 @@
 //! They are plain data. With the feature `bevy` they are also components and resources.
 
 pub mod body;
+pub mod feature_id;
 pub mod material;
 pub mod settings;
 pub mod solver_settings;
