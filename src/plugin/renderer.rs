@@ -3,12 +3,11 @@
 #[cfg(feature = "bevy_render")]
 pub use shared::recover_from_device_loss;
 #[cfg(feature = "bevy_render")]
-pub(crate) use shared::{follow, is_coming};
+pub(crate) use shared::{is_coming, new_device};
 
 #[cfg(feature = "bevy_render")]
 mod shared {
     use crate::gpu::device::Gpu;
-    use crate::plugin::sync::Step;
     use bevy::prelude::*;
     use bevy::render::RenderPlugin;
     use bevy::render::error_handler::{ErrorType, RenderError, RenderErrorHandler, RenderErrorPolicy};
@@ -17,7 +16,7 @@ mod shared {
     use std::sync::{Arc, Weak};
     use wgpu::Queue;
 
-    /// The renderer's queue when its device was shared last.
+    /// The renderer's queue when its device was returned last.
     ///
     /// It identifies the device, because each device has its own queue. Devices of wgpu do not compare reliably: devices of
     /// two instances may be equal, and the renderer recovers with a new instance.
@@ -29,19 +28,15 @@ mod shared {
         app.is_plugin_added::<RenderPlugin>()
     }
 
-    /// Shares the renderer's device, if it is a new one.
-    pub(crate) fn follow(world: &mut World) {
-        let (Some(device), Some(queue), Some(info)) = (
-            world.get_resource::<RenderDevice>(),
-            world.get_resource::<RenderQueue>(),
-            world.get_resource::<RenderAdapterInfo>(),
-        ) else {
-            return;
-        };
+    /// The renderer's device, if it was not returned before.
+    pub(crate) fn new_device(world: &mut World) -> Option<Gpu> {
+        let device = world.get_resource::<RenderDevice>()?;
+        let queue = world.get_resource::<RenderQueue>()?;
+        let info = world.get_resource::<RenderAdapterInfo>()?;
         let now = Arc::downgrade(&queue.0);
         let before = world.get_resource::<SharedQueue>();
         if before.is_some_and(|SharedQueue(before)| before.ptr_eq(&now)) {
-            return;
+            return None;
         }
         let gpu = Gpu {
             device: device.wgpu_device().clone(),
@@ -49,11 +44,7 @@ mod shared {
             info: (*info.0).clone(),
         };
         world.insert_resource(SharedQueue(now));
-        if let Some(mut step) = world.get_resource_mut::<Step>()
-            && step.engine.share(gpu)
-        {
-            step.forget();
-        }
+        Some(gpu)
     }
 
     /// A `RenderErrorHandler` that recovers from a lost device with Bevy's default settings. The stages continue on the new
@@ -81,12 +72,8 @@ mod shared {
     }
 }
 
-/// There is no renderer.
+/// Without the feature there is no renderer.
 #[cfg(not(feature = "bevy_render"))]
 pub(crate) fn is_coming(_: &bevy::prelude::App) -> bool {
     false
 }
-
-/// There is no renderer.
-#[cfg(not(feature = "bevy_render"))]
-pub(crate) fn follow(_: &mut bevy::prelude::World) {}

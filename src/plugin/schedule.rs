@@ -28,17 +28,17 @@ pub struct FaceoffStep;
 pub enum FaceoffSystems {
     /// Reads components into the stages' arrays and rejects invalid bodies.
     Collect,
-    /// See [`broad_phase`](crate::broad_phase).
+    /// See [`Stage::BroadPhase`].
     BroadPhase,
-    /// See [`angles`](crate::angles).
+    /// See [`Stage::Angles`].
     Angles,
-    /// See [`triangle_test`](crate::triangle_test).
+    /// See [`Stage::TriangleTest`].
     TriangleTest,
-    /// See [`manifolds`](crate::manifolds).
+    /// See [`Stage::Manifolds`].
     Manifolds,
-    /// See [`force_scan`](crate::force_scan).
+    /// See [`Stage::ForceScan`].
     ForceScan,
-    /// See [`integrate`](crate::integrate).
+    /// See [`Stage::Integrate`].
     Integrate,
     /// Writes poses and velocities to components, and publishes [`Collisions`](super::collisions::Collisions), messages and
     /// events.

@@ -133,7 +133,13 @@ impl Plugin for StepPlugin {
 
 /// Chooses the backend, if that is still to be done or if Bevy's renderer has a new device.
 fn choose(world: &mut World) {
-    renderer::follow(world);
+    #[cfg(feature = "bevy_render")]
+    if let Some(gpu) = renderer::new_device(world)
+        && let Some(mut step) = world.get_resource_mut::<Step>()
+        && step.engine.share(gpu)
+    {
+        step.forget();
+    }
     let Some(mut step) = world.get_resource_mut::<Step>() else {
         return;
     };

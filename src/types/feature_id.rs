@@ -1,14 +1,14 @@
-//! Names for the parts of a mesh that touch, which last from step to step.
+//! [`FeatureId`]: persistent ids of the vertices, edges and faces at which meshes touch.
 
 use std::fmt;
 
-/// What of a mesh a contact point is made of, packed into 32 bits.
+/// The feature of a mesh at a contact point, packed into 32 bits.
 ///
-/// Two points of the same two bodies are the same one, some time later, if the ids agree on both sides. The ids of one mesh
-/// do not depend on where it is, on the other body, or on the run of the program: they follow from the input mesh and its
-/// bake settings. None is zero.
+/// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The ids of
+/// a mesh depend only on the input mesh and its bake settings, not on its pose, on the other body, or on the run of the
+/// program. No id is zero.
 ///
-/// An index has 28 bits. Of meshes of more than 89 million faces different features may have the same id.
+/// An index has 28 bits. In a mesh with more than 89 million faces different features may have the same id.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FeatureId(u32);
 
@@ -16,22 +16,24 @@ pub struct FeatureId(u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum FeatureKind {
-    /// A corner. The index is that of the vertex in the input mesh. Of vertices that count as one it is always the same.
+    /// A corner. The index is that of the vertex in the input mesh. Vertices that are welded have the same index.
     Vertex,
-    /// An edge between two faces, or at a rim. The index is three times that of a face at the edge, plus 0 for the edge from
-    /// the face's first corner to its second, 1 for the next, 2 for the last. It is always the same one of the two faces.
+    /// An edge between two faces, or at a boundary. The index is `3 f + e`, where `f` is the index of a face at the edge, and
+    /// `e` is 0 for the edge from the face's first corner to its second, 1 for the next edge and 2 for the last one. Of the two
+    /// faces at an edge it is always the same one.
     Edge,
-    /// The inside of a face. The index is that of the face in the input mesh.
+    /// The interior of a face. The index is that of the face in the input mesh.
     Face,
-    /// A place in a region of overlap, which is found by a ray through both bodies. The index stands for the region: it is
-    /// that of an edge or a face of the region's contour, in an order of the bake. It changes when the contour leaves them,
-    /// and as the region changes its shape its places may exchange numbers: such points may be matched better by where they
-    /// are.
+    /// A place in a region of overlap, found by a ray through both bodies. The index identifies the region: it is that of an
+    /// edge or a face of the region's contour, in an order of the bake.
+    ///
+    /// The index changes when the contour leaves that edge or face, and places may exchange their numbers when the region
+    /// changes its shape. Matching these points by position may be more reliable.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
         place: u8,
     },
-    /// A body that is inside the other, or has the other inside. The index is 0: there is one such point of two bodies.
+    /// One body is wholly inside the other. The index is 0, because a pair has one such point.
     Containment,
 }
 
@@ -42,7 +44,7 @@ const VERTEX: u32 = 1;
 const EDGE: u32 = 2;
 const FACE: u32 = 3;
 const CONTAINMENT: u32 = 4;
-/// The first place; the others follow.
+/// The code of place 0. Those of the other places follow.
 const OVERLAP: u32 = 8;
 
 impl FeatureId {
@@ -57,7 +59,7 @@ impl FeatureId {
         Self(code << INDEX_BITS | index & INDEX)
     }
 
-    /// What kind of feature it is.
+    /// The kind of the feature.
     pub fn kind(self) -> FeatureKind {
         match self.0 >> INDEX_BITS {
             VERTEX => FeatureKind::Vertex,
@@ -70,12 +72,12 @@ impl FeatureId {
         }
     }
 
-    /// Which one of its kind; see [`FeatureKind`].
+    /// The index of the feature within its kind; see [`FeatureKind`].
     pub fn index(self) -> u32 {
         self.0 & INDEX
     }
 
-    /// All of it as a number, which is not zero: the kind in the upper 4 bits, the index in the lower 28.
+    /// The id as a number that is not zero: the kind in the upper 4 bits, the index in the lower 28 bits.
     pub fn bits(self) -> u32 {
         self.0
     }

@@ -20,8 +20,8 @@ pub enum Response {
     /// There is no friction, nothing comes to rest, and overlapping bodies are not pushed apart.
     Impulse,
     /// Each pair gets several contact points, and a solver with friction, restitution, stacking, interlocking and sleeping:
-    /// see [`solver`](crate::solver) and [`SolverSettings`](crate::types::solver_settings::SolverSettings). All triangles take
-    /// part, whatever the [`Culling`].
+    /// see [`SolverSettings`](crate::types::solver_settings::SolverSettings). All triangles take part, whatever the
+    /// [`Culling`].
     ///
     /// It runs on the GPU too. Steps with a body that has
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) run on the CPU. With

@@ -1,6 +1,6 @@
 //! Background jobs of the asset loader, on thread pools other than Bevy's IO pool.
 
-use super::loader::LoadError;
+use super::error::LoadError;
 use crate::projection::{Progress, bake_pool};
 use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
 use std::collections::VecDeque;

@@ -32,18 +32,18 @@
 //!   mesh of a glTF file, write a recipe: `(mesh: "machine.glb", part: (mesh: "Gear"))`.
 //! * Bevy takes everything after the first dot as the extension, so `knot.v2.bake.ron` loads only by type.
 
+use super::error::LoadError;
 use super::jobs::{on_bake_pool, on_compute_pool};
 use crate::asset::collision_mesh::CollisionMesh;
 use crate::asset::format::MAGIC;
 use crate::asset::gltf::MeshPart;
-use crate::asset::import::{ImportError, Imported, Source};
-use crate::asset::recipe::{Recipe, RecipeError, is_recipe};
-use crate::projection::{BakeSettings, Cancelled, SettingsError};
+use crate::asset::import::{Imported, Source};
+use crate::asset::recipe::{Recipe, is_recipe};
+use crate::projection::BakeSettings;
 use bevy::asset::io::Reader;
-use bevy::asset::{AssetLoader, AssetPath, LoadContext, ParseAssetPathError, ReadAssetBytesError};
+use bevy::asset::{AssetLoader, AssetPath, LoadContext};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// Loads `.faceoff` and `.bake.ron` files by extension, and other meshes by type; see the [module](self).
 #[derive(Default, TypePath)]
@@ -58,56 +58,6 @@ pub struct CollisionMeshSettings {
     pub bake: Option<BakeSettings>,
     /// Which part of a glTF file to bake. Overrides the recipe. By default the recipe decides, or the whole scene is baked.
     pub part: Option<MeshPart>,
-}
-
-/// Why a file was not loaded. In the log Bevy prefixes it with the path.
-#[derive(Debug, Error)]
-pub enum LoadError {
-    /// The file could not be read.
-    #[error("{0}")]
-    Read(#[from] std::io::Error),
-    /// The file is not a valid mesh.
-    #[error(transparent)]
-    Import(#[from] ImportError),
-    /// The file is not a valid recipe.
-    #[error(transparent)]
-    Recipe(#[from] RecipeError),
-    /// The settings of the load are invalid.
-    #[error("the load's settings are impossible: {0}")]
-    Settings(#[from] SettingsError),
-    /// The path of the recipe's mesh is not an asset path.
-    #[error("mesh: {path:?} is not an asset path ({source})")]
-    MeshPath {
-        /// The path as it is in the recipe.
-        path: String,
-        /// The reason.
-        source: ParseAssetPathError,
-    },
-    /// A path in a recipe or a glTF file leads out of the asset folder.
-    #[error("it names {0}, which is outside the asset folder; move that file into it")]
-    OutsideFolder(AssetPath<'static>),
-    /// The recipe's mesh, or a file that a glTF file refers to, could not be read.
-    #[error("it names {path}, which cannot be read: {source}")]
-    ReadFile {
-        /// The file.
-        path: AssetPath<'static>,
-        /// The reason.
-        source: Box<ReadAssetBytesError>,
-    },
-    /// The recipe's mesh is not a valid mesh.
-    #[error("the recipe names {path}: {source}")]
-    InMesh {
-        /// The mesh.
-        path: AssetPath<'static>,
-        /// The reason.
-        source: Box<LoadError>,
-    },
-    /// The load was cancelled because its last handle was dropped.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The bake panicked, which is a bug.
-    #[error("the bake panicked: {0}; please report this with the mesh")]
-    Panicked(String),
 }
 
 impl AssetLoader for CollisionMeshLoader {
@@ -241,23 +191,4 @@ async fn load_mesh(
         return Ok(mesh);
     }
     on_bake_pool(move |pool, progress| Ok(mesh.rebake(settings, pool, progress)?)).await
-}
-
-/// Registers the asset and its loader, and its [processor](super::processor) if Bevy processes assets. Further calls do
-/// nothing.
-///
-/// Without Bevy's `AssetPlugin` it logs an error and returns false.
-pub fn register(app: &mut App) -> bool {
-    if !app.world().contains_resource::<AssetServer>() {
-        tracing::error!(
-            "collision meshes are assets: add bevy's AssetPlugin (or DefaultPlugins) before the plugins of bevy_faceoff"
-        );
-        return false;
-    }
-    if !app.world().contains_resource::<Assets<CollisionMesh>>() {
-        app.init_asset::<CollisionMesh>()
-            .register_asset_loader(CollisionMeshLoader);
-        super::processor::register(app);
-    }
-    true
 }
