@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn a_room_is_sided_and_an_open_mesh_has_boundary_edges() {
         let cube = shapes::cube(1.0);
-        let room = cube.clone().turned();
+        let room = cube.clone().flipped();
         let features = MeshFeatures::of(&room);
         for (own, outward) in features.normals.iter().zip(&MeshFeatures::of(&cube).normals) {
             assert_eq!(*own, -outward);
@@ -370,7 +370,7 @@ mod tests {
         assert!(least > 0.27 && most < 0.33, "{least} to {most}");
         assert_eq!(range(&shapes::cube(1.0)), [0.0, 0.0]);
         // Concave edges count as flat, and boundary edges as creases.
-        assert_eq!(range(&shapes::ball(2.0, 4).turned()), [f32::INFINITY; 2]);
+        assert_eq!(range(&shapes::ball(2.0, 4).flipped()), [f32::INFINITY; 2]);
         let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE - Vec3::Z];
         let sheet = TriMesh::new(flat.to_vec(), vec![[0, 1, 2], [1, 3, 2]]).unwrap();
         assert_eq!(range(&sheet), [0.0, 0.0]);

@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn lanes_hold_the_vertices_of_the_features() {
         let torus = shapes::torus_240();
-        for mesh in [torus.clone(), torus.turned()] {
+        for mesh in [torus.clone(), torus.flipped()] {
             let (features, center) = (MeshFeatures::of(&mesh), Vec3::new(0.1, 0.2, 0.3));
             let lanes = MeshLanes::new(&mesh, &features, center);
             let held = lanes.vertices.iter().flat_map(|(points, lanes)| {

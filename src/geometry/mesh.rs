@@ -77,7 +77,7 @@ pub struct TriMesh {
     triangles: Vec<[u32; 3]>,
     face_ids: Vec<u32>,
     dropped: Vec<[u32; 3]>,
-    is_turned: bool,
+    is_flipped: bool,
     topology: Topology,
 }
 
@@ -87,7 +87,7 @@ pub(crate) struct MeshParts {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) face_ids: Vec<u32>,
     pub(crate) dropped: Vec<[u32; 3]>,
-    pub(crate) is_turned: bool,
+    pub(crate) is_flipped: bool,
     pub(crate) weld_tolerance: f32,
 }
 
@@ -144,7 +144,7 @@ impl TriMesh {
             triangles,
             face_ids,
             dropped,
-            is_turned: false,
+            is_flipped: false,
             weld_tolerance: WELD_TOLERANCE,
         }))
     }
@@ -163,7 +163,7 @@ impl TriMesh {
             triangles: parts.triangles,
             face_ids: parts.face_ids,
             dropped: parts.dropped,
-            is_turned: parts.is_turned,
+            is_flipped: parts.is_flipped,
         }
     }
 
@@ -194,11 +194,11 @@ impl TriMesh {
     }
 
     /// The same mesh with the winding of all faces reversed.
-    pub fn turned(mut self) -> Self {
+    pub fn flipped(mut self) -> Self {
         for face in self.triangles.iter_mut().chain(&mut self.dropped) {
             face.swap(1, 2);
         }
-        self.is_turned = !self.is_turned;
+        self.is_flipped = !self.is_flipped;
         if matches!(self.topology.orientation, Orientation::Outward | Orientation::Inward) {
             self.topology.orientation = self.faces().outward_or_inward(&self.topology.welded);
         }
@@ -206,8 +206,8 @@ impl TriMesh {
     }
 
     /// Whether the winding of the faces is reversed relative to the input.
-    pub fn is_turned(&self) -> bool {
-        self.is_turned
+    pub fn is_flipped(&self) -> bool {
+        self.is_flipped
     }
 
     /// All vertices of the input, including unused ones.
@@ -302,7 +302,7 @@ impl TriMesh {
             triangles: order.iter().map(|&t| self.triangles[t as usize]).collect(),
             face_ids: order.iter().map(|&t| self.face_ids[t as usize]).collect(),
             dropped: self.dropped.clone(),
-            is_turned: self.is_turned,
+            is_flipped: self.is_flipped,
             topology: self.topology.clone(),
         }
     }
