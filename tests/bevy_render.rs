@@ -1,6 +1,8 @@
 //! The plugin beside Bevy's renderer: the two share a device, and what one does when the other loses it.
 
+#[path = "common/app.rs"]
 mod app;
+#[path = "common/gpu.rs"]
 mod gpu;
 
 use app::{Sim, ball_like};
@@ -42,7 +44,7 @@ const TESTS: &[Test] = &[
 ];
 
 fn main() {
-    gpu::run(TESTS);
+    gpu::run(&[("renderer", TESTS)], &[]);
 }
 
 /// What a renderer needs, without a window.

@@ -1,7 +1,7 @@
 //! What passes between host and kernels, byte for byte as in `shaders/shared/types.wgsl`, where every field is explained.
 //!
 //! Vectors of three are followed by a scalar that fills their fourth word, so that Rust's layout and WGSL's agree;
-//! `tests/gpu_contract.rs` compares every offset.
+//! `tests/gpu/contract.rs` compares every offset.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -1,5 +1,6 @@
-//! The words that users and stages share: kinds of bodies, materials, settings. Plain data, without an engine; with the
-//! feature `bevy` they are components and resources.
+//! Types that users and stages share: kinds of bodies, materials, settings.
+//!
+//! They are plain data. With the feature `bevy` they are also components and resources.
 
 pub mod body;
 pub mod feature_id;

@@ -1,5 +1,4 @@
 //! The command line, run as a process.
-#![cfg(feature = "cli")]
 
 mod bake;
 mod check;

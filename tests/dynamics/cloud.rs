@@ -1,6 +1,6 @@
 //! Knots that fly into each other, with nothing outside: what they keep.
 
-use crate::motion::Motion;
+use super::motion::Motion;
 use crate::world::{World, any_turn, any_vector};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::{Body, Handling};

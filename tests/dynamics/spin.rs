@@ -1,6 +1,6 @@
 //! A body that turns freely and whose moments of inertia all differ.
 
-use crate::motion::{Motion, inertia};
+use super::motion::{Motion, inertia};
 use crate::world::World;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::types::body::RigidBody;

@@ -1,7 +1,7 @@
 //! What can be said of a single body: forces, locks, damping, limits, and input that makes no sense.
 
-use crate::shapes::Shape;
-use crate::world::{World, check};
+use super::shapes::Shape;
+use super::world::{World, check};
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint};
 use bevy_faceoff::solver::SolverBody;
 use bevy_faceoff::solver::speeds::Speeds;

@@ -1,7 +1,7 @@
 //! Many bodies that meet, with nothing outside: what they keep.
 
-use crate::shapes::Shape;
-use crate::world::{World, check_below};
+use super::shapes::Shape;
+use super::world::{World, check_below};
 use glam::{DVec3, Vec3};
 
 /// 500 balls of mixed sizes that fly at each other.

@@ -1,7 +1,7 @@
 //! Friction: sticking, sliding, rolling, being carried.
 
-use crate::shapes::Shape;
-use crate::world::{World, check, check_below};
+use super::shapes::Shape;
+use super::world::{World, check, check_below};
 use bevy_faceoff::types::body::RigidBody;
 use glam::{DQuat, DVec3, Vec3};
 

@@ -1,7 +1,7 @@
 //! Bodies that overlap when they first meet.
 
-use crate::shapes::Shape;
-use crate::world::{World, check_below};
+use super::shapes::Shape;
+use super::world::{World, check_below};
 use bevy_faceoff::manifolds::ManifoldPoint;
 use bevy_faceoff::solver::Interval;
 use glam::{DQuat, DVec3, Vec3};

@@ -1,7 +1,7 @@
 //! Bodies that ought to stay where they are.
 
-use crate::shapes::Shape;
-use crate::world::{World, check, check_below};
+use super::shapes::Shape;
+use super::world::{World, check, check_below};
 use glam::{DQuat, DVec3, Vec3};
 
 /// The rest offset of unit cubes.

@@ -1,7 +1,7 @@
 //! The same input gives the same bits, whoever computes it; and numbers of bodies mean nothing.
 
-use crate::shapes::Shape;
-use crate::world::{World, check_below};
+use super::shapes::Shape;
+use super::world::{World, check_below};
 use bevy_faceoff::manifolds::Manifolds;
 use bevy_faceoff::solver::SolverBodies;
 use glam::DVec3;

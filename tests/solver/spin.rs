@@ -1,7 +1,7 @@
 //! Bodies that turn freely.
 
-use crate::shapes::Shape;
-use crate::world::{World, check, check_below};
+use super::shapes::Shape;
+use super::world::{World, check, check_below};
 use glam::{DQuat, DVec3, Mat3, Vec3};
 
 const BRICK: Shape = Shape::Box(DVec3::new(1.0, 0.5, 0.2));

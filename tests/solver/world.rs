@@ -1,6 +1,6 @@
 //! A world of spheres, boxes and planes, and what is measured about it.
 
-use crate::shapes::{self, Shape};
+use super::shapes::{self, Shape};
 use bevy_faceoff::manifolds::{Manifold, Manifolds};
 use bevy_faceoff::sleep::cpu::Sleeper;
 use bevy_faceoff::solver::speeds::Speeds;

@@ -1,4 +1,4 @@
-//! Collision meshes as Bevy assets: the loader, the processor, and the pools they work on.
+//! Collision meshes as Bevy assets: the loader, the asset processor, and conversions from and to Bevy's own meshes.
 
 #[cfg(feature = "bevy_mesh")]
 pub mod bevy_mesh;

@@ -1,0 +1,7 @@
+//! Files of meshes and of baked meshes, good and hostile ones.
+
+mod format;
+mod gltf;
+mod hostile_gltf;
+mod import;
+mod stl;

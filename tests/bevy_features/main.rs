@@ -1,0 +1,12 @@
+//! What needs more of Bevy than the plugin itself does: its meshes, its glTF loader, its gizmos.
+
+#[path = "../common/asset_app.rs"]
+mod asset_app;
+#[cfg(feature = "bevy_gltf")]
+mod bevy_gltf;
+#[cfg(feature = "bevy_mesh")]
+mod bevy_mesh;
+#[cfg(feature = "debug_gizmos")]
+mod debug_gizmos;
+#[path = "../common/gltf_files.rs"]
+mod gltf_files;

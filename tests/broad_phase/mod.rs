@@ -1,0 +1,3 @@
+//! The broad phase.
+
+mod grid;

@@ -1,0 +1,132 @@
+//! Meshes of all kinds on random ways, against many poses along them.
+
+use super::oracle::{distance, first_near};
+use super::shapes::{cuboid, moved, sheet};
+use super::world::{Random, World, flight};
+use bevy_faceoff::geometry::{TriMesh, shapes};
+use glam::{DQuat, DVec3, Quat, Vec3};
+use std::f64::consts::TAU;
+
+fn meshes() -> Vec<TriMesh> {
+    let aside = |mesh: &TriMesh| moved(mesh, Quat::from_rotation_x(0.4), Vec3::new(2.0, -1.0, 0.5));
+    vec![
+        sheet(1.4, 1),
+        sheet(1.0, 5),
+        cuboid(Vec3::new(1.2, 0.9, 0.01)),
+        cuboid(Vec3::new(0.004, 0.004, 1.5)),
+        shapes::ball(0.5, 1),
+        aside(&shapes::torus(8, 6, 0.35, 0.15)),
+        aside(&shapes::torus(10, 4, 0.44, 0.06)),
+        aside(&shapes::cube(0.8)),
+    ]
+}
+
+#[derive(Default, Debug)]
+struct Found {
+    stopped: usize,
+    free: usize,
+    near: usize,
+}
+
+/// Random pairs, and how many ended how. `turns` is how often a body turns at most; `samples` is how many poses are
+/// looked at.
+fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Found {
+    let meshes = meshes();
+    let mut world = World::new(&meshes);
+    let mut random = Random::new(seed);
+    let mut found = Found::default();
+    for case in 0..count {
+        world.clear();
+        let middle = random.direction() * far;
+        let slack = random.range(0.002, 0.02);
+        for end in 0..2 {
+            let mesh = random.below(meshes.len());
+            let mut scale = [0; 3].map(|_| random.range(0.4, 1.5) * [1.0, 1.0, -1.0][random.below(3)]);
+            if case % 3 == 0 {
+                scale = [scale[0]; 3];
+            }
+            // They come towards each other, and some pass.
+            let side = [-1.0, 1.0][end];
+            let from = middle + DVec3::X * side * random.range(0.4, 2.0) + random.direction() * 0.5;
+            let travel = DVec3::NEG_X * side * random.range(0.0, 4.0) + random.direction() * 0.7;
+            let turn = random.direction() * random.range(0.0, turns) * TAU;
+            let scale = Vec3::from_array(scale.map(|s| s as f32));
+            world.add(mesh, scale, flight(from, random.rotation(), travel, turn));
+        }
+        let time = world.time(slack as f32);
+        let slack = f64::from(slack as f32);
+        let movers = world.movers();
+        let about = format!("case {case} of {seed}, {time:?}, slack {slack}");
+        // What is lost in single precision: the time, and what is far from the origin.
+        let rounding = 1.0e-6 + 1.0e-14 * far;
+        match time.map(f64::from) {
+            Some(time) => {
+                // Never late.
+                let early = first_near(&movers, slack - rounding, samples, time);
+                assert_eq!(early, None, "{about}: late");
+                // Never early.
+                let gap = distance(&movers, time, 1.0);
+                assert!(gap < 1.25 * slack + rounding, "{about}: {gap} apart");
+                found.stopped += 1;
+            }
+            None if distance(&movers, 0.0, 1.0) < 1.25 * slack + rounding => found.near += 1,
+            None => {
+                let missed = first_near(&movers, slack - rounding, samples, 1.0);
+                assert_eq!(missed, None, "{about}: missed");
+                found.free += 1;
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn without_turns() {
+    let found = compare(1, 160, 0.0, 0.0, 120);
+    assert!(found.stopped > 50 && found.free > 20, "{found:?}");
+}
+
+#[test]
+fn with_turns() {
+    let found = compare(2, 160, 0.5, 0.0, 120);
+    assert!(found.stopped > 50 && found.free > 20, "{found:?}");
+}
+
+#[test]
+fn with_many_turns() {
+    let found = compare(3, 60, 15.0, 0.0, 350);
+    assert!(found.stopped > 20 && found.free > 4, "{found:?}");
+}
+
+#[test]
+fn far_from_the_origin() {
+    let found = compare(4, 120, 1.0, 3.0e6, 120);
+    assert!(found.stopped > 35 && found.free > 10, "{found:?}");
+}
+
+/// What a small body's mesh is beside a large one's.
+#[test]
+fn of_different_sizes() {
+    let mut world = World::new(&[sheet(1.0, 5), shapes::ball(0.5, 1)]);
+    let mut random = Random::new(7);
+    for size in [1.0e-3, 1.0e-5] {
+        for _ in 0..50 {
+            world.clear();
+            let aim = DVec3::new(random.range(-0.4, 0.4), random.range(-0.4, 0.4), 0.0);
+            let way = random.direction();
+            let way = if way.z > 0.0 { -way } else { way } - DVec3::Z * 0.2;
+            world.add(
+                0,
+                Vec3::ONE,
+                flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::ZERO, DVec3::ZERO),
+            );
+            let from = aim - way * 0.5;
+            let turn = random.direction() * 3.0;
+            world.add(1, Vec3::splat(size as f32), flight(from, random.rotation(), way, turn));
+            let slack = 0.1 * size;
+            let time = f64::from(world.time(slack as f32).expect("a hit"));
+            let gap = distance(&world.movers(), time, 1.0) / slack;
+            assert!((0.99..1.26).contains(&gap), "{gap} slacks at size {size}");
+        }
+    }
+}

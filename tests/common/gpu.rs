@@ -1,0 +1,57 @@
+//! The harness of tests that need a graphics card, real or computed on the CPU as by Mesa's lavapipe.
+//!
+//! Without one every test says *ignored*, and why; with `FACEOFF_REQUIRE_GPU=1` it fails instead, so that a machine that
+//! is meant to have one cannot skip them unnoticed. The device is opened once. Tests run one after the other unless told
+//! otherwise: lavapipe uses all cores for each.
+
+#![allow(dead_code)]
+
+use bevy_faceoff::gpu::device::{self, Gpu, NoGpu};
+use libtest_mimic::{Arguments, Completion, Failed, Trial};
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+/// A name, and what to do with the device.
+pub type Test = (&'static str, fn(&Gpu));
+
+/// A name, and what to do without a device.
+pub type Plain = (&'static str, fn());
+
+/// Runs the tests that the command line names, and ends the process. Each test is called after its group.
+pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
+    let mut arguments = Arguments::from_args();
+    arguments.test_threads = arguments.test_threads.or(Some(1));
+    let device: Arc<OnceLock<Result<Gpu, NoGpu>>> = Arc::default();
+    let required = std::env::var_os("FACEOFF_REQUIRE_GPU").is_some_and(|value| value != "0");
+    let mut trials = Vec::new();
+    for (group, tests) in anywhere {
+        trials.extend(tests.iter().map(|&(name, test)| {
+            Trial::test(format!("{group}::{name}"), move || {
+                test();
+                Ok(())
+            })
+        }));
+    }
+    for (group, tests) in on_device {
+        trials.extend(tests.iter().map(|&(name, test)| {
+            let device = device.clone();
+            Trial::ignorable_test(format!("{group}::{name}"), move || match device.get_or_init(open) {
+                Ok(gpu) => {
+                    let start = Instant::now();
+                    test(gpu);
+                    print!("{:.1} s ", start.elapsed().as_secs_f32());
+                    Ok(Completion::Completed)
+                }
+                Err(reason) if required => Err(Failed::from(reason.to_string())),
+                Err(reason) => Ok(Completion::ignored_with(reason)),
+            })
+        }));
+    }
+    libtest_mimic::run(&arguments, trials).exit()
+}
+
+fn open() -> Result<Gpu, NoGpu> {
+    let gpu = device::open(true)?;
+    println!("on {} ({:?})", gpu.info.name, gpu.info.device_type);
+    Ok(gpu)
+}

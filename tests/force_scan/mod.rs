@@ -1,0 +1,3 @@
+//! The response that gives each pair one contact and one impulse.
+
+mod impulses;

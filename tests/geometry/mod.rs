@@ -1,0 +1,6 @@
+//! Meshes and their mathematics.
+
+mod mass;
+mod mesh;
+mod triangle;
+mod weld;

@@ -1,0 +1,653 @@
+//! Results that are read two steps later, or stay on the GPU: they are those of steps that wait, two steps later, and what
+//! users write in between is neither lost nor overwritten.
+
+use crate::app::{STEP, Sim, ball_like, resting};
+use crate::gpu::Test;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::gpu::readback::read_words;
+use bevy_faceoff::plugin::settings::LATENCY;
+use bevy_faceoff::prelude::*;
+
+pub const TESTS: &[Test] = &[
+    ("results_are_those_of_waiting_steps_two_steps_later", same_later),
+    ("lists_that_are_too_short_are_made_longer_in_flight", overflow),
+    ("what_users_write_is_neither_lost_nor_overwritten", writes),
+    ("bodies_and_meshes_come_and_go_in_flight", churn),
+    ("a_body_that_leaves_and_returns_gets_no_old_result", returns),
+    ("a_lost_device_loses_no_body", lost),
+    ("nothing_moves_until_the_kernels_are_compiled", ready),
+    ("resident_bodies_move_on_the_gpu_alone", resident),
+    (
+        "contacts_are_the_same_wherever_components_say_bodies_are",
+        same_contacts,
+    ),
+    ("a_kinematic_body_is_as_fast_in_every_reading", kinematic_speed),
+    ("a_snapshot_brings_everything_back", snapshots),
+    ("a_step_by_hand_is_waited_for", by_hand),
+    ("who_steps_by_hand_alone_gets_the_device_too", ready_by_hand),
+    ("a_paused_clock_publishes_what_is_on_its_way", paused),
+    ("poses_after_a_snapshot_are_those_of_the_bodies_told", restored_poses),
+    ("all_is_published_while_time_stands_still", virtual_paused),
+    ("sleepers_are_counted_on_the_gpu_alone", sleepers),
+];
+
+/// An app whose clock stands still until the device is ready.
+fn app(backend: Backend, reading: Reading) -> Sim {
+    let mut sim = opening(backend, reading);
+    await_device(&mut sim);
+    sim
+}
+
+/// The same before the device is ready.
+fn opening(backend: Backend, reading: Reading) -> Sim {
+    let mut sim = Sim::with_step(StepPlugin {
+        backend,
+        threads: 1,
+        reading,
+    });
+    sim.world().insert_resource(Response::Impulse);
+    sim
+}
+
+fn await_device(sim: &mut Sim) {
+    while active(sim) == "opening" {
+        std::thread::sleep(STEP);
+        sim.step(1);
+    }
+}
+
+fn active(sim: &Sim) -> &'static str {
+    sim.app.world().resource::<ActiveBackend>().name()
+}
+
+/// The same app twice: on a GPU that is waited for, and on one that is not.
+fn both() -> [Sim; 2] {
+    [Reading::Lockstep, Reading::Latent].map(|reading| app(Backend::Gpu, reading))
+}
+
+/// Bodies in a cube of this size, with random velocities.
+fn crowd(sim: &mut Sim, count: usize, size: f32) -> Vec<Entity> {
+    let torus = sim.mesh(&shapes::torus_240());
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut point = move |size: f32| size * (Vec3::from_array([0; 3].map(|_| random.f32())) - 0.5);
+    sim.spawn((
+        PlaneCollider::through(Vec3::Y * -0.6 * size, Vec3::Y),
+        Restitution::new(0.5),
+    ));
+    (0..count)
+        .map(|i| {
+            let body = sim.spawn(ball_like(&torus, point(size), point(2.0)));
+            let spin = AngularVelocity(point(3.0));
+            sim.set(body, spin);
+            if i % 10 == 0 {
+                sim.set(body, RigidBody::Kinematic);
+            }
+            body
+        })
+        .collect()
+}
+
+type Pose = (Entity, Transform, LinearVelocity, AngularVelocity);
+
+fn poses(sim: &mut Sim) -> Vec<Pose> {
+    let world = sim.world();
+    let mut query = world.query_filtered::<(Entity, &Transform, &LinearVelocity, &AngularVelocity), With<RigidBody>>();
+    let mut poses: Vec<_> = query.iter(world).map(|(e, t, v, w)| (e, *t, *v, *w)).collect();
+    poses.sort_unstable_by_key(|&(entity, ..)| entity);
+    poses
+}
+
+/// What a step told of collisions, to the last bit.
+fn told(sim: &Sim) -> String {
+    let collisions: Vec<_> = sim.collisions().iter().collect();
+    let report = sim.report();
+    format!("{collisions:?} {} {}", report.sphere_pairs, report.triangle_tests)
+}
+
+/// Runs both apps and compares each step of the first with that of the second `LATENCY` steps later.
+///
+/// `act` tells which body it put somewhere: that one is there at once, on both sides.
+fn compare(sims: &mut [Sim; 2], steps: usize, mut act: impl FnMut(&mut Sim, usize) -> Option<Entity>) {
+    let [waits, latent] = sims;
+    let mut history = Vec::new();
+    let mut placed = Vec::new();
+    for step in 0..steps {
+        let of_both = [&mut *waits, &mut *latent].map(|sim| {
+            let placed = act(sim, step);
+            sim.step(1);
+            placed
+        });
+        assert_eq!(of_both[0], of_both[1]);
+        placed.push(of_both[0]);
+        history.push((told(waits), poses(waits)));
+        if step >= LATENCY {
+            let (told_then, poses_then) = &history[step - LATENCY];
+            assert!(told(latent) == *told_then, "collisions of step {step} differ");
+            let now = poses(latent);
+            // Bodies that came or went since are not the same on both sides.
+            for pose in poses_then {
+                let placed = placed[step + 1 - LATENCY..].contains(&Some(pose.0));
+                if let Some(found) = now.iter().find(|found| found.0 == pose.0 && !placed) {
+                    assert_eq!(found, pose, "step {step}");
+                }
+            }
+        }
+    }
+    assert_eq!(latent.report().in_flight, LATENCY);
+    assert_eq!(waits.report().in_flight, 0);
+}
+
+fn same_later(_: &Gpu) {
+    let mut sims = both();
+    let [one, other] = sims.each_mut().map(|sim| crowd(sim, 60, 4.0));
+    assert_eq!(one, other);
+    compare(&mut sims, 40, |_, _| None);
+    let [waits, latent] = &mut sims;
+    assert!(waits.started.len() > 20, "{}", waits.started.len());
+    // The last two steps' messages are still to come.
+    assert!(waits.started.starts_with(&latent.started));
+    assert!(waits.ended.starts_with(&latent.ended));
+    assert!(waits.started.len() - latent.started.len() < 20);
+}
+
+fn overflow(_: &Gpu) {
+    let mut sims = both();
+    for sim in &mut sims {
+        // More of everything than there is room for at first, once they come near each other.
+        for body in crowd(sim, 300, 20.0) {
+            let velocity = -0.4 * sim.position(body);
+            sim.set(body, (LinearVelocity(velocity), RigidBody::Dynamic));
+        }
+        sim.app.insert_resource(Response::None);
+        sim.app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
+        sim.app.insert_resource(Time::<Fixed>::from_duration(STEP));
+    }
+    compare(&mut sims, 12, |sim, step| {
+        // Ten steps in one, so that lists grow from step to step.
+        if step == 0 {
+            for body in poses(sim) {
+                let velocity = 10.0 * body.2.0;
+                sim.set(body.0, LinearVelocity(velocity));
+            }
+        }
+        None
+    });
+    let report = sims[1].report();
+    // There was room for 4096 at first.
+    assert!(report.face_pairs > 5000, "{report:?}");
+}
+
+fn writes(_: &Gpu) {
+    let mut sim = app(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
+    sim.step(5);
+    // Three steps of results in five.
+    assert_eq!(sim.position(body).x, 3.0 / 64.0);
+
+    let place = Vec3::new(0.0, 10.0, 0.0);
+    sim.set(body, Transform::from_translation(place));
+    for steps in 1..=6 {
+        sim.step(1);
+        let since = (steps as f32 - LATENCY as f32).max(0.0) / 64.0;
+        assert_eq!(sim.position(body), place + Vec3::X * since, "{steps} steps later");
+    }
+
+    // Two pushes, one step apart, before the results of the first are there.
+    let push = |sim: &mut Sim, push| sim.world().get_mut::<LinearVelocity>(body).unwrap().0 += push;
+    push(&mut sim, Vec3::Y * 2.0);
+    sim.step(1);
+    assert_eq!(sim.velocity(body), Vec3::new(1.0, 2.0, 0.0));
+    push(&mut sim, Vec3::Z);
+    for _ in 0..6 {
+        sim.step(1);
+        assert_eq!(sim.velocity(body), Vec3::new(1.0, 2.0, 1.0));
+    }
+    let start = sim.position(body);
+    sim.step(64);
+    assert_eq!(sim.position(body) - start, Vec3::new(1.0, 2.0, 1.0));
+
+    // Gravity goes on while a push is on its way.
+    sim.app.insert_resource(Gravity(Vec3::NEG_Y * 64.0));
+    sim.step(4);
+    let before = sim.velocity(body);
+    assert_eq!(before, Vec3::new(1.0, 0.0, 1.0));
+    push(&mut sim, Vec3::Y * 100.0);
+    sim.step(4);
+    assert_eq!(sim.velocity(body), Vec3::new(1.0, 96.0, 1.0));
+
+    // Properties that the step does not change hold from the next step on.
+    sim.app.insert_resource(Gravity(Vec3::ZERO));
+    sim.step(3);
+    sim.set(body, RigidBody::Static);
+    // Where the body is and not where it is seen.
+    let there = sim.position(body) + sim.velocity(body) * LATENCY as f32 / 64.0;
+    sim.step(6);
+    assert!(sim.position(body).distance(there) < 1.0e-5);
+    let there = sim.position(body);
+    sim.set(body, RigidBody::Dynamic);
+    sim.step(4);
+    assert_eq!(sim.position(body) - there, sim.velocity(body) * 2.0 / 64.0);
+}
+
+fn churn(_: &Gpu) {
+    let mut sims = both();
+    let cube = shapes::cube(0.8);
+    for sim in &mut sims {
+        crowd(sim, 30, 3.0);
+    }
+    compare(&mut sims, 40, |sim, step| {
+        let bodies = poses(sim);
+        let (first, last) = (bodies[0].0, bodies[bodies.len() - 1].0);
+        let place = Vec3::new(0.1 * step as f32 - 2.0, 0.2, 0.0);
+        match step % 6 {
+            0 => {
+                sim.world().despawn(first);
+            }
+            1 => {
+                let mesh = sim.get::<MeshCollider>(last);
+                sim.spawn(ball_like(&mesh, place, Vec3::NEG_X));
+            }
+            2 => {
+                let mesh = sim.mesh(&cube);
+                sim.set(last, mesh);
+            }
+            3 => {
+                sim.set(last, Transform::from_translation(place));
+                return Some(last);
+            }
+            4 => {
+                let mesh = sim.mesh(&cube);
+                sim.spawn(resting(&mesh, place));
+            }
+            _ => {}
+        }
+        None
+    });
+    assert!(sims[0].started.len() > 20);
+}
+
+fn returns(_: &Gpu) {
+    let mut sim = app(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let other = sim.spawn(ball_like(&torus, Vec3::Y * 9.0, Vec3::Z));
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
+    sim.step(4);
+    sim.world().entity_mut(body).remove::<MeshCollider>();
+    sim.step(1);
+    sim.set(body, (torus.clone(), Transform::from_xyz(0.0, 4.0, 0.0)));
+    sim.step(2);
+    assert_eq!(sim.position(body), Vec3::Y * 4.0);
+    sim.step(1);
+    assert_eq!(sim.position(body), Vec3::new(1.0 / 64.0, 4.0, 0.0));
+    assert_eq!(sim.position(other).z, 6.0 / 64.0);
+    // Numbers move up when a body before this one goes.
+    sim.world().despawn(other);
+    let third = sim.spawn(ball_like(&torus, Vec3::Y * -9.0, Vec3::Z));
+    sim.step(3);
+    assert_eq!(sim.position(body), Vec3::new(4.0 / 64.0, 4.0, 0.0));
+    assert_eq!(sim.position(third), Vec3::new(0.0, -9.0, 1.0 / 64.0));
+}
+
+fn lost(_: &Gpu) {
+    let mut sim = app(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
+    sim.step(10);
+    assert_eq!(sim.position(body).x, 8.0 / 64.0);
+    let gpu = bevy_faceoff::plugin::gpu(sim.app.world()).unwrap();
+    gpu.device.destroy();
+    // Results that had arrived before are published first.
+    let mut failures = 0;
+    for _ in 0..=LATENCY {
+        sim.step(1);
+        failures += sim.world().resource_mut::<Messages<BackendFailed>>().drain().count();
+        if failures > 0 {
+            break;
+        }
+    }
+    assert_eq!(failures, 1);
+    assert_eq!(active(&sim), "gpu");
+    // The step that failed ran again, from where the component was.
+    let start = sim.position(body).x;
+    assert!(start >= 8.0 / 64.0);
+    sim.step(9);
+    assert_eq!(sim.position(body).x, start + 8.0 / 64.0);
+}
+
+fn ready(_: &Gpu) {
+    let mut sim = opening(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
+    assert_eq!(active(&sim), "opening");
+    let mut told = Vec::new();
+    for _ in 0..3000 {
+        sim.step(1);
+        told.extend(sim.world().resource_mut::<Messages<BackendReady>>().drain());
+        if !told.is_empty() {
+            break;
+        }
+        assert_eq!(sim.position(body), Vec3::ZERO);
+        assert_eq!(sim.report().step, 0);
+        std::thread::sleep(STEP);
+    }
+    // The first step ran in the update that told.
+    sim.step(LATENCY);
+    assert_eq!(sim.position(body).x, 1.0 / 64.0);
+    told.extend(sim.world().resource_mut::<Messages<BackendReady>>().drain());
+    assert_eq!(told.len(), 1);
+    assert_eq!(told[0].active, *sim.app.world().resource::<ActiveBackend>());
+}
+
+fn resident(_: &Gpu) {
+    let [mut waits, mut sim] = [Reading::Lockstep, Reading::Resident].map(|reading| app(Backend::Gpu, reading));
+    let [one, other] = [&mut waits, &mut sim].map(|sim| crowd(sim, 40, 3.0));
+    assert_eq!(one, other);
+    let start = poses(&mut sim);
+    let mut reports = Vec::new();
+    for step in 0..20 {
+        if step == 10 {
+            for sim in [&mut waits, &mut sim] {
+                sim.set(one[5], Transform::from_xyz(0.0, 0.3, 0.0));
+            }
+        }
+        waits.step(1);
+        sim.step(1);
+        reports.push((waits.report().touching_pairs, waits.report().face_pairs));
+        if step >= LATENCY {
+            let report = sim.report();
+            assert_eq!((report.touching_pairs, report.face_pairs), reports[step - LATENCY]);
+        }
+    }
+    assert!(reports.iter().all(|&(pairs, _)| pairs > 0));
+    let mut end = poses(&mut sim);
+    let moved = end.iter().position(|pose| pose.0 == one[5]).unwrap();
+    end[moved].1 = start[moved].1;
+    assert_eq!(start, end, "components stay as users left them");
+    assert!(sim.collisions().is_empty() && sim.started.is_empty());
+
+    let snapshot = Snapshot::take(sim.world());
+    let wanted = poses(&mut waits);
+    assert_eq!(snapshot.bodies().len(), wanted.len());
+    for ((entity, motion), pose) in snapshot.bodies().zip(&wanted) {
+        assert_eq!(entity, pose.0);
+        assert_eq!(
+            (motion.position, motion.rotation),
+            (pose.1.translation, pose.1.rotation)
+        );
+        assert_eq!((motion.linear_velocity, motion.angular_velocity), (pose.2.0, pose.3.0));
+    }
+
+    // The same on the device, and one step of motion between the two buffers.
+    let world = sim.app.world();
+    let gpu = bevy_faceoff::plugin::gpu(world).unwrap();
+    let (buffers, entities) = bevy_faceoff::plugin::poses(world).unwrap();
+    let entities: Vec<Entity> = entities.collect();
+    let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(words[k])));
+    let [stride_before, stride_after] = [36, 16];
+    let before = read_words(gpu, buffers.previous, stride_before * entities.len()).unwrap();
+    let after = read_words(gpu, buffers.current, stride_after * entities.len()).unwrap();
+    assert_eq!(buffers.bodies as usize, entities.len());
+    for (i, entity) in entities.iter().enumerate() {
+        let pose = wanted.iter().find(|pose| pose.0 == *entity).unwrap();
+        let position = vector(&after[stride_after * i..]);
+        assert_eq!(position, pose.1.translation);
+        let step = position - vector(&before[stride_before * i..]);
+        assert!((step - pose.2.0 / 64.0).length() < 0.1, "{step}");
+        assert!(step != Vec3::ZERO);
+    }
+}
+
+fn snapshots(_: &Gpu) {
+    for (backend, reading) in [
+        (Backend::Cpu, Reading::Latent),
+        (Backend::Gpu, Reading::Lockstep),
+        (Backend::Gpu, Reading::Latent),
+        (Backend::Gpu, Reading::Resident),
+    ] {
+        let mut sim = app(backend, reading);
+        let bodies = crowd(&mut sim, 40, 3.0);
+        sim.step(10);
+        let start = Snapshot::take(sim.world());
+        sim.step(10);
+        let end = Snapshot::take(sim.world());
+        assert_ne!(start, end);
+        assert_eq!(start.restore(sim.world()), []);
+        assert_eq!(Snapshot::take(sim.world()), start, "{backend:?} {reading:?}");
+        sim.step(10);
+        assert_eq!(
+            Snapshot::take(sim.world()).bodies().collect::<Vec<_>>(),
+            end.bodies().collect::<Vec<_>>(),
+            "{backend:?} {reading:?}"
+        );
+        // What users write after the last step is in it.
+        sim.set(bodies[0], Transform::from_xyz(7.0, 7.0, 7.0));
+        let snapshot = Snapshot::take(sim.world());
+        let (_, motion) = snapshot.bodies().find(|&(entity, _)| entity == bodies[0]).unwrap();
+        assert_eq!(motion.position, Vec3::splat(7.0));
+        sim.world().despawn(bodies[1]);
+        assert_eq!(snapshot.restore(sim.world()), [bodies[1]]);
+        sim.step(4);
+        assert!(sim.position(bodies[0]).distance(Vec3::splat(7.0)) < 0.5);
+    }
+}
+
+/// A body that flies along x, a metre a step.
+fn flyer(reading: Reading) -> (Sim, Entity) {
+    let mut sim = app(Backend::Gpu, reading);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
+    (sim, body)
+}
+
+/// Where the body is after the last step, whether its components say so or not.
+fn reached(sim: &mut Sim, body: Entity) -> f32 {
+    let snapshot = Snapshot::take(sim.world());
+    let (_, motion) = snapshot.bodies().find(|&(entity, _)| entity == body).unwrap();
+    motion.position.x
+}
+
+fn by_hand(_: &Gpu) {
+    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
+        let (mut sim, body) = flyer(reading);
+        sim.step(5);
+        sim.world().resource_mut::<Time<Virtual>>().pause();
+        for steps in 6..9 {
+            sim.world().run_schedule(FaceoffStep);
+            assert_eq!(reached(&mut sim, body), steps as f32, "{reading:?}");
+            assert_eq!(sim.report().in_flight, 0, "{reading:?}");
+            if reading != Reading::Resident {
+                assert_eq!(sim.position(body).x, steps as f32, "{reading:?}");
+            }
+        }
+        sim.world().resource_mut::<Time<Virtual>>().unpause();
+        sim.step(LATENCY + 1);
+        assert_eq!(reached(&mut sim, body), (8 + LATENCY + 1) as f32, "{reading:?}");
+    }
+}
+
+fn ready_by_hand(_: &Gpu) {
+    let mut sim = opening(Backend::Gpu, Reading::Latent);
+    let torus = sim.mesh(&shapes::torus_240());
+    let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
+    for _ in 0..3000 {
+        sim.world().run_schedule(FaceoffStep);
+        if active(&sim) != "opening" {
+            break;
+        }
+        assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
+        std::thread::sleep(STEP);
+    }
+    assert_eq!(active(&sim), "gpu");
+    assert_eq!((sim.position(body).x, sim.report().step), (1.0, 1));
+    assert_eq!(sim.world().resource::<Time<Physics>>().elapsed(), STEP);
+    assert_eq!(sim.world().resource_mut::<Messages<BackendReady>>().drain().count(), 1);
+}
+
+fn paused(_: &Gpu) {
+    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
+        let is_resident = reading == Reading::Resident;
+        let (mut sim, body) = flyer(reading);
+        let zone = sim.mesh(&shapes::cube(0.5));
+        // Entered as the fifth step begins.
+        sim.spawn((zone, Transform::from_xyz(4.6, 0.0, 0.0), Sensor));
+        sim.step(5);
+        sim.world().resource_mut::<Time<Physics>>().pause();
+        sim.step(1);
+        assert_eq!(sim.report().in_flight, 0, "{reading:?}");
+        let steps = sim.report().step;
+        assert_eq!(sim.started.len(), usize::from(!is_resident), "{reading:?}");
+        let shown = |sim: &Sim| if is_resident { None } else { Some(sim.position(body).x) };
+        let wanted = |x: f32| Some(x).filter(|_| !is_resident);
+        assert_eq!(shown(&sim), wanted(5.0), "{reading:?}");
+        sim.step(3);
+        assert_eq!(sim.report().step, steps, "{reading:?}");
+
+        // What waits for the clock is not used up.
+        let push = ExternalForces {
+            impulse: Vec3::Y,
+            ..default()
+        };
+        sim.set(body, push);
+        sim.step(2);
+        assert_eq!(sim.get::<ExternalForces>(body), push);
+        sim.world().resource_mut::<Time<Physics>>().step_once();
+        sim.step(2);
+        assert_eq!(sim.get::<ExternalForces>(body), ExternalForces::default());
+        assert_eq!(shown(&sim), wanted(6.0), "{reading:?}");
+        assert_eq!(reached(&mut sim, body), 6.0, "{reading:?}");
+        assert_eq!(sim.report().in_flight, 0);
+
+        let mut time = sim.world().resource_mut::<Time<Physics>>();
+        time.unpause();
+        time.set_relative_speed(0.5);
+        sim.step(4);
+        assert_eq!(reached(&mut sim, body), 8.0, "{reading:?}");
+    }
+}
+
+fn restored_poses(_: &Gpu) {
+    let mut sim = app(Backend::Gpu, Reading::Resident);
+    crowd(&mut sim, 5, 3.0);
+    sim.step(4);
+    let snapshot = Snapshot::take(sim.world());
+    let counts = |sim: &Sim| {
+        let (poses, entities) = bevy_faceoff::plugin::poses(sim.app.world()).unwrap();
+        (poses.bodies as usize, entities.count())
+    };
+    assert_eq!(counts(&sim), (5, 5));
+    snapshot.restore(sim.world());
+    let (bodies, entities) = counts(&sim);
+    assert_eq!(bodies, entities);
+    sim.step(1);
+    assert_eq!(counts(&sim), (5, 5));
+}
+
+fn virtual_paused(_: &Gpu) {
+    for response in [Response::Impulse, Response::Contacts] {
+        let mut sims = both();
+        let bodies = sims.each_mut().map(|sim| {
+            sim.app.insert_resource(response);
+            let torus = sim.mesh(&shapes::torus_240());
+            // They begin to touch in the fifth step.
+            let x = 1.5 + 4.5 / 64.0;
+            sim.spawn((torus.clone(), RigidBody::Static));
+            sim.spawn(ball_like(&torus, Vec3::X * x, Vec3::NEG_X))
+        });
+        assert_eq!(bodies[0], bodies[1]);
+        let [waits, latent] = &mut sims;
+        waits.step(6);
+        latent.step(6);
+        assert_eq!(latent.report().in_flight, LATENCY);
+        let published = latent.report().step;
+        latent.world().resource_mut::<Time<Virtual>>().pause();
+        // What is said while time stands still is not lost.
+        let acting = ExternalForces {
+            impulse: Vec3::Y,
+            ..default()
+        };
+        latent.set(bodies[1], acting);
+        latent.step(LATENCY + 3);
+        assert_eq!(latent.report().step, published + LATENCY as u64, "{response:?}");
+        assert_eq!(latent.report().in_flight, 0);
+        assert_eq!(latent.started, waits.started);
+        assert_eq!(poses(latent), poses(waits));
+        assert_eq!(latent.get::<ExternalForces>(bodies[1]).impulse, Vec3::Y);
+
+        latent.world().resource_mut::<Time<Virtual>>().unpause();
+        latent.set(bodies[1], ExternalForces::default());
+        waits.step(6);
+        latent.step(6 + LATENCY);
+        assert_eq!(poses(latent), poses(waits), "{response:?}");
+        assert_eq!(latent.started, waits.started);
+        assert_eq!(latent.ended, waits.ended);
+    }
+}
+
+fn sleepers(_: &Gpu) {
+    let mut sim = app(Backend::Gpu, Reading::Resident);
+    sim.app
+        .insert_resource(Response::Contacts)
+        .insert_resource(Gravity::default());
+    let cube = sim.mesh(&shapes::cube(1.0));
+    sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+    let bodies = [0.0, 5.0, 10.0].map(|x| sim.spawn(resting(&cube, Vec3::new(x, 0.505, 0.0))));
+    sim.step(128);
+    assert_eq!(sim.report().sleeping, 3);
+    sim.set(bodies[1], Sleeping(false));
+    sim.step(1 + LATENCY);
+    assert_eq!(sim.report().sleeping, 2);
+    sim.step(128);
+    assert_eq!(sim.report().sleeping, 3);
+}
+
+/// Cubes fall from one place, far from where they end, in three readings.
+fn same_contacts(_: &Gpu) {
+    let mut worlds = [Reading::Lockstep, Reading::Latent, Reading::Resident].map(|reading| {
+        let mut sim = app(Backend::Gpu, reading);
+        sim.app
+            .insert_resource(Response::Contacts)
+            .insert_resource(Gravity::default());
+        let cube = sim.mesh(&shapes::cube(0.5));
+        sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+        for i in 0..6 {
+            let place = Vec3::new(0.07 * i as f32, 0.3 + 0.6 * i as f32, 40.0);
+            let body = sim.spawn(resting(&cube, place));
+            sim.set(body, AngularVelocity(Vec3::new(0.3, 0.1 * i as f32, 0.2)));
+        }
+        sim
+    });
+    for step in 0..60 {
+        let [wanted, latent, resident] = worlds.each_mut().map(|sim| {
+            sim.step(1);
+            let snapshot = Snapshot::take(sim.world());
+            snapshot
+                .bodies()
+                .map(|(entity, motion)| (entity, *motion))
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(latent, wanted, "latent, step {step}");
+        assert_eq!(resident, wanted, "resident, step {step}");
+    }
+}
+
+/// How many intervals a step needs follows from how fast bodies are, whenever results are read.
+fn kinematic_speed(_: &Gpu) {
+    let intervals = [Reading::Lockstep, Reading::Latent, Reading::Resident].map(|reading| {
+        let mut sim = app(Backend::Gpu, reading);
+        sim.app.insert_resource(Response::Contacts);
+        let cube = sim.mesh(&shapes::cube(0.2));
+        sim.spawn(resting(&cube, Vec3::ZERO));
+        for k in 1..4 {
+            let body = sim.spawn(resting(&cube, Vec3::Y * 2.0 * k as f32));
+            sim.set(body, (RigidBody::Kinematic, LinearVelocity(Vec3::X * 10.0)));
+        }
+        sim.step(8);
+        sim.report().intervals
+    });
+    // 10 m/s are 0.16 m a step, a quarter of the thickness is 0.05 m.
+    assert_eq!(intervals, [4; 3]);
+}

@@ -1,0 +1,85 @@
+//! What bodies do that lie on, hang on and fall onto each other, on the device: the scenes of `tests/dynamics`, smaller, and
+//! the same scenes on both sides.
+
+#[path = "../../dynamics/bounce.rs"]
+mod bounce;
+#[path = "../../dynamics/chain.rs"]
+mod chain;
+#[path = "../../dynamics/cloud.rs"]
+mod cloud;
+#[path = "../../dynamics/incline.rs"]
+mod incline;
+#[path = "../../dynamics/motion.rs"]
+mod motion;
+mod parity;
+#[path = "../../dynamics/pour.rs"]
+mod pour;
+#[path = "../../dynamics/rest.rs"]
+mod rest;
+#[path = "../../dynamics/same_bits.rs"]
+mod same_bits;
+mod sleep;
+#[path = "../../dynamics/small_games.rs"]
+mod small_games;
+#[path = "../../dynamics/spin.rs"]
+mod spin;
+
+use crate::gpu::Test;
+use crate::world;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::step::gpu::GpuStep;
+use glam::Vec3;
+
+/// Lets all worlds of a test move on the device.
+fn on(gpu: &Gpu) {
+    let mut device = world::DEVICE.lock().unwrap_or_else(|poisoned| {
+        world::DEVICE.clear_poison();
+        poisoned.into_inner()
+    });
+    if device.is_none() {
+        *device = Some(GpuStep::new(gpu.clone()).unwrap());
+    }
+}
+
+macro_rules! tests {
+    ($($name:ident: $work:expr;)*) => {
+        [$((stringify!($name), (|gpu| {
+            on(gpu);
+            $work
+        }) as fn(&Gpu))),*]
+    };
+}
+
+pub const TESTS: &[Test] = &tests! {
+    what_moves_freely_moves_as_on_the_cpu: parity::free();
+    what_bounces_once_bounces_as_on_the_cpu: parity::single_contact();
+    a_stack_settles_as_on_the_cpu: parity::stack();
+    a_pile_comes_to_rest_as_on_the_cpu: parity::pile();
+    the_same_pairs_points_and_touches_are_told: parity::reports();
+    a_pile_moves_by_the_same_bits: assert!(same_bits::bits(1, 90, 10) == same_bits::bits(1, 90, 10));
+    a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
+    what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
+    nothing_is_carried_to_bodies_that_are_new: sleep::numbers_change();
+    a_body_that_grows_does_not_jump: sleep::sizes_change();
+    balls_leave_a_wall_by_their_restitution: bounce::ball_on_wall(1.0, 30.0, 2, &mut fastrand::Rng::with_seed(8));
+    balls_leave_each_other_by_their_restitution: bounce::ball_on_ball(0.5, 0.5, 2, &mut fastrand::Rng::with_seed(7));
+    a_cube_rests_on_a_mesh: rest::cube(1.0, 4);
+    four_cubes_stand_on_each_other: rest::stack(4, 4);
+    a_pyramid_of_six_stands: rest::pyramid(3, 4);
+    five_rings_lie_on_each_other: rest::check("rings", &rest::rings(0.0, 0, 3), 0.02, 0.02);
+    a_box_sticks_below_the_angle_of_friction: incline::sticks(3);
+    a_box_slides_above_the_angle_of_friction: incline::slides(35.0);
+    a_ball_rolls_down_a_mesh: assert!(incline::rolling_error(10.0, false, 1).abs() < 0.03);
+    a_ball_rolls_down_a_half_space: assert!(incline::rolling_error(10.0, true, 1).abs() < 0.03);
+    a_squeezed_knot_keeps_angular_momentum_and_energy: spin::keeps_turning(Vec3::new(6.0, 0.5, 6.0), 5);
+    a_knot_that_spins_about_its_middle_axis_flips: assert!(spin::flips(spin::axes()[1], 12) >= 1);
+    a_chain_of_four_hangs_is_shaken_and_holds: chain::hangs_and_is_shaken(4, [3, 2, 1]);
+    thirty_mixed_knots_keep_momentum_and_gain_no_energy: cloud::keeps_momentum(30, 120, true);
+    five_knots_poured_into_a_bin_come_to_rest: pour::pour(5, 2.3, 3);
+    what_all_bodies_have_in_common_changes_nothing: small_games::formation(&shapes::ball(0.25, 2), 2, 0.501, 8);
+    what_is_pushed_out_does_not_sleep_before_it_is_out: small_games::pushed_out(&shapes::ball(0.5, 2), 0.6);
+    two_that_overlap_part_before_they_sleep: small_games::overlapping(&shapes::cube(1.0), 2, Vec3::X * 0.3);
+    three_in_the_same_place_part: small_games::overlapping(&shapes::torus_240(), 3, Vec3::ZERO);
+    a_swarm_that_lands_is_not_looked_at_from_afar: small_games::swarm(2, 26.0);
+};

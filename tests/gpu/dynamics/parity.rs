@@ -1,0 +1,245 @@
+//! The same scene on both sides.
+
+use super::motion::Motion;
+use crate::world::{World, any_turn, any_vector};
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::state::{Body, Plane};
+use bevy_faceoff::types::body::RigidBody;
+use glam::{Quat, Vec3};
+
+/// The scene on the CPU and on the device.
+fn both(scene: impl Fn() -> World) -> [World; 2] {
+    let mut cpu = scene();
+    cpu.on_cpu = true;
+    [cpu, scene()]
+}
+
+/// How far apart bodies are on both sides, relative to how large they are, and how much their velocities differ, m/s.
+fn apart([cpu, gpu]: &[World; 2]) -> (f64, f32) {
+    let count = cpu.state.bodies.len();
+    let mut most = (0.0f64, 0.0f32);
+    for i in 0..count {
+        let [a, b] = [cpu, gpu].map(|world| &world.state.bodies);
+        let size = f64::from(a.radius[i]);
+        let turned = 2.0 * (a.rotation[i] * b.rotation[i].dot(a.rotation[i]).signum() - b.rotation[i]).length();
+        let moved = cpu.center(i).distance(gpu.center(i)) / size;
+        let velocity = a.linear_velocity[i].distance(b.linear_velocity[i]);
+        let spin = a.angular_velocity[i].distance(b.angular_velocity[i]) * a.radius[i];
+        most = (most.0.max(moved + f64::from(turned)), most.1.max(velocity + spin));
+    }
+    most
+}
+
+fn second(worlds: &mut [World; 2]) -> (f64, f32) {
+    let mut most = (0.0f64, 0.0f32);
+    for _ in 0..64 {
+        worlds.iter_mut().for_each(World::step);
+        let now = apart(worlds);
+        most = (most.0.max(now.0), most.1.max(now.1));
+    }
+    most
+}
+
+/// Bodies that turn and fall past each other.
+pub fn free() {
+    let mut worlds = both(|| {
+        let mut world = World::new();
+        let meshes = [&shapes::knot_1120(), &shapes::cube(1.0), &shapes::ring()].map(|mesh| world.mesh(mesh));
+        let mut random = fastrand::Rng::with_seed(31);
+        for i in 0..12 {
+            let at = Vec3::new(3.0 * i as f32, 2.0, 0.0);
+            let mut body = Body {
+                linear_velocity: any_vector(&mut random) * 2.0,
+                angular_velocity: any_vector(&mut random) * 6.0,
+                ..Body::at_rest(meshes[i % 3], at, any_turn(&mut random), Vec3::new(0.5, 1.0, 1.3))
+            };
+            body.handling.linear_damping = 0.1 * (i % 4) as f32;
+            body.handling.angular_damping = 0.2 * (i % 3) as f32;
+            world.put(&body);
+        }
+        world
+    });
+    let (place, velocity) = second(&mut worlds);
+    println!("free: {place:.1e} of the radius apart, {velocity:.1e} m/s");
+    assert!(place < 1.0e-3 && velocity < 1.0e-3);
+}
+
+/// A ball on a mesh, a ball on a half-space, and two balls.
+pub fn single_contact() {
+    let scenes: [(&str, fn() -> World); 3] = [
+        ("ball on mesh", || {
+            let mut world = World::new();
+            let cube = world.mesh(&shapes::cube(1.0));
+            let ball = world.mesh(&shapes::ball_320());
+            world.floor(cube);
+            bouncing(&mut world, ball, Vec3::new(0.1, 0.8, 0.2), Vec3::new(1.0, -1.0, 0.3));
+            world
+        }),
+        ("ball on half-space", || {
+            let mut world = World::new();
+            let ball = world.mesh(&shapes::ball_320());
+            world.state.planes.push(Plane::default());
+            bouncing(&mut world, ball, Vec3::Y * 0.9, Vec3::X);
+            world
+        }),
+        ("two balls", || {
+            let mut world = World::weightless();
+            let ball = world.mesh(&shapes::ball_320());
+            bouncing(&mut world, ball, Vec3::ZERO, Vec3::X);
+            let other = bouncing(&mut world, ball, Vec3::new(1.5, 0.2, 0.1), Vec3::NEG_X);
+            // Turned as the first one their points would be equally deep, and the order of such is anybody's.
+            world.state.bodies.rotation[other] = Quat::from_rotation_z(1.1);
+            world
+        }),
+    ];
+    for (name, scene) in scenes {
+        let mut worlds = both(scene);
+        let (place, velocity) = second(&mut worlds);
+        println!("{name}: {place:.1e} of the radius apart, {velocity:.1e} m/s");
+        assert!(place < 1.0e-3, "{name}: {place}");
+    }
+}
+
+fn bouncing(world: &mut World, mesh: u32, at: Vec3, velocity: Vec3) -> usize {
+    world.put(&Body {
+        linear_velocity: velocity,
+        restitution: 0.5,
+        ..Body::at_rest(mesh, at, Quat::from_rotation_x(0.3), Vec3::ONE)
+    })
+}
+
+/// Cubes on each other, askew, that sink into place.
+pub fn stack() {
+    let mut worlds = both(|| {
+        let mut world = World::new();
+        let cube = world.mesh(&shapes::cube(1.0));
+        world.floor(cube);
+        for i in 0..3 {
+            let at = Vec3::new(0.1 * i as f32, 0.53 + 1.03 * i as f32, 0.07 * i as f32);
+            let turn = Quat::from_rotation_y(0.3 * i as f32);
+            world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, turn);
+        }
+        world
+    });
+    let mut first = (0.0, 0.0);
+    for second_number in 0..3 {
+        let now = second(&mut worlds);
+        if second_number == 0 {
+            first = now;
+        }
+    }
+    let rest = apart(&worlds);
+    println!(
+        "stack: {:.1e} of the radius apart in the first second, {:.1e} at rest",
+        first.0, rest.0
+    );
+    assert!(first.0 < 1.0e-3 && rest.0 < 1.0e-3);
+}
+
+/// Chaos parts the two; energy, momentum and heights stay alike.
+pub fn pile() {
+    let mut worlds = both(|| {
+        let mut world = World::new();
+        let meshes = [
+            &shapes::cube(1.0),
+            &shapes::torus_240(),
+            &shapes::ring(),
+            &shapes::ball_320(),
+        ];
+        let meshes = meshes.map(|mesh| world.mesh(mesh));
+        world.floor(meshes[0]);
+        let mut random = fastrand::Rng::with_seed(21);
+        for i in 0..8 {
+            let at = Vec3::new(0.4 * (i % 2) as f32, 0.8 + 0.8 * (i / 2) as f32, 0.4 * (i % 3) as f32);
+            world.add(
+                RigidBody::Dynamic,
+                meshes[i % 4],
+                Vec3::splat(0.7),
+                at,
+                any_turn(&mut random),
+            );
+        }
+        world
+    });
+    for _ in 0..64 * 4 {
+        worlds.iter_mut().for_each(World::step);
+    }
+    let [cpu, gpu] = worlds.each_ref().map(|world| {
+        let count = world.state.bodies.len();
+        let heights: Vec<f64> = (1..count).map(|i| world.center(i).y).collect();
+        let motion = Motion::of(world);
+        let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+        let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+        println!(
+            "mean height {mean:.4} m, lowest {lowest:.4} m, kinetic energy {:.2e} J, deepest {:.2e} m, asleep {}",
+            motion.kinetic,
+            world.deepest(),
+            world.state.asleep.iter().filter(|&&asleep| asleep).count()
+        );
+        (mean, lowest, motion.kinetic, world.deepest())
+    });
+    assert!((cpu.0 - gpu.0).abs() < 0.25 * cpu.0, "the pile is as high");
+    for side in [cpu, gpu] {
+        assert!(side.1 > 0.04, "nothing sinks into the floor");
+        assert!(side.2 < 0.5, "it comes to rest");
+        assert!(side.3 < 0.05, "little overlap");
+    }
+}
+
+/// Step by step from the same poses: who touches whom, where, and how strongly.
+pub fn reports() {
+    let mut worlds = both(|| {
+        let mut world = World::new();
+        let cube = world.mesh(&shapes::cube(1.0));
+        let knot = world.mesh(&shapes::knot_1120());
+        world.add(
+            RigidBody::Static,
+            cube,
+            Vec3::new(1.0, 4.0, 4.0),
+            Vec3::X * 1.1,
+            Quat::IDENTITY,
+        );
+        world.state.planes.push(Plane::default());
+        let mut random = fastrand::Rng::with_seed(5);
+        for i in 0..5 {
+            let at = Vec3::new(0.1 * i as f32 - 0.2, 0.6 + 0.8 * i as f32, 0.0);
+            world.add(RigidBody::Dynamic, knot, Vec3::ONE, at, any_turn(&mut random));
+        }
+        world
+    });
+    let (mut pairs, mut planes, mut points) = (0, 0, 0);
+    let (mut missed, mut impulses) = (0, [0.0f32; 2]);
+    for _ in 0..80 {
+        worlds.iter_mut().for_each(World::step);
+        let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
+        assert_eq!(cpu.intervals, gpu.intervals);
+        let bodies = |state: &bevy_faceoff::state::StepState| -> Vec<[u32; 2]> {
+            state.contacts.pairs.iter().map(|pair| pair.bodies).collect()
+        };
+        let (of_cpu, of_gpu) = (bodies(cpu), bodies(gpu));
+        missed += of_cpu.iter().filter(|pair| !of_gpu.contains(pair)).count();
+        missed += of_gpu.iter().filter(|pair| !of_cpu.contains(pair)).count();
+        pairs += of_cpu.len();
+        let on_planes = [cpu, gpu].map(|state| state.contacts.planes.len());
+        missed += on_planes[0].abs_diff(on_planes[1]);
+        planes += on_planes[0];
+        points += gpu.manifolds.points.len();
+        for (sum, state) in impulses.iter_mut().zip([cpu, gpu]) {
+            *sum += state.contacts.pairs.iter().map(|pair| pair.impulse).sum::<f32>();
+        }
+        // The device goes on from where the CPU is, so that chaos does not part the two.
+        let poses: Vec<_> = (0..worlds[0].state.bodies.len())
+            .map(|i| worlds[0].state.bodies.motion(i))
+            .collect();
+        for (i, motion) in poses.iter().enumerate() {
+            worlds[1].state.bodies.set_motion(i, motion);
+        }
+        worlds[1].place_frames();
+    }
+    println!(
+        "{pairs} pairs and {planes} on planes, {missed} on one side only; {points} points; impulses sum to {impulses:?} N s"
+    );
+    assert!(pairs > 40 && planes > 20 && points > 500);
+    assert!(missed <= (pairs + planes) / 50, "{missed}");
+    assert!((impulses[0] - impulses[1]).abs() < 0.02 * impulses[0]);
+}

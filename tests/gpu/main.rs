@@ -1,0 +1,44 @@
+//! The stages on a GPU, against the same stages on the CPU.
+
+#[cfg(feature = "bevy")]
+#[path = "../common/app.rs"]
+mod app;
+#[cfg(feature = "bevy")]
+mod apps;
+#[cfg(feature = "cli")]
+mod cli;
+mod contract;
+mod dynamics;
+#[path = "../common/gpu.rs"]
+mod gpu;
+mod manifolds;
+#[path = "../common/oracle/mod.rs"]
+mod oracle;
+mod parity;
+mod primitives;
+mod solver;
+#[path = "../common/world.rs"]
+mod world;
+
+fn main() {
+    gpu::run(
+        &[
+            ("primitives", primitives::TESTS),
+            ("parity", parity::TESTS),
+            ("manifolds", manifolds::TESTS),
+            ("solver", solver::TESTS),
+            ("dynamics", dynamics::TESTS),
+            #[cfg(feature = "bevy")]
+            ("apps::backend", apps::backend::TESTS),
+            #[cfg(feature = "bevy")]
+            ("apps::contacts", apps::contacts::TESTS),
+            #[cfg(feature = "bevy")]
+            ("apps::readback", apps::readback::TESTS),
+            #[cfg(feature = "bevy")]
+            ("apps::writes", apps::writes::TESTS),
+            #[cfg(feature = "cli")]
+            ("cli", cli::TESTS),
+        ],
+        &[("contract", contract::TESTS)],
+    );
+}

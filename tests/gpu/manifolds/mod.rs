@@ -1,0 +1,47 @@
+//! The device's contact points against the CPU's: the same pairs, the same depths, and points near each other that push the
+//! same way.
+
+#[allow(dead_code)]
+#[path = "../../manifolds/scene.rs"]
+mod scene;
+
+mod approach;
+mod bad;
+mod compare;
+mod concave;
+mod convex;
+mod inside;
+mod planes;
+mod same_bits;
+
+use crate::gpu::Test;
+
+pub const TESTS: &[Test] = &[
+    ("cubes_face_on_face", convex::cubes_face_on_face),
+    ("cubes_that_touch", convex::cubes_that_touch),
+    ("cubes_aligned", convex::cubes_aligned),
+    ("cubes_edge_on_edge", convex::cubes_edge_on_edge),
+    ("cubes_at_any_gap", convex::cubes_at_any_gap),
+    ("balls", convex::balls),
+    ("small_on_large", convex::small_on_large),
+    ("tori", concave::tori),
+    ("knots", concave::knots),
+    ("rings", concave::rings),
+    ("any_shapes_of_any_scale", concave::any_shapes_of_any_scale),
+    ("heaps", concave::heaps),
+    ("fine_meshes", concave::fine_meshes),
+    ("overlaps_of_any_size", concave::overlaps_of_any_size),
+    ("far_from_the_origin", convex::far_from_the_origin),
+    ("one_inside_the_other", inside::one_inside_the_other),
+    ("half_spaces", planes::half_spaces),
+    ("half_spaces_under_round_ones", planes::round_ones),
+    ("half_spaces_among_pairs", planes::among_pairs),
+    ("bad_pairs", bad::bad_pairs),
+    ("a_margin_around_everything", bad::a_margin_around_everything),
+    ("nothing_at_all", bad::nothing_at_all),
+    ("hostile_scenes", bad::hostile_scenes),
+    (
+        "same_bits_twice_and_with_little_room",
+        same_bits::twice_and_with_little_room,
+    ),
+];

@@ -1,0 +1,51 @@
+//! Many pairs at once.
+
+use super::scene::require_sane;
+use crate::oracle::rng::Rng;
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
+use bevy_faceoff::state::{Body as StageBody, StepState};
+use glam::Vec3;
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mut state = StepState::default();
+    let slots = [shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]
+        .map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
+    let mut rng = Rng::new(16, 0);
+    for i in 0..80 {
+        let at = rng.in_ball(1.6).as_vec3();
+        let body = StageBody::at_rest(slots[i % 3], at, rng.rotation(), Vec3::ONE);
+        state.bodies.push(&body, &state.meshes).unwrap();
+    }
+    let pairs: Vec<MarginPair> = (0..80)
+        .flat_map(|a| (a + 1..80).map(move |b| [a, b]))
+        .map(|bodies| MarginPair { bodies, margin: 0.01 })
+        .collect();
+    let mut scratch = cpu::Scratch::default();
+    let mut runs = [1, 1, 2, 5].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut manifolds = Manifolds::default();
+        pool.install(|| cpu::run(&state.bodies, &state.meshes, &pairs, &mut scratch, &mut manifolds));
+        require_sane(&manifolds);
+        manifolds
+    });
+    assert!(runs[0].pairs.len() > 300, "{}", runs[0].pairs.len());
+    assert!(runs[0].pairs.is_sorted_by(|p, q| p.bodies < q.bodies));
+    let bits = |m: &Manifolds| format!("{m:?}");
+    let first = bits(&runs[0]);
+    for run in &mut runs[1..] {
+        assert_eq!(bits(run), first);
+    }
+    let pair = runs[0].pairs[100];
+    let alone = cpu::of_pair(
+        &state.bodies,
+        &state.meshes,
+        MarginPair {
+            bodies: pair.bodies,
+            margin: 0.01,
+        },
+    );
+    assert_eq!(alone.points, runs[0].points_of(&pair));
+}

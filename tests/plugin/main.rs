@@ -1,0 +1,77 @@
+//! Whole apps without window, renderer or GPU: `MinimalPlugins`, `FaceoffHeadlessPlugins` and a manual clock.
+
+#[path = "../common/app.rs"]
+mod app;
+mod bad_bodies;
+mod bakes;
+mod clock;
+mod contacts;
+mod culling;
+mod groups;
+mod kinds;
+#[path = "../common/log.rs"]
+mod log;
+mod many;
+mod meshes;
+mod motion;
+mod reports;
+mod response;
+mod sensors;
+mod warnings;
+
+/// `bakes`, `contacts` and `sensors` have no tests but functions: some of them are tests on a GPU too.
+macro_rules! tests_of {
+    ($module:ident as $tests:ident: $($name:ident)*) => {
+        mod $tests {
+            $(#[test]
+            fn $name() {
+                super::$module::$name();
+            })*
+        }
+    };
+}
+
+tests_of! {
+    bakes as bakes_on_the_cpu:
+    a_ball_dropped_in_a_room_rests_on_its_floor
+    the_walls_of_a_room_push_inward
+    the_same_mesh_as_a_solid_is_the_outward_one
+    no_ray_slips_through_a_seam
+}
+
+tests_of! {
+    contacts as contacts_on_the_cpu:
+    what_lies_still_falls_asleep_and_does_not_move_at_all
+    a_sleeper_wakes_by_whatever_disturbs_it
+    a_sleeper_wakes_when_the_mesh_under_it_goes
+    who_may_not_sleep_does_not
+    collisions_hold_points_and_the_weight_on_them
+    every_corner_carries_a_quarter_of_the_weight_on_meshes_and_planes
+    points_of_a_step_in_several_intervals_add_up_to_the_whole_impulse
+    without_response_points_lie_where_the_surfaces_are
+    a_body_tells_its_centre_of_mass
+    without_response_there_are_points_too
+    friction_holds_or_lets_slide_by_the_rule_of_the_pair
+    damping_limits_and_locks_hold
+    forces_go_on_and_impulses_act_once
+    density_mass_and_inertia_decide_how_an_impulse_answers
+    a_platform_that_moves_carries_what_stands_on_it
+    a_bullet_flagged_so_does_not_pass_a_sheet
+    a_snapshot_of_a_pile_goes_on_to_the_bit
+    settings_and_components_that_cannot_be_used_are_told
+}
+
+tests_of! {
+    sensors as sensors_on_the_cpu:
+    who_flies_in_company_is_noticed_by_a_sensor_too
+    a_sensor_keeps_what_falls_asleep_in_it
+    a_sensor_spawned_over_sleepers_reports_them_until_it_goes
+    a_dynamic_sensor_that_falls_asleep_goes_on_reporting
+    who_falls_asleep_beside_a_wall_does_not_begin_to_touch_it
+    what_is_fast_and_flagged_is_noticed_by_a_sensor_and_not_stopped
+    a_flagged_sensor_notices_what_it_passes
+    a_bullet_that_is_stopped_is_noticed_up_to_there_and_no_farther
+    touches_that_come_and_go_are_told_once_unless_they_are_to_be_exact
+    an_end_is_told_when_it_has_lasted_and_again_after_going_back
+    an_end_is_told_at_once_if_one_of_the_two_is_gone
+}

@@ -1,0 +1,143 @@
+//! What is told in the log, by entity and name: once, and again only after it was mended.
+
+use crate::app::{Sim, resting};
+use crate::log::{self, take as told};
+use bevy::prelude::*;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::prelude::*;
+use tracing::Level;
+
+#[track_caller]
+fn assert_told(entity: Entity, name: &str, words: &[&str]) {
+    let told = told();
+    assert_eq!(told.len(), 1, "{told:?}");
+    let start = format!("{entity} \"{name}\"");
+    assert!(told[0].starts_with(&start), "{told:?} does not begin with {start}");
+    for word in words {
+        assert!(told[0].contains(word), "{told:?} does not say {word}");
+    }
+}
+
+#[test]
+fn what_does_not_do_what_it_says_is_told_by_entity_and_name() {
+    if log::ran_alone("warnings::what_does_not_do_what_it_says_is_told_by_entity_and_name") {
+        return;
+    }
+    log::keep(&[Level::WARN, Level::ERROR]);
+    components();
+    without_collider();
+    planes();
+    faults();
+    #[cfg(feature = "bevy_mesh")]
+    without_meshes();
+}
+
+/// Numbers that count as others.
+fn components() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let body = sim.spawn((resting(&cube, Vec3::ZERO), Name::new("crate")));
+    sim.step(2);
+    assert_eq!(told(), [""; 0]);
+    let breaks: [(&str, fn(&mut EntityWorldMut, f32), f32); 8] = [
+        ("Restitution", |body, x| add(body, Restitution::new(x)), 1.5),
+        ("Restitution", |body, x| add(body, Restitution::new(x)), -0.5),
+        ("Friction", |body, x| add(body, Friction::new(x)), -1.0),
+        ("LinearDamping", |body, x| add(body, LinearDamping(x)), -2.0),
+        ("AngularDamping", |body, x| add(body, AngularDamping(x)), -2.0),
+        ("MaxLinearSpeed", |body, x| add(body, MaxLinearSpeed(x)), -3.0),
+        ("MaxAngularSpeed", |body, x| add(body, MaxAngularSpeed(x)), -3.0),
+        (
+            "MaxAngularSpeed",
+            |body, x| add(body, MaxAngularSpeed(x)),
+            f32::NEG_INFINITY,
+        ),
+    ];
+    for (name, set, bad) in breaks {
+        for _ in 0..2 {
+            // The same with another number is no news.
+            for bad in [bad, 2.0 * bad] {
+                set(&mut sim.world().entity_mut(body), bad);
+                sim.step(5);
+            }
+            assert_told(body, "crate", &[name, &bad.to_string()]);
+            assert_eq!(sim.report().bodies, 1, "it goes on");
+            assert!(sim.rejected.is_empty());
+            set(&mut sim.world().entity_mut(body), 0.5);
+            sim.step(5);
+            assert_eq!(told(), [""; 0], "{name}: mending is not told");
+        }
+    }
+    // Two at once are both told.
+    sim.set(body, (LinearDamping(-1.0), AngularDamping(-1.0)));
+    sim.step(3);
+    assert_eq!(told().len(), 2);
+}
+
+fn add(body: &mut EntityWorldMut, component: impl Bundle) {
+    body.insert(component);
+}
+
+/// A body that moves and has no collider.
+fn without_collider() {
+    for kind in [RigidBody::Dynamic, RigidBody::Kinematic, RigidBody::Static] {
+        let mut sim = Sim::new();
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let late = sim.spawn((kind, Name::new("late")));
+        sim.step(50);
+        sim.set(late, cube.clone());
+        let never = sim.spawn((kind, Name::new("never")));
+        sim.step(50);
+        assert_eq!(told(), [""; 0], "a collider may come later");
+        sim.step(100);
+        if kind == RigidBody::Static {
+            assert_eq!(told(), [""; 0], "what stands still needs none");
+            continue;
+        }
+        assert_told(never, "never", &["without a collider", "MeshCollider"]);
+        sim.set(never, cube);
+        sim.step(5);
+        sim.world().entity_mut(never).remove::<MeshCollider>();
+        sim.step(100);
+        assert_told(never, "never", &["without a collider"]);
+    }
+}
+
+fn planes() {
+    let mut sim = Sim::new();
+    let plane = || PlaneCollider::through(Vec3::ZERO, Vec3::Y);
+    sim.spawn((plane(), RigidBody::Static, Name::new("ground")));
+    sim.step(100);
+    assert_eq!(told(), [""; 0], "planes are static");
+    for kind in [RigidBody::Dynamic, RigidBody::Kinematic] {
+        let lift = sim.spawn((plane(), kind, Name::new("lift")));
+        sim.step(100);
+        assert_told(lift, "lift", &["RigidBody", "PlaneCollider"]);
+    }
+    let floor = sim.spawn((plane(), Restitution::new(2.0), Name::new("floor")));
+    sim.step(10);
+    assert_told(floor, "floor", &["Restitution", "2"]);
+}
+
+/// What takes a body out has its name too.
+fn faults() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let heavy = sim.spawn((resting(&cube, Vec3::ZERO), Mass(f32::INFINITY), Name::new("anvil")));
+    sim.step(3);
+    assert_told(heavy, "anvil", &["Mass is infinite", "RigidBody::Static"]);
+    let parent = sim.spawn(Transform::default());
+    let child = sim.spawn((resting(&cube, Vec3::ZERO), ChildOf(parent), Name::new("wheel")));
+    sim.step(3);
+    assert_told(child, "wheel", &["ChildOf", "RigidBody::Kinematic", "one mesh"]);
+}
+
+/// Bevy's meshes are there only with its plugin for them.
+#[cfg(feature = "bevy_mesh")]
+fn without_meshes() {
+    let mut sim = Sim::new();
+    let handle = Handle::<Mesh>::default();
+    let body = sim.spawn((RigidBody::Dynamic, MeshColliderFrom(handle), Name::new("drawn")));
+    sim.step(100);
+    assert_told(body, "drawn", &["MeshColliderFrom", "Assets<Mesh>", "MeshPlugin"]);
+}

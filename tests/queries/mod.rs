@@ -1,0 +1,3 @@
+//! Questions about placed meshes, without a step.
+
+mod check;

@@ -1,0 +1,151 @@
+//! Which bodies are frozen, and what wakes them.
+
+use crate::solver::shapes::Shape;
+use crate::solver::world::World;
+use bevy_faceoff::sleep::cpu::Sleeper;
+use bevy_faceoff::types::body::{ExternalForces, RigidBody};
+use glam::{DVec3, Vec3};
+
+const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
+const GAP: f64 = 0.00866;
+
+/// A stack of five on a floor (body 0), and another body far away.
+fn stack() -> World {
+    let mut world = World::heavy();
+    world.settings.sleeping = true;
+    world.floor(0.0);
+    for i in 0..5 {
+        world.dynamic(CUBE, 1.0, DVec3::Y * (0.5 + GAP + i as f64 * (1.0 + GAP)));
+    }
+    world.dynamic(CUBE, 1.0, DVec3::new(10.0, 0.5 + GAP, 0.0));
+    world
+}
+
+fn asleep(world: &World) -> Vec<usize> {
+    (0..world.shapes.len())
+        .filter(|&i| world.bodies.sleep[i].asleep)
+        .collect()
+}
+
+const STACK: [usize; 5] = [1, 2, 3, 4, 5];
+const ALL: [usize; 6] = [1, 2, 3, 4, 5, 6];
+
+fn sleeping_stack() -> World {
+    let mut world = stack();
+    world.seconds(2.0);
+    assert_eq!(asleep(&world), ALL);
+    world
+}
+
+#[test]
+fn a_stack_falls_asleep_and_stays() {
+    let mut world = sleeping_stack();
+    let motions = world.bodies.motions.clone();
+    world.seconds(10.0);
+    assert_eq!(asleep(&world), ALL);
+    assert_eq!(world.bodies.motions, motions);
+    assert!(STACK.iter().all(|&i| world.velocity(i) == Vec3::ZERO));
+    assert!(Sleeper::is_still(&world.bodies, 1, 2) && Sleeper::is_still(&world.bodies, 0, 1));
+    assert!(!Sleeper::is_still(&world.bodies, 0, 0));
+}
+
+#[test]
+fn a_stack_that_wakes_goes_on_as_if_it_had_not_slept() {
+    let mut world = stack();
+    // At speeds at which it may sleep a stack still moves by parts of a millimetre.
+    world.settings.sleeping = false;
+    world.seconds(3.0);
+    world.settings.sleeping = true;
+    world.seconds(2.0);
+    assert_eq!(asleep(&world), ALL);
+    let top = world.center(5);
+    for sleep in &mut world.bodies.sleep {
+        *sleep = Default::default();
+    }
+    world.settings.sleeping = false;
+    world.seconds(1.0);
+    assert!(world.center(5).distance(top) < 1.0e-4, "{}", world.center(5) - top);
+}
+
+#[test]
+fn a_hit_wakes_the_whole_stack_and_nothing_else() {
+    let mut world = sleeping_stack();
+    let ball = world.dynamic(Shape::Sphere(0.3), 1.0, DVec3::new(-2.0, 4.5, 0.0));
+    world.motion(ball).linear_velocity = Vec3::X * 5.0;
+    world.bodies.bodies[ball].gravity_scale = 0.0;
+    world.step(8);
+    assert_eq!(asleep(&world), ALL, "not yet there");
+    world.step(30);
+    assert_eq!(asleep(&world), [6]);
+    assert!(world.center(5).x > 0.05, "it was pushed");
+}
+
+#[test]
+fn impulses_forces_and_velocities_wake() {
+    let wakes: [fn(&mut World); 3] = [
+        |world| world.bodies.forces[3].impulse = Vec3::X * 0.1,
+        |world| world.bodies.forces[3].torque = Vec3::X * 0.1,
+        |world| world.motion(3).linear_velocity = Vec3::X * 0.1,
+    ];
+    for wake in wakes {
+        let mut world = sleeping_stack();
+        wake(&mut world);
+        world.step(1);
+        assert_eq!(asleep(&world), [6]);
+        world.bodies.forces[3] = ExternalForces::default();
+        world.seconds(3.0);
+        assert_eq!(asleep(&world), ALL, "and it falls asleep again");
+    }
+}
+
+#[test]
+fn a_stack_wakes_when_its_support_is_taken_away() {
+    let mut world = sleeping_stack();
+    // The lowest box goes.
+    world.motion(1).center.x = 50.0;
+    world.step(2);
+    assert_eq!(asleep(&world), [6]);
+    world.seconds(0.2);
+    assert!(world.velocity(3).y < -1.0, "{}", world.velocity(3));
+}
+
+#[test]
+fn a_kinematic_body_that_starts_to_move_wakes_what_lies_on_it() {
+    let mut world = World::heavy();
+    world.settings.sleeping = true;
+    let platform = Shape::Box(DVec3::new(3.0, 0.25, 3.0));
+    let platform = world.immovable(platform, RigidBody::Kinematic, DVec3::Y * -0.25);
+    let cube = world.dynamic(CUBE, 1.0, DVec3::Y * (0.5 + GAP));
+    world.seconds(2.0);
+    assert_eq!(asleep(&world), [cube]);
+    world.motion(platform).linear_velocity = Vec3::X * 0.02;
+    world.seconds(2.0);
+    assert_eq!(asleep(&world), [0; 0], "slow as it is, what it carries moves");
+    assert!((world.velocity(cube).x - 0.02).abs() < 1.0e-3);
+}
+
+#[test]
+fn a_thrown_body_does_not_fall_asleep_at_the_top_of_its_path() {
+    for scale in [1.0f32, 0.1] {
+        let mut world = World::heavy();
+        world.settings.sleeping = true;
+        let ball = world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
+        world.bodies.bodies[ball].gravity_scale = scale;
+        world.motion(ball).linear_velocity = Vec3::Y * 2.0;
+        for _ in 0..64 * 5 {
+            world.step(1);
+            assert!(!world.bodies.sleep[ball].asleep);
+        }
+        assert!(world.velocity(ball).y < -2.0);
+    }
+}
+
+#[test]
+fn sleep_can_be_switched_off() {
+    let mut world = sleeping_stack();
+    world.settings.sleeping = false;
+    world.step(1);
+    assert_eq!(asleep(&world), [0; 0]);
+    world.seconds(3.0);
+    assert_eq!(asleep(&world), [0; 0]);
+}

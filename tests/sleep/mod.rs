@@ -1,0 +1,3 @@
+//! Sleep.
+
+mod islands;

@@ -1,0 +1,6 @@
+//! Which triangles meet, against brute force in exact arithmetic.
+
+mod data;
+mod exact;
+mod fine;
+mod oracle_itself;
