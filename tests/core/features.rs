@@ -40,7 +40,7 @@ fn by_ids(points: &[MeshContact]) -> HashMap<[FeatureId; 2], &MeshContact> {
 #[test]
 fn ids_last_while_bodies_move_a_little() {
     // As a step of 1/60 s moves bodies at 1 cm/s and at 10 cm/s; `least` is how many percent of the ids have to last.
-    for (motion, least) in [(2.0e-4, 99.5), (2.0e-3, 97.0)] {
+    for (motion, least) in [(2.0e-4, 99.5), (2.0e-3, 95.0)] {
         for (name, mesh) in &meshes()[..3] {
             for depth in [0.0, 0.03] {
                 let share = ids_that_last(mesh, depth, motion);
