@@ -58,8 +58,8 @@ fn main() {
     }
 }
 
-/// The fast form's sets must be those of the slow one. The plain one sees fewer triangles: it knows no slivers and shows
-/// one of several equally high ones. What it alone sees are backs at silhouettes, where rounding lifts them.
+/// The fast form's sets must be those of the slow one. The plain one sees fewer triangles: it knows no slivers and
+/// shows one of several equally high ones. What it alone sees are backs at silhouettes, where rounding lifts them.
 fn compare(name: &str, mesh: &TriMesh, image: u32) {
     let grid = DirectionGrid::new(1).expect("1 divides 90");
     let raster = Raster::new(mesh, image);
@@ -68,7 +68,7 @@ fn compare(name: &str, mesh: &TriMesh, image: u32) {
     for direction in (0..grid.len()).step_by(211).chain([grid.len() - 1]) {
         let rotation = grid.rotation(direction);
         let visible = raster.visible(&rotation);
-        differ += usize::from(visible != raster.visible_plainly(&rotation));
+        differ += usize::from(visible != raster.visible_by_definition(&rotation));
         let plain = buffers.visible(mesh, &rotation, image as usize, false);
         plain_sum += plain.iter().map(|w| w.count_ones() as usize).sum::<usize>();
         let own = visible

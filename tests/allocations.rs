@@ -5,8 +5,10 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::FaceoffStep;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::queries::{ContactWorker, PairMemory, Placed};
 use bevy_faceoff::state::{Body, Counts, Plane, StepState};
 use bevy_faceoff::types::stage::Stage;
+use glam::{DQuat, DVec3};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 use std::alloc::System;
 
@@ -91,6 +93,39 @@ fn warm_steps_allocate_nothing() {
         stages(threads);
         app(threads);
     }
+    contacts();
+}
+
+/// A worker for contacts, which goes through the same poses again and again.
+fn contacts() {
+    let mut random = fastrand::Rng::with_seed(6);
+    let mut vector = |reach: f64| DVec3::from_array([0; 3].map(|_| (random.f64() * 2.0 - 1.0) * reach));
+    let meshes = [shapes::torus_240(), shapes::knot_1120(), shapes::ball(0.5, 5)].map(|mesh| CollisionMesh::new(&mesh));
+    let poses: Vec<_> = (0..600)
+        .map(|i| (i % 3, vector(0.5), DQuat::from_scaled_axis(vector(3.0))))
+        .collect();
+    let place = |&(mesh, at, turn): &(usize, DVec3, DQuat)| {
+        Placed::new(&meshes[mesh], at, turn, Vec3::ONE).expect("a usable pose")
+    };
+    let (mut worker, mut memory) = (ContactWorker::new(), PairMemory::default());
+    let (mut all, mut few) = (Vec::new(), Vec::new());
+    let mut round = || {
+        (all.clear(), few.clear());
+        for pair in poses.chunks(2) {
+            let [a, b] = [0, 1].map(|i| place(&pair[i]));
+            worker.points(&a, &b, 0.02, &mut all);
+            worker.manifold(&a, &b, 0.02, &mut memory, &mut few);
+        }
+        (all.len(), few.len())
+    };
+    let mut first = (0, 0);
+    let cold = allocated(|| first = round());
+    assert!(cold.allocations > 10, "the allocator does not count: {cold:?}");
+    let mut again = (0, 0);
+    let warm = allocated(|| again = round());
+    assert_eq!(first, again);
+    assert!(first.1 > 1000, "{first:?}");
+    assert_eq!((warm.allocations, warm.reallocations), (0, 0), "{warm:?}");
 }
 
 fn stages(threads: usize) {

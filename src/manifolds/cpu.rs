@@ -2,6 +2,7 @@
 
 mod contour;
 mod feature;
+mod ids;
 mod inside;
 mod near;
 mod pair;
@@ -11,12 +12,16 @@ mod reduce;
 mod side;
 mod smooth;
 
+pub(crate) use feature::Feature;
+pub(crate) use ids::ids;
+pub(crate) use pair::{Pair, Worker};
+pub(crate) use side::PlacedMesh;
+
 use super::MarginPair;
-use crate::manifolds::{Manifold, Manifolds};
+use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::per_thread::PerThread;
 use crate::state::Bodies;
 use crate::state::mesh_arena::MeshArena;
-use pair::Worker;
 use rayon::prelude::*;
 
 /// Memory kept between steps.
@@ -58,7 +63,7 @@ pub fn run(
             let mut worker = workers.lock();
             for pair in pairs {
                 let first = task.points.len();
-                worker.run(bodies, meshes, pair, &mut task.points);
+                add_points(bodies, meshes, pair, &mut worker, &mut task.points);
                 task.close(pair.bodies, first);
             }
         });
@@ -75,9 +80,40 @@ pub fn run(
 /// The contact points of one pair, without memory between calls.
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
-    Worker::default().run(bodies, meshes, &pair, &mut manifolds.points);
+    add_points(bodies, meshes, &pair, &mut Worker::default(), &mut manifolds.points);
     manifolds.close(pair.bodies, 0);
     manifolds
+}
+
+/// Appends the points of a pair, if there are such bodies.
+fn add_points(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pair: &MarginPair,
+    worker: &mut Worker,
+    points: &mut Vec<ManifoldPoint>,
+) {
+    if let Some(found) = pair_of_bodies(bodies, meshes, pair.bodies) {
+        let chosen = worker.reduced(&found, pair.margin);
+        points.extend(chosen.iter().map(|feature| found.point(feature).0));
+    }
+}
+
+/// Nothing if there are no such bodies.
+fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<Pair<'a>> {
+    let [a, b] = pair.map(|i| i as usize);
+    if a == b || a.max(b) >= bodies.len() {
+        return None;
+    }
+    let placed = |i: usize| {
+        Some(PlacedMesh {
+            mesh: &meshes.get(bodies.mesh[i])?.mesh,
+            frame: &bodies.frame[i],
+            scale: bodies.scale[i],
+            radius: bodies.radius[i],
+        })
+    };
+    Some(Pair::new([&placed(a)?, &placed(b)?], bodies.mesh[a] == bodies.mesh[b]))
 }
 
 impl Manifolds {

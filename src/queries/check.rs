@@ -1,7 +1,9 @@
-//! Which of some placed meshes touch.
+//! Which of many placed meshes touch.
 
-use crate::asset::{BakedMesh, CollisionMesh};
+use super::placed::Placed;
+use crate::asset::CollisionMesh;
 use crate::state::bodies::BodyFault;
+use crate::state::mesh_arena::MeshArena;
 use crate::state::{Body, NearPair, StepState, TouchingPair as StagePair};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::{GpuStep, StepError};
@@ -9,7 +11,6 @@ use crate::triangle_test;
 use crate::types::settings::Culling;
 use crate::types::stage::Stage;
 use glam::{Quat, Vec3};
-use std::collections::HashMap;
 use std::mem;
 use thiserror::Error;
 
@@ -24,6 +25,17 @@ pub struct Placement {
     pub rotation: Quat,
     /// How it is scaled along its own axes; no component may be zero.
     pub scale: Vec3,
+}
+
+impl Placement {
+    /// The same for a [`ContactWorker`](super::ContactWorker).
+    ///
+    /// # Errors
+    /// If it cannot be used.
+    pub fn placed(&self) -> Result<Placed<'_>, BodyFault> {
+        let (translation, rotation) = (self.translation.as_dvec3(), self.rotation.as_dquat());
+        Placed::new(&self.mesh, translation, rotation, self.scale)
+    }
 }
 
 /// A placement that cannot be used.
@@ -189,12 +201,8 @@ pub fn check_on_gpu(
 /// The stages' input for a scene.
 fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
     let mut state = StepState::default();
-    let mut slots: HashMap<*const BakedMesh, u32> = HashMap::new();
     for (body, placement) in placements.iter().enumerate() {
-        let key: *const BakedMesh = &raw const *placement.mesh;
-        let slot = *slots
-            .entry(key)
-            .or_insert_with(|| state.meshes.add(placement.mesh.clone()));
+        let slot = slot_of(&placement.mesh, &mut state.meshes);
         let entry = Body {
             culling: options.culling,
             ..Body::at_rest(slot, placement.translation, placement.rotation, placement.scale)
@@ -205,6 +213,13 @@ fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState,
             .map_err(|fault| PlacementError { body, fault })?;
     }
     Ok(state)
+}
+
+/// The slot that has this mesh, or a new one. Scenes have few meshes.
+fn slot_of(mesh: &CollisionMesh, meshes: &mut MeshArena) -> u32 {
+    let has_it = |slot: &u32| meshes.get(*slot).is_some_and(|other| other.mesh.is_same(mesh));
+    let slot = (0..meshes.len() as u32).find(has_it);
+    slot.unwrap_or_else(|| meshes.add(mesh.clone()))
 }
 
 fn touching_pairs(state: &StepState) -> Vec<TouchingPair> {

@@ -4,7 +4,7 @@ use super::mesh_arena::MeshArena;
 use super::{Bodies, Body, Frame, Motion};
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{ExternalForces, RigidBody};
-use glam::{DMat3, DQuat, Mat3, Quat, Vec3};
+use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 #[cfg(feature = "bevy")]
 use std::mem::discriminant;
 use thiserror::Error;
@@ -174,16 +174,8 @@ impl Bodies {
         if speed > MAX_SPEED {
             return Err(BodyFault::TooFast(speed));
         }
-        let rotation = body.rotation.as_dquat();
-        if rotation.length_squared() < 1.0e-12 {
-            return Err(BodyFault::ZeroRotation);
-        }
         let slot = &meshes[body.mesh];
-        let own_radius = slot.mesh.radius * body.scale.abs().max_element();
-        let thinnest = slot.mesh.radius * body.scale.abs().min_element();
-        if thinnest < MIN_RADIUS || own_radius > 1.0e6 * thinnest {
-            return Err(BodyFault::ZeroScale(body.scale));
-        }
+        let (rotation, own_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
         if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
             return Err(BodyFault::Mass(mass));
         }
@@ -191,14 +183,18 @@ impl Bodies {
             return Err(BodyFault::Inertia);
         }
 
-        let frame = Frame::new(body, rotation.normalize(), slot.mesh.mass.center);
+        let frame = Frame::new(
+            body.position.as_dvec3(),
+            rotation,
+            body.scale.as_dvec3(),
+            slot.mesh.mass.center,
+        );
         let center = frame.center.as_vec3();
         let reach = center.abs().max(body.position.abs()).max_element() + own_radius;
         if reach.is_nan() || reach > MAX_COORDINATE {
             return Err(BodyFault::TooFar);
         }
-        // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
-        let radius = own_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
+        let radius = bounding_radius(own_radius, center);
         let (inverse_mass, own_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
         let inverse_inertia = frame.rotation * own_inertia * frame.rotation.transpose();
         if !inverse_mass.is_finite() {
@@ -208,7 +204,7 @@ impl Bodies {
         self.mesh.push(body.mesh);
         self.kind.push(body.kind);
         self.position.push(body.position);
-        self.rotation.push(unit(body.rotation, rotation.length_squared()));
+        self.rotation.push(unit(body.rotation));
         self.scale.push(body.scale);
         self.linear_velocity.push(body.linear_velocity);
         self.angular_velocity.push(body.angular_velocity);
@@ -232,19 +228,37 @@ impl Bodies {
     }
 }
 
-/// The unit quaternion along one of this squared length. What has unit length but for rounding stays as it is: a rotation
+/// The unit quaternion along this one. What has unit length but for rounding stays as it is: a rotation
 /// that a step wrote comes back unchanged.
-fn unit(rotation: Quat, length_squared: f64) -> Quat {
-    if (length_squared - 1.0).abs() < 1.0e-6 {
+fn unit(rotation: Quat) -> Quat {
+    if (rotation.as_dquat().length_squared() - 1.0).abs() < 1.0e-6 {
         rotation
     } else {
         rotation.normalize()
     }
 }
 
+/// The unit rotation of a mesh of this radius, and its radius at this scale, if a body can have them.
+pub(crate) fn check_pose(mesh_radius: f32, rotation: DQuat, scale: Vec3) -> Result<(DQuat, f32), BodyFault> {
+    if rotation.length_squared() < 1.0e-12 {
+        return Err(BodyFault::ZeroRotation);
+    }
+    let radius = mesh_radius * scale.abs().max_element();
+    let thinnest = mesh_radius * scale.abs().min_element();
+    if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
+        return Err(BodyFault::ZeroScale(scale));
+    }
+    Ok((rotation.normalize(), radius))
+}
+
+/// The radius of a body's bounding sphere. Scaling and rotating its centre rounds it; the sphere grows by what that can cost.
+pub(crate) fn bounding_radius(own_radius: f32, center: Vec3) -> f32 {
+    own_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element()
+}
+
 impl Frame {
-    fn new(body: &Body, rotation: DQuat, mesh_center: Vec3) -> Self {
-        let (position, scale) = (body.position.as_dvec3(), body.scale.as_dvec3());
+    /// `rotation` has unit length; `mesh_center` is the centre of mass in the mesh.
+    pub(crate) fn new(position: DVec3, rotation: DQuat, scale: DVec3, mesh_center: Vec3) -> Self {
         let rotation = DMat3::from_quat(rotation);
         Self {
             position,

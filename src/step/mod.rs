@@ -24,4 +24,5 @@ pub mod cpu;
 pub mod dynamics;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod order;
 pub(crate) mod touches;

@@ -182,7 +182,7 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
     };
     let baked = CollisionMesh::without_faces(&room, solid);
     assert_eq!(
-        (baked.mesh.orientation(), baked.mesh.is_turned()),
+        (baked.mesh.orientation(), baked.mesh.is_flipped()),
         (Orientation::Outward, true)
     );
     assert!(baked.warnings().is_empty());
@@ -195,11 +195,11 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
         .unwrap();
     assert!(again == CollisionMesh::new(&room));
     assert_eq!(
-        (again.mesh.orientation(), again.mesh.is_turned()),
+        (again.mesh.orientation(), again.mesh.is_flipped()),
         (Orientation::Inward, false)
     );
     assert!(again.warnings()[0].contains("room") && again.warnings()[0].contains("inward: Solid"));
     assert!(again.rebake(solid, &pool, &Progress::default()).unwrap() == baked);
     // The other way round nothing looks inward.
-    assert!(!CollisionMesh::without_faces(&cube, solid).mesh.is_turned());
+    assert!(!CollisionMesh::without_faces(&cube, solid).mesh.is_flipped());
 }

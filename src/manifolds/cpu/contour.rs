@@ -1,6 +1,6 @@
 //! Where surfaces cross: segments, and the patches that they enclose.
 
-use super::feature::{Feature, TrianglePair};
+use super::feature::{Feature, Key, TrianglePair};
 use super::near::Window;
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
@@ -23,9 +23,6 @@ pub struct Segment {
     /// What each end shares with the segment that goes on there.
     keys: [Key; 2],
 }
-
-/// An edge of one body that pierces a triangle of the other.
-type Key = (u8, u32, u32);
 
 /// The part of both surfaces inside a closed contour.
 #[derive(Clone, Copy, Debug)]
@@ -122,11 +119,11 @@ impl TrianglePair<'_> {
             crossings[count] = Crossing {
                 point,
                 at: line.dot(point),
-                key: (
-                    side as u8,
-                    features.triangle_edges[own.number as usize][k],
-                    self.triangles[1 - side].number,
-                ),
+                key: Key {
+                    side: side as u8,
+                    edge: features.triangle_edges[own.number as usize][k],
+                    triangle: self.triangles[1 - side].number,
+                },
             };
             count += 1;
         }
@@ -280,6 +277,12 @@ impl Patch {
             end,
             kept: false,
         })
+    }
+
+    /// The smallest key of its contour, which names it.
+    pub fn key(&self, segments: &[Segment]) -> Key {
+        let keys = segments[self.first..self.end].iter().flat_map(|segment| segment.keys);
+        keys.min().unwrap_or_default()
     }
 
     fn is_near(&self, feature: &Feature) -> bool {

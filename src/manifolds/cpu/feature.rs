@@ -28,11 +28,44 @@ pub struct Feature {
     pub separation: f64,
     /// Triangles on which the points lie.
     pub triangles: [u32; 2],
-    /// For a vertex the side that it belongs to, and its number.
-    pub vertex: Option<(u8, u32)>,
+    /// What it was found from.
+    pub origin: Origin,
+}
+
+/// What a [`Feature`] was found from.
+///
+/// Features are sorted by an unstable sort of the standard library, whose order of equals depends on the size of what is
+/// sorted. So another size of this may exchange points that are equally deep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// A vertex of this side over the other side's triangle. The triangle of its own side owns it.
+    Vertex { side: u8, vertex: u32 },
+    /// Two edges, by their places in the triangles, which own them.
+    Edges([u8; 2]),
+    /// A place in a patch. The key is the smallest of its contour.
+    Patch { place: u8, key: Key },
+    /// One body inside the other.
+    Inside,
+}
+
+/// Where a contour passes from one triangle to the next: an edge of one side pierces a triangle of the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key {
+    /// Whose edge it is.
+    pub side: u8,
+    pub edge: u32,
+    pub triangle: u32,
 }
 
 impl Feature {
+    /// For a vertex the side that it belongs to, and its number.
+    pub fn vertex(&self) -> Option<(u8, u32)> {
+        match self.origin {
+            Origin::Vertex { side, vertex } => Some((side, vertex)),
+            _ => None,
+        }
+    }
+
     /// Between its points.
     pub fn middle(&self) -> DVec3 {
         (self.points[0] + self.points[1]) * 0.5
@@ -121,7 +154,10 @@ impl<'a> TrianglePair<'a> {
             normal,
             separation: height,
             triangles: self.triangles.map(|t| t.number),
-            vertex: Some((side as u8, vertex)),
+            origin: Origin::Vertex {
+                side: side as u8,
+                vertex,
+            },
         })
     }
 
@@ -176,7 +212,7 @@ impl<'a> TrianglePair<'a> {
             normal: nearest.1,
             separation,
             triangles: self.triangles.map(|t| t.number),
-            vertex: None,
+            origin: Origin::Edges([k as u8, l as u8]),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! One body inside the other, and the short way out.
 
-use super::feature::Feature;
+use super::feature::{Feature, Origin};
 use super::side::Side;
 use crate::angles::PAD;
 use crate::geometry::cluster::CLUSTER;
@@ -24,11 +24,11 @@ pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
 
 /// A point of `inner` inside `outer`: its centre of mass, or else a vertex.
 fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
-    if !outer.slot.mesh.mesh.is_solid() {
+    if !outer.mesh.mesh.is_solid() {
         return None;
     }
-    let vertices = inner.slot.mesh.mesh.vertices();
-    let mut points = inner.slot.lanes.components.iter().map(|&v| vertices[v as usize]);
+    let vertices = inner.mesh.mesh.vertices();
+    let mut points = inner.mesh.lanes().components.iter().map(|&v| vertices[v as usize]);
     let vertex = points.find_map(|p| {
         let p = inner.place(p);
         is_inside(outer, p).then_some(p)
@@ -39,17 +39,17 @@ fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
 
 fn is_inside(outer: &Side, p: DVec3) -> bool {
     let p = outer.to_mesh(p);
-    let aabb = outer.slot.lanes.aabb;
-    let from = (p - outer.slot.mesh.mass.center.as_dvec3()).as_vec3();
+    let aabb = outer.mesh.lanes().aabb;
+    let from = (p - outer.mesh.mass.center.as_dvec3()).as_vec3();
     // Only saves work: a hair outside the box is outside the body.
-    from.cmpge(aabb.min).all() && from.cmple(aabb.max).all() && contains(outer.slot, p)
+    from.cmpge(aabb.min).all() && from.cmple(aabb.max).all() && contains(outer.mesh, p)
 }
 
 fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> Feature {
     let (surface, triangle) = nearest(outer, start);
     let way = (surface - start).normalize_or(outer.normal(triangle));
     // Of several components only what is inside moves the way to the far end.
-    let several = inner.slot.lanes.components.len() > 1;
+    let several = inner.mesh.lanes().components.len() > 1;
     let mut far = (0.0, 0);
     for (v, position) in (0..).zip(&inner.features.vertices) {
         let p = inner.place(*position);
@@ -68,7 +68,7 @@ fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> F
             normal: way,
             separation,
             triangles: [triangle, inner_triangle],
-            vertex: None,
+            origin: Origin::Inside,
         }
     } else {
         Feature {
@@ -76,19 +76,19 @@ fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> F
             normal: -way,
             separation,
             triangles: [inner_triangle, triangle],
-            vertex: None,
+            origin: Origin::Inside,
         }
     }
 }
 
 /// The point of a body's surface nearest to `p`, and its triangle.
 fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
-    let mesh = &side.slot.mesh.mesh;
-    let lanes = &side.slot.lanes;
+    let mesh = &side.mesh.mesh;
+    let lanes = side.mesh.lanes();
     let local = side.to_mesh(p);
     // Distances are those of the scaled mesh in its own axes.
     let scale = side.scale.as_dvec3();
-    let center = side.slot.mesh.mass.center.as_dvec3();
+    let center = side.mesh.mass.center.as_dvec3();
     let from = splat(((local - center) * scale).as_vec3());
     let (scales, sizes) = (splat(side.scale), splat(side.scale.abs()));
     let pad = f32x8::splat(PAD * ((lanes.aabb.max - lanes.aabb.min) * side.scale).length());

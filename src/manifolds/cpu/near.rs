@@ -10,7 +10,7 @@ use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
 use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
-use crate::simd::tree::{Tree, Way};
+use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::Points;
 use crate::triangle_test::cpu::placed::unit_of;
 use glam::{Mat3, Vec3};
@@ -153,7 +153,7 @@ const DIRECTION_ERROR: f32 = 1.0e-3;
 
 impl Placed {
     fn new(side: &Side, place: &Place, cluster: u32, window: Option<&Window>) -> Self {
-        let own = &side.slot.lanes.clusters[cluster as usize];
+        let own = &side.mesh.lanes().clusters[cluster as usize];
         let at = splat(side.place(own.origin).as_vec3());
         let [p, q, r] = each(|k| place.rows.times(own.corners[k]));
         let (u, v) = (sub(q, p), sub(r, p));
@@ -282,7 +282,7 @@ impl Placed {
 /// Both trees, whose nodes are found to touch if they are no farther apart than `reach`.
 fn trees<'a>(sides: &[Side<'a>; 2], setting: &Setting, reach: f32) -> [Tree<'a>; 2] {
     let unit = unit_of(setting.size);
-    let clusters = sides.each_ref().map(|side| side.slot.lanes.clusters.len());
+    let clusters = sides.each_ref().map(|side| side.mesh.lanes().clusters.len());
     let slabs = clusters[0].max(clusters[1]) > COARSE;
     let back = setting.rotation.transpose();
     let ways = [
@@ -291,18 +291,18 @@ fn trees<'a>(sides: &[Side<'a>; 2], setting: &Setting, reach: f32) -> [Tree<'a>;
     ];
     [0, 1].map(|i| {
         let (rotation, translation) = ways[i];
-        let way = Way {
+        let relative = RelativePose {
             rotation,
             translation: unit * translation,
             // No support axis, and nothing beyond it.
             axis: Vec3::ZERO,
-            least: f32::NEG_INFINITY,
+            min_height: f32::NEG_INFINITY,
         };
         Tree::new(
-            &sides[i].slot.lanes,
+            sides[i].mesh.lanes(),
             i == 1,
             unit * sides[i].scale,
-            way,
+            relative,
             unit * reach,
             slabs,
         )
@@ -312,7 +312,7 @@ fn trees<'a>(sides: &[Side<'a>; 2], setting: &Setting, reach: f32) -> [Tree<'a>;
 #[cfg(test)]
 mod tests {
     use super::super::feature::TrianglePair;
-    use super::super::side::sides;
+    use super::super::pair_of_bodies;
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
@@ -321,19 +321,14 @@ mod tests {
 
     /// The features of all pairs of triangles, and those of the pairs that the search keeps.
     fn features(bodies: &Bodies, meshes: &crate::state::mesh_arena::MeshArena, reach: f64) -> [Vec<DVec3>; 2] {
-        let sides = sides(bodies, meshes, [0, 1]).unwrap();
-        let frames = &bodies.frame;
-        let setting = Setting {
-            rotation: (frames[0].rotation.transpose() * frames[1].rotation).as_mat3(),
-            translation: sides[1].center.as_vec3(),
-            size: bodies.radius[0] + bodies.radius[1],
-        };
+        let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
+        let sides = &pair.sides;
         let mut near = Near::default();
-        near.run(&sides, &setting, reach as f32, None);
+        near.run(sides, &pair.setting, reach as f32, None);
         let count = |side: &Side| side.features.triangles.len() as u32;
         let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
         let of = |pair: [&Triangle; 2], found: &mut Vec<DVec3>| {
-            if let Some(pair) = TrianglePair::new(&sides, pair, reach) {
+            if let Some(pair) = TrianglePair::new(sides, pair, reach) {
                 pair.features(&(-reach..=reach), |feature| found.push(feature.middle()));
             }
         };
@@ -385,7 +380,7 @@ mod tests {
             let [every, kept] = features(&bodies, &meshes, 0.4);
             assert_eq!(every, kept, "round {round}");
             found += every.len();
-            let sides = sides(&bodies, &meshes, [0, 1]).unwrap();
+            let sides = pair_of_bodies(&bodies, &meshes, [0, 1]).unwrap().sides;
             pairs += sides[0].features.triangles.len() * sides[1].features.triangles.len();
         }
         assert!(found > 200, "{found} features of {pairs} pairs");

@@ -1,16 +1,14 @@
 //! The points of one pair.
 
 use super::contour::{Contours, Patch, Segment};
-use super::feature::{Feature, TrianglePair};
+use super::feature::{Feature, Key, Origin, TrianglePair};
 use super::inside;
 use super::near::{Near, Setting};
 use super::ray::exit;
 use super::reduce::Reduction;
-use super::side::{Side, sides};
+use super::side::{PlacedMesh, Side, sides};
 use super::smooth;
-use crate::manifolds::{ManifoldPoint, MarginPair};
-use crate::state::Bodies;
-use crate::state::mesh_arena::MeshArena;
+use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
 
 /// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
@@ -26,6 +24,9 @@ const LEAST_AREA: f64 = 1.0e-6;
 /// and is taken for this deep at most.
 const SHALLOW: f64 = 0.002;
 
+/// The place in a patch of a point that no ray found; those of rays are smaller.
+const MIDDLE: u8 = 5;
+
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
@@ -37,34 +38,18 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Appends the points of a pair.
-    pub fn run(&mut self, bodies: &Bodies, meshes: &MeshArena, pair: &MarginPair, points: &mut Vec<ManifoldPoint>) {
-        let Some(sides) = sides(bodies, meshes, pair.bodies) else {
-            return;
-        };
-        let [a, b] = pair.bodies.map(|i| i as usize);
-        let frame = &bodies.frame[a];
-        let setting = Setting {
-            rotation: (frame.rotation.transpose() * bodies.frame[b].rotation).as_mat3(),
-            translation: sides[1].center.as_vec3(),
-            size: bodies.radius[a] + bodies.radius[b],
-        };
-        let size = sides[0].diameter().min(sides[1].diameter());
-        // Not a number is no margin.
-        let margin = if pair.margin > 0.0 {
-            pair.margin.min(f32::MAX)
-        } else {
-            0.0
-        };
-        self.find(&sides, &setting, margin, size);
-        let faces = |t: [u32; 2]| [sides[0].face(t[0]), sides[1].face(t[1])];
-        let to_world = World {
-            rotation: frame.rotation,
-            center_b: sides[1].center,
-            sides: &sides,
-        };
-        let chosen = self.reduction.run(&mut self.features, size);
-        points.extend(chosen.iter().map(|f| to_world.point(f, faces(f.triangles))));
+    /// The points at which the bodies of a pair push each other where their surfaces come as near as `margin`, in the axes of
+    /// its first body. A margin that is negative or not a number is none.
+    pub fn all(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
+        let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
+        self.find(&pair.sides, &pair.setting, margin, pair.size);
+        &self.features
+    }
+
+    /// The few of [`Worker::all`] that say what all say.
+    pub fn reduced(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
+        self.all(pair, margin);
+        self.reduction.run(&mut self.features, pair.size)
     }
 
     /// Fills `features`.
@@ -124,10 +109,14 @@ impl Worker {
         features.append(deep);
         for patch in contours.patches.iter().filter(|patch| !patch.kept) {
             let before = features.len();
-            let places = patch.places(&contours.segments);
-            features.extend(places.into_iter().filter_map(|p| probe(sides, patch, p, size)));
+            let key = patch.key(&contours.segments);
+            let places = (0..).zip(patch.places(&contours.segments));
+            features.extend(places.filter_map(|(place, p)| {
+                let origin = Origin::Patch { place, key };
+                probe(sides, patch, p, size, origin)
+            }));
             if features.len() == before {
-                features.extend(shallow(&contours.segments, patch, size));
+                features.extend(shallow(&contours.segments, patch, size, key));
             }
         }
     }
@@ -136,14 +125,14 @@ impl Worker {
 /// Of the faces under which a vertex is, the one through which it came.
 fn keep_shallowest(deep: &mut Vec<Feature>) {
     // Vertices first, each from its shallowest face on.
-    let key = |f: &Feature| f.vertex.map_or((u8::MAX, 0), |v| v);
+    let key = |f: &Feature| f.vertex().unwrap_or((u8::MAX, 0));
     deep.sort_unstable_by(|p, q| key(p).cmp(&key(q)).then(q.separation.total_cmp(&p.separation)));
-    deep.dedup_by(|later, first| later.vertex.is_some() && later.vertex == first.vertex);
+    deep.dedup_by(|later, first| later.vertex().is_some() && later.vertex() == first.vertex());
 }
 
 /// The point of a patch by rays from `p`, if both leave a body. They start a little before it: a contour around what reaches
 /// through a flat face lies in the face, and rounding may have `p` outside.
-fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64) -> Option<Feature> {
+fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64, origin: Origin) -> Option<Feature> {
     let (n, back) = (patch.normal, TOUCH * size);
     let most = RAY * size + back;
     let (up, a) = exit(&sides[0], p - n * back, n, most)?;
@@ -154,12 +143,12 @@ fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64) -> Option<Featur
         normal: n,
         separation: -(up + down),
         triangles: [a, b],
-        vertex: None,
+        origin,
     })
 }
 
 /// What stands for a patch that no ray leaves, if it is not tiny.
-fn shallow(segments: &[Segment], patch: &Patch, size: f64) -> Option<Feature> {
+fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<Feature> {
     // Twice the area over the length is the radius of a circle.
     let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
     let half = patch.normal * (0.5 * depth);
@@ -168,37 +157,59 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64) -> Option<Feature> {
         normal: patch.normal,
         separation: -depth,
         triangles: segments[patch.first].triangles,
-        vertex: None,
+        origin: Origin::Patch { place: MIDDLE, key },
     })
 }
 
-/// Out of the first body's axes.
-struct World<'a> {
+/// Two bodies in the axes of the first.
+pub struct Pair<'a> {
+    pub sides: [Side<'a>; 2],
+    pub setting: Setting,
+    /// The smaller one's diameter.
+    size: f64,
+    /// Out of the first body's axes.
     rotation: DMat3,
-    center_b: DVec3,
-    sides: &'a [Side<'a>; 2],
 }
 
-impl World<'_> {
-    fn point(&self, feature: &Feature, faces: [u32; 2]) -> ManifoldPoint {
+impl<'a> Pair<'a> {
+    /// `one_mesh` is whether both bodies have the same.
+    pub fn new([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> Self {
+        let sides = sides([a, b], one_mesh);
+        let setting = Setting {
+            rotation: (a.frame.rotation.transpose() * b.frame.rotation).as_mat3(),
+            translation: sides[1].center.as_vec3(),
+            size: a.radius + b.radius,
+        };
+        Self {
+            size: sides[0].diameter().min(sides[1].diameter()),
+            setting,
+            sides,
+            rotation: a.frame.rotation,
+        }
+    }
+
+    /// What the solver needs to know of a feature, and its arms in double precision.
+    pub fn point(&self, feature: &Feature) -> (ManifoldPoint, [DVec3; 2]) {
         let roundness = [0, 1].map(|side| self.roundness(feature, side));
-        let smoothed = smooth::smoothed(self.sides, feature, roundness.map(f64::from));
+        let smoothed = smooth::smoothed(&self.sides, feature, roundness.map(f64::from));
         let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
-        ManifoldPoint {
-            arms: [a, b - self.center_b].map(|arm| (self.rotation * arm).as_vec3()),
+        let arms = [a, b - self.sides[1].center].map(|arm| self.rotation * arm);
+        let point = ManifoldPoint {
+            arms: arms.map(|arm| arm.as_vec3()),
             normal: (self.rotation * smoothed.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
             roundness,
             turn: smoothed.turn as f32,
-            faces,
-        }
+            faces: [0, 1].map(|i| self.sides[i].face(feature.triangles[i])),
+        };
+        (point, arms)
     }
 
     /// Of one body's surface at the feature.
     fn roundness(&self, feature: &Feature, side: usize) -> f32 {
         let own = &self.sides[side];
         let roundness = own.features.roundness[feature.triangles[side] as usize];
-        let is_face = feature.vertex.is_some_and(|(of, _)| usize::from(of) != side);
+        let is_face = feature.vertex().is_some_and(|(of, _)| usize::from(of) != side);
         if is_face && roundness == 0.0 {
             // Between creases a face is flat.
             f32::INFINITY

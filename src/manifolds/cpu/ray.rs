@@ -16,12 +16,12 @@ const SLACK: f64 = 1.0e-9;
 /// How far the ray from `start` along the unit vector `direction` runs until it meets the body, and which triangle is there,
 /// if that is not beyond `most` and the ray leaves the body.
 pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f64, u32)> {
-    let mesh = &side.slot.mesh.mesh;
-    let lanes = &side.slot.lanes;
+    let mesh = &side.mesh.mesh;
+    let lanes = side.mesh.lanes();
     let (from, way) = (side.to_mesh(start), side.direction_to_mesh(direction));
     // Boxes are met in single precision, about the centre of mass, by the direction's unit vector.
     let length = way.length();
-    let center = side.slot.mesh.mass.center.as_dvec3();
+    let center = side.mesh.mass.center.as_dvec3();
     let local = splat((from - center).as_vec3());
     let inverse = (way / length).to_array().map(|d| {
         // Far from overflow, and never zero.

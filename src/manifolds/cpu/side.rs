@@ -1,17 +1,26 @@
 //! One body of a pair, in the axes of the pair's first body.
 
 use super::feature::ARC;
+use crate::asset::CollisionMesh;
 use crate::geometry::features::{EVERY_WAY, MeshFeatures, NONE};
 use crate::simd::lanes::each;
-use crate::state::Bodies;
-use crate::state::mesh_arena::{MeshArena, MeshSlot};
+use crate::state::Frame;
 use glam::{DMat3, DVec3, Vec3};
 use wide::f32x8;
+
+/// A mesh in the world.
+pub struct PlacedMesh<'a> {
+    pub mesh: &'a CollisionMesh,
+    pub frame: &'a Frame,
+    pub scale: Vec3,
+    /// Of the bounding sphere about the centre of mass, rounded up.
+    pub radius: f32,
+}
 
 /// A body, placed in the axes of the pair's first body about that body's centre of mass, in metres. Double precision: digits
 /// are lost neither far from the origin nor between a small body and a large one.
 pub struct Side<'a> {
-    pub slot: &'a MeshSlot,
+    pub mesh: &'a CollisionMesh,
     pub features: &'a MeshFeatures,
     pub scale: Vec3,
     /// The centre of mass.
@@ -47,46 +56,40 @@ const ASIDE: f64 = 1.0e-3;
 /// ...in a direction that is along no side of a mesh.
 const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 
-/// The two bodies of a pair, or nothing if there are no such bodies.
-pub fn sides<'a>(bodies: &Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<[Side<'a>; 2]> {
-    let [a, b] = pair.map(|i| i as usize);
-    if a == b || a.max(b) >= bodies.len() {
-        return None;
-    }
-    let (frame_a, frame_b) = (&bodies.frame[a], &bodies.frame[b]);
-    let to_a = frame_a.rotation.transpose();
-    let aside = aside(bodies, a, b);
-    let center_b = to_a * (frame_b.center - frame_a.center + aside);
-    let side = |i: usize, center: DVec3, other_center: DVec3| {
-        let slot = meshes.get(bodies.mesh[i])?;
-        let frame = &bodies.frame[i];
-        let rotation = if i == a { DMat3::IDENTITY } else { to_a * frame.rotation };
+/// The two bodies of a pair. `one_mesh` is whether both have the same.
+pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
+    let to_a = a.frame.rotation.transpose();
+    let aside = if one_mesh { aside(a, b) } else { DVec3::ZERO };
+    let center_b = to_a * (b.frame.center - a.frame.center + aside);
+    let side = |own: &PlacedMesh<'a>, rotation: DMat3, aside: DVec3, center: DVec3, other_center: DVec3| {
+        let frame = own.frame;
         let inverse = DMat3::from_diagonal(frame.scale.recip()) * rotation.transpose();
-        Some(Side {
-            slot,
-            features: &slot.features,
-            scale: bodies.scale[i],
+        Side {
+            mesh: own.mesh,
+            features: own.mesh.features(),
+            scale: own.scale,
             center,
             other_center,
             matrix: rotation * DMat3::from_diagonal(frame.scale),
-            origin: to_a * (frame.position - frame_a.center + if i == a { DVec3::ZERO } else { aside }),
+            origin: to_a * (frame.position - a.frame.center + aside),
             inverse,
             normal_matrix: inverse.transpose(),
             mirror: frame.scale.element_product().signum(),
-        })
+        }
     };
-    Some([side(a, DVec3::ZERO, center_b)?, side(b, center_b, DVec3::ZERO)?])
+    [
+        side(a, DMat3::IDENTITY, DVec3::ZERO, DVec3::ZERO, center_b),
+        side(b, to_a * b.frame.rotation, aside, center_b, DVec3::ZERO),
+    ]
 }
 
-/// By how much the second body is taken to be elsewhere: a little if both are the same in the same place. Their surfaces do not
-/// cross then but are one, which would leave no way out.
-fn aside(bodies: &Bodies, a: usize, b: usize) -> DVec3 {
-    let size = f64::from(bodies.radius[a].min(bodies.radius[b]));
-    let (frame_a, frame_b) = (&bodies.frame[a], &bodies.frame[b]);
-    let same = bodies.mesh[a] == bodies.mesh[b]
-        && bodies.scale[a] == bodies.scale[b]
-        && frame_a.center.distance(frame_b.center) < SAME_PLACE * size
-        && frame_a.rotation.abs_diff_eq(frame_b.rotation, SAME_PLACE);
+/// By how much the second of two bodies of one mesh is taken to be elsewhere: a little if both are in the same place. Their
+/// surfaces do not cross then but are one, which would leave no way out.
+fn aside(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
+    let size = f64::from(a.radius.min(b.radius));
+    let same = a.scale == b.scale
+        && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
+        && a.frame.rotation.abs_diff_eq(b.frame.rotation, SAME_PLACE);
     if same { ANY_WAY * (ASIDE * size) } else { DVec3::ZERO }
 }
 
@@ -208,12 +211,12 @@ impl Side<'_> {
 
     /// The longest side of its box along its own axes.
     pub fn diameter(&self) -> f64 {
-        let aabb = self.slot.lanes.aabb;
+        let aabb = self.mesh.lanes().aabb;
         f64::from(((aabb.max - aabb.min) * self.scale.abs()).max_element())
     }
 
     /// The number that a triangle has in the input mesh.
     pub fn face(&self, triangle: u32) -> u32 {
-        self.slot.mesh.mesh.face_ids()[triangle as usize]
+        self.mesh.mesh.face_ids()[triangle as usize]
     }
 }

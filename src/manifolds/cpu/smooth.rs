@@ -25,7 +25,7 @@ pub struct Smoothed {
 /// How they touch at a feature where they are as round as `roundness` says.
 pub fn smoothed(sides: &[Side; 2], feature: &Feature, roundness: [f64; 2]) -> Smoothed {
     as_balls(sides, feature, roundness).unwrap_or_else(|| {
-        let slide = feature.vertex.and_then(|(side, vertex)| {
+        let slide = feature.vertex().and_then(|(side, vertex)| {
             let i = usize::from(side);
             let arm = feature.points[i] - sides[i].center;
             let out = [feature.normal, -feature.normal][i];

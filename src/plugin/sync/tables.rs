@@ -1,8 +1,8 @@
 //! Face tables that are baked while the simulation runs, because bodies ask for them and their meshes have none.
 
 use crate::asset::CollisionMesh;
+use crate::plugin::assets::LoadError;
 use crate::plugin::assets::jobs::on_bake_pool;
-use crate::plugin::assets::loader::LoadError;
 use crate::projection::BakeSettings;
 use bevy::platform::cell::SyncCell;
 use bevy::platform::collections::HashMap;

@@ -4,6 +4,7 @@
 //! vertex of each decides, by the winding number along a ray.
 
 use crate::angles::PAD;
+use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{Rows, each, splat, sub};
@@ -61,7 +62,7 @@ impl End<'_> {
                 .any(|&v| {
                     let world = self.frame.rotation * (self.frame.scale * mesh.vertices()[v as usize].as_dvec3())
                         + (self.frame.position - outer.frame.position);
-                    contains(outer.slot, (to_outer * world) / outer.frame.scale)
+                    contains(&outer.slot.mesh, (to_outer * world) / outer.frame.scale)
                 })
         });
         !none
@@ -73,9 +74,9 @@ impl End<'_> {
 /// that no ray slips through a seam.
 ///
 /// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
-pub fn contains(slot: &MeshSlot, p: DVec3) -> bool {
-    let (mesh, lanes) = (&slot.mesh.mesh, &slot.lanes);
-    let from = (p - slot.mesh.mass.center.as_dvec3()).as_vec3();
+pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
+    let (mesh, lanes) = (&baked.mesh, baked.lanes());
+    let from = (p - baked.mass.center.as_dvec3()).as_vec3();
     let start = splat(from);
     // Boxes and start are rounded, by less than a millionth of the mesh, which is about as far as the start can be.
     let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());

@@ -1,56 +1,58 @@
-//! Whether only the triangles that look at the viewer can be highest.
+//! A proof that from outside only the front faces, or only the back faces, of a mesh are visible.
 //!
-//! That holds for a surface with an inside and an outside, all of whose triangles look outwards: the line of sight
-//! first meets it where it goes in. Agreeing neighbours and a positive total volume do not suffice: one component may be
-//! turned inside out, or a surface may cross itself and show its back. So it is *proved*: the surface does not meet
-//! itself, hence every component separates space, and each component that can be seen from outside has the sign wanted.
-//! Where the proof fails, for whatever reason, everything is drawn, which costs time and changes nothing else.
+//! It holds for a surface with an inside and an outside whose triangles all point outward: a line of sight first meets
+//! the surface where it enters. Consistent winding and a positive total volume do not suffice. One component may be
+//! inside out, or a surface may intersect itself and show its back.
+//!
+//! So the proof checks that the surface does not intersect itself; then each component separates space. It also checks
+//! that each component that is visible from outside has a volume of the right sign. If the proof fails for any reason,
+//! all triangles are drawn from both sides. That costs time but does not change the result.
 
 use crate::geometry::{Orientation, TriMesh};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// What is known about the side triangles show.
+/// Which side of the triangles is visible from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Facing {
-    /// From outside only fronts (counter-clockwise) can be seen.
+    /// Only front faces (counter-clockwise).
     Outward,
-    /// From outside only backs can be seen.
+    /// Only back faces.
     Inward,
-    /// Either may be seen.
+    /// Not proved: possibly both.
     Unknown,
 }
 
-/// Pairs of boxes looked at before giving up: some 50 ms.
+/// The maximum number of box pairs to test before the proof is abandoned: about 50 ms.
 const MAX_PAIRS: usize = 20_000_000;
 
-/// Gaps and angles below this share of the mesh are not trusted.
+/// Distances (relative to the size of the mesh) and angles below this count as zero.
 const TOLERANCE: f64 = 1.0e-9;
 
-struct Skin {
+struct Surface {
     corners: Vec<[DVec3; 3]>,
-    /// Vertices by position: equal numbers for equal positions.
+    /// Corners by position: equal numbers for equal positions.
     welded: Vec<[u32; 3]>,
-    /// Length of a gap that counts.
+    /// The smallest distance that counts as a gap, in mesh units.
     gap: f64,
 }
 
-/// Tries to prove which side of `mesh` can be seen.
-pub(super) fn facing(mesh: &TriMesh) -> Facing {
+/// Tries to prove which side of `mesh` is visible from outside.
+pub(super) fn prove(mesh: &TriMesh) -> Facing {
     let inward = match mesh.orientation() {
         Orientation::Outward => false,
         Orientation::Inward => true,
         Orientation::Mixed | Orientation::Open => return Facing::Unknown,
     };
-    let skin = Skin::of(mesh);
-    if skin.is_manifold() && skin.is_embedded() && skin.components_show(inward) {
+    let surface = Surface::of(mesh);
+    if surface.is_manifold() && surface.is_embedded() && surface.components_face(inward) {
         if inward { Facing::Inward } else { Facing::Outward }
     } else {
         Facing::Unknown
     }
 }
 
-impl Skin {
+impl Surface {
     fn of(mesh: &TriMesh) -> Self {
         let mut number: HashMap<[u32; 3], u32> = HashMap::new();
         let bounds = mesh.aabb();
@@ -74,7 +76,8 @@ impl Skin {
         }
     }
 
-    /// Every edge belongs to exactly two triangles. (Mesh validation counted the dropped ones of zero area as well.)
+    /// Whether each edge belongs to exactly two triangles. (Mesh validation also counts dropped triangles of zero
+    /// area.)
     fn is_manifold(&self) -> bool {
         let mut edges: HashMap<(u32, u32), u32> = HashMap::with_capacity(self.welded.len() * 3 / 2);
         for &[a, b, c] in &self.welded {
@@ -85,7 +88,7 @@ impl Skin {
         edges.values().all(|&count| count == 2)
     }
 
-    /// No two triangles have a point in common that is not a corner or an edge of both.
+    /// Whether all common points of two triangles are on a common corner or edge.
     fn is_embedded(&self) -> bool {
         let boxes: Vec<(DVec3, DVec3)> = self
             .corners
@@ -116,6 +119,7 @@ impl Skin {
         true
     }
 
+    /// Whether triangles `i` and `j` have no points in common but those of a common corner or edge.
     fn meet_properly(&self, i: usize, j: usize) -> bool {
         let shared: Vec<(usize, usize)> = (0..9)
             .map(|k| (k / 3, k % 3))
@@ -132,14 +136,15 @@ impl Skin {
             [(p, q), (r, s)] => {
                 let along = a[r] - a[p];
                 let (u, v) = (along.cross(a[3 - p - r] - a[p]), along.cross(b[3 - q - s] - a[p]));
-                // Folded flat onto each other they would share an area.
+                // Folded onto each other, they would have an area in common.
                 u.dot(v) <= 0.0 || u.cross(v).length() > TOLERANCE * u.length() * v.length()
             }
             _ => false,
         }
     }
 
-    /// Separating axes: the normals, products of edges, and normals of edges within each plane.
+    /// Whether a separating axis exists. The candidates are the normals, the cross products of edges, and the edge
+    /// normals within each plane.
     fn apart(&self, a: [DVec3; 3], b: [DVec3; 3]) -> bool {
         let edges = |t: [DVec3; 3]| [t[1] - t[0], t[2] - t[1], t[0] - t[2]];
         let (ea, eb) = (edges(a), edges(b));
@@ -160,8 +165,8 @@ impl Skin {
             })
     }
 
-    /// Every component that can be seen from outside encloses a volume of the wanted sign.
-    fn components_show(&self, inward: bool) -> bool {
+    /// Whether each component that is visible from outside encloses a volume of the required sign.
+    fn components_face(&self, inward: bool) -> bool {
         let sign = if inward { -1.0 } else { 1.0 };
         let component = self.components();
         let count = component.iter().max().map_or(0, |c| c + 1);
@@ -177,8 +182,8 @@ impl Skin {
         if (0..count).any(|c| volume[c].abs() <= TOLERANCE * bulk[c]) {
             return false;
         }
-        // One of the other sign must lie inside the rest, like the wall of a cavity. As no surfaces meet, it does so
-        // as a whole or not at all.
+        // A component of the other sign must be inside the rest, like the wall of a cavity. Surfaces do not intersect,
+        // so it is wholly inside or wholly outside.
         (0..count).filter(|&c| volume[c] * sign < 0.0).all(|c| {
             let start = (0..self.corners.len()).find(|&t| component[t] == c).unwrap_or(0);
             let point = self.corners[start][0];
@@ -190,7 +195,7 @@ impl Skin {
         })
     }
 
-    /// For each triangle the number of its component, counted from 0.
+    /// For each triangle, the index of its component.
     fn components(&self) -> Vec<usize> {
         let vertices = self.welded.iter().flatten().max().map_or(0, |&v| v as usize + 1);
         let mut parent: Vec<usize> = (0..vertices).collect();
@@ -224,10 +229,10 @@ impl Skin {
     }
 }
 
-/// Whether two wedges, each spanned by two rays from a common apex, have nothing but the apex in common.
+/// Whether two wedges, each spanned by two rays from a common apex, have only the apex in common.
 ///
-/// It is enough to find a plane through the apex with one wedge on each side, of which at most one lies in it along a
-/// single ray, or both along rays that differ.
+/// It suffices to find a plane through the apex that separates the wedges. Only one wedge may touch the plane, along at
+/// most one ray, or both may along different rays.
 fn wedges_apart(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
     let (a, b) = (a.map(DVec3::normalize), b.map(DVec3::normalize));
     let (na, nb) = (a[0].cross(a[1]), b[0].cross(b[1]));
@@ -235,7 +240,7 @@ fn wedges_apart(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
         let (x, y) = (rays[0].dot(axis), rays[1].dot(axis));
         (x.min(y), x.max(y))
     };
-    // In the plane of one wedge, the other strictly on one side.
+    // The plane of one wedge, with the other wedge strictly on one side.
     let beside = |axis: DVec3, rays| {
         axis.try_normalize().is_some_and(|axis| {
             let (low, high) = range(axis, rays);
@@ -245,7 +250,7 @@ fn wedges_apart(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
     if beside(na, b) || beside(nb, a) {
         return true;
     }
-    // A plane through one ray of each, the other two strictly on different sides.
+    // A plane through one ray of each wedge, with the other two rays strictly on different sides.
     let through = |i: usize, j: usize| {
         a[i].cross(b[j]).try_normalize().is_some_and(|axis| {
             let (x, y) = (a[1 - i].dot(axis), b[1 - j].dot(axis));
@@ -256,7 +261,8 @@ fn wedges_apart(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
     if (0..4).any(|k| through(k / 2, k % 2)) {
         return true;
     }
-    // Both in one plane: a ray of one, seen within the plane, has both of the other beyond it.
+    // Both wedges in one plane: within it, a ray of one wedge separates its other ray from both rays of the other
+    // wedge.
     let within = |normal: DVec3, own: [DVec3; 2], other: [DVec3; 2]| {
         (0..2).any(|k| {
             normal.cross(own[k]).try_normalize().is_some_and(|axis| {
@@ -269,7 +275,8 @@ fn wedges_apart(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
     within(na, a, b) || within(nb, b, a)
 }
 
-/// The solid angle of a triangle seen from the origin, positive if its front looks away (van Oosterom and Strackee 1983).
+/// The signed solid angle of a triangle seen from the origin, positive if the triangle faces away from the origin (van
+/// Oosterom and Strackee 1983).
 fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let (x, y, z) = (a.length(), b.length(), c.length());
     let det = a.dot(b.cross(c));

@@ -1,4 +1,4 @@
-//! The height image as a picture, and the plain form of the visible set.
+//! [`HeightImage`]: a mesh drawn along a direction; and a simple reference implementation of visibility.
 
 use super::raster::{BACKGROUND, Raster, sliver_samples, sliver_shows};
 use super::spans::Spans;
@@ -6,45 +6,47 @@ use crate::geometry::TriMesh;
 use crate::geometry::direction::rotation;
 use glam::{DMat3, Vec3};
 
-/// A mesh drawn from a direction: what Aly & Elawady 2010 show in figure 4.
+/// A mesh drawn along a direction, as in figure 4 of Aly & Elawady 2010.
 ///
-/// Both images are `size * size` pixels, row by row; row 0 is the *lowest* y, so a file with its first row on top wants
-/// them in reverse.
+/// Both images have `size * size` pixels in row-major order. Row 0 has the *lowest* y, so a file format whose first row
+/// is at the top needs the rows in reverse order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightImage {
     /// Side of the image in pixels.
     pub size: u32,
-    /// Height above the lowest point of the mesh along the direction, in mesh units; 0 where nothing is seen.
+    /// Height above the lowest point of the mesh along the direction, in mesh units; 0 for the background.
     pub heights: Vec<f32>,
-    /// The triangle seen, as an index into [`TriMesh::triangles`]; [`HeightImage::NONE`] where nothing is.
+    /// The visible triangle, as an index into [`TriMesh::triangles`]; [`HeightImage::NONE`] for the background.
     pub faces: Vec<u32>,
 }
 
 impl HeightImage {
-    /// Stands for no face.
+    /// The value of [`HeightImage::faces`] for the background.
     pub const NONE: u32 = u32::MAX;
 
-    /// Draws `mesh` as seen against `direction`, that is, from far out in that direction. `size` is clamped to 16..=4096.
+    /// Draws `mesh` as seen from far out in `direction`, given in the mesh's own axes. `size` is in pixels and is
+    /// clamped to 16..=4096.
     ///
-    /// The highest triangle wins a pixel, of equally high ones the one with the lowest index. A sliver (see
-    /// [`raster`](super::raster)) is drawn into the pixels its samples lie in, after all others.
+    /// Each pixel shows the highest triangle; of equally high ones, that with the lowest index. A sliver (see
+    /// [`raster`](super::raster)) is drawn after all other triangles, into the pixels that contain its samples.
     pub fn draw(mesh: &TriMesh, direction: Vec3, size: u32) -> Self {
-        Raster::new(mesh, size).picture(&rotation(direction))
+        Raster::new(mesh, size).height_image(&rotation(direction))
     }
 }
 
 impl Raster {
     /// Draws the mesh after `rotation`, seen from `+z`; see [`HeightImage::draw`].
-    pub fn picture(&self, rotation: &DMat3) -> HeightImage {
-        self.draw_plainly(rotation).0
+    pub fn height_image(&self, rotation: &DMat3) -> HeightImage {
+        self.draw_by_definition(rotation).0
     }
 
-    /// [`Raster::visible`] found pixel by pixel, as the definition says: slow, and a check on the fast form.
-    pub fn visible_plainly(&self, rotation: &DMat3) -> Vec<u32> {
-        self.draw_plainly(rotation).1
+    /// The same as [`Raster::visible`], computed pixel by pixel from the definition. It is slow, and serves to check
+    /// the fast implementation.
+    pub fn visible_by_definition(&self, rotation: &DMat3) -> Vec<u32> {
+        self.draw_by_definition(rotation).1
     }
 
-    fn draw_plainly(&self, rotation: &DMat3) -> (HeightImage, Vec<u32>) {
+    fn draw_by_definition(&self, rotation: &DMat3) -> (HeightImage, Vec<u32>) {
         let size = self.size as usize;
         let mut heights = vec![BACKGROUND; size * size];
         let mut faces = vec![HeightImage::NONE; size * size];
@@ -70,7 +72,7 @@ impl Raster {
                 visible.push(t);
             }
         });
-        // All slivers are judged before the first is drawn: they do not hide each other.
+        // All slivers are tested before the first is drawn, because slivers do not hide each other.
         visible.extend(
             slivers
                 .iter()
@@ -105,7 +107,8 @@ impl Raster {
     }
 }
 
-/// Calls `pixel` with the index and the triangle's height at every pixel centre it covers.
+/// Calls `pixel` for each pixel whose centre the triangle covers, with the index of the pixel and the triangle's
+/// height.
 fn for_each_pixel(spans: Option<Spans>, size: usize, mut pixel: impl FnMut(usize, f32)) {
     let Some(spans) = spans else { return };
     let (low, high) = spans.rows;

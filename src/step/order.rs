@@ -1,0 +1,200 @@
+//! The order of a step: its parts, for every [`Response`] and every detection interval. Both backends run this list.
+//!
+//! `step::cpu` calls one function for each part. `step::gpu` records the kernels of each part; a part that the device does
+//! without has none.
+
+use crate::types::settings::Response;
+use crate::types::stage::Stage;
+
+/// One part of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// Takes in the bodies, finds out which of them were in the last step and still sleep, and cuts the step into detection
+    /// intervals.
+    Begin,
+    /// Finds the pairs of bodies whose bounding spheres overlap.
+    FindSpherePairs,
+    /// Keeps those that no support plane separates.
+    FindNearPairs,
+    /// Tests the triangles of these pairs.
+    TestTriangles,
+    /// Finds the contact points of pairs that are awake.
+    FindContactPoints,
+    /// Adds the contact points that sleeping pairs had in the last interval.
+    ReuseContactPoints,
+    /// Reports the contact points of pairs that touch. Nothing pushes.
+    ReportContactPoints,
+    /// Sums one impulse per contact for each body.
+    SumImpulses,
+    /// Moves the bodies by these sums.
+    ApplyImpulses,
+    /// Wakes islands of bodies that something disturbs.
+    Wake,
+    /// Solves the contacts in substeps, in which the solver's bodies move.
+    Solve,
+    /// Notes which pairs touched in this interval.
+    NoteTouches,
+    /// Freezes islands of bodies that have been at rest for long enough.
+    FallAsleep,
+    /// Stops bodies with continuous collision where they first meet others. Runs on the CPU only: a step with such bodies runs
+    /// there.
+    StopFastBodies,
+    /// Puts the bodies where the solver moved them.
+    MoveBodies,
+    /// Reports which pairs touched in any interval of the step.
+    ReportTouches,
+    /// Keeps what the next step needs.
+    Remember,
+}
+
+/// Where a detection interval lies in its step. Without [`Response::Contacts`] the only one is the first and the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Place {
+    /// The step begins with it.
+    pub is_first: bool,
+    /// The step ends with it.
+    pub is_last: bool,
+}
+
+/// Intervals in which a part runs.
+#[derive(Clone, Copy)]
+enum When {
+    First,
+    All,
+    Last,
+}
+
+/// Responses with which a part runs.
+struct With {
+    none: bool,
+    impulse: bool,
+    contacts: bool,
+}
+
+const ANY: With = with(true, true, true);
+const NONE: With = with(true, false, false);
+const CONTACTS: With = with(false, false, true);
+/// Contact points are found.
+const POINTS: With = with(true, false, true);
+/// Bodies move once.
+const SIMPLE: With = with(true, true, false);
+
+const fn with(none: bool, impulse: bool, contacts: bool) -> With {
+    With {
+        none,
+        impulse,
+        contacts,
+    }
+}
+
+/// The whole step.
+const ORDER: [(Part, When, With); 17] = [
+    (Part::Begin, When::First, ANY),
+    (Part::FindSpherePairs, When::All, ANY),
+    (Part::FindNearPairs, When::All, ANY),
+    // What it reports is meant for the beginning of the step.
+    (Part::TestTriangles, When::First, ANY),
+    (Part::FindContactPoints, When::All, POINTS),
+    (Part::ReuseContactPoints, When::All, CONTACTS),
+    (Part::ReportContactPoints, When::First, NONE),
+    // With `Response::None` all sums are zero.
+    (Part::SumImpulses, When::All, SIMPLE),
+    (Part::ApplyImpulses, When::All, SIMPLE),
+    (Part::Wake, When::All, CONTACTS),
+    (Part::Solve, When::All, CONTACTS),
+    (Part::NoteTouches, When::All, CONTACTS),
+    (Part::FallAsleep, When::All, CONTACTS),
+    (Part::StopFastBodies, When::All, CONTACTS),
+    (Part::MoveBodies, When::All, CONTACTS),
+    (Part::ReportTouches, When::Last, CONTACTS),
+    (Part::Remember, When::Last, ANY),
+];
+
+/// The parts of one detection interval, in order.
+pub fn parts(response: Response, place: Place) -> impl Iterator<Item = Part> {
+    ORDER
+        .iter()
+        .filter(move |(_, when, with)| when.holds(place) && with.holds(response))
+        .map(|&(part, ..)| part)
+}
+
+/// Those that belong to one stage.
+pub fn parts_of(stage: Stage, response: Response, place: Place) -> impl Iterator<Item = Part> {
+    parts(response, place).filter(move |part| part.stage() == stage)
+}
+
+impl Part {
+    /// The stage in which it runs, and to whose time it counts.
+    pub fn stage(self) -> Stage {
+        match self {
+            Self::Begin | Self::FindSpherePairs => Stage::BroadPhase,
+            Self::FindNearPairs => Stage::Angles,
+            Self::TestTriangles => Stage::TriangleTest,
+            Self::FindContactPoints | Self::ReuseContactPoints | Self::ReportContactPoints => Stage::Manifolds,
+            Self::SumImpulses | Self::Wake | Self::Solve | Self::NoteTouches | Self::FallAsleep => Stage::ForceScan,
+            Self::ApplyImpulses | Self::StopFastBodies | Self::MoveBodies | Self::ReportTouches | Self::Remember => {
+                Stage::Integrate
+            }
+        }
+    }
+}
+
+impl Place {
+    /// That of interval `number` of `count`.
+    pub fn of(number: u32, count: u32) -> Self {
+        Self {
+            is_first: number == 0,
+            is_last: number + 1 >= count,
+        }
+    }
+}
+
+impl When {
+    fn holds(self, place: Place) -> bool {
+        match self {
+            Self::First => place.is_first,
+            Self::All => true,
+            Self::Last => place.is_last,
+        }
+    }
+}
+
+impl With {
+    fn holds(&self, response: Response) -> bool {
+        match response {
+            Response::None => self.none,
+            Response::Impulse => self.impulse,
+            Response::Contacts => self.contacts,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_run_in_the_order_of_stages() {
+        for response in [Response::None, Response::Impulse, Response::Contacts] {
+            for place in [Place::of(0, 1), Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
+                let stages: Vec<_> = parts(response, place).map(|part| part.stage() as usize).collect();
+                assert!(stages.is_sorted(), "{response:?} {place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_step_begins_and_ends_once() {
+        for response in [Response::None, Response::Impulse, Response::Contacts] {
+            let all = (0..3).flat_map(|number| parts(response, Place::of(number, 3)));
+            let all: Vec<_> = all.collect();
+            for part in [Part::Begin, Part::TestTriangles, Part::Remember] {
+                assert_eq!(
+                    all.iter().filter(|&&other| other == part).count(),
+                    1,
+                    "{response:?} {part:?}"
+                );
+            }
+        }
+    }
+}
