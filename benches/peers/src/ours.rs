@@ -1,14 +1,14 @@
 //! bevy_faceoff: its narrow phase alone, as `benches/narrow_phase` runs it, and a whole headless app.
 
 use crate::engine::{Engine, THREADS};
-use crate::scene::{STEP, Scene, paper};
+use crate::scene::{STEP, Scene};
 use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::state::{Body, StepState};
-use bevy_faceoff::types::stage::Stage;
 use bevy_faceoff::triangle_test;
+use bevy_faceoff::types::stage::Stage;
 use std::collections::HashMap;
 
 /// The stages without an app.
@@ -105,7 +105,19 @@ impl Faceoff {
             .world_mut()
             .resource_mut::<Assets<CollisionMesh>>()
             .add(scene.mesh.clone());
-        paper::spawn(app.world_mut(), &scene.paper, &scene.mesh, &mesh);
+        for (point, normal) in scene.paper.walls() {
+            app.world_mut()
+                .spawn((PlaneCollider::through(point, normal), Restitution::new(1.0)));
+        }
+        for body in &scene.bodies {
+            app.world_mut().spawn((
+                RigidBody::Dynamic,
+                MeshCollider(mesh.clone()),
+                body.pose,
+                LinearVelocity(body.velocity),
+                Restitution::new(1.0),
+            ));
+        }
         app.finish();
         app.cleanup();
         // Bevy's first update has no time behind it and runs no step.
