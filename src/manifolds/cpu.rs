@@ -12,10 +12,9 @@ mod side;
 mod smooth;
 
 use super::MarginPair;
-use crate::manifolds::{Manifold, Manifolds};
 use crate::parallel::per_thread::PerThread;
-use crate::state::Bodies;
 use crate::state::mesh_arena::MeshArena;
+use crate::state::{Bodies, Manifolds};
 use pair::Worker;
 use rayon::prelude::*;
 
@@ -78,24 +77,4 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
     Worker::default().run(bodies, meshes, &pair, &mut manifolds.points);
     manifolds.close(pair.bodies, 0);
     manifolds
-}
-
-impl Manifolds {
-    /// Removes all, keeping the memory.
-    pub(super) fn clear(&mut self) {
-        self.pairs.clear();
-        self.points.clear();
-    }
-
-    /// Adds the pair whose points are those from `first` on, if there are any.
-    pub(super) fn close(&mut self, bodies: [u32; 2], first: usize) {
-        let count = self.points.len() - first;
-        if count > 0 {
-            self.pairs.push(Manifold {
-                bodies,
-                first_point: first as u32,
-                point_count: count as u32,
-            });
-        }
-    }
 }

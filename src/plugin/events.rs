@@ -1,6 +1,6 @@
 //! What is told when it happens.
 
-use crate::state::bodies::BodyFault;
+use crate::state::fault::BodyFault;
 use bevy::prelude::*;
 
 /// Two bodies, or a body and a plane, began to touch in this step. Not written again if the two touch again before their

@@ -189,7 +189,11 @@ mod tests {
             let all = (0..3).flat_map(|number| parts(response, Place::of(number, 3)));
             let all: Vec<_> = all.collect();
             for part in [Part::Begin, Part::TestTriangles, Part::Remember] {
-                assert_eq!(all.iter().filter(|&&other| other == part).count(), 1, "{response:?} {part:?}");
+                assert_eq!(
+                    all.iter().filter(|&&other| other == part).count(),
+                    1,
+                    "{response:?} {part:?}"
+                );
             }
         }
     }
