@@ -6,7 +6,8 @@ use bevy_faceoff::geometry::direction::{Angles, DirectionGrid};
 use bevy_faceoff::geometry::{Orientation, TriMesh, shapes};
 use bevy_faceoff::projection::{BakeSettings, Progress, bake_pool};
 use bevy_faceoff::queries::{CheckOptions, Placement, TouchingPair, check, check_with};
-use bevy_faceoff::state::{Body, StepState, View};
+use bevy_faceoff::state::{Body, View};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DVec3, Quat, Vec3};
@@ -49,14 +50,18 @@ fn random_pose(random: &mut fastrand::Rng, size: f32) -> (Vec3, Quat) {
 
 /// Runs the three stages that find collisions, on one pair.
 fn collide(state: &mut StepState, bodies: [Body; 2], culling: [Culling; 2]) -> BTreeSet<[u32; 2]> {
-    state.bodies.clear();
+    state.input.bodies.clear();
     for (body, culling) in bodies.into_iter().zip(culling) {
-        state.bodies.push(&Body { culling, ..body }, &state.meshes).unwrap();
+        state
+            .input
+            .bodies
+            .push(&Body { culling, ..body }, &state.input.meshes)
+            .unwrap();
     }
     for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
         bevy_faceoff::step::cpu::run(stage, state);
     }
-    state.contacts.faces.iter().map(|f| [f.a, f.b]).collect()
+    state.results.contacts.faces.iter().map(|f| [f.a, f.b]).collect()
 }
 
 /// Which input faces of a body look at `other`, worked out in double precision from the definition: `Some` if it is clear.
@@ -123,7 +128,7 @@ fn modes_find_exactly_those_pairs_of_faces_that_are_in_view_from_either_end() {
         baked(&boxed_ball(), 10, 32),
     ];
     let mut state = StepState::default();
-    let slots = meshes.clone().map(|mesh| state.meshes.add(mesh));
+    let slots = meshes.clone().map(|mesh| state.input.meshes.add(mesh));
     let mut random = fastrand::Rng::with_seed(5);
     let scales = [
         Vec3::ONE,
@@ -141,13 +146,13 @@ fn modes_find_exactly_those_pairs_of_faces_that_are_in_view_from_either_end() {
             Body::at_rest(slots[kinds[end]], position, rotation, scales[random.usize(..5)])
         });
         let exact = collide(&mut state, bodies, [Culling::Exact; 2]);
-        let touching = state.contacts.pairs.len();
+        let touching = state.results.contacts.pairs.len();
         let found = collide(&mut state, bodies, culling);
         assert!(
-            state.contacts.pairs.len() <= touching,
+            state.results.contacts.pairs.len() <= touching,
             "case {case}: a collision was invented"
         );
-        let centers = [0, 1].map(|i| state.bodies.frame[i].center);
+        let centers = [0, 1].map(|i| state.input.bodies.frame[i].center);
         let seen = [0, 1].map(|i| Seen::of(&meshes[kinds[i]], &bodies[i], centers[1 - i], culling[i]));
         for hit in &exact {
             let expected = [0, 1].map(|i| seen[i].0[hit[i] as usize]);
@@ -214,7 +219,7 @@ fn a_body_in_a_baked_direction_looks_up_that_directions_group() {
     let table = mesh.faces.as_ref().unwrap();
     let grid = DirectionGrid::new(10).unwrap();
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     let rotation = Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.0);
     let scale = Vec3::new(0.5, -0.8, 1.3);
     for index in 0..grid.len() {
@@ -228,7 +233,7 @@ fn a_body_in_a_baked_direction_looks_up_that_directions_group() {
             body(offset, Quat::IDENTITY, Vec3::ONE),
         ];
         collide(&mut state, bodies, [Culling::FacesOfCollision; 2]);
-        let views = state.near_pairs[0].views;
+        let views = state.results.near_pairs[0].views;
         assert_eq!(
             views[0],
             View::Group(table.directions()[index as usize]),
@@ -281,7 +286,7 @@ fn lane_masks_are_the_group_in_both_forms() {
 fn coinciding_centres_are_exact() {
     let mesh = baked(&shapes::torus_240(), 10, 32);
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     for angle in [0.3, 0.8, 1.5] {
         let bodies = [Quat::IDENTITY, Quat::from_rotation_x(angle)]
             .map(|rotation| Body::at_rest(slot, Vec3::ONE - rotation * mesh.mass.center, rotation, Vec3::ONE));
