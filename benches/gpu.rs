@@ -9,7 +9,8 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device;
 use bevy_faceoff::plugin::settings::LATENCY;
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::results::Detail;
 use bevy_faceoff::step::gpu::upload::Carried;
 use bevy_faceoff::step::gpu::{GpuStep, StepError};
@@ -72,7 +73,7 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
         let start = Instant::now();
         step.run(&mut state)?;
         walls.push(start.elapsed());
-        for (times, time) in stages.iter_mut().zip(state.times) {
+        for (times, time) in stages.iter_mut().zip(state.results.times) {
             times.push(time);
         }
         let mut state = scene(&mesh, count);
@@ -89,9 +90,9 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
     let times: String = stages.iter().map(|time| format!("{time:.3} | ")).collect();
     println!(
         "| {name} | {} | {} | {} | {times}{device:.3} | {wall:.3} | {latent:.3} | {resident:.3} | {cpu:.3} | {:.3} | {} |",
-        state.sphere_pairs.len(),
-        state.contacts.pairs.len(),
-        state.contacts.faces.len(),
+        state.results.sphere_pairs.len(),
+        state.results.contacts.pairs.len(),
+        state.results.contacts.faces.len(),
         cpu / device,
         step.bytes(),
     );
@@ -100,13 +101,13 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
 
 /// Milliseconds a step if each goes on from the one before and results are taken some steps later.
 fn in_flight(step: &mut GpuStep, state: &StepState, detail: Detail, rounds: usize) -> Result<f64, StepError> {
-    let carried: Vec<_> = (0..state.bodies.len() as u32)
+    let carried: Vec<_> = (0..state.input.bodies.len() as u32)
         .map(|source| Some(Carried::all(source)))
         .collect();
     let start = Instant::now();
-    step.submit(state, &[], detail)?;
+    step.submit(&state.input, &[], detail)?;
     for _ in 1..rounds {
-        step.submit(state, &carried, detail)?;
+        step.submit(&state.input, &carried, detail)?;
         if step.in_flight() > LATENCY
             && let Some(output) = step.take()
         {
@@ -131,7 +132,7 @@ fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
     let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
     let side = 22.5 * (count as f32 / 2200.0).cbrt();
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     for _ in 0..count {
         let scale = between(0.25, 2.0) / (2.0 * mesh.radius);
         let [x, y, z, w] = [0; 4].map(|_| between(-1.0, 1.0));
@@ -141,7 +142,11 @@ fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
         let mut body = Body::at_rest(slot, position, rotation, Vec3::splat(scale));
         body.linear_velocity = Vec3::from_array([0; 3].map(|_| between(-0.5, 0.5)));
         body.restitution = 1.0;
-        state.bodies.push(&body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(&body, &state.input.meshes)
+            .expect("a usable body");
     }
     state
 }

@@ -8,7 +8,8 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
 use bevy_faceoff::queries::{Placement, touching};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use glam::{Quat, Vec3};
 use std::time::Instant;
 
@@ -43,13 +44,17 @@ fn main() {
 
 fn time(name: &str, scene: &str, mesh: &CollisionMesh, poses: &[Poses]) {
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     let mut pairs = Vec::new();
     for pair in poses {
-        let first = state.bodies.len() as u32;
+        let first = state.input.bodies.len() as u32;
         for (scale, rotation, at) in pair {
             let body = Body::at_rest(slot, *at, *rotation, Vec3::splat(*scale));
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
         pairs.push(MarginPair {
             bodies: [first, first + 1],
@@ -60,7 +65,13 @@ fn time(name: &str, scene: &str, mesh: &CollisionMesh, poses: &[Poses]) {
     let mut round = |pairs: &[MarginPair]| {
         let times = (0..8).map(|_| {
             let start = Instant::now();
-            cpu::run(&state.bodies, &state.meshes, pairs, &mut scratch, &mut manifolds);
+            cpu::run(
+                &state.input.bodies,
+                &state.input.meshes,
+                pairs,
+                &mut scratch,
+                &mut manifolds,
+            );
             start.elapsed().as_secs_f64() * 1e6 / pairs.len().max(1) as f64
         });
         // The first warms the caches.

@@ -5,7 +5,7 @@
 
 mod scenes;
 
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::stage::Stage;
 use scenes::Scene;
@@ -37,7 +37,7 @@ fn table(count: usize) {
             bevy_faceoff::step::cpu::run(Stage::BroadPhase, state);
             // The first round allocates.
             if round > 0 {
-                times.push(state.times[Stage::BroadPhase as usize]);
+                times.push(state.results.times[Stage::BroadPhase as usize]);
             }
         }
     }
@@ -45,7 +45,7 @@ fn table(count: usize) {
     for ((scene, state), times) in Scene::ALL.iter().zip(&states).zip(&mut times) {
         times.sort_unstable();
         let time: Duration = times[times.len() / 2];
-        let pairs = state.sphere_pairs.len();
+        let pairs = state.results.sphere_pairs.len();
         let per_pair = time.as_secs_f64() * 1e9 / pairs as f64;
         let ratio = per_pair / *equal.get_or_insert(per_pair);
         println!(
@@ -61,7 +61,7 @@ fn table(count: usize) {
 fn drift(state: &mut StepState, round: usize) {
     let mut random = fastrand::Rng::with_seed(round as u64 / 2);
     let sign = if round.is_multiple_of(2) { 0.1 } else { -0.1 };
-    let bodies = &mut state.bodies;
+    let bodies = &mut state.input.bodies;
     for (center, kind) in bodies.center.iter_mut().zip(&bodies.kind) {
         if *kind != RigidBody::Static {
             *center += sign * glam::Vec3::new(random.f32(), random.f32(), random.f32());

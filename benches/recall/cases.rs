@@ -2,7 +2,8 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, Contacts, StepState};
+use bevy_faceoff::state::{Body, Contacts};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -101,7 +102,7 @@ impl Tester {
     pub fn new(mesh: &CollisionMesh) -> Self {
         let mut state = StepState::default();
         Self {
-            slot: state.meshes.add(mesh.clone()),
+            slot: state.input.meshes.add(mesh.clone()),
             center: mesh.mass.center,
             state,
         }
@@ -109,15 +110,19 @@ impl Tester {
 
     pub fn test(&mut self, pair: &Pair, culling: Culling) -> &Contacts {
         let Self { state, slot, center } = self;
-        state.bodies.clear();
+        state.input.bodies.clear();
         for body in pair.bodies(*slot, *center, culling) {
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
-        state.sphere_pairs.clear();
-        state.sphere_pairs.push([0, 1]);
+        state.results.sphere_pairs.clear();
+        state.results.sphere_pairs.push([0, 1]);
         bevy_faceoff::step::cpu::run(Stage::Angles, state);
         bevy_faceoff::step::cpu::run(Stage::TriangleTest, state);
-        &state.contacts
+        &state.results.contacts
     }
 
     fn meets(&mut self, pair: &Pair) -> bool {

@@ -4,7 +4,7 @@ use crate::cases::{Pair, rotation};
 use crate::plain;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DVec3, Mat3, Vec3};
@@ -28,7 +28,7 @@ struct Measured {
 /// Prints a row per method.
 pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
     let mut state = StepState::default();
-    let slot = state.meshes.add(baked.clone());
+    let slot = state.input.meshes.add(baked.clone());
     let poses = fill(&mut state, slot, baked, count);
     let triangles: Vec<[Vec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
     let mut placed = Vec::new();
@@ -52,14 +52,14 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
         }
         plain.times.push(start.elapsed());
         for ((culling, _), measured) in MODES.iter().zip(&mut modes) {
-            state.bodies.culling.fill(*culling);
+            state.input.bodies.culling.fill(*culling);
             bevy_faceoff::step::cpu::run(Stage::Angles, &mut state);
             bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
-            let [angles, triangle_test] = [Stage::Angles, Stage::TriangleTest].map(|s| state.times[s as usize]);
+            let [angles, triangle_test] = [Stage::Angles, Stage::TriangleTest].map(|s| state.results.times[s as usize]);
             measured.times.push(angles + triangle_test);
-            measured.tests = state.contacts.triangle_tests;
-            measured.touching = state.contacts.pairs.len();
-            measured.faces = state.contacts.faces.len();
+            measured.tests = state.results.contacts.triangle_tests;
+            measured.touching = state.results.contacts.pairs.len();
+            measured.faces = state.results.contacts.faces.len();
         }
     }
     let yardstick = micros(&mut plain.times, count);
@@ -93,10 +93,14 @@ fn fill(state: &mut StepState, slot: u32, baked: &CollisionMesh, count: usize) -
         };
         let i = 2 * poses.len();
         for body in pair.bodies(slot, baked.mass.center, Culling::Exact) {
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
-        state.sphere_pairs.push([i as u32, i as u32 + 1]);
-        let [a, b] = [i, i + 1].map(|k| state.bodies.frame[k]);
+        state.results.sphere_pairs.push([i as u32, i as u32 + 1]);
+        let [a, b] = [i, i + 1].map(|k| state.input.bodies.frame[k]);
         let to_a: DMat3 = a.rotation.transpose();
         let matrix = to_a * b.rotation * b.scale.x;
         poses.push((

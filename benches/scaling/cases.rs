@@ -2,7 +2,8 @@
 
 use bevy_faceoff::asset::{CollisionMesh, import_file};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, Quat, Vec3};
 
@@ -75,7 +76,7 @@ fn on_terrain(side: u32, bodies: usize) -> Scene {
     let terrain = CollisionMesh::new(&terrain.expect("a mesh"));
     let triangles = terrain.mesh.triangles().len();
     let mut state = StepState::default();
-    let [ground, ball] = [terrain, CollisionMesh::new(&shapes::ball_320())].map(|mesh| state.meshes.add(mesh));
+    let [ground, ball] = [terrain, CollisionMesh::new(&shapes::ball_320())].map(|mesh| state.input.meshes.add(mesh));
     let mut random = fastrand::Rng::with_seed(78);
     let mut all = vec![Body::at_rest(ground, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)];
     for _ in 0..bodies {
@@ -85,9 +86,13 @@ fn on_terrain(side: u32, bodies: usize) -> Scene {
         all.push(Body::at_rest(ball, at, turn, Vec3::ONE));
     }
     for body in &all {
-        state.bodies.push(body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(body, &state.input.meshes)
+            .expect("a usable body");
     }
-    state.sphere_pairs = (1..all.len() as u32).map(|i| [0, i]).collect();
+    state.results.sphere_pairs = (1..all.len() as u32).map(|i| [0, i]).collect();
     Scene {
         state,
         triangles: format!("{triangles} and 320"),
@@ -105,7 +110,7 @@ pub fn nut_on_bolt() -> Option<Case> {
     let meshes = [mesh("nut_m16_loose_subdiv_3x")?, mesh("bolt_m16_loose")?];
     let scene = move |poses: usize| {
         let mut state = StepState::default();
-        let [nut, bolt] = meshes.each_ref().map(|mesh| state.meshes.add(mesh.clone()));
+        let [nut, bolt] = meshes.each_ref().map(|mesh| state.input.meshes.add(mesh.clone()));
         for pose in 0..poses {
             let height = 0.0007 + 0.0094 * pose as f32 / poses as f32;
             let turn = Quat::from_rotation_z(0.4 * pose as f32);
@@ -113,10 +118,14 @@ pub fn nut_on_bolt() -> Option<Case> {
                 Body::at_rest(bolt, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE),
                 Body::at_rest(nut, Vec3::Z * height, turn, Vec3::ONE),
             ] {
-                state.bodies.push(&body, &state.meshes).expect("a usable body");
+                state
+                    .input
+                    .bodies
+                    .push(&body, &state.input.meshes)
+                    .expect("a usable body");
             }
         }
-        state.sphere_pairs = pairs(poses);
+        state.results.sphere_pairs = pairs(poses);
         Scene {
             state,
             triangles: meshes
@@ -204,26 +213,27 @@ impl Pair<'_> {
 
     fn run(&mut self, way: f32) {
         let bodies = self.bodies(way, 1.0);
-        self.state.bodies.clear();
+        self.state.input.bodies.clear();
         for body in bodies {
             self.state
+                .input
                 .bodies
-                .push(&body, &self.state.meshes)
+                .push(&body, &self.state.input.meshes)
                 .expect("a usable body");
         }
-        self.state.sphere_pairs = vec![[0, 1]];
+        self.state.results.sphere_pairs = vec![[0, 1]];
         bevy_faceoff::step::cpu::run(Stage::Angles, self.state);
         bevy_faceoff::step::cpu::run(Stage::TriangleTest, self.state);
     }
 
     fn face_pairs(&mut self, way: f32) -> usize {
         self.run(way);
-        self.state.contacts.faces.len()
+        self.state.results.contacts.faces.len()
     }
 
     fn touches(&mut self, way: f32) -> bool {
         self.run(way);
-        !self.state.contacts.pairs.is_empty()
+        !self.state.results.contacts.pairs.is_empty()
     }
 }
 
@@ -232,7 +242,7 @@ fn placed(mesh: &TriMesh, poses: usize, find: impl Fn(&mut Pair) -> (f32, f32)) 
     let mut random = fastrand::Rng::with_seed(77);
     let mesh = CollisionMesh::new(mesh);
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     let mut bodies = Vec::new();
     for _ in 0..poses {
         let rotations = [0; 2].map(|_| rotation(&mut random));
@@ -247,11 +257,15 @@ fn placed(mesh: &TriMesh, poses: usize, find: impl Fn(&mut Pair) -> (f32, f32)) 
         let (way, scale) = find(&mut pair);
         bodies.extend(pair.bodies(way, scale));
     }
-    state.bodies.clear();
+    state.input.bodies.clear();
     for body in &bodies {
-        state.bodies.push(body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(body, &state.input.meshes)
+            .expect("a usable body");
     }
-    state.sphere_pairs = pairs(poses);
+    state.results.sphere_pairs = pairs(poses);
     Scene {
         state,
         triangles: mesh.mesh.triangles().len().to_string(),

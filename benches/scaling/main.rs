@@ -6,7 +6,6 @@
 
 mod cases;
 
-use bevy_faceoff::triangle_test;
 use bevy_faceoff::types::stage::Stage;
 use cases::{Case, Scene};
 use std::time::{Duration, Instant};
@@ -47,16 +46,20 @@ fn run(case: &Case, poses: usize) {
         for (scene, times) in scenes.iter_mut().zip(&mut times) {
             // Small scenes are over before a clock has ticked.
             let mut least = [f64::INFINITY; 3];
-            let pairs = scene.state.sphere_pairs.len();
+            let pairs = scene.state.results.sphere_pairs.len();
             for _ in 0..3 {
                 for (least, stage) in least.iter_mut().zip([Stage::Angles, Stage::TriangleTest]) {
                     bevy_faceoff::step::cpu::run(stage, &mut scene.state);
-                    *least = least.min(micros(scene.state.times[stage as usize], pairs));
+                    *least = least.min(micros(scene.state.results.times[stage as usize], pairs));
                 }
                 let start = Instant::now();
-                let touching = triangle_test::cpu::touching(&mut scene.state);
+                let touching = bevy_faceoff::step::cpu::touching(&mut scene.state);
                 least[2] = least[2].min(micros(start.elapsed(), pairs));
-                assert_eq!(touching.len(), scene.state.contacts.pairs.len(), "first hits are hits");
+                assert_eq!(
+                    touching.len(),
+                    scene.state.results.contacts.pairs.len(),
+                    "first hits are hits"
+                );
             }
             times.push(least);
         }
@@ -69,8 +72,8 @@ fn run(case: &Case, poses: usize) {
                 .then(|| median(ratios(i)))
                 .map_or(String::new(), |g| format!("{g:.2}"))
         };
-        let contacts = &scene.state.contacts;
-        let pairs = scene.state.sphere_pairs.len() as f64;
+        let contacts = &scene.state.results.contacts;
+        let pairs = scene.state.results.sphere_pairs.len() as f64;
         println!(
             "| {} | {} | {:.2} | {:.2} | {} | {:.2} | {} | {} | {:.1} | {:.0} |",
             case.name,

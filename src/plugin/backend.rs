@@ -12,7 +12,8 @@
 pub use crate::plugin::renderer::recover_from_device_loss;
 
 use crate::plugin::settings::{Backend, Reading};
-use crate::state::StepState;
+use crate::state::StepInput;
+use crate::step::StepState;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use rayon::ThreadPool;
@@ -404,7 +405,7 @@ impl Engine {
     /// device failed: the step is to be run anew, by what [`Engine::latent`] then says, with nothing carried over.
     pub fn advance(
         &mut self,
-        state: &StepState,
+        state: &StepInput,
         carried: &[Option<Carried>],
         detail: Detail,
         latency: usize,

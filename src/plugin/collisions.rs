@@ -1,7 +1,7 @@
 //! Results of the last step: [`Collisions`] and [`StepReport`].
 
 use crate::manifolds::{ManifoldPoint, Manifolds};
-use crate::state::{Contact, ContactPoint, Contacts, FacePair, PlaneContact, TouchingPair};
+use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use std::fmt;
@@ -111,7 +111,7 @@ impl Collisions {
         self.iter().filter(move |c| c.entity1 == entity || c.entity2 == entity)
     }
 
-    fn collision<'a>(&'a self, pair: &TouchingPair) -> Collision<'a> {
+    fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
         let [entity1, entity2] = pair.bodies.map(|i| self.entities[i as usize]);
         Collision {
             entity1,

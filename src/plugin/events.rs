@@ -1,6 +1,6 @@
 //! Messages and events: collisions that start or end, and bodies that are rejected.
 
-use crate::state::bodies::BodyFault;
+use crate::state::fault::BodyFault;
 use bevy::prelude::*;
 
 /// Two bodies, or a body and a plane, began to touch in this step.

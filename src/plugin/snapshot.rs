@@ -4,7 +4,7 @@ use crate::manifolds::Manifolds;
 use crate::plugin::components::MeshCollider;
 use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
-use crate::step::dynamics::Memory;
+use crate::step::StepMemory;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::contacts::memory::DeviceMemory;
 use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
@@ -22,7 +22,7 @@ pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
     /// What the solver keeps from step to step.
-    memory: Memory,
+    memory: StepMemory,
     manifolds: Manifolds,
     /// Those that slept, ascending.
     asleep: Vec<Entity>,
@@ -60,8 +60,8 @@ impl Snapshot {
         let snapshot = Self {
             bodies,
             touching: step.touching.clone(),
-            memory: step.state.dynamics.memory.clone(),
-            manifolds: step.state.manifolds.clone(),
+            memory: step.state.memory.clone(),
+            manifolds: step.state.results.manifolds.clone(),
             asleep: Vec::new(),
             #[cfg(feature = "gpu")]
             device: step.device_memory(),
@@ -103,8 +103,8 @@ impl Snapshot {
             #[cfg(not(feature = "gpu"))]
             step.forget();
             step.touching.clone_from(&self.touching);
-            step.state.dynamics.memory.clone_from(&self.memory);
-            step.state.manifolds.copy(&self.manifolds);
+            step.state.memory.clone_from(&self.memory);
+            step.state.results.manifolds.copy(&self.manifolds);
         }
         gone
     }

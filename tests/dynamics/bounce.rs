@@ -75,7 +75,7 @@ pub fn ball_on_ball(restitution: f32, sideways: f32, turns: usize, random: &mut 
     let outgoing: Vec<[f64; 2]> = (0..turns)
         .map(|_| {
             let mut world = World::weightless();
-            let ball = world.state.meshes.add(mesh.clone());
+            let ball = world.state.input.meshes.add(mesh.clone());
             for (k, velocity) in speeds.into_iter().enumerate() {
                 // Not always at the same moment of a step.
                 let at = [-1.0 - 0.05 * random.f32(), 1.0][k];
@@ -108,7 +108,7 @@ pub fn ball_on_wall(restitution: f32, angle: f32, turns: usize, random: &mut fas
     let outgoing: Vec<[f64; 2]> = (0..turns)
         .map(|_| {
             let mut world = World::weightless();
-            let ball = world.state.meshes.add(mesh.clone());
+            let ball = world.state.input.meshes.add(mesh.clone());
             let cube = world.mesh(&shapes::cube(1.0));
             let at = Vec3::Y * (1.0 + 0.05 * random.f32());
             let turn = any_turn(random);

@@ -25,7 +25,7 @@ fn chain(count: usize) -> World {
 /// The linking number of two rings' centre lines: how often the second goes through the disc of the first, less how often
 /// it comes back.
 fn linking(world: &World, a: usize, b: usize) -> i32 {
-    let [a, b] = [a, b].map(|i| &world.state.bodies.frame[i]);
+    let [a, b] = [a, b].map(|i| &world.state.input.bodies.frame[i]);
     let (normal, from) = (a.rotation.z_axis, a.center);
     // Heights of the second line's points over the disc's plane: mean + x cos(t) + y sin(t).
     let mean = normal.dot(b.center - from);
@@ -44,7 +44,7 @@ fn linking(world: &World, a: usize, b: usize) -> i32 {
 }
 
 fn check_links(world: &World, when: &str) {
-    for i in 1..world.state.bodies.len() {
+    for i in 1..world.state.input.bodies.len() {
         let number = linking(world, i - 1, i);
         assert_eq!(number.abs(), 1, "{when}: rings {} and {i}", i - 1);
     }
@@ -56,7 +56,7 @@ fn the_linking_number_tells_links_from_neighbours() {
     assert_eq!(linking(&world, 0, 1).abs(), 1);
     assert_eq!(linking(&world, 1, 2).abs(), 1);
     assert_eq!(linking(&world, 0, 2), 0);
-    world.state.bodies.frame[1].center.y -= 2.0 * (LINE + 0.01) - 0.74;
+    world.state.input.bodies.frame[1].center.y -= 2.0 * (LINE + 0.01) - 0.74;
     assert_eq!(linking(&world, 0, 1), 0, "just out of it");
 }
 
@@ -77,16 +77,16 @@ pub fn hangs_and_is_shaken(count: usize, [seconds, shaken, afterwards]: [usize; 
     let length = world.center(0).distance(world.center(count - 1));
     let fastest = world.fastest();
 
-    world.state.bodies.kind[0] = RigidBody::Kinematic;
+    world.state.input.bodies.kind[0] = RigidBody::Kinematic;
     let start = world.center(0);
     for k in 0..64 * shaken {
         // 0.3 m to both sides, once a second.
         let at = |k: usize| 0.3 * (TAU * k as f32 / 64.0).sin();
-        world.state.bodies.linear_velocity[0] = Vec3::X * 64.0 * (at(k + 1) - at(k));
+        world.state.input.bodies.linear_velocity[0] = Vec3::X * 64.0 * (at(k + 1) - at(k));
         deepest[1] = deepest[1].max(watched(&mut world, "shaken"));
     }
     assert!(world.center(0).distance(start) < 1.0e-3, "back where it was");
-    world.state.bodies.linear_velocity[0] = Vec3::ZERO;
+    world.state.input.bodies.linear_velocity[0] = Vec3::ZERO;
     for _ in 0..64 * afterwards {
         deepest[2] = deepest[2].max(watched(&mut world, "afterwards"));
     }

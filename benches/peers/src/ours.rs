@@ -6,9 +6,9 @@ use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
-use bevy_faceoff::triangle_test;
 use std::collections::HashMap;
 
 /// The stages without an app.
@@ -20,7 +20,7 @@ impl Stages {
     /// Holds the bodies of `scene`.
     pub fn new(scene: &Scene) -> Self {
         let mut state = StepState::default();
-        let mesh = state.meshes.add(scene.mesh.clone());
+        let mesh = state.input.meshes.add(scene.mesh.clone());
         for body in &scene.bodies {
             let Transform {
                 translation,
@@ -28,7 +28,7 @@ impl Stages {
                 scale,
             } = body.pose;
             let body = Body::at_rest(mesh, translation, rotation, scale);
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state.input.bodies.push(&body, &state.input.meshes).expect("a usable body");
         }
         Self { state }
     }
@@ -40,7 +40,7 @@ impl Stages {
 
     /// What [`Self::broad_phase`] found.
     pub fn sphere_pairs(&self) -> &[[u32; 2]] {
-        &self.state.sphere_pairs
+        &self.state.results.sphere_pairs
     }
 
     /// Finds all intersecting faces of those pairs, with their segments, and the contacts.
@@ -52,28 +52,28 @@ impl Stages {
     /// Finds which of those pairs touch, whether or not their surfaces intersect.
     pub fn first_hits(&mut self) -> Vec<[u32; 2]> {
         bevy_faceoff::step::cpu::run(Stage::Angles, &mut self.state);
-        triangle_test::cpu::touching(&mut self.state)
+        bevy_faceoff::step::cpu::touching(&mut self.state)
     }
 
     /// The pairs that [`Self::narrow_phase`] found.
     pub fn all_touching(&self) -> Vec<[u32; 2]> {
-        self.state.contacts.pairs.iter().map(|p| p.bodies).collect()
+        self.state.results.contacts.pairs.iter().map(|p| p.bodies).collect()
     }
 
     /// Pairs whose surfaces intersect.
     pub fn touching(&self) -> Vec<[u32; 2]> {
-        let pairs = self.state.contacts.pairs.iter();
+        let pairs = self.state.results.contacts.pairs.iter();
         pairs.filter(|p| p.face_count > 0).map(|p| p.bodies).collect()
     }
 
     /// How many pairs touch only in that one body is wholly inside the other.
     pub fn contained(&self) -> usize {
-        self.state.contacts.pairs.iter().filter(|p| p.face_count == 0).count()
+        self.state.results.contacts.pairs.iter().filter(|p| p.face_count == 0).count()
     }
 
     /// How many pairs of faces intersect.
     pub fn face_pairs(&self) -> usize {
-        self.state.contacts.faces.len()
+        self.state.results.contacts.faces.len()
     }
 }
 

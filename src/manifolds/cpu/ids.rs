@@ -37,7 +37,7 @@ fn vertex_id(side: &Side, triangle: u32, vertex: u32) -> FeatureId {
 /// Of the edge in this place of a triangle.
 fn edge_id(side: &Side, triangle: u32, place: u8) -> FeatureId {
     // Faces that were turned run through their corners the other way than in the input.
-    let place = if side.mesh.mesh.is_turned() { 2 - place } else { place };
+    let place = if side.mesh.mesh.is_flipped() { 2 - place } else { place };
     let index = side.face(triangle).wrapping_mul(3).wrapping_add(u32::from(place));
     FeatureId::new(FeatureKind::Edge, index)
 }

@@ -2,13 +2,13 @@
 //! vertices touch but the surface around them.
 
 use super::smooth;
-use crate::angles::PAD;
 use crate::geometry::cluster::CLUSTER;
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::in_order::InOrder;
 use crate::parallel::per_thread::PerThread;
 use crate::simd::lanes::{bits, dot, splat};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
 use crate::types::body::RigidBody;

@@ -8,7 +8,7 @@ use crate::plugin::clock::Physics;
 use crate::plugin::components::*;
 use crate::plugin::events::BodyRejected;
 use crate::plugin::settings::Gravity;
-use crate::state::bodies::BodyFault;
+use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Body, Handling, Plane};
 use crate::types::body::*;
@@ -110,10 +110,10 @@ pub(crate) fn collect(
 ) {
     let step = &mut *step;
     step.begun = Instant::now();
-    step.state.config.dt = time.delta_secs();
-    step.state.config.response = *rules.response;
-    step.state.config.gravity = rules.gravity();
-    step.state.config.solver = rules.solver();
+    step.state.input.config.dt = time.delta_secs();
+    step.state.input.config.response = *rules.response;
+    step.state.input.config.gravity = rules.gravity();
+    step.state.input.config.solver = rules.solver();
 
     let mut faults = Vec::new();
     step.bodies.clear();
@@ -136,9 +136,9 @@ pub(crate) fn collect(
             };
             step.tables.request(id, mesh, name);
         }
-        if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &step.tables, &meshes, id) {
+        if let Some(mesh) = slot(&mut step.state.input.meshes, &mut step.slots, &step.tables, &meshes, id) {
             if let Some(center) = &mut body.center {
-                center.set_if_neq(CenterOfMass(step.state.meshes[mesh].mesh.mass.center));
+                center.set_if_neq(CenterOfMass(step.state.input.meshes[mesh].mesh.mass.center));
             }
             step.bodies.push((body.entity, body.with_mesh(mesh, culling)));
         } else {
@@ -159,9 +159,9 @@ pub(crate) fn collect(
     } = &mut step.collected;
     entities.clear();
     kinds.clear();
-    step.state.bodies.clear();
+    step.state.input.bodies.clear();
     for (entity, body) in &step.bodies {
-        match step.state.bodies.push(body, &step.state.meshes) {
+        match step.state.input.bodies.push(body, &step.state.input.meshes) {
             Ok(()) => {
                 entities.push(*entity);
                 kinds.push(body.kind);
@@ -170,7 +170,7 @@ pub(crate) fn collect(
         }
     }
 
-    let keys = &mut step.state.dynamics.keys;
+    let keys = &mut step.state.input.keys;
     keys.clear();
     keys.extend(entities.iter().map(|entity| entity.to_bits()));
 
@@ -185,8 +185,11 @@ pub(crate) fn collect(
     step.planes.sort_unstable_by_key(|&(entity, _)| entity);
     plane_entities.clear();
     plane_entities.extend(step.planes.iter().map(|&(entity, _)| entity));
-    step.state.planes.clear();
-    step.state.planes.extend(step.planes.iter().map(|&(_, plane)| plane));
+    step.state.input.planes.clear();
+    step.state
+        .input
+        .planes
+        .extend(step.planes.iter().map(|&(_, plane)| plane));
 
     let named = |entity: Entity| named(entity, names.get(entity).ok());
     faults.sort_unstable_by_key(|&(entity, _)| entity);
@@ -205,7 +208,7 @@ pub(crate) fn collect(
     step.choose_place();
 
     step.tables.retain(|id| meshes.contains(id));
-    let (arena, slots) = (&mut step.state.meshes, &mut step.slots);
+    let (arena, slots) = (&mut step.state.input.meshes, &mut step.slots);
     slots.retain(|&id, &mut slot| {
         let keep = meshes.contains(id);
         if !keep {

@@ -9,6 +9,7 @@ use super::shadow::{Part, Shadow, Written};
 use super::{Collected, Step};
 use crate::state::{Body, Motion};
 use crate::step::gpu::upload::Carried;
+use crate::step::remap;
 use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
 use bevy::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
@@ -40,7 +41,7 @@ impl Latent {
         self.now += 1;
         self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
-        let mut before = (0..).zip(&before).peekable();
+        let mut sources = remap::numbers_before(before.iter().map(|&(entity, _)| entity), entities.iter().copied());
         let mut bodies = bodies.iter();
         self.carried.clear();
         self.woken.clear();
@@ -49,11 +50,11 @@ impl Latent {
                 break;
             };
             let seen = body.motion();
-            while before.next_if(|&(_, &(other, _))| other < entity).is_some() {}
             // Components of those that fall asleep do not say so before their results are there.
             let says_asleep = !body.handling.woken;
-            let (shadow, carried, woken) = match before.next_if(|&(_, &(other, _))| other == entity) {
-                Some((source, &(_, mut shadow))) => {
+            let (shadow, carried, woken) = match sources.next().flatten() {
+                Some(source) => {
+                    let (_, mut shadow) = before[source as usize];
                     let carried = shadow.carry(source, &seen, resident);
                     let woken = shadow.wake(says_asleep, self.now);
                     shadow.tell(&seen, &carried, body.kind, self.now);

@@ -14,9 +14,9 @@ use crate::manifolds::Manifolds;
 use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
-use crate::state::bodies::BodyFault;
-use crate::state::{Body, Counts, Motion, Plane, StepState};
-use crate::step::dynamics::Memory;
+use crate::state::fault::BodyFault;
+use crate::state::{Body, Counts, Motion, Plane};
+use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::contacts::memory::DeviceMemory;
 use crate::step::gpu::results::{Detail, Output};
@@ -132,14 +132,20 @@ impl Step {
 
     /// The GPU does not stop fast bodies: with such ones the step runs on the CPU, and goes on from where the bodies are.
     pub fn choose_place(&mut self) {
-        let stops = self.state.bodies.handling.iter().any(|handling| handling.continuous);
-        let on_cpu = stops && self.state.config.response == Response::Contacts;
+        let stops = self
+            .state
+            .input
+            .bodies
+            .handling
+            .iter()
+            .any(|handling| handling.continuous);
+        let on_cpu = stops && self.state.input.config.response == Response::Contacts;
         if self.engine.changes_place(on_cpu) {
             #[cfg(feature = "gpu")]
             self.catch_up_collected();
             self.forget();
-            self.state.dynamics.memory = Memory::default();
-            self.state.manifolds = Manifolds::default();
+            self.state.memory.forget();
+            self.state.results.manifolds = Manifolds::default();
         }
         self.engine.keep_on_cpu(on_cpu);
     }
@@ -152,10 +158,10 @@ impl Step {
         }
         let entities = self.collected.entities.iter().copied().enumerate();
         let mut motions = entities
-            .map(|(i, entity)| (entity, self.state.bodies.motion(i)))
+            .map(|(i, entity)| (entity, self.state.input.bodies.motion(i)))
             .collect();
         self.catch_up(&mut motions);
-        self.state.bodies.clear();
+        self.state.input.bodies.clear();
         for (entity, body) in &self.bodies {
             let Some(motion) = motions.get(entity) else { continue };
             let moved = Body {
@@ -166,8 +172,8 @@ impl Step {
                 ..*body
             };
             // Where the components say it was fit to take part.
-            if self.state.bodies.push(&moved, &self.state.meshes).is_err() {
-                let _ = self.state.bodies.push(body, &self.state.meshes);
+            if self.state.input.bodies.push(&moved, &self.state.input.meshes).is_err() {
+                let _ = self.state.input.bodies.push(body, &self.state.input.meshes);
             }
         }
     }
@@ -180,7 +186,7 @@ impl Step {
         }
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
-            self.counts = self.state.counts();
+            self.counts = self.state.results.counts();
             // What was there is overwritten by the next step, in the same memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
@@ -195,14 +201,14 @@ impl Step {
         if let Some(detail) = self.engine.latent() {
             let resident = detail == Detail::Counts;
             self.latent.link(&self.collected.entities, &self.bodies, resident);
-            let handling = &mut self.state.bodies.handling;
+            let handling = &mut self.state.input.bodies.handling;
             for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
                 handling.woken = woken;
             }
         }
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;
-            let Some(output) = self.engine.advance(&self.state, carried, detail, LATENCY) else {
+            let Some(output) = self.engine.advance(&self.state.input, carried, detail, LATENCY) else {
                 // The device failed. Whoever takes over begins where the components say.
                 self.latent.restart();
                 continue;
@@ -236,7 +242,7 @@ impl Step {
     #[cfg(feature = "gpu")]
     fn take_in(&mut self, output: Output) {
         self.counts = output.counts;
-        let motions = output.put_lists(&mut self.state);
+        let motions = output.put_lists(&mut self.state.results);
         self.results = self.latent.arrived(motions);
     }
 

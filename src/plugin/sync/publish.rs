@@ -74,18 +74,19 @@ pub(crate) fn write_back(
     };
     #[cfg(feature = "gpu")]
     if step.engine.latent().is_some() {
-        step.latent.write(results, &step.state.asleep, |entity, written| {
-            write(entity, written.pose, written.velocities, written.asleep)
-        });
+        step.latent
+            .write(results, &step.state.results.asleep, |entity, written| {
+                write(entity, written.pose, written.velocities, written.asleep)
+            });
         return;
     }
     for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
-        let motion = step.state.bodies.motion(i);
+        let motion = step.state.input.bodies.motion(i);
         write(
             entity,
             (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
             (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
-            Some(step.state.asleep.get(i) == Some(&true)),
+            Some(step.state.results.asleep.get(i) == Some(&true)),
         );
     }
 }
@@ -122,21 +123,21 @@ pub(crate) fn publish(
     *report = StepReport {
         step: report.step + 1,
         bodies: results.entities.len(),
-        stages: step.state.times,
+        stages: step.state.results.times,
         total: std::time::Duration::ZERO,
         sphere_pairs: counts.sphere_pairs,
         approximate_pairs: counts.approximate_pairs,
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
-        intervals: step.state.intervals,
+        intervals: step.state.results.intervals,
         sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         ..*report
     };
 
-    let contacts = &step.state.contacts;
+    let contacts = &step.state.results.contacts;
     let hold = seconds(*hysteresis);
     let pairs = contacts.pairs.iter().map(|pair| Touching {
         pair: pair.bodies.map(|i| results.entities[i as usize]),
@@ -153,7 +154,7 @@ pub(crate) fn publish(
     touching.clear();
     touching.extend(pairs.chain(planes));
     touching.sort_unstable_by_key(|touching| touching.pair);
-    let dt = step.state.config.dt;
+    let dt = step.state.input.config.dt;
     step.lingering.clear();
     step.lingering.extend(step.touching.iter().filter_map(|before| {
         let touches = touching.binary_search_by_key(&before.pair, |touching| touching.pair);
@@ -204,11 +205,11 @@ pub(crate) fn publish(
     std::mem::swap(&mut step.touching, &mut step.touching_now);
 
     report.total = step.begun.elapsed();
-    std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);
+    std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
     std::mem::swap(&mut collisions.entities, &mut results.entities);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
     // The next step reads what those had that sleep.
-    collisions.manifolds.copy(&step.state.manifolds);
+    collisions.manifolds.copy(&step.state.results.manifolds);
 }
 
 /// Of a hysteresis, 0 or more.
