@@ -90,7 +90,6 @@ pub mod solver;
 pub mod state;
 #[doc(hidden)]
 pub mod step;
-#[cfg(feature = "gpu")]
 #[doc(hidden)]
 pub mod testing;
 #[doc(hidden)]

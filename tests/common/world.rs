@@ -2,13 +2,15 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, StepConfig, StepInput};
+use bevy_faceoff::state::{Body, Handling, StepConfig, StepInput};
 use bevy_faceoff::step::StepState;
+use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DVec3, Quat, Vec3};
+use std::collections::HashMap;
 
 /// Where worlds move, if not on the CPU: a device for all of them in turn.
 #[cfg(feature = "gpu")]
@@ -38,6 +40,34 @@ impl World {
             device.forget();
         }
         Self { state, on_cpu: false }
+    }
+
+    /// With the gravity and the bodies of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let mut world = Self::new();
+        world.state.input.config.gravity = scene.gravity;
+        let mut slots = HashMap::new();
+        for body in &scene.bodies {
+            let mut add = || world.state.input.meshes.add(body.shape.mesh().clone());
+            let mesh = *slots.entry(body.shape).or_insert_with(&mut add);
+            world.put(&Body {
+                kind: if body.fixed {
+                    RigidBody::Static
+                } else {
+                    RigidBody::Dynamic
+                },
+                linear_velocity: body.velocity,
+                angular_velocity: body.spin,
+                restitution: body.restitution,
+                density: body.density,
+                handling: Handling {
+                    friction: body.friction,
+                    ..Handling::default()
+                },
+                ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
+            });
+        }
+        world
     }
 
     /// The same without gravity.
@@ -131,21 +161,9 @@ impl World {
     }
 }
 
-/// A rotation, all alike likely.
+/// A rotation, all equally likely.
 pub fn any_turn(random: &mut fastrand::Rng) -> Quat {
-    loop {
-        let [x, y, z, w] = std::array::from_fn(|_| 2.0 * random.f32() - 1.0);
-        let turn = Quat::from_xyzw(x, y, z, w);
-        // Inside the ball, so that the cube's corners do not come up more often; away from zero, to have a direction.
-        if (0.1..1.0).contains(&turn.length()) {
-            return turn.normalize();
-        }
-    }
-}
-
-/// A vector in the cube from -1 to 1.
-pub fn any_vector(random: &mut fastrand::Rng) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|_| 2.0 * random.f32() - 1.0))
+    scenes::any_turn(&mut || random.f32())
 }
 
 /// What a cube of edge 1 keeps between itself and others.

@@ -2,19 +2,12 @@
 
 use super::motion::{Motion, inertia};
 use crate::world::World;
-use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::types::body::RigidBody;
-use glam::{DMat3, DVec3, Quat, Vec3};
+use bevy_faceoff::testing::scenes::flight::squeezed_knot;
+use glam::{DMat3, DVec3, Vec3};
 
-/// A knot, squeezed, that turns with `spin` in its own axes.
+/// A knot that turns with `spin` in its own axes.
 fn knot(spin: Vec3) -> (World, usize) {
-    let mut world = World::weightless();
-    let knot = world.mesh(&shapes::knot_1120());
-    let turn = Quat::from_scaled_axis(Vec3::new(0.5, 0.2, 0.9));
-    let at = Vec3::new(1.0, 2.0, 3.0);
-    let body = world.add(RigidBody::Dynamic, knot, Vec3::new(0.5, 1.0, 1.7), at, turn);
-    world.state.input.bodies.angular_velocity[body] = turn * spin;
-    (world, body)
+    (World::of(&squeezed_knot(spin)), 0)
 }
 
 /// Moments of inertia about the body's own axes, which the squeezed knot's symmetry makes principal.

@@ -10,7 +10,6 @@ mod mechanics;
 mod mesh;
 mod output;
 mod progress;
-mod scene;
 mod scenes;
 mod simulate;
 

@@ -1,9 +1,10 @@
 //! The same scene on both sides.
 
 use super::motion::Motion;
-use crate::world::{World, any_turn, any_vector};
+use crate::world::{World, any_turn};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::{Body, Plane};
+use bevy_faceoff::testing::scenes::any_vector;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
@@ -49,8 +50,8 @@ pub fn free() {
         for i in 0..12 {
             let at = Vec3::new(3.0 * i as f32, 2.0, 0.0);
             let mut body = Body {
-                linear_velocity: any_vector(&mut random) * 2.0,
-                angular_velocity: any_vector(&mut random) * 6.0,
+                linear_velocity: any_vector(&mut || random.f32()) * 2.0,
+                angular_velocity: any_vector(&mut || random.f32()) * 6.0,
                 ..Body::at_rest(meshes[i % 3], at, any_turn(&mut random), Vec3::new(0.5, 1.0, 1.3))
             };
             body.handling.linear_damping = 0.1 * (i % 4) as f32;

@@ -1,9 +1,9 @@
 //! A nut on a bolt.
 
-use super::Framing;
-use bevy::prelude::*;
-use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::prelude::*;
+use super::{Body, Scene, Shape};
+use crate::geometry::TriMesh;
+use crate::types::material::Friction;
+use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_6, TAU};
 
 /// Mean radius of the thread, metres.
@@ -45,8 +45,11 @@ fn tube(rings: usize, radius: impl Fn(usize, f32) -> f32, height: impl Fn(usize)
     (points, faces)
 }
 
+/// How long the bolt is, metres.
+pub const LENGTH: f32 = PITCH * TURNS[0] as f32;
+
 /// From 0 up.
-fn bolt() -> Option<TriMesh> {
+pub(super) fn bolt() -> TriMesh {
     let rows = ROWS * TURNS[0];
     let height = |ring: usize| PITCH * ring as f32 / ROWS as f32;
     let (mut points, mut faces) = tube(rows + 1, |ring, angle| thread(angle, height(ring)), height);
@@ -59,11 +62,12 @@ fn bolt() -> Option<TriMesh> {
         let next = (k + 1) % AROUND as u32;
         faces.extend([[bottom, next, k], [top, last + k, last + next]]);
     }
-    TriMesh::new(points, faces).ok()
+    TriMesh::new(points, faces).expect("a valid mesh")
 }
 
-/// Fits the bolt where it is, from `floor` pitches up.
-fn nut(floor: usize) -> Option<TriMesh> {
+/// Fits the bolt where it is, a turn below its top.
+pub(super) fn nut() -> TriMesh {
+    let floor = TURNS[0] - TURNS[1] - 1;
     let rows = ROWS * TURNS[1];
     let height = |ring: usize| PITCH * (floor as f32 + ring.min(2 * rows + 1 - ring).min(rows) as f32 / ROWS as f32);
     let hexagon = |angle: f32| 0.95 / ((angle.rem_euclid(2.0 * FRAC_PI_6)) - FRAC_PI_6).cos();
@@ -79,28 +83,15 @@ fn nut(floor: usize) -> Option<TriMesh> {
         inner => thread(angle, ring_height(inner)) + CLEARANCE,
     };
     let (points, faces) = tube(rings, radius, ring_height);
-    TriMesh::new(points, faces).ok()
+    TriMesh::new(points, faces).expect("a valid mesh")
 }
 
 /// The bolt stands fixed; the nut begins near its top, turning the way that takes it down. Its weight drives it on.
-pub fn spawn(world: &mut World) -> Framing {
-    let mut meshes = world.resource_mut::<Assets<CollisionMesh>>();
-    let mut add = |mesh: Option<TriMesh>| mesh.map(|mesh| MeshCollider(meshes.add(CollisionMesh::new(&mesh))));
-    if let (Some(bolt), Some(nut)) = (add(bolt()), add(nut(TURNS[0] - TURNS[1] - 1))) {
-        let smooth = Friction::new(0.02);
-        world.spawn((RigidBody::Static, bolt, Transform::default(), smooth));
-        world.spawn((
-            RigidBody::Dynamic,
-            nut,
-            Transform::default(),
-            AngularVelocity(Vec3::NEG_Y * FRAC_PI_2),
-            smooth,
-        ));
+pub fn nut_on_bolt() -> Scene {
+    let mut scene = Scene::new();
+    for (shape, spin) in [(Shape::Bolt, Vec3::ZERO), (Shape::Nut, Vec3::NEG_Y * FRAC_PI_2)] {
+        let body = scene.add(Body::new(shape, Vec3::ZERO, Quat::IDENTITY));
+        (body.fixed, body.spin, body.friction) = (shape == Shape::Bolt, spin, Friction::new(0.02));
     }
-    let length = PITCH * TURNS[0] as f32;
-    Framing {
-        center: Vec3::Y * (0.5 * length),
-        side: length,
-        edges: false,
-    }
+    scene
 }
