@@ -1,12 +1,12 @@
 //! The backend: whether the stages run on the CPU or on a GPU, and what happens when a device fails.
 //!
-//! With the feature `bevy_render`, in an app whose renderer has a device, the stages share that device and open none of their
-//! own. They start when the renderer's plugins are finished. With [`Reading::Auto`] results are then published
+//! With the feature `bevy_render`, in an app whose renderer has a device, the stages share that device and open none of
+//! their own. They start when the renderer's plugins are finished. With [`Reading::Auto`] results are then published
 //! [two steps later](Reading::Latent).
 //!
-//! **If the renderer loses its device**, Bevy's default handler ends the app. With `recover_from_device_loss` of this module as
-//! the app's `RenderErrorHandler`, bodies stand still until Bevy has a new device, and then continue from the state in their
-//! components.
+//! **If the renderer loses its device**, Bevy's default handler ends the app. With `recover_from_device_loss` of this
+//! module as the app's `RenderErrorHandler`, bodies stand still until Bevy has a new device, and then continue from the
+//! state in their components.
 
 #[cfg(feature = "bevy_render")]
 pub use crate::plugin::renderer::recover_from_device_loss;
@@ -67,16 +67,16 @@ impl ActiveBackend {
     }
 }
 
-/// The backend is chosen and its kernels are compiled. Written before the first step, and before the first step on a new device
-/// of Bevy's renderer.
+/// The backend is chosen and its kernels are compiled. Written before the first step, and before the first step on a
+/// new device of Bevy's renderer.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct BackendReady {
     /// The chosen backend.
     pub active: ActiveBackend,
 }
 
-/// The device on which the stages ran has failed. [`ActiveBackend`] shows where they continue with the same step: on the
-/// reopened device or on the CPU. If it is [`ActiveBackend::Lost`], they wait for the renderer's new device.
+/// The device on which the stages ran has failed. [`ActiveBackend`] shows where they continue with the same step: on
+/// the reopened device or on the CPU. If it is [`ActiveBackend::Lost`], they wait for the renderer's new device.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct BackendFailed {
     /// What happened, and what to do.
@@ -98,8 +98,8 @@ enum Source {
 
 /// Runs the stages on the chosen backend.
 pub(crate) struct Engine {
-    /// Threads of the CPU stages. Rayon's global pool runs jobs from other threads last, so a bake on it would delay every
-    /// step.
+    /// Threads of the CPU stages. Rayon's global pool runs jobs from other threads last, so a bake on it would delay
+    /// every step.
     pub pool: ThreadPool,
     backend: Backend,
     #[cfg(feature = "gpu")]
@@ -115,15 +115,15 @@ pub(crate) struct Engine {
     retries: u32,
     active: ActiveBackend,
     /// Whether `active` was returned by [`Engine::poll`].
-    told: bool,
+    announced: bool,
     /// The failure that [`Engine::take_failure`] has not returned yet.
     failure: Option<String>,
     /// Whether steps run on the CPU although there is a device.
     on_cpu: bool,
 }
 
-/// How many times a lost device is replaced. After a single loss, for example by a driver update, the reopened device works.
-/// Repeated losses have another cause.
+/// How many times a lost device is replaced. After a single loss, for example by a driver update, the reopened device
+/// works. Repeated losses have another cause.
 #[cfg(feature = "gpu")]
 const RETRIES: u32 = 3;
 
@@ -154,7 +154,7 @@ impl Engine {
             #[cfg(feature = "gpu")]
             retries: RETRIES,
             active: ActiveBackend::Opening,
-            told: false,
+            announced: false,
             failure: None,
             on_cpu: false,
         })
@@ -183,7 +183,7 @@ impl Engine {
     #[cfg(feature = "gpu")]
     fn start(&mut self) {
         self.active = ActiveBackend::Opening;
-        self.told = false;
+        self.announced = false;
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
         if self.backend == Backend::Cpu {
             self.fall_back("Backend::Cpu asks for it");
@@ -222,8 +222,9 @@ impl Engine {
     fn wait_for_renderer(&mut self, error: &str) {
         self.active = ActiveBackend::Lost;
         self.failure = Some(format!(
-            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has a new \
-             one. To get one, the app needs a RenderErrorHandler that recovers, like backend::recover_from_device_loss: {error}"
+            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has a \
+             new one. To get one, the app needs a RenderErrorHandler that recovers, like \
+             backend::recover_from_device_loss: {error}"
         ));
     }
 
@@ -249,10 +250,10 @@ impl Engine {
                 Err(_) => self.fall_back("the driver panicked while kernels were compiled"),
             }
         }
-        if self.told || matches!(self.active, ActiveBackend::Opening | ActiveBackend::Lost) {
+        if self.announced || matches!(self.active, ActiveBackend::Opening | ActiveBackend::Lost) {
             return None;
         }
-        self.told = true;
+        self.announced = true;
         Some(self.active.clone())
     }
 
@@ -283,8 +284,8 @@ impl Engine {
 
     /// Runs a stage. A device runs all stages in the call for the first one.
     ///
-    /// If the device fails, no body has moved. The same step runs again on a new device or on the CPU. It does not run if the
-    /// renderer's new device is still to come.
+    /// If the device fails, no body has moved. The same step runs again on a new device or on the CPU. It does not run
+    /// if the renderer's new device is still to come.
     pub fn run(&mut self, stage: Stage, state: &mut StepState) {
         #[cfg(feature = "gpu")]
         while let Some(gpu) = self.gpu.as_mut().filter(|_| !self.on_cpu) {
@@ -362,8 +363,8 @@ impl Engine {
         self.gpu.as_ref().map(|step| step.gpu())
     }
 
-    /// Uses the new device of Bevy's renderer. Returns whether the backend changes; then no state of earlier steps is carried
-    /// over. If the stages have fallen back to the CPU, they stay there.
+    /// Uses the new device of Bevy's renderer. Returns whether the backend changes; then no state of earlier steps is
+    /// carried over. If the stages have fallen back to the CPU, they stay there.
     #[cfg(feature = "bevy_render")]
     pub fn share(&mut self, gpu: Gpu) -> bool {
         if self.backend == Backend::Cpu {
@@ -405,7 +406,8 @@ impl Engine {
 
     /// Submits a step, and waits for the results of the one `latency` steps before, if there is one.
     ///
-    /// `None` if the device failed. Then run the step again, according to [`Engine::latent`], with nothing carried over.
+    /// `None` if the device failed. Then run the step again, according to [`Engine::latent`], with nothing carried
+    /// over.
     pub fn advance(
         &mut self,
         state: &StepState,
@@ -430,8 +432,8 @@ impl Engine {
         }
     }
 
-    /// Waits for the results of the oldest pending step. `None` if there is none, or if the device failed: then no pending
-    /// results will come.
+    /// Waits for the results of the oldest pending step. `None` if there is none, or if the device failed: then no
+    /// pending results will come.
     pub fn land(&mut self) -> Option<Output> {
         match self.gpu.as_mut()?.take()? {
             Ok(output) => Some(output),

@@ -11,13 +11,13 @@ use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// The state of the simulation after a step: poses and velocities of all bodies, reported collisions, sleep states, and the
-/// solver's memory.
+/// The state of the simulation after a step: poses and velocities of all bodies, reported collisions, sleep states, and
+/// the solver's memory.
 ///
-/// Steps after [`Snapshot::restore`] repeat those after [`Snapshot::take`] to the bit on the same machine if everything that
-/// users set is unchanged: components like [`RigidBody`](crate::types::body::RigidBody) and resources like
-/// [`Gravity`](crate::plugin::settings::Gravity). A snapshot contains neither these nor the clock. On a GPU with results that
-/// come later, the first steps with contacts after `restore` may have other numbers of collision substeps.
+/// Steps after [`Snapshot::restore`] repeat those after [`Snapshot::take`] to the bit on the same machine if everything
+/// that users set is unchanged: components like [`RigidBody`](crate::types::body::RigidBody) and resources like
+/// [`Gravity`](crate::plugin::settings::Gravity). A snapshot contains neither these nor the clock. On a GPU with
+/// results that come later, the first steps with contacts after `restore` may have other numbers of collision substeps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
@@ -75,8 +75,8 @@ impl Snapshot {
         Self { asleep, ..snapshot }
     }
 
-    /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since then keep
-    /// their state. Returns the bodies that no longer exist.
+    /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since
+    /// then keep their state. Returns the bodies that no longer exist.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {

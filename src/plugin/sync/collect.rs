@@ -215,8 +215,8 @@ pub(crate) fn collect(
     });
 }
 
-/// The arena slot of a mesh, if it is loaded. If the asset was replaced, for example by a hot reload, so is the mesh in the
-/// slot.
+/// The arena slot of a mesh, if it is loaded. If the asset was replaced, for example by a hot reload, so is the mesh in
+/// the slot.
 fn slot(
     arena: &mut MeshArena,
     slots: &mut HashMap<AssetId<CollisionMesh>, u32>,
@@ -286,8 +286,8 @@ impl Rules<'_> {
             None => *self.solver,
             Some(name) => {
                 error_once!(
-                    "SolverSettings::{name} is negative, not finite or too large: all settings of the solver count as their \
-                     defaults until it is a finite number of 0 or more, and within the limit in its documentation"
+                    "SolverSettings::{name} is negative, not finite or too large: all settings of the solver count as \
+                     their defaults until it is a finite number of 0 or more, and within the limit in its documentation"
                 );
                 SolverSettings::default()
             }

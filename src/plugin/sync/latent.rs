@@ -1,7 +1,7 @@
 //! Steps with pending results: which body of the last step each body continues, and what users wrote in the meantime.
 //!
-//! Bodies are numbered anew in every step, in the order of entities, and each continues from its number in the last step.
-//! Results are matched to bodies by entity, so late results cannot reach the wrong body.
+//! Bodies are numbered anew in every step, in the order of entities, and each continues from its number in the last
+//! step. Results are matched to bodies by entity, so late results cannot reach the wrong body.
 //!
 //! Writes of users are found by comparing components with a [`Shadow`] of them.
 
@@ -33,8 +33,9 @@ pub(crate) struct Latent {
 }
 
 impl Latent {
-    /// Determines for a step of `entities` which of them continue from the step before, and what users wrote. `bodies` has the
-    /// components of these entities, and maybe of others. Both are ascending. `resident` bodies stay on the device.
+    /// Determines for a step of `entities` which of them continue from the step before, and what users wrote. `bodies`
+    /// has the components of these entities, and maybe of others. Both are ascending. `resident` bodies stay on the
+    /// device.
     pub fn link(&mut self, entities: &[Entity], bodies: &[(Entity, Body)], resident: bool) {
         self.now += 1;
         self.resident = resident;
@@ -124,8 +125,8 @@ impl Latent {
         }
     }
 
-    /// Updates `bodies` from the state of their components to the state after the last step, including what users wrote since.
-    /// `motions` has the state of each body after the last step.
+    /// Updates `bodies` from the state of their components to the state after the last step, including what users wrote
+    /// since. `motions` has the state of each body after the last step.
     pub fn catch_up(&self, motions: &[Motion], bodies: &mut BTreeMap<Entity, Motion>) {
         for ((entity, shadow), motion) in self.shadows.iter().zip(motions) {
             if let Some(body) = bodies.get_mut(entity) {
@@ -151,7 +152,8 @@ fn note(entity: Entity, step: Option<ResMut<Step>>, part: Part) {
     }
 }
 
-/// Updates the components of bodies that leave the step but stay in the world. If they return, they continue from this state.
+/// Updates the components of bodies that leave the step but stay in the world. If they return, they continue from this
+/// state.
 pub(crate) fn release(
     mut step: ResMut<Step>,
     mut bodies: Query<(

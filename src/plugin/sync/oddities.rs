@@ -4,8 +4,8 @@ use bevy::prelude::*;
 use std::mem::discriminant;
 use thiserror::Error;
 
-/// Number of steps after which a body without a collider causes a warning: a second by default. Scenes and assets may load in
-/// several parts.
+/// Number of steps after which a body without a collider causes a warning: a second by default. Scenes and assets may
+/// load in several parts.
 pub(crate) const PATIENCE: u32 = 64;
 
 /// A component whose value has no effect or another one.
@@ -18,13 +18,13 @@ pub(crate) enum Oddity {
     #[error("its Restitution is {0}, and counts as 1: more would create energy")]
     TooBouncy(f32),
     #[error(
-        "it is a RigidBody without a collider, and neither moves nor collides: add a MeshCollider (or, with the feature \
-         bevy_mesh, a MeshColliderFrom), or remove its RigidBody"
+        "it is a RigidBody without a collider, and neither moves nor collides: add a MeshCollider (or, with the \
+         feature bevy_mesh, a MeshColliderFrom), or remove its RigidBody"
     )]
     NoCollider,
     #[error(
-        "it has both a RigidBody and a PlaneCollider, and does not move: planes are fixed in the world. Remove its RigidBody, or \
-         give it a MeshCollider instead of the plane"
+        "it has both a RigidBody and a PlaneCollider, and does not move: planes are fixed in the world. Remove its RigidBody, \
+         or give it a MeshCollider instead of the plane"
     )]
     PlaneDoesNotMove,
 }

@@ -91,7 +91,7 @@ pub(crate) fn write_back(
 }
 
 /// Logs and publishes the failure of a device, if there was one.
-pub(crate) fn tell_failure(
+pub(crate) fn report_failure(
     mut step: ResMut<Step>,
     mut active: ResMut<ActiveBackend>,
     mut failed: MessageWriter<BackendFailed>,
@@ -164,7 +164,7 @@ pub(crate) fn publish(
     touching.append(&mut step.lingering);
     touching.sort_unstable_by_key(|touching| touching.pair);
 
-    let mut tell = |pair: [Entity; 2], start: bool| {
+    let mut send = |pair: [Entity; 2], start: bool| {
         let [entity1, entity2] = pair;
         if start {
             started.write(CollisionStart { entity1, entity2 });
@@ -181,7 +181,7 @@ pub(crate) fn publish(
             }
         }
     };
-    differences(&step.touching, touching, &mut tell);
+    differences(&step.touching, touching, &mut send);
 
     if !colliding.is_empty() {
         let both = &mut step.touching_both_ways;
@@ -222,9 +222,9 @@ fn seconds(hysteresis: EventHysteresis) -> f32 {
     hysteresis.max(0.0)
 }
 
-/// Walks two ascending lists, and calls `tell` with each pair that is only in the second (`true`) or only in the first
+/// Walks two ascending lists, and calls `send` with each pair that is only in the second (`true`) or only in the first
 /// (`false`).
-fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([Entity; 2], bool)) {
+fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut([Entity; 2], bool)) {
     let pair = |touching: &Touching| touching.pair;
     let (mut before, mut after) = (before.iter().map(pair).peekable(), after.iter().map(pair).peekable());
     loop {
@@ -234,11 +234,11 @@ fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([E
                 after.next();
             }
             (Some(b), a) if a.is_none_or(|a| b < a) => {
-                tell(*b, false);
+                send(*b, false);
                 before.next();
             }
             (_, Some(a)) => {
-                tell(*a, true);
+                send(*a, true);
                 after.next();
             }
             _ => return,

@@ -1,7 +1,8 @@
-//! Shadow copies of a body's components: their values when the step last read or wrote them, to detect what users wrote since.
+//! Shadow copies of a body's components: their values when the step last read or wrote them, to detect what users wrote
+//! since.
 //!
-//! A **changed** field is detected by its value, axis by axis. **Inserting** a component writes all of it, even with equal
-//! values. The docs of [`Reading`](crate::plugin::settings::Reading) define the effect of each.
+//! A **changed** field is detected by its value, axis by axis. **Inserting** a component writes all of it, even with
+//! equal values. The docs of [`Reading`](crate::plugin::settings::Reading) define the effect of each.
 
 use crate::plugin::settings::LATENCY;
 use crate::state::Motion;
@@ -129,8 +130,8 @@ impl Shadow {
         }
     }
 
-    /// The state that the next step carries over from body `source` of the last one, if the components hold `seen`. `resident`
-    /// bodies stay on the device.
+    /// The state that the next step carries over from body `source` of the last one, if the components hold `seen`.
+    /// `resident` bodies stay on the device.
     pub fn carry(&self, source: u32, seen: &Motion, resident: bool) -> Carried {
         let pose_known = self.moved <= self.read;
         let pose = Meaning::of(self.inserted.pose || pose_known, resident);
@@ -229,8 +230,8 @@ impl Track {
         self.pushes[now as usize % LATENCY] = carried.push;
     }
 
-    /// Updates the shadow from a result of `step`, except for axes that were written later. Returns whether any axis was
-    /// updated.
+    /// Updates the shadow from a result of `step`, except for axes that were written later. Returns whether any axis
+    /// was updated.
     fn receive(&mut self, step: u64, now: u64, result: Vec3) -> bool {
         let known = self.sent.cmple(U64Vec3::splat(step));
         let later = (step + 1..=now).map(|later| self.pushes[later as usize % LATENCY]);

@@ -38,8 +38,8 @@ impl Tables {
         }
         let name = name();
         warn!(
-            "the mesh {name} has no table of faces of collision; one is baked in the background, and until it is ready its \
-             bodies use Culling::Exact. To have it from the start, set `faces: true` in the mesh's BakeSettings"
+            "the mesh {name} has no table of faces of collision; one is baked in the background, and until it is ready \
+             its bodies use Culling::Exact. To have it from the start, set `faces: true` in the mesh's BakeSettings"
         );
         let settings = BakeSettings {
             faces: true,
@@ -98,7 +98,8 @@ impl Entry {
             }
             Some(Err(error)) => {
                 error!(
-                    "the mesh {} continues with Culling::Exact: its table of faces of collision could not be baked: {error}",
+                    "the mesh {} continues with Culling::Exact: its table of faces of collision could not be baked: \
+                     {error}",
                     self.name
                 );
                 self.state = State::Failed;
