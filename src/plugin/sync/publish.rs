@@ -1,4 +1,4 @@
-//! Results to components, resources, messages and events.
+//! Writes results to components, resources, messages and events, after a step.
 
 use super::{Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
@@ -9,12 +9,12 @@ use crate::plugin::settings::EventHysteresis;
 use crate::types::body::*;
 use bevy::prelude::*;
 
-/// Impulses act once.
+/// Sets external impulses to zero, because they act once.
 pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut ExternalForces>) {
     if !step.engine.runs() {
         return;
     }
-    // Whenever the results come: the step was told.
+    // Even if results come later, the step has read the impulses.
     for mut forces in &mut acted_on {
         if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
             (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
@@ -22,7 +22,7 @@ pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut External
     }
 }
 
-/// Waits for the results of the oldest step that is on its way, and publishes them; false if there are none.
+/// Waits for the results of the oldest pending step and publishes them. Returns false if there are none.
 pub(crate) fn land(world: &mut World) -> bool {
     if !world.resource_mut::<Step>().land() {
         return false;
@@ -36,7 +36,7 @@ pub(crate) fn land(world: &mut World) -> bool {
     true
 }
 
-/// Moves the bodies in the world.
+/// Writes poses, velocities and sleep states to components.
 pub(crate) fn write_back(
     mut step: ResMut<Step>,
     mut moving: Query<(
@@ -91,8 +91,8 @@ pub(crate) fn write_back(
     }
 }
 
-/// Tells that a device failed.
-pub(crate) fn tell_failure(
+/// Logs and publishes the failure of a device, if there was one.
+pub(crate) fn report_failure(
     mut step: ResMut<Step>,
     mut active: ResMut<ActiveBackend>,
     mut failed: MessageWriter<BackendFailed>,
@@ -104,7 +104,7 @@ pub(crate) fn tell_failure(
     }
 }
 
-/// Hands out contacts and tells who began and who ceased to touch.
+/// Publishes contacts and the step's report, and sends messages of collisions that started or ended.
 pub(crate) fn publish(
     mut step: ResMut<Step>,
     mut collisions: ResMut<Collisions>,
@@ -165,7 +165,7 @@ pub(crate) fn publish(
     touching.append(&mut step.lingering);
     touching.sort_unstable_by_key(|touching| touching.pair);
 
-    let mut tell = |pair: [Entity; 2], start: bool| {
+    let mut send = |pair: [Entity; 2], start: bool| {
         let [entity1, entity2] = pair;
         if start {
             started.write(CollisionStart { entity1, entity2 });
@@ -182,7 +182,7 @@ pub(crate) fn publish(
             }
         }
     };
-    differences(&step.touching, touching, &mut tell);
+    differences(&step.touching, touching, &mut send);
 
     if !colliding.is_empty() {
         let both = &mut step.touching_both_ways;
@@ -212,7 +212,7 @@ pub(crate) fn publish(
     collisions.manifolds.copy(&step.state.results.manifolds);
 }
 
-/// Of a hysteresis, 0 or more.
+/// The hysteresis in seconds, 0 or more.
 fn seconds(hysteresis: EventHysteresis) -> f32 {
     if hysteresis.is_nan() {
         error_once!(
@@ -223,8 +223,9 @@ fn seconds(hysteresis: EventHysteresis) -> f32 {
     hysteresis.max(0.0)
 }
 
-/// Walks two ascending lists and tells which pairs are only in the second (`true`) or only in the first (`false`).
-fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([Entity; 2], bool)) {
+/// Walks two ascending lists, and calls `send` with each pair that is only in the second (`true`) or only in the first
+/// (`false`).
+fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut([Entity; 2], bool)) {
     let pair = |touching: &Touching| touching.pair;
     let (mut before, mut after) = (before.iter().map(pair).peekable(), after.iter().map(pair).peekable());
     loop {
@@ -234,11 +235,11 @@ fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([E
                 after.next();
             }
             (Some(b), a) if a.is_none_or(|a| b < a) => {
-                tell(*b, false);
+                send(*b, false);
                 before.next();
             }
             (_, Some(a)) => {
-                tell(*a, true);
+                send(*a, true);
                 after.next();
             }
             _ => return,
