@@ -1,12 +1,13 @@
-//! Meshes baked ahead of time by Bevy's asset processor, as a game would have it: source files in one folder, what the
-//! game is shipped with in another.
+//! Meshes baked ahead of time by Bevy's asset processor, as in a game: the source files are in one folder, the files to
+//! ship in another.
 //!
 //! `cargo run --release --example bake_assets`
 //!
-//! Starts a program over a folder of assets three times: the first bakes, the second finds nothing to do, the third
-//! is what players get, with no processor and no source files. All folders are temporary. A game sets
-//! `AssetPlugin::mode` to `AssetMode::Processed`, as here, and leaves the rest at its defaults: the folders `assets` and
-//! `imported_assets`, and a processor if Bevy's feature `asset_processor` is on.
+//! Starts a program with a folder of assets three times. The first run bakes. The second finds all files up to date.
+//! The third is what players get: it has no processor and no source files. All folders are temporary.
+//!
+//! A game sets `AssetPlugin::mode` to `AssetMode::Processed`, as here, and leaves the rest at its defaults: the folders
+//! `assets` and `imported_assets`, and a processor if Bevy's feature `asset_processor` is enabled.
 
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::LoadState;
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let first = start(folder, true)?;
     let baked_at = time_of_bake(folder)?;
-    // Coarse clocks would give two bakes in quick succession the same time.
+    // With a coarse clock, two bakes in quick succession would have the same time.
     std::thread::sleep(Duration::from_millis(50));
     let second = start(folder, true)?;
     assert_eq!(time_of_bake(folder)?, baked_at, "the second start baked again");
@@ -44,11 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::remove_dir_all(&sources)?;
     let shipped = start(folder, false)?;
     assert!(first == second && second == shipped, "all three are the same mesh");
-    println!("the third got along without {}", sources.display());
+    println!("the third did not need {}", sources.display());
     Ok(())
 }
 
-/// One start of the program: loads the recipe and says how long it took.
+/// One run of the program: loads the recipe and prints how long it took.
 fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> {
     let began = Instant::now();
     let text = |path: &Path| path.to_string_lossy().into_owned();
@@ -66,7 +67,7 @@ fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> 
             ..default()
         },
     ));
-    // Bevy keeps a log in the working folder, to repair what a crash left half done.
+    // Bevy keeps a log in the working folder, to recover from a crash.
     if let Some(processor) = app.world().get_resource::<AssetProcessor>() {
         let file_path = folder.join("log");
         processor
@@ -95,7 +96,7 @@ fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> 
         block_on(processor.data().wait_until_finished());
     }
     println!(
-        "{}: {RECIPE} there after {:.0} ms, {mesh:?}",
+        "{}: {RECIPE} loaded after {:.0} ms, {mesh:?}",
         if process { "with processor" } else { "as shipped" },
         began.elapsed().as_secs_f64() * 1e3
     );

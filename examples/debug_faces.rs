@@ -1,9 +1,10 @@
-//! Faces of collision: two bodies turn near each other, and the faces that each shows the other are lit.
+//! Faces of collision: two bodies rotate near each other, and the faces of each that are visible from the other are
+//! lit.
 //!
-//! * `cargo run --release --example debug_faces --features window` shows it, in colour;
+//! * `cargo run --release --example debug_faces --features window` shows them in colour;
 //! * `cargo run --release --example debug_faces -- --headless` prints how many are lit, step by step.
 //!
-//! These are the faces that `Culling::FacesOfCollision` tests. They are read from the table that is baked for a mesh.
+//! `Culling::FacesOfCollision` tests only these faces. They come from the face table of the baked mesh.
 
 mod common;
 
@@ -33,7 +34,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
         ("torus", 1.0, Vec3::new(0.5, -0.4, 0.6)),
     ]
     .map(|(mesh, side, spin)| {
-        // A coarse table is there at once. It overrules the recipe.
+        // A coarse table bakes fast. These settings override those of the recipe.
         let bake = |settings: &mut CollisionMeshSettings| {
             settings.bake = Some(BakeSettings {
                 faces: true,
@@ -67,7 +68,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     }
 }
 
-/// Calls `each` with a body, its mesh and the faces that it shows its partner.
+/// Calls `each` with each body, its mesh, and its faces that are visible from its partner.
 fn for_each_lit(
     bodies: &Query<(Entity, &Partner, &MeshCollider, &Transform)>,
     meshes: &Assets<CollisionMesh>,
@@ -87,7 +88,7 @@ fn for_each_lit(
     }
 }
 
-/// Every eighth step, how many faces are lit.
+/// Prints how many faces are lit, every eighth step.
 fn print(
     bodies: Query<(Entity, &Partner, &MeshCollider, &Transform)>,
     meshes: Res<Assets<CollisionMesh>>,
@@ -105,7 +106,7 @@ fn print(
     println!();
 }
 
-/// Gives the corners of lit faces another colour than those of the others.
+/// Gives the corners of lit faces a different colour from the others.
 #[cfg(feature = "window")]
 fn paint(
     bodies: Query<(Entity, &Partner, &MeshCollider, &Transform)>,
@@ -113,7 +114,7 @@ fn paint(
     drawn: Query<&Mesh3d>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    // Factors on the body's own colour.
+    // Factors for the body's own colour.
     const DARK: [f32; 4] = [0.25, 0.25, 0.25, 1.0];
     const LIT: [f32; 4] = [2.0, 2.0, 2.0, 1.0];
     for_each_lit(&bodies, &baked, |entity, mesh, lit| {

@@ -1,9 +1,9 @@
 //! Two tori collide.
 //!
 //! * `cargo run --release --example hello --features window` shows them in a window;
-//! * `cargo run --release --example hello -- --headless` needs neither window nor GPU, and prints what happens.
+//! * `cargo run --release --example hello -- --headless` needs neither window nor GPU and prints what happens.
 //!
-//! `common` opens the window, which in your own game `DefaultPlugins` do. Everything else is here.
+//! `common` opens the window; in your own game `DefaultPlugins` do. Everything else is here.
 
 mod common;
 
@@ -14,13 +14,13 @@ fn main() -> AppExit {
     common::app("hello", 64 * 6)
         .insert_resource(Gravity(Vec3::ZERO))
         .add_systems(Startup, spawn)
-        // After every step, not every frame: a slow frame runs several steps.
+        // After each step, not each frame: a slow frame runs several steps.
         .add_systems(FixedLast, report)
         .run()
 }
 
 fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
-    // A recipe: it names the mesh and how to bake it. Bodies wait until that is done.
+    // A recipe says which mesh to bake, and how. Bodies wait until the mesh is baked.
     let torus: Handle<CollisionMesh> = assets.load("torus.bake.ron");
     for (name, side) in [("left", -1.0), ("right", 1.0)] {
         commands.spawn((
@@ -36,7 +36,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     common::spawn_box(&mut commands, 1.5);
 }
 
-/// Only bodies have names: what touches a wall is not told.
+/// Prints when two bodies begin and cease to touch. Walls have no names, so contacts with them are not printed.
 fn report(
     mut started: MessageReader<CollisionStart>,
     mut ended: MessageReader<CollisionEnd>,
@@ -54,7 +54,7 @@ fn report(
     }
     for &CollisionEnd { entity1, entity2 } in ended.read() {
         if let Ok([one, other]) = names.get_many([entity1, entity2]) {
-            println!("{seconds:.2} s: {one} and {other} part");
+            println!("{seconds:.2} s: {one} and {other} separate");
         }
     }
 }

@@ -1,10 +1,10 @@
-//! What the examples share: an app that opens a window, or with `--headless` runs its steps as fast as it can.
+//! The app that all examples use. It opens a window, or with `--headless` runs its steps as fast as possible.
 //!
 //! | argument | effect |
 //! |---|---|
-//! | `--headless` | no window and no GPU: runs as many fixed steps as the example says, then ends |
+//! | `--headless` | no window and no GPU: runs a number of fixed steps that the example chooses, then ends |
 //! | `--frames N` | ends after N steps (headless) or N frames (window) |
-//! | `--screenshot FILE` | saves the last of these frames as a picture; needs `--frames` |
+//! | `--screenshot FILE` | saves the last of these frames as an image; needs `--frames` |
 #![allow(dead_code, reason = "no example uses all of it")]
 
 #[cfg(feature = "window")]
@@ -61,7 +61,8 @@ fn usage(what: &str) -> ! {
     exit(2)
 }
 
-/// An app with Bevy's plugins and ours. Without a window it runs `steps` fixed steps, unless `--frames` says otherwise.
+/// An app with the plugins of Bevy and of this crate. Without a window it runs `steps` fixed steps, or the number given
+/// by `--frames`.
 pub fn app(title: &str, steps: u32) -> App {
     let options = Options::parse();
     let mut app = App::new();
@@ -79,14 +80,14 @@ pub fn app(title: &str, steps: u32) -> App {
         window::open(&mut app, title);
         #[cfg(not(feature = "window"))]
         {
-            eprintln!("{title}: built without windows; add --features window, or run it with -- --headless");
+            eprintln!("{title}: built without the feature `window`; add --features window, or run with -- --headless");
             exit(2);
         }
     }
     app
 }
 
-/// Waits for the meshes, then runs one step per update, however long it takes.
+/// Waits for the meshes, then runs one step per update.
 fn run_headless(mut app: App, steps: u32) -> AppExit {
     app.finish();
     app.cleanup();
@@ -132,7 +133,7 @@ fn meshes_loaded(world: &mut World) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Six planes that face each other, `half` metres from the origin.
+/// Spawns a box of six planes about the origin, with sides of `2 * half` metres.
 pub fn spawn_box(commands: &mut Commands, half: f32) {
     for side in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         commands.spawn((PlaneCollider::through(half * side, -side), Restitution::new(1.0)));

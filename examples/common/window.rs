@@ -1,4 +1,4 @@
-//! The window of the examples: camera, light, and a mesh to see for every body.
+//! The window of the examples: camera, lights, and a visible mesh for each body.
 
 use super::Options;
 use bevy::prelude::*;
@@ -6,7 +6,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_dis
 use bevy_faceoff::plugin::debug::FaceoffGizmosPlugin;
 use bevy_faceoff::prelude::*;
 
-/// Colours of bodies, in the order in which they are drawn first.
+/// Colours of the bodies, in the order in which they appear.
 const COLORS: [Color; 4] = [
     Color::srgb(0.16, 0.47, 0.87),
     Color::srgb(0.90, 0.36, 0.20),
@@ -41,7 +41,7 @@ fn light_and_camera(mut commands: Commands) {
             ..default()
         },
     ));
-    // One light with shadows, and two weaker ones, so that no side is black.
+    // One light with shadows and two weaker ones, so that no side is black.
     for (illuminance, from, shadow_maps_enabled) in [
         (8_000.0, Vec3::new(3.0, 6.0, 5.0), true),
         (3_000.0, Vec3::new(-6.0, 1.0, 2.0), false),
@@ -58,7 +58,7 @@ fn light_and_camera(mut commands: Commands) {
     }
 }
 
-/// Draws the very triangles that collide, as soon as they are loaded.
+/// Gives each body a visible mesh with the triangles that collide, as soon as they are loaded.
 fn dress(
     mut commands: Commands,
     bare: Query<(Entity, &MeshCollider), Without<Mesh3d>>,
@@ -82,7 +82,8 @@ fn dress(
     }
 }
 
-/// For checks that nobody watches: ends after the frames that were asked for, counted once all bodies are there.
+/// Ends the app after the number of frames given by `--frames`, for unattended checks. Frames count from when all
+/// bodies are visible.
 fn count_frames(
     mut commands: Commands,
     mut count: Local<u32>,
