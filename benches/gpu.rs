@@ -1,9 +1,14 @@
-//! The five stages on the GPU: `cargo bench --bench gpu [-- --quick]`, or the binary it builds, copied to any machine
+//! Time of the stages on the GPU: `cargo bench --bench gpu [-- --quick]`. The binary can also be copied to any machine
 //! with a driver.
 //!
-//! Scenes are the paper's at growing size, exact, with response. Per scene: device time of each stage (medians, from time
-//! stamps), wall time of a step with all results read back at once, of one with the results two steps later, of one with only
-//! the counts two steps later, and the same step on the CPU. `--quick` leaves out what takes minutes on a software driver.
+//! The scenes are those of the paper in several sizes, in the exact mode and with response. For each scene the table
+//! has:
+//! * the device time of each stage (medians of timestamps);
+//! * the wall time of a step with all results read back at once, with results read back two steps later, and with only
+//!   the counts read back two steps later;
+//! * the time of the same step on the CPU.
+//!
+//! `--quick` omits scenes that take minutes on a software driver.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
@@ -99,7 +104,7 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
     Ok(())
 }
 
-/// Milliseconds a step if each goes on from the one before and results are taken some steps later.
+/// Milliseconds per step if each step continues from the one before, and results are read back some steps later.
 fn in_flight(step: &mut GpuStep, state: &StepState, detail: Detail, rounds: usize) -> Result<f64, StepError> {
     let carried: Vec<_> = (0..state.input.bodies.len() as u32)
         .map(|source| Some(Carried::all(source)))
@@ -126,7 +131,7 @@ fn median(mut times: Vec<Duration>) -> f64 {
     times[times.len() / 2].as_secs_f64() * 1.0e3
 }
 
-/// Bodies in a box at the density of Aly & Elawady 2010: about 0.7 pairs of spheres a body.
+/// Bodies in a box at the density of Aly & Elawady 2010: about 0.7 pairs of overlapping bounding spheres per body.
 fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
     let mut random = fastrand::Rng::with_seed(1);
     let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
@@ -137,7 +142,7 @@ fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
         let scale = between(0.25, 2.0) / (2.0 * mesh.radius);
         let [x, y, z, w] = [0; 4].map(|_| between(-1.0, 1.0));
         let position = Vec3::from_array([0; 3].map(|_| between(0.0, side)));
-        // Not uniform over rotations, but close.
+        // Nearly uniform over rotations.
         let rotation = Quat::from_xyzw(x, y, z, w + 1.0e-3).normalize();
         let mut body = Body::at_rest(slot, position, rotation, Vec3::splat(scale));
         body.linear_velocity = Vec3::from_array([0; 3].map(|_| between(-0.5, 0.5)));

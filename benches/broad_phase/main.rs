@@ -1,7 +1,7 @@
-//! The broad phase on the CPU, over scenes of one density and several mixtures of sizes:
-//! `cargo bench --bench broad_phase [BODIES]`, without a number for 10,000, 100,000 and 1,000,000 bodies.
+//! Time of the CPU broad phase for scenes of equal density and different mixtures of sizes:
+//! `cargo bench --bench broad_phase [BODIES]`. The default is 10,000, 100,000 and 1,000,000 bodies.
 //!
-//! All bodies that are not static move a little before each round, as they do between steps.
+//! All bodies that are not static move a little before each round, as between steps.
 
 mod scenes;
 
@@ -57,7 +57,7 @@ fn table(count: usize) {
     }
 }
 
-/// Moves what is not static by up to a tenth of a metre along each axis, to and fro.
+/// Moves all bodies that are not static by up to 0.1 m along each axis, back and forth.
 fn drift(state: &mut StepState, round: usize) {
     let mut random = fastrand::Rng::with_seed(round as u64 / 2);
     let sign = if round.is_multiple_of(2) { 0.1 } else { -0.1 };

@@ -1,7 +1,7 @@
-//! Narrow phase against the plain all-pairs loop, one thread, interleaved in one run:
+//! Time of the narrow phase compared with a plain all-pairs loop, on one thread, interleaved in one run:
 //! `cargo bench --bench narrow_phase [PAIRS]`.
 //!
-//! Pairs are the paper's: diameters 0.25 to 2, random poses, kept if the bounding spheres overlap.
+//! The pairs are those of the paper: diameters 0.25 to 2 and random poses in which the bounding spheres overlap.
 
 mod plain;
 

@@ -1,4 +1,4 @@
-//! The table of times.
+//! The table of time per pair.
 
 use crate::cases::{Pair, rotation};
 use crate::plain;
@@ -16,7 +16,7 @@ const MODES: [(Culling, &str); 3] = [
     (Culling::FrontFacing, "front-facing"),
 ];
 
-/// What a method took in each round, and what it found.
+/// The time of a method in each round, and its results.
 #[derive(Default)]
 struct Measured {
     times: Vec<Duration>,
@@ -76,7 +76,8 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
     }
 }
 
-/// Sphere pairs as in a scene, and for each what the plain loop needs: scale of the first, placement of the second.
+/// Fills the state with sphere pairs as in a scene. Returns the input of the plain loop for each pair: the scale of the
+/// first body, and the matrix and translation of the second.
 fn fill(state: &mut StepState, slot: u32, baked: &CollisionMesh, count: usize) -> Vec<(f32, Mat3, Vec3)> {
     let mut random = fastrand::Rng::with_seed(1234);
     let mut poses = Vec::new();
