@@ -1,13 +1,13 @@
-//! Bakes meshes ahead of time with Bevy's asset processor. Source files are in one folder, the assets that a game ships with in
-//! another.
+//! Bakes meshes ahead of time with Bevy's asset processor. Source files are in one folder, the assets that a game ships
+//! with in another.
 //!
 //! `cargo run --release --example bake_assets`
 //!
-//! It runs an app on the same assets three times. The first run bakes. The second has nothing to bake. The third is the game as
-//! players get it, without a processor and without source files. All folders are temporary.
+//! It runs an app on the same assets three times. The first run bakes. The second has nothing to bake. The third is the
+//! game as players get it, without a processor and without source files. All folders are temporary.
 //!
-//! A game sets `AssetPlugin::mode` to `AssetMode::Processed`, as here, and keeps the defaults for the rest: the folders `assets`
-//! and `imported_assets`, and a processor if Bevy's feature `asset_processor` is on.
+//! A game sets `AssetPlugin::mode` to `AssetMode::Processed`, as here, and keeps the defaults for the rest: the folders
+//! `assets` and `imported_assets`, and a processor if Bevy's feature `asset_processor` is on.
 
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::LoadState;

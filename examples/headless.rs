@@ -1,5 +1,5 @@
-//! A simulation without a window or GPU, as in a test or on a server: one fixed step per update, as fast as possible, and
-//! assertions about the outcome. If an assertion fails, it panics and exits with an error.
+//! A simulation without a window or GPU, as in a test or on a server: one fixed step per update, as fast as possible,
+//! and assertions about the outcome. If an assertion fails, it panics and exits with an error.
 //!
 //! `cargo run --release --example headless`
 

@@ -3,8 +3,8 @@
 //! * `cargo run --release --example hello --features window` shows them in a window;
 //! * `cargo run --release --example hello -- --headless` needs neither window nor GPU, and prints what happens.
 //!
-//! The module `common` opens the window. In your own game use `DefaultPlugins` for that. The rest of the program is in this
-//! file.
+//! The module `common` opens the window. In your own game use `DefaultPlugins` for that. The rest of the program is in
+//! this file.
 
 mod common;
 

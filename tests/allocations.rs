@@ -6,7 +6,8 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::FaceoffStep;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::queries::{ContactWorker, PairMemory, Placed};
-use bevy_faceoff::state::{Body, Counts, Plane, StepState};
+use bevy_faceoff::state::{Body, Counts, Plane};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, DVec3};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
@@ -20,9 +21,9 @@ const STEPS: usize = 20;
 /// Tori, knots and balls in a box over a plane, some static, some culled by their front.
 fn scene(state: &mut StepState) -> Vec<Body> {
     let meshes = [shapes::torus_240(), shapes::knot_1120(), shapes::ball(0.5, 5)];
-    let meshes = meshes.map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
-    state.config.gravity = Vec3::NEG_Y;
-    state.planes.push(Plane {
+    let meshes = meshes.map(|mesh| state.input.meshes.add(CollisionMesh::new(&mesh)));
+    state.input.config.gravity = Vec3::NEG_Y;
+    state.input.planes.push(Plane {
         normal: Vec3::Y,
         distance: -2.0,
         restitution: 0.5,
@@ -61,16 +62,20 @@ fn steps(state: &mut StepState, scene: &[Body], bodies: &mut Vec<Body>, counts: 
     bodies.clear();
     bodies.extend_from_slice(scene);
     for _ in 0..STEPS {
-        state.bodies.clear();
+        state.input.bodies.clear();
         for body in bodies.iter() {
-            state.bodies.push(body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(body, &state.input.meshes)
+                .expect("a usable body");
         }
         for stage in Stage::ALL {
             bevy_faceoff::step::cpu::run(stage, state);
         }
-        counts.push(state.counts());
+        counts.push(state.results.counts());
         for (i, body) in bodies.iter_mut().enumerate() {
-            let motion = state.bodies.motion(i);
+            let motion = state.input.bodies.motion(i);
             body.position = motion.position;
             body.rotation = motion.rotation;
             body.linear_velocity = motion.linear_velocity;

@@ -1,7 +1,7 @@
-//! Small games with default settings on the CPU, as apps: `cargo bench --bench small_games [NAME]`.
+//! Time per step of small games: apps with default settings on the CPU, `cargo bench --bench small_games [NAME]`.
 //!
-//! Each looks for a cliff: a step whose cost depends on what should not matter, like the speed that all bodies have in common.
-//! Times are of this machine; what is counted beside them is the same everywhere.
+//! Each game looks for a performance cliff: a cost that depends on something irrelevant, such as a velocity that all
+//! bodies share. Times depend on the machine; the counts beside them are the same everywhere.
 
 mod games;
 
@@ -37,7 +37,7 @@ fn play(game: &Game) {
     app.finish();
     app.cleanup();
     (game.spawn)(app.world_mut());
-    // Bevy's first update has no time behind it and runs no step.
+    // In Bevy's first update no time has passed, so it runs no step.
     app.update();
 
     let mut times = Vec::new();

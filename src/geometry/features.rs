@@ -20,8 +20,9 @@ const CREASE: f64 = 0.6;
 /// more than this across an edge, radians: about the angle between the faces of a 32-sided cylinder.
 const FACET: f64 = 0.2;
 
-/// The value of [`MeshFeatures::edge_turn`] that allows any contact normal: no two unit vectors are farther apart.
-pub const EVERY_WAY: f32 = 2.0;
+/// The value of [`MeshFeatures::edge_normal_rotations`] that allows any contact normal: no two unit vectors are farther
+/// apart.
+pub const ANY_NORMAL: f32 = 2.0;
 
 /// The unique vertices and edges of a mesh, in flat arrays.
 ///
@@ -46,11 +47,11 @@ pub struct MeshFeatures {
     /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge.
     pub across: Vec<u32>,
     /// For each triangle, the largest rotation of a contact normal away from the triangle's own at an edge that it
-    /// owns, radians. It is 0 if the triangle owns no edge, and at most [`EVERY_WAY`], which allows any normal.
-    pub edge_turn: Vec<f32>,
+    /// owns, radians. It is 0 if the triangle owns no edge, and at most [`ANY_NORMAL`], which allows any normal.
+    pub edge_normal_rotations: Vec<f32>,
     /// For each triangle, the smallest radius of curvature of the surface at its edges, mesh units. It is 0 beside a
     /// crease or a boundary edge, and infinite if all edges are flat or concave.
-    pub roundness: Vec<f32>,
+    pub curvature_radii: Vec<f32>,
     /// For each triangle, the smallest curvature of the surface at its edges, one over mesh units. On a sphere it is
     /// one over the radius. It is 0 where the surface is flat or concave in some direction, or where the faces are
     /// facets of a coarse mesh.
@@ -64,9 +65,9 @@ pub struct MeshFeatures {
     /// Unit vertex normals, each that of the sphere through the vertex that fits its neighbours best; they point away
     /// from the sphere's centre. Unlike averages of face normals they do not depend on the triangulation. Zero if no
     /// sphere fits.
-    pub round_normals: Vec<Vec3>,
+    pub vertex_normals: Vec<Vec3>,
     /// For each vertex, the smallest radius of curvature of its triangles, mesh units.
-    pub vertex_roundness: Vec<f32>,
+    pub vertex_curvature_radii: Vec<f32>,
     /// Whether the mesh is closed and consistently wound. The triangles of any other mesh are two-sided.
     pub sided: bool,
 }
@@ -80,7 +81,7 @@ impl MeshFeatures {
         };
         let numbers = features.add_triangles(mesh);
         let ends = features.add_edges();
-        features.add_edge_turns();
+        features.add_edge_normal_rotations();
         features.add_neighbors(&ends);
         features.add_components(mesh, &numbers);
         features.add_vertex_curvature();
@@ -149,29 +150,29 @@ impl MeshFeatures {
                 owner.2 += 1;
             }
         }
-        let vertex_normals = self.angle_weighted_normals();
+        let normals_at_ends = self.angle_weighted_normals();
         // A collapsed triangle is no smooth surface.
         let flattest = |collapsed: &bool| if *collapsed { 0.0 } else { f32::INFINITY };
-        self.roundness = collapsed.iter().map(flattest).collect();
-        self.curvature = self.roundness.clone();
+        self.curvature_radii = collapsed.iter().map(flattest).collect();
+        self.curvature = self.curvature_radii.clone();
         for (edge, &(owner, k, count)) in owners.iter().enumerate() {
             if count == 0 {
                 continue;
             }
-            let (mut roundness, mut curvature) = (0.0, 0.0);
+            let (mut radius, mut curvature) = (0.0, 0.0);
             if count == 2 {
                 let triangles = [owner, self.across[edge] as usize];
                 let angle = self.angle_between(triangles);
                 if angle <= CREASE {
-                    roundness = self.curvature_radius_along(ends[edge], &vertex_normals);
+                    radius = self.curvature_radius_along(ends[edge], &normals_at_ends);
                 }
                 if angle <= FACET {
-                    curvature = roundness.recip();
+                    curvature = radius.recip();
                 }
             }
             let beside = [Some(owner), (count == 2).then_some(self.across[edge] as usize)];
             for t in beside.into_iter().flatten() {
-                self.roundness[t] = self.roundness[t].min(roundness);
+                self.curvature_radii[t] = self.curvature_radii[t].min(radius);
                 self.curvature[t] = self.curvature[t].min(curvature);
             }
             if count <= 2 && !(self.sided && self.is_flat_or_concave(owner, self.across[edge])) {
@@ -182,17 +183,17 @@ impl MeshFeatures {
     }
 
     /// The normal of a contact at an edge lies between the normals of the edge's two triangles.
-    fn add_edge_turns(&mut self) {
+    fn add_edge_normal_rotations(&mut self) {
         let turn = |t: usize| {
             let owned = (0..3).filter(|k| self.owned[t] >> (3 + k) & 1 == 1);
             owned.fold(0.0, |most: f32, k| {
                 match self.across[self.triangle_edges[t][k] as usize] {
-                    other if other == NONE || !self.sided => EVERY_WAY,
-                    other => most.max(self.angle_between([t, other as usize]) as f32).min(EVERY_WAY),
+                    other if other == NONE || !self.sided => ANY_NORMAL,
+                    other => most.max(self.angle_between([t, other as usize]) as f32).min(ANY_NORMAL),
                 }
             })
         };
-        self.edge_turn = (0..self.triangles.len()).map(turn).collect();
+        self.edge_normal_rotations = (0..self.triangles.len()).map(turn).collect();
     }
 
     /// The angle between the normals of two triangles, radians.
@@ -203,9 +204,9 @@ impl MeshFeatures {
 
     /// The radius of curvature along an edge that is not a crease: the radius of the circle that has the vertex normals
     /// of both ends.
-    fn curvature_radius_along(&self, [u, v]: [u32; 2], vertex_normals: &[DVec3]) -> f32 {
+    fn curvature_radius_along(&self, [u, v]: [u32; 2], normals_at_ends: &[DVec3]) -> f32 {
         let edge = self.vertices[v as usize].as_dvec3() - self.vertices[u as usize].as_dvec3();
-        let change = vertex_normals[v as usize] - vertex_normals[u as usize];
+        let change = normals_at_ends[v as usize] - normals_at_ends[u as usize];
         let curvature = change.dot(edge) / edge.length_squared();
         // Below this the curvature is rounding of the normals of a flat surface.
         if curvature * edge.length() > 1.0e-4 {
@@ -283,13 +284,13 @@ impl MeshFeatures {
     /// Adds the normals and the radii of curvature at the vertices.
     fn add_vertex_curvature(&mut self) {
         let count = self.vertices.len() as u32;
-        self.round_normals = (0..count).map(|vertex| self.sphere_normal(vertex).as_vec3()).collect();
-        self.vertex_roundness = vec![f32::INFINITY; self.vertices.len()];
-        let triangles = self.triangles.iter().zip(&self.roundness);
-        for (corners, &roundness) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
+        self.vertex_normals = (0..count).map(|vertex| self.sphere_normal(vertex).as_vec3()).collect();
+        self.vertex_curvature_radii = vec![f32::INFINITY; self.vertices.len()];
+        let triangles = self.triangles.iter().zip(&self.curvature_radii);
+        for (corners, &radius) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
             for &v in corners {
-                let least = &mut self.vertex_roundness[v as usize];
-                *least = least.min(roundness);
+                let least = &mut self.vertex_curvature_radii[v as usize];
+                *least = least.min(radius);
             }
         }
     }
@@ -358,9 +359,9 @@ mod tests {
     #[test]
     fn radii_of_curvature_are_those_of_the_smooth_surface() {
         let range = |mesh: &TriMesh| {
-            let roundness = MeshFeatures::of(mesh).roundness;
-            let least = roundness.iter().copied().fold(f32::INFINITY, f32::min);
-            [least, roundness.into_iter().fold(0.0, f32::max)]
+            let radii = MeshFeatures::of(mesh).curvature_radii;
+            let least = radii.iter().copied().fold(f32::INFINITY, f32::min);
+            [least, radii.into_iter().fold(0.0, f32::max)]
         };
         let [least, most] = range(&shapes::ball(2.0, 4));
         // The radius comes out smaller where triangles are far from equilateral.
@@ -379,11 +380,11 @@ mod tests {
     #[test]
     fn vertex_normals_of_a_ball_are_radial() {
         let ball = MeshFeatures::of(&shapes::ball(2.0, 4));
-        for (p, normal) in ball.vertices.iter().zip(&ball.round_normals) {
+        for (p, normal) in ball.vertices.iter().zip(&ball.vertex_normals) {
             assert!(p.normalize().distance(*normal) < 0.01, "{p} {normal}");
         }
         assert!(ball.curvature.iter().all(|c| (0.43..0.56).contains(c)));
-        assert!(ball.vertex_roundness.iter().all(|r| (1.7..2.2).contains(r)));
+        assert!(ball.vertex_curvature_radii.iter().all(|r| (1.7..2.2).contains(r)));
         // Facets, creases and the inner side of a ring have no curvature in some direction.
         let none = |mesh: &TriMesh| MeshFeatures::of(mesh).curvature.iter().all(|c| *c == 0.0);
         assert!(none(&shapes::ball(2.0, 1)) && none(&shapes::cube(1.0)));
@@ -395,7 +396,7 @@ mod tests {
             assert!(curvature == 0.0 || reach.iter().all(|r| *r > 0.69), "{t}: {curvature}");
         }
         let cube = MeshFeatures::of(&shapes::cube(1.0));
-        assert!(cube.vertex_roundness.iter().all(|r| *r == 0.0));
+        assert!(cube.vertex_curvature_radii.iter().all(|r| *r == 0.0));
     }
 
     #[test]

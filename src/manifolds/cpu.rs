@@ -18,10 +18,9 @@ pub(crate) use pair::{Pair, Worker};
 pub(crate) use side::PlacedMesh;
 
 use super::MarginPair;
-use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::per_thread::PerThread;
-use crate::state::Bodies;
 use crate::state::mesh_arena::MeshArena;
+use crate::state::{Bodies, ManifoldPoint, Manifolds};
 use rayon::prelude::*;
 
 /// Memory kept between steps.
@@ -114,24 +113,4 @@ fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2])
         })
     };
     Some(Pair::new([&placed(a)?, &placed(b)?], bodies.mesh[a] == bodies.mesh[b]))
-}
-
-impl Manifolds {
-    /// Removes all, keeping the memory.
-    pub(super) fn clear(&mut self) {
-        self.pairs.clear();
-        self.points.clear();
-    }
-
-    /// Adds the pair whose points are those from `first` on, if there are any.
-    pub(super) fn close(&mut self, bodies: [u32; 2], first: usize) {
-        let count = self.points.len() - first;
-        if count > 0 {
-            self.pairs.push(Manifold {
-                bodies,
-                first_point: first as u32,
-                point_count: count as u32,
-            });
-        }
-    }
 }

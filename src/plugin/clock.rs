@@ -20,8 +20,8 @@
 //! }
 //! ```
 //!
-//! With access to the `World`, for example in a test or for rollback, `world.run_schedule(FaceoffStep)` runs one step of the
-//! fixed timestep at once, whether a clock is paused or not.
+//! With access to the `World`, for example in a test or for rollback, `world.run_schedule(FaceoffStep)` runs one step
+//! of the fixed timestep at once, whether a clock is paused or not.
 //!
 //! `Time<Fixed>` sets the length of a step; nothing here changes it. `Time<Virtual>` pauses or scales the whole game,
 //! including the steps.
@@ -33,8 +33,8 @@ use std::time::Duration;
 
 /// The context of the physics clock, `Time<Physics>`. [`PhysicsTime`] controls the clock.
 ///
-/// `delta` is the length of the last step, and zero while the clock is paused. `elapsed` is the total length of all steps.
-/// Within [`FaceoffStep`] the resource `Time` is this clock.
+/// `delta` is the length of the last step, and zero while the clock is paused. `elapsed` is the total length of all
+/// steps. Within [`FaceoffStep`] the resource `Time` is this clock.
 #[derive(Reflect, Clone, Copy, Debug)]
 #[reflect(Default, Debug)]
 pub struct Physics {
@@ -62,14 +62,14 @@ pub const MAX_SPEED: f32 = 100.0;
 
 /// Controls of `Time<Physics>`, in addition to those that every `Time` has.
 pub trait PhysicsTime {
-    /// Pauses the clock: no body moves from the next tick of fixed time on. What you write to components in the meantime
-    /// takes effect when the clock runs again.
+    /// Pauses the clock: no body moves from the next tick of fixed time on. What you write to components in the
+    /// meantime takes effect when the clock runs again.
     ///
-    /// That tick waits for the pending results of a GPU ([`Reading::Latent`](crate::plugin::settings::Reading::Latent)) and
-    /// publishes them, so that components hold the current state of the bodies.
+    /// That tick waits for the pending results of a GPU ([`Reading::Latent`](crate::plugin::settings::Reading::Latent))
+    /// and publishes them, so that components hold the current state of the bodies.
     ///
-    /// While the clock is paused, [`PhysicsTime::step_once`] requests a step of the fixed timestep, and `advance_by` a step of
-    /// another length. It runs in the next tick.
+    /// While the clock is paused, [`PhysicsTime::step_once`] requests a step of the fixed timestep, and `advance_by` a
+    /// step of another length. It runs in the next tick.
     fn pause(&mut self);
 
     /// Resumes the clock. Requested steps that have not run yet are dropped.
@@ -78,17 +78,19 @@ pub trait PhysicsTime {
     /// Whether the clock is paused.
     fn is_paused(&self) -> bool;
 
-    /// Requests one step of the fixed timestep in the next tick of fixed time, at any relative speed, while the clock is
-    /// paused. Several calls request several steps. Has no effect while the clock runs.
+    /// Requests one step of the fixed timestep in the next tick of fixed time, at any relative speed, while the clock
+    /// is paused. Several calls request several steps. Has no effect while the clock runs.
     fn step_once(&mut self);
 
     /// Sets how fast time passes for bodies relative to fixed time. Default 1.
     ///
-    /// Each tick of fixed time runs the smallest number of equal steps of which none is longer than the fixed timestep: one
-    /// step of a quarter of the timestep at 0.25, two whole steps at 2, three steps at 2.5. So slow motion is smooth, and fast
-    /// motion costs more but is as accurate. At integer speeds steps give the same results to the bit as at 1.
+    /// Each tick of fixed time runs the smallest number of equal steps of which none is longer than the fixed timestep:
+    /// one step of a quarter of the timestep at 0.25, two whole steps at 2, three steps at 2.5. So slow motion is
+    /// smooth, and fast motion costs more but is as accurate. At integer speeds steps give the same results to the bit
+    /// as at 1.
     ///
-    /// A speed that is negative, not finite or above [`MAX_SPEED`] is rejected: the old speed stays, and an error is logged.
+    /// A speed that is negative, not finite or above [`MAX_SPEED`] is rejected: the old speed stays, and an error is
+    /// logged.
     fn set_relative_speed(&mut self, speed: f32);
 
     /// The relative speed.
@@ -125,7 +127,8 @@ impl PhysicsTime for Time<Physics> {
             self.context_mut().speed = speed.into();
         } else {
             error!(
-                "the speed {speed} of Time<Physics> is rejected, and the old one stays: set a number from 0 to {MAX_SPEED}"
+                "the speed {speed} of Time<Physics> is rejected, and the old one stays: set a number from 0 to \
+                 {MAX_SPEED}"
             );
         }
     }
@@ -224,7 +227,7 @@ pub(crate) fn was_by_hand(step: Res<Step>) -> bool {
 pub(crate) fn settle(world: &mut World) {
     while publish::land(world) {}
     if world.resource::<Step>().engine.has_failed()
-        && let Err(error) = world.run_system_cached(publish::tell_failure)
+        && let Err(error) = world.run_system_cached(publish::report_failure)
     {
         error!("{error}");
     }

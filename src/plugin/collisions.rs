@@ -1,7 +1,7 @@
 //! Results of the last step: [`Collisions`] and [`StepReport`].
 
 use crate::manifolds::{ManifoldPoint, Manifolds};
-use crate::state::{Contact, ContactPoint, Contacts, FacePair, PlaneContact, TouchingPair};
+use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use std::fmt;
@@ -14,11 +14,11 @@ use std::time::Duration;
 /// * if they pushed each other at any time in the step,
 /// * if they came nearer than the gap between bodies at rest
 ///   ([`SolverSettings::rest_offset`](crate::types::solver_settings::SolverSettings::rest_offset)),
-/// * if one is a sensor, one of the two has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision), and they
-///   met at any time in the step.
+/// * if one is a sensor, one of the two has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision),
+///   and they met at any time in the step.
 ///
-/// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of [`Entity`], which is not the order
-/// of spawning.
+/// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of [`Entity`], which is not the
+/// order of spawning.
 #[derive(Resource, Debug, Default)]
 pub struct Collisions {
     /// Entity of each body, ascending, so that body indices are in the order of entities.
@@ -37,30 +37,32 @@ pub struct Collision<'a> {
     pub entity1: Entity,
     /// The other body, or the plane.
     pub entity2: Entity,
-    /// Whether one is solid and contains the other, or a connected component of it, while no intersecting faces were found.
-    /// With an approximate culling mode some faces may intersect all the same.
+    /// Whether one is solid and contains the other, or a connected component of it, while no intersecting faces were
+    /// found. With an approximate culling mode some faces may intersect all the same.
     pub contained: bool,
     /// The contact, reduced to one point in the world. The normal points from `entity1` to `entity2`.
     pub contact: Contact,
-    /// Pairs of intersecting faces with their common segments in the world. Faces are indices into the input meshes; those
-    /// of `entity1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
+    /// Pairs of intersecting faces with their common segments in the world. Faces are indices into the input meshes;
+    /// those of `entity1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
     pub faces: &'a [FacePair],
-    /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points that
-    /// did not push have impulse 0.
+    /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
+    /// that did not push have impulse 0.
     ///
-    /// A step with several collision substeps ([`StepReport::intervals`]) has the points of each collision substep in which
-    /// the two touched, in order. A persistent contact therefore appears once per collision substep. With
+    /// A step with several collision substeps ([`StepReport::intervals`]) has the points of each collision substep in
+    /// which the two touched, in order. A persistent contact therefore appears once per collision substep. With
     /// [`Response::None`](crate::types::settings::Response::None) all impulses are 0. With `Response::Impulse`, and for
     /// sensors, there are no points.
     ///
-    /// On a GPU the points are the same with every [`Reading`](crate::plugin::settings::Reading) that publishes `Collisions`.
+    /// On a GPU the points are the same with every [`Reading`](crate::plugin::settings::Reading) that publishes
+    /// `Collisions`.
     pub points: &'a [ContactPoint],
-    /// Total normal impulse over the step, in newton seconds: for a body at rest, its weight times the length of the step. 0
-    /// for bodies asleep, and unless the response is
+    /// Total normal impulse over the step, in newton seconds: for a body at rest, its weight times the length of the
+    /// step. 0 for bodies asleep, and unless the response is
     /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
     pub impulse: f32,
-    /// Whether the two did not touch at the beginning of the step but met within it: a sensor and another body, one of them
-    /// with [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). The contact is where they first touched.
+    /// Whether the two did not touch at the beginning of the step but met within it: a sensor and another body, one of
+    /// them with [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). The contact is where they
+    /// first touched.
     pub passing: bool,
 }
 
@@ -84,8 +86,8 @@ impl Collisions {
         self.len() == 0
     }
 
-    /// The collision of two bodies, or of a body and a plane, if they touch. The order of arguments does not matter. Takes
-    /// time logarithmic in the number of bodies and pairs.
+    /// The collision of two bodies, or of a body and a plane, if they touch. The order of arguments does not matter.
+    /// Takes time logarithmic in the number of bodies and pairs.
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
         let find = |entities: &[Entity], entity| entities.binary_search(&entity).ok().map(|i| i as u32);
         let body = |entity| find(&self.entities, entity);
@@ -111,7 +113,7 @@ impl Collisions {
         self.iter().filter(move |c| c.entity1 == entity || c.entity2 == entity)
     }
 
-    fn collision<'a>(&'a self, pair: &TouchingPair) -> Collision<'a> {
+    fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
         let [entity1, entity2] = pair.bodies.map(|i| self.entities[i as usize]);
         Collision {
             entity1,
@@ -142,11 +144,11 @@ impl Collisions {
     }
 
     /// The contact manifolds of all pairs whose surfaces came nearer than the contact margin
-    /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether they touch
-    /// or not. This is the input for a solver of your own.
+    /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether
+    /// they touch or not. This is the input for a solver of your own.
     ///
-    /// In ascending order: first pairs of bodies, then bodies (first) with planes (second). Sensors have no manifolds, and
-    /// [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
+    /// In ascending order: first pairs of bodies, then bodies (first) with planes (second). Sensors have no manifolds,
+    /// and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {
             let bodies = self.entities.len();
@@ -172,15 +174,15 @@ pub struct StepReport {
     pub step: u64,
     /// Number of bodies in the step.
     pub bodies: usize,
-    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU without
-    /// timestamp queries.
+    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU
+    /// without timestamp queries.
     pub stages: [Duration; Stage::COUNT],
     /// Wall time of the whole step, including reading components and writing results.
     pub total: Duration,
     /// Number of pairs of bodies whose bounding spheres, enlarged by the speculative margin, overlap.
     pub sphere_pairs: usize,
-    /// Number of pairs for which an approximate [`Culling`](crate::types::settings::Culling) left out triangles. If it is 0, the
-    /// step was exact.
+    /// Number of pairs for which an approximate [`Culling`](crate::types::settings::Culling) left out triangles. If it
+    /// is 0, the step was exact.
     pub approximate_pairs: usize,
     /// Number of meshes tested exactly while their face table bakes; see
     /// [`FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision).
@@ -188,8 +190,8 @@ pub struct StepReport {
     /// Number of touching pairs of bodies.
     ///
     /// With [`Reading::Resident`](crate::plugin::settings::Reading::Resident) and
-    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) the larger one of two numbers: pairs whose faces
-    /// intersect, and pairs that push each other. The two lists are not compared on the device.
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) the larger one of two numbers: pairs whose
+    /// faces intersect, and pairs that push each other. The two lists are not compared on the device.
     pub touching_pairs: usize,
     /// Number of contact points within the contact margin, between bodies and between bodies and planes.
     pub contact_points: usize,
@@ -201,7 +203,8 @@ pub struct StepReport {
     pub triangle_tests: u64,
     /// Number of pairs of intersecting faces.
     pub face_pairs: usize,
-    /// Number of steps on the GPU whose results are not published yet; see [`Reading`](crate::plugin::settings::Reading).
+    /// Number of steps on the GPU whose results are not published yet; see
+    /// [`Reading`](crate::plugin::settings::Reading).
     pub in_flight: usize,
     /// How many times a step has waited for the results of an earlier one since the device was opened.
     pub waits: u64,

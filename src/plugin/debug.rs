@@ -1,5 +1,5 @@
-//! Gizmos of contacts, intersections, bounding spheres and faces of collision: [`FaceoffGizmosPlugin`]. Needs the feature
-//! `debug_gizmos`.
+//! Gizmos of contacts, intersections, bounding spheres and faces of collision: [`FaceoffGizmosPlugin`]. Needs the
+//! feature `debug_gizmos`.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -13,7 +13,8 @@
 //! });
 //! ```
 //!
-//! The `GizmoConfig` of [`FaceoffGizmos`] sets line width and render layers. Set its `enabled` to `false` to hide all gizmos.
+//! The `GizmoConfig` of [`FaceoffGizmos`] sets line width and render layers. Set its `enabled` to `false` to hide all
+//! gizmos.
 
 use crate::asset::CollisionMesh;
 use crate::plugin::collisions::Collisions;
@@ -23,7 +24,8 @@ use bevy::prelude::*;
 
 /// Draws [`FaceoffGizmos`] in every frame, after the steps.
 ///
-/// Add it after `DefaultPlugins`. Without Bevy's `GizmoPlugin`, for example in an app without a renderer, it does nothing.
+/// Add it after `DefaultPlugins`. Without Bevy's `GizmoPlugin`, for example in an app without a renderer, it does
+/// nothing.
 pub struct FaceoffGizmosPlugin;
 
 /// Which gizmos are drawn, and their colours. `None` hides a kind of gizmo.
@@ -54,7 +56,8 @@ impl Default for FaceoffGizmos {
 }
 
 /// Outlines the *faces of collision* of this body towards another one: the faces that
-/// [`Culling::FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision) would test if the two were near each other.
+/// [`Culling::FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision) would test if the two were near
+/// each other.
 ///
 /// Nothing is drawn if the body's mesh has no face table.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]

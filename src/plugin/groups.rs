@@ -6,9 +6,11 @@ use super::step_plugin::StepPlugin;
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
 
-/// All plugins of bevy_faceoff. Add them after `DefaultPlugins`, or after other plugins that contain Bevy's `AssetPlugin`.
+/// All plugins of bevy_faceoff. Add them after `DefaultPlugins`, or after other plugins that contain Bevy's
+/// `AssetPlugin`.
 ///
-/// With the feature `bevy_render` the stages share the device of the app's renderer: see [`backend`](crate::plugin::backend).
+/// With the feature `bevy_render` the stages share the device of the app's renderer: see
+/// [`backend`](crate::plugin::backend).
 ///
 /// Plugins can be replaced or disabled as in any plugin group.
 #[derive(Default)]
@@ -29,10 +31,11 @@ impl PluginGroup for FaceoffPlugins {
     }
 }
 
-/// [`FaceoffPlugins`] with Bevy's `AssetPlugin`, for apps without a window or renderer. Add them after `MinimalPlugins`.
+/// [`FaceoffPlugins`] with Bevy's `AssetPlugin`, for apps without a window or renderer. Add them after
+/// `MinimalPlugins`.
 ///
-/// Add Bevy's `LogPlugin` too. Without it you do not see why a body is rejected, or where the stages run. It is not part of
-/// this group because a process has one logger, while a test process builds many apps.
+/// Add Bevy's `LogPlugin` too. Without it you do not see why a body is rejected, or where the stages run. It is not
+/// part of this group because a process has one logger, while a test process builds many apps.
 #[derive(Default)]
 pub struct FaceoffHeadlessPlugins {
     /// Backend and threads of the step.

@@ -10,9 +10,9 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on};
 
 /// Adds a [`MeshCollider`] to its entity, made from a Bevy mesh, as soon as that mesh is loaded.
 ///
-/// Each mesh is baked once in the background, however many entities use it. If a mesh is not usable, an error is logged once,
-/// and its entities get no collider. The collider does not follow later changes of the mesh; remove the [`MeshCollider`] to
-/// have a new one made.
+/// Each mesh is baked once in the background, however many entities use it. If a mesh is not usable, an error is logged
+/// once, and its entities get no collider. The collider does not follow later changes of the mesh; remove the
+/// [`MeshCollider`] to have a new one made.
 ///
 /// A bake recipe is better where loading times matter: it loads faster, and can have a face table.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
@@ -20,7 +20,8 @@ use bevy::tasks::{AsyncComputeTaskPool, Task, block_on};
 #[require(Transform)]
 pub struct MeshColliderFrom(pub Handle<Mesh>);
 
-/// Runs [`MeshColliderFrom`]. In an app without Bevy's `MeshPlugin` it logs an error for each entity with this component.
+/// Runs [`MeshColliderFrom`]. In an app without Bevy's `MeshPlugin` it logs an error for each entity with this
+/// component.
 pub struct MeshColliderFromPlugin;
 
 impl Plugin for MeshColliderFromPlugin {
@@ -51,8 +52,8 @@ enum Bake {
 fn report_no_meshes(waiting: Query<(Entity, Option<&Name>), (Added<MeshColliderFrom>, Without<MeshCollider>)>) {
     for (entity, name) in &waiting {
         error!(
-            "{}: its MeshColliderFrom has no effect because there is no Assets<Mesh>: add Bevy's MeshPlugin, which is part \
-             of DefaultPlugins, or use a MeshCollider",
+            "{}: its MeshColliderFrom has no effect because there is no Assets<Mesh>: add Bevy's MeshPlugin, which is \
+             part of DefaultPlugins, or use a MeshCollider",
             named(entity, name)
         );
     }

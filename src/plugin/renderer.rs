@@ -18,8 +18,8 @@ mod shared {
 
     /// The renderer's queue when its device was returned last.
     ///
-    /// It identifies the device, because each device has its own queue. Devices of wgpu do not compare reliably: devices of
-    /// two instances may be equal, and the renderer recovers with a new instance.
+    /// It identifies the device, because each device has its own queue. Devices of wgpu do not compare reliably:
+    /// devices of two instances may be equal, and the renderer recovers with a new instance.
     #[derive(Resource)]
     struct SharedQueue(Weak<WgpuWrapper<Queue>>);
 
@@ -47,8 +47,8 @@ mod shared {
         Some(gpu)
     }
 
-    /// A `RenderErrorHandler` that recovers from a lost device with Bevy's default settings. The stages continue on the new
-    /// device. All other errors go to Bevy's default handler, which ends the app.
+    /// A `RenderErrorHandler` that recovers from a lost device with Bevy's default settings. The stages continue on the
+    /// new device. All other errors go to Bevy's default handler, which ends the app.
     ///
     /// ```
     /// # use bevy::prelude::*;

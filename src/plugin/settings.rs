@@ -18,16 +18,17 @@ impl Default for Gravity {
 /// How long two bodies must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is sent and
 /// [`CollidingEntities`](crate::plugin::components::CollidingEntities) drops them. In seconds, default 0.1.
 ///
-/// A body that bounces, or that rolls along the rim of a sensor, may touch in one step and not in the next. Without hysteresis
-/// each gap would be an end and a new start. With hysteresis a start is sent at once, and an end after this time. An end is
-/// sent at once
+/// A body that bounces, or that rolls along the rim of a sensor, may touch in one step and not in the next. Without
+/// hysteresis each gap would be an end and a new start. With hysteresis a start is sent at once, and an end after this
+/// time. An end is sent at once
 /// * if one of the two is despawned, loses its collider or is rejected,
 /// * for a fast body that passed a sensor within one step
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)).
 ///
 /// `EventHysteresis(0.0)` turns hysteresis off: starts and ends are then exact to the step. It does not affect
-/// [`Collisions`](crate::plugin::collisions::Collisions), which always holds the pairs that touched in the last step. With an
-/// infinite time only the ends in this list are sent. A negative time counts as 0, and NaN counts as the default.
+/// [`Collisions`](crate::plugin::collisions::Collisions), which always holds the pairs that touched in the last step.
+/// With an infinite time only the ends in this list are sent. A negative time counts as 0, and NaN counts as the
+/// default.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Debug, PartialEq)]
 pub struct EventHysteresis(pub f32);
@@ -38,34 +39,37 @@ impl Default for EventHysteresis {
     }
 }
 
-/// Where the stages run. Read when the app starts; [`ActiveBackend`](crate::plugin::backend::ActiveBackend) holds the result.
+/// Where the stages run. Read when the app starts; [`ActiveBackend`](crate::plugin::backend::ActiveBackend) holds the
+/// result.
 ///
-/// CPU and GPU find the same pairs, up to rounding. Where single precision cannot decide whether two faces touch, the CPU
-/// decides in double precision. The GPU counts them as touching; they may be some millionths of the bodies' size apart.
+/// CPU and GPU find the same pairs, up to rounding. Where single precision cannot decide whether two faces touch, the
+/// CPU decides in double precision. The GPU counts them as touching; they may be some millionths of the bodies' size
+/// apart.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Resource, Default, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Backend {
-    /// A GPU if there is one, else the CPU. Software adapters, which compute on the CPU, do not count as a GPU. The choice and
-    /// its reason are logged. With the feature `bevy_render`, in an app with a renderer, only the renderer's GPU is
-    /// considered.
+    /// A GPU if there is one, else the CPU. Software adapters, which compute on the CPU, do not count as a GPU. The
+    /// choice and its reason are logged. With the feature `bevy_render`, in an app with a renderer, only the renderer's
+    /// GPU is considered.
     #[default]
     Auto,
-    /// The renderer's device, or the best adapter, including software adapters. If there is none, the step does not run, and
-    /// an error is logged.
+    /// The renderer's device, or the best adapter, including software adapters. If there is none, the step does not
+    /// run, and an error is logged.
     Gpu,
     /// The CPU, on a separate thread pool.
     Cpu,
 }
 
-/// When the results of a step on a GPU are published to components, [`Collisions`](crate::plugin::collisions::Collisions) and
-/// messages. Read when the app starts. On the CPU results are always published at once.
+/// When the results of a step on a GPU are published to components,
+/// [`Collisions`](crate::plugin::collisions::Collisions) and messages. Read when the app starts. On the CPU results are
+/// always published at once.
 ///
 /// # What a write means
 ///
-/// A value that a system writes takes effect in the next step, in each mode, and no result of an older step overwrites it.
-/// With `Lockstep` the components hold the current state of a body. With the other two modes the body on the GPU is some steps
-/// ahead of its components, and everything that was not written continues from the state on the GPU:
+/// A value that a system writes takes effect in the next step, in each mode, and no result of an older step overwrites
+/// it. With `Lockstep` the components hold the current state of a body. With the other two modes the body on the GPU is
+/// some steps ahead of its components, and everything that was not written continues from the state on the GPU:
 ///
 /// | written | `Lockstep`, or on the CPU | `Latent` | `Resident` |
 /// |---|---|---|---|
@@ -77,9 +81,9 @@ pub enum Backend {
 /// | `MeshCollider` removed, or a component made invalid | the body stops, and continues from there when it is valid again | the same; its `Transform` and velocities are brought up to date | the same |
 /// | `Sleeping(false)` | wakes the body | wakes the body | wakes the body if inserted |
 ///
-/// So, in every mode: **insert** a component to set a state, for example to place a body, to stop it or to hold it in place.
-/// **Change** a field to modify the state, for example to push a body or to rotate it. For a kinematic body without velocity
-/// the components hold the current state, so a change sets the value too.
+/// So, in every mode: **insert** a component to set a state, for example to place a body, to stop it or to hold it in
+/// place. **Change** a field to modify the state, for example to push a body or to rotate it. For a kinematic body
+/// without velocity the components hold the current state, so a change sets the value too.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, PartialEq)]
 #[non_exhaustive]
@@ -93,21 +97,22 @@ pub enum Reading {
     /// Results are published [`LATENCY`] steps later, so that the app and the GPU work at the same time.
     ///
     /// For the same input the results are the same to the bit as those of `Lockstep`, with
-    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) if the steps have as many collision substeps. No
-    /// step is skipped: if results are late, the step waits, and
-    /// [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it. Bevy's `Time<Virtual>::max_delta` limits
-    /// how many steps run after a slow frame. While `Time<Physics>` is paused, and in a step that you run with
-    /// `run_schedule`, all results are waited for: see [`clock`](crate::plugin::clock). While `Time<Virtual>` stands still,
-    /// the results of one pending step are published per frame.
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) if the steps have as many collision substeps.
+    /// No step is skipped: if results are late, the step waits, and
+    /// [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it. Bevy's `Time<Virtual>::max_delta`
+    /// limits how many steps run after a slow frame. While `Time<Physics>` is paused, and in a step that you run with
+    /// `run_schedule`, all results are waited for: see [`clock`](crate::plugin::clock). While `Time<Virtual>` stands
+    /// still, the results of one pending step are published per frame.
     ///
-    /// No step runs until the kernels are compiled; then [`BackendReady`](crate::plugin::backend::BackendReady) is written. If
-    /// the device is lost, bodies continue from the state in their components as soon as there is a backend again.
+    /// No step runs until the kernels are compiled; then [`BackendReady`](crate::plugin::backend::BackendReady) is
+    /// written. If the device is lost, bodies continue from the state in their components as soon as there is a backend
+    /// again.
     Latent,
     /// Like `Latent`, but the bodies stay on the GPU: components and `Collisions` are not written, and no messages of
     /// collisions are sent. Components hold what users wrote last.
     ///
-    /// [`StepReport`](crate::plugin::collisions::StepReport) has the counts. Draw from [`poses`](crate::plugin::poses). To read
-    /// poses and velocities back, use [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take).
+    /// [`StepReport`](crate::plugin::collisions::StepReport) has the counts. Draw from [`poses`](crate::plugin::poses).
+    /// To read poses and velocities back, use [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take).
     Resident,
 }
 

@@ -97,7 +97,7 @@ impl Plugin for StepPlugin {
                     publish::use_up_impulses,
                     publish::write_back,
                     publish::publish,
-                    publish::tell_failure,
+                    publish::report_failure,
                     clock::settle.run_if(clock::was_by_hand),
                 )
                     .chain()
@@ -157,7 +157,7 @@ fn run_step(world: &mut World) {
     if engine.runs() {
         clock::tick(world);
     } else if engine.has_failed()
-        && let Err(error) = world.run_system_cached(publish::tell_failure)
+        && let Err(error) = world.run_system_cached(publish::report_failure)
     {
         error!("{error}");
     }
@@ -242,11 +242,11 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
     world.get_resource::<Step>()?.engine.device()
 }
 
-/// The poses of all bodies on the GPU, for shaders that draw them without reading results back: buffers with the poses before
-/// and after the last submitted step, and the entities in the same order.
+/// The poses of all bodies on the GPU, for shaders that draw them without reading results back: buffers with the poses
+/// before and after the last submitted step, and the entities in the same order.
 ///
-/// `None` unless the stages run on a GPU with [`Reading::Latent`] or [`Reading::Resident`]. There are no entities between
-/// [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore) and the next step.
+/// `None` unless the stages run on a GPU with [`Reading::Latent`] or [`Reading::Resident`]. There are no entities
+/// between [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore) and the next step.
 #[cfg(feature = "gpu")]
 pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {
     let step = world.get_resource::<Step>()?;

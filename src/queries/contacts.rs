@@ -2,6 +2,7 @@
 
 use super::placed::Placed;
 use crate::geometry::mesh::MAX_COORDINATE;
+use crate::manifolds::MOST_POINTS;
 use crate::manifolds::cpu::{Feature, Pair, Worker, ids};
 use crate::types::feature_id::FeatureId;
 use glam::{DVec3, Vec3};
@@ -45,6 +46,9 @@ pub struct ContactWorker {
 }
 
 impl ContactWorker {
+    /// The most points that a manifold has.
+    pub const MAX_POINTS: usize = MOST_POINTS;
+
     /// One without memory.
     pub fn new() -> Self {
         Self::default()
@@ -57,8 +61,8 @@ impl ContactWorker {
     }
 
     /// Appends the contact manifold of the meshes: the few of [`ContactWorker::points`] that a solver needs, at most
-    /// [`MOST_POINTS`](crate::manifolds::MOST_POINTS). The deepest comes first, then always the one that is farthest from those
-    /// before it. Their normals may differ: concave meshes touch in several places.
+    /// [`ContactWorker::MAX_POINTS`]. The deepest comes first, then always the one that is farthest from those before it.
+    /// Their normals may differ: concave meshes touch in several places.
     pub fn manifold(
         &mut self,
         a: &Placed,

@@ -39,7 +39,7 @@ pub mod check;
 mod contacts;
 mod placed;
 
-pub use crate::state::bodies::BodyFault;
+pub use crate::state::fault::BodyFault;
 pub use crate::types::feature_id::{FeatureId, FeatureKind};
 pub use check::{
     Check, CheckOptions, Placement, PlacementError, TouchingPair, check, check_with, touching, touching_with,

@@ -1,14 +1,15 @@
 //! [`Placed`]: a baked mesh in the world, in double precision.
 
-use crate::angles::PAD;
 use crate::asset::CollisionMesh;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::manifolds::cpu::PlacedMesh;
 use crate::simd::lanes::{Rows, each, splat};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::Frame;
-use crate::state::bodies::{BodyFault, bounding_radius, check_pose};
+use crate::state::bodies::{bounding_radius, check_pose};
+use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::BoxGroup;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::cell::Cell;

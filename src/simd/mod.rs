@@ -3,4 +3,5 @@
 pub mod descent;
 pub mod lanes;
 pub mod levels;
+pub mod rounding;
 pub mod tree;

@@ -5,7 +5,7 @@ use super::motion::Movers;
 use super::overlap::{self, Overlap};
 use super::pairs::{self, Pass};
 use super::warm_start::{Match, WarmStart};
-use crate::manifolds::{ManifoldPoint, Manifolds};
+use crate::state::{ManifoldPoint, Manifolds};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
 use glam::{DVec3, Vec3, Vec3A};

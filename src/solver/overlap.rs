@@ -1,7 +1,7 @@
 //! What is made of overlaps whose contact points may disagree about the way out.
 
 use super::warm_start::Kept;
-use crate::manifolds::ManifoldPoint;
+use crate::state::ManifoldPoint;
 use crate::state::margins::SAFETY;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;

@@ -3,7 +3,7 @@
 use super::bodies::SolverBodies;
 use super::constraints::{Constraints, Point};
 use super::motion::Movers;
-use crate::manifolds::ManifoldPoint;
+use crate::state::ManifoldPoint;
 use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;

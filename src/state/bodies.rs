@@ -1,76 +1,74 @@
-//! How bodies enter a step: what is checked, and what is derived from pose and mesh.
+//! All bodies as structures of arrays: what is checked when one enters a step, and what is derived from its pose and mesh.
 
+use super::body::{Body, Handling, Motion};
+use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
-use super::{Bodies, Body, Frame, Motion};
+use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
-use crate::types::body::{ExternalForces, RigidBody};
+use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
+use crate::types::settings::Culling;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
-#[cfg(feature = "bevy")]
-use std::mem::discriminant;
-use thiserror::Error;
 
-/// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
-pub const MIN_RADIUS: f32 = 1.0e-9;
+/// One entry per body in every array.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// Slot in the [`MeshArena`].
+    pub mesh: Vec<u32>,
+    /// How the body moves.
+    pub kind: Vec<RigidBody>,
+    /// Where the mesh's origin lies.
+    pub position: Vec<Vec3>,
+    /// Unit quaternion.
+    pub rotation: Vec<Quat>,
+    /// Scale along the mesh's own axes; no component is zero.
+    pub scale: Vec<Vec3>,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec<Vec3>,
+    /// World axes, rad/s.
+    pub angular_velocity: Vec<Vec3>,
+    /// The pose in double precision, from the three above.
+    pub frame: Vec<Frame>,
+    /// Centre of the bounding sphere: the centre of mass in the world.
+    pub center: Vec<Vec3>,
+    /// Radius of the bounding sphere, rounded up.
+    pub radius: Vec<f32>,
+    /// The same without what rounding its centre may cost: it does not depend on where the body is.
+    pub own_radius: Vec<f32>,
+    /// Of the thinnest part, metres.
+    pub thickness: Vec<f32>,
+    /// The radius and how far from it the body looks for others: what the broad phase goes by.
+    pub reach: Vec<f32>,
+    /// 0 for what cannot be pushed.
+    pub inverse_mass: Vec<f32>,
+    /// In the body's own axes; zero for what cannot be turned.
+    pub own_inverse_inertia: Vec<Mat3>,
+    /// The same in world axes.
+    pub inverse_inertia: Vec<Mat3>,
+    /// Bounciness.
+    pub restitution: Vec<f32>,
+    /// Factor on gravity.
+    pub gravity_scale: Vec<f32>,
+    /// Who collides with whom.
+    pub layers: Vec<CollisionLayers>,
+    /// Whether the body only reports.
+    pub sensor: Vec<bool>,
+    /// Which of its triangles take part in tests.
+    pub culling: Vec<Culling>,
+    /// How the body answers.
+    pub handling: Vec<Handling>,
+}
 
-/// The largest component a velocity may have, in m/s or rad/s: its square stays far from overflow.
-pub const MAX_SPEED: f32 = 1.0e9;
-
-/// Why a body cannot take part in a step.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum BodyFault {
-    /// Some number of its pose is NaN or infinite.
-    #[error("its Transform is not finite: set it to finite numbers")]
-    NonFinitePose,
-    /// Some number of the component of this name is NaN or infinite.
-    #[error("its {0} is not finite: set it to finite numbers")]
-    NonFinite(&'static str),
-    /// Its [`Mass`](crate::plugin::components::Mass) or [`Density`](crate::plugin::components::Density) is infinite.
-    #[error(
-        "its {0} is infinite: for what nothing can push use RigidBody::Static, or RigidBody::Kinematic if it moves by itself"
-    )]
-    Infinite(&'static str),
-    /// Its rotation is the zero quaternion.
-    #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
-    ZeroRotation,
-    /// Its scale makes it flat or smaller than [`MIN_RADIUS`].
-    #[error("its scale {0} makes it flat or vanishingly small: no component may be (nearly) zero")]
-    ZeroScale(Vec3),
-    /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
-    #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
-    TooFar,
-    /// Its mass is not positive, or so small that its inverse is not finite.
-    #[error("its mass {0} is not positive or vanishingly small: set a mass of at least 1e-38, or a positive density")]
-    Mass(f32),
-    /// Its inertia is not finite, not symmetric or not positive definite.
-    #[error("its AngularInertia is not symmetric and positive definite: use AngularInertia::principal")]
-    Inertia,
-    /// It is faster than [`MAX_SPEED`].
-    #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
-    TooFast(f32),
-    /// The normal of a plane has no length.
-    #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
-    PlaneNormal(Vec3),
-    /// It is a child of another entity.
-    #[error(
-        "it is a child of another entity, so that its Transform is no pose in the world: remove its ChildOf. Parts that stay \
-         together are one body: put them into one mesh; what follows another body is a RigidBody::Kinematic of its own, whose \
-         pose a system writes. What is only drawn may be a child"
-    )]
-    Child,
-    /// Its mesh is nowhere, and is not on its way either.
-    #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
-    MeshMissing,
-    /// It is a body and a plane at once. The body goes on; the plane is left out.
-    #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
-    PlaneOnBody,
-    /// The distance of a plane is NaN or infinite.
-    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
-    PlaneDistance(f32),
-    /// Its mesh could not be loaded.
-    #[error(
-        "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
-    )]
-    MeshFailed,
+/// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Where the mesh's origin lies.
+    pub position: DVec3,
+    /// Orthonormal.
+    pub rotation: DMat3,
+    /// Along the mesh's own axes.
+    pub scale: DVec3,
+    /// The centre of mass in the world.
+    pub center: DVec3,
 }
 
 impl Bodies {
@@ -133,6 +131,12 @@ impl Bodies {
         sensor.clear();
         culling.clear();
         handling.clear();
+    }
+
+    /// Whether contacts between two bodies move one of them.
+    pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
+        let (a, b) = (a as usize, b as usize);
+        (self.inverse_mass[a] > 0.0 || self.inverse_mass[b] > 0.0) && !self.sensor[a] && !self.sensor[b]
     }
 
     /// Where body `i` is after a step and how it moves. What follows from the pose is that of before.
@@ -307,21 +311,8 @@ fn not_finite(body: &Body) -> Option<&'static str> {
     finite.into_iter().find_map(|(name, finite)| (!finite).then_some(name))
 }
 
-impl BodyFault {
-    #[cfg(feature = "bevy")]
-    /// Whether it is the same fault, whatever its numbers: told before, it is not news.
-    pub(crate) fn is_like(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::NonFinite(this), Self::NonFinite(that)) | (Self::Infinite(this), Self::Infinite(that)) => {
-                this == that
-            }
-            _ => discriminant(self) == discriminant(other),
-        }
-    }
-}
-
 /// Inverse mass and inverse inertia in the body's own axes.
-fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, DMat3) {
+fn inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> (f32, DMat3) {
     if body.kind != RigidBody::Dynamic {
         return (0.0, DMat3::ZERO);
     }

@@ -13,7 +13,7 @@ use crate::gpu::scan;
 use crate::manifolds::gpu::buffers::{ContactBuffers, ContactSizes};
 use crate::manifolds::gpu::kernels::{KERNELS, Shared, record};
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
-use crate::state::StepState;
+use crate::state::StepInput;
 use crate::step::gpu::StepError;
 use crate::step::gpu::upload::Input;
 use crate::types::stage::Stage;
@@ -92,7 +92,7 @@ impl GpuManifolds {
     ///
     /// # Errors
     /// If the device cannot hold the lists, or fails.
-    pub fn run(&mut self, state: &StepState, pairs: &[MarginPair]) -> Result<Manifolds, StepError> {
+    pub fn run(&mut self, state: &StepInput, pairs: &[MarginPair]) -> Result<Manifolds, StepError> {
         let scene = self.upload(state)?;
         let own = |pair: &MarginPair| layout::MarginPair {
             a: pair.bodies[0],
@@ -129,7 +129,7 @@ impl GpuManifolds {
         scoped(&self.gpu, || work(&self.gpu)).map_err(StepError::Device)
     }
 
-    fn upload(&self, state: &StepState) -> Result<Scene, StepError> {
+    fn upload(&self, state: &StepInput) -> Result<Scene, StepError> {
         let input = Input::new(state, &[]);
         let mut arena = Arena::with_features();
         let (mut headers, mut words) = (vec![layout::Mesh::default(); state.meshes.len().max(1)], Vec::new());

@@ -6,8 +6,8 @@ use glam::Vec3;
 
 /// How a body moves.
 ///
-/// A body is an entity with a [`MeshCollider`](crate::plugin::components::MeshCollider) and a `RigidBody`. Its pose is its
-/// `Transform`, scale included. The `Transform` is read as a pose in the world: spawn bodies as root entities.
+/// A body is an entity with a [`MeshCollider`](crate::plugin::components::MeshCollider) and a `RigidBody`. Its pose is
+/// its `Transform`, scale included. The `Transform` is read as a pose in the world: spawn bodies as root entities.
 ///
 /// A pair of bodies is tested if at least one of them is dynamic, or if one is a
 /// [`Sensor`](crate::plugin::components::Sensor) and the other is kinematic.
@@ -51,8 +51,8 @@ pub struct AngularVelocity(pub Vec3);
 
 /// The centre of mass of a body in the coordinates of its mesh, before the body's `Transform` is applied. In metres.
 ///
-/// The step writes it once the mesh is loaded. [`RigidBody`] requires it; insert it yourself on a static collider without a
-/// `RigidBody`.
+/// The step writes it once the mesh is loaded. [`RigidBody`] requires it; insert it yourself on a static collider
+/// without a `RigidBody`.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -84,7 +84,8 @@ impl CenterOfMass {
 /// Whether a dynamic body sleeps. The step writes it.
 ///
 /// An island of bodies in contact falls asleep when all of them have been at rest for a while; see
-/// [`SolverSettings::sleeping`](crate::types::solver_settings::SolverSettings::sleeping). Bodies asleep are not simulated.
+/// [`SolverSettings::sleeping`](crate::types::solver_settings::SolverSettings::sleeping). Bodies asleep are not
+/// simulated.
 ///
 /// A body wakes, together with its island, when
 /// * it is moved, touched, or given a velocity, a force or an impulse,
@@ -141,8 +142,8 @@ impl ExternalForces {
 
 /// World axes along which a body does not translate, and about which it does not rotate.
 ///
-/// Combine them with `|`: `LockedAxes::ROTATION | LockedAxes::TRANSLATION_Z`. For contacts and forces the body has infinite
-/// mass along a locked axis, or infinite inertia about it.
+/// Combine them with `|`: `LockedAxes::ROTATION | LockedAxes::TRANSLATION_Z`. For contacts and forces the body has
+/// infinite mass along a locked axis, or infinite inertia about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",

@@ -4,9 +4,9 @@ use std::fmt;
 
 /// The feature of a mesh at a contact point, packed into 32 bits.
 ///
-/// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The ids of
-/// a mesh depend only on the input mesh and its bake settings, not on its pose, on the other body, or on the run of the
-/// program. No id is zero.
+/// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The
+/// ids of a mesh depend only on the input mesh and its bake settings, not on its pose, on the other body, or on the run
+/// of the program. No id is zero.
 ///
 /// An index has 28 bits. In a mesh with more than 89 million faces different features may have the same id.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -18,17 +18,17 @@ pub struct FeatureId(u32);
 pub enum FeatureKind {
     /// A corner. The index is that of the vertex in the input mesh. Vertices that are welded have the same index.
     Vertex,
-    /// An edge between two faces, or at a boundary. The index is `3 f + e`, where `f` is the index of a face at the edge, and
-    /// `e` is 0 for the edge from the face's first corner to its second, 1 for the next edge and 2 for the last one. Of the two
-    /// faces at an edge it is always the same one.
+    /// An edge between two faces, or at a boundary. The index is `3 f + e`, where `f` is the index of a face at the
+    /// edge, and `e` is 0 for the edge from the face's first corner to its second, 1 for the next edge and 2 for the
+    /// last one. Of the two faces at an edge it is always the same one.
     Edge,
     /// The interior of a face. The index is that of the face in the input mesh.
     Face,
-    /// A place in a region of overlap, found by a ray through both bodies. The index identifies the region: it is that of an
-    /// edge or a face of the region's contour, in an order of the bake.
+    /// A place in a region of overlap, found by a ray through both bodies. The index identifies the region: it is that
+    /// of an edge or a face of the region's contour, in an order of the bake.
     ///
-    /// The index changes when the contour leaves that edge or face, and places may exchange their numbers when the region
-    /// changes its shape. Matching these points by position may be more reliable.
+    /// The index changes when the contour leaves that edge or face, and places may exchange their numbers when the
+    /// region changes its shape. Matching these points by position may be more reliable.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
         place: u8,

@@ -11,8 +11,8 @@ use bevy::prelude::*;
     reflect(Component, Default, Debug, PartialEq)
 )]
 pub struct Friction {
-    /// Ratio of the largest friction force to the normal force; the tangent of the steepest slope on which a body stays at
-    /// rest. Negative values count as 0.
+    /// Ratio of the largest friction force to the normal force; the tangent of the steepest slope on which a body stays
+    /// at rest. Negative values count as 0.
     pub coefficient: f32,
     /// How the coefficients of two bodies combine.
     pub combine: CombineRule,
@@ -52,8 +52,8 @@ impl Friction {
 pub struct Restitution {
     /// Ratio of outgoing to incoming normal speed, from 0 to 1. Other values are clamped to this range.
     pub coefficient: f32,
-    /// How the coefficients of two bodies combine. [`Response::Impulse`](crate::types::settings::Response::Impulse) always
-    /// takes the mean.
+    /// How the coefficients of two bodies combine. [`Response::Impulse`](crate::types::settings::Response::Impulse)
+    /// always takes the mean.
     pub combine: CombineRule,
 }
 

@@ -16,35 +16,35 @@ pub enum Response {
     /// velocities and gravity.
     None,
     /// Each touching pair gets one impulse per step against its closing velocity, with the mean
-    /// [`Restitution`](crate::types::material::Restitution). For swarms of thousands of bodies that bounce off each other.
-    /// There is no friction, nothing comes to rest, and overlapping bodies are not pushed apart.
+    /// [`Restitution`](crate::types::material::Restitution). For swarms of thousands of bodies that bounce off each
+    /// other. There is no friction, nothing comes to rest, and overlapping bodies are not pushed apart.
     Impulse,
-    /// Each pair gets several contact points, and a solver with friction, restitution, stacking, interlocking and sleeping:
-    /// see [`SolverSettings`](crate::types::solver_settings::SolverSettings). All triangles take part, whatever the
-    /// [`Culling`].
+    /// Each pair gets several contact points, and a solver with friction, restitution, stacking, interlocking and
+    /// sleeping: see [`SolverSettings`](crate::types::solver_settings::SolverSettings). All triangles take part,
+    /// whatever the [`Culling`].
     ///
     /// It runs on the GPU too. Steps with a body that has
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) run on the CPU. With
     /// [`Reading::Latent`](crate::plugin::settings::Reading::Latent) and
-    /// [`Reading::Resident`](crate::plugin::settings::Reading::Resident) the number of collision substeps of a step follows
-    /// from the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
+    /// [`Reading::Resident`](crate::plugin::settings::Reading::Resident) the number of collision substeps of a step
+    /// follows from the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
     #[default]
     Contacts,
 }
 
 /// Which triangles of a pair of bodies are tested against each other.
 ///
-/// The resource applies to all bodies. [`BodyCulling`](crate::plugin::components::BodyCulling) overrides it for one body. The
-/// two bodies of a pair may have different modes: the mode of each body chooses among its own triangles, seen from the other
-/// body.
+/// The resource applies to all bodies. [`BodyCulling`](crate::plugin::components::BodyCulling) overrides it for one
+/// body. The two bodies of a pair may have different modes: the mode of each body chooses among its own triangles, seen
+/// from the other body.
 ///
-/// All modes use the same conservative culls. An approximate mode finds exactly those intersecting pairs of faces of `Exact`
-/// in which both faces are in view, and never a pair that does not intersect. What it misses lies behind other faces, seen
-/// along the line between the centres. A finer table would not find it.
+/// All modes use the same conservative culls. An approximate mode finds exactly those intersecting pairs of faces of
+/// `Exact` in which both faces are in view, and never a pair that does not intersect. What it misses lies behind other
+/// faces, seen along the line between the centres. A finer table would not find it.
 ///
-/// Measured recall (`cargo bench --bench recall`). The first figure is the share of touching pairs of bodies for which any
-/// intersecting faces are found. The second is the share of their intersecting pairs of faces that are found. Scenes are
-/// random, with diameters from 0.25 to 2.
+/// Measured recall (`cargo bench --bench recall`). The first figure is the share of touching pairs of bodies for which
+/// any intersecting faces are found. The second is the share of their intersecting pairs of faces that are found.
+/// Scenes are random, with diameters from 0.25 to 2.
 ///
 /// | 240-triangle torus | `FacesOfCollision` | `FrontFacing` |
 /// |---|---|---|
@@ -64,8 +64,8 @@ pub enum Response {
 /// | centres nearer than half the radii | 98.9 % / 25.1 % | 99.6 % / 31.3 % |
 /// | linked through the holes | 44.4 % / 38.6 % | 45.6 % / 50.8 % |
 ///
-/// If none of a pair's intersecting faces are found, the pair is neither reported nor pushed apart, unless the test for one
-/// body inside the other finds it. If some are found, the contact is computed from these.
+/// If none of a pair's intersecting faces are found, the pair is neither reported nor pushed apart, unless the test for
+/// one body inside the other finds it. If some are found, the contact is computed from these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -78,15 +78,16 @@ pub enum Culling {
     #[default]
     Exact,
     /// **Approximate**, see the recall above. Tests only the *faces of collision*: triangles that are visible from the
-    /// direction of the other body. They are read from the mesh's baked [`FaceTable`](crate::projection::FaceTable) (Aly &
-    /// Elawady 2010).
+    /// direction of the other body. They are read from the mesh's baked [`FaceTable`](crate::projection::FaceTable)
+    /// (Aly & Elawady 2010).
     ///
     /// If a mesh has no table, a warning is logged once, and a table is baked in the background with the mesh's own
-    /// [`BakeSettings`](crate::projection::BakeSettings). Until it is ready, bodies with this mesh use `Exact`. Bake the table
-    /// ahead of time (`faces: true`, or `faceoff bake --faces`) if results must not depend on the time that the bake takes.
+    /// [`BakeSettings`](crate::projection::BakeSettings). Until it is ready, bodies with this mesh use `Exact`. Bake
+    /// the table ahead of time (`faces: true`, or `faceoff bake --faces`) if results must not depend on the time that
+    /// the bake takes.
     FacesOfCollision,
-    /// **Approximate**, see the recall above. Tests only triangles whose outer side faces the other body: `n . u > 0`, where
-    /// `n` is the normal and `u` is the direction from centre to centre. Nothing is baked.
+    /// **Approximate**, see the recall above. Tests only triangles whose outer side faces the other body: `n . u > 0`,
+    /// where `n` is the normal and `u` is the direction from centre to centre. Nothing is baked.
     ///
     /// A mesh that is open, inconsistently oriented, or a room has no front. Bodies with such a mesh use `Exact`.
     FrontFacing,

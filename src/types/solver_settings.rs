@@ -12,9 +12,9 @@ pub const MOST_PASSES: u32 = 256;
 /// Parameters of the contact solver, for all bodies. Used with
 /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
 ///
-/// A step is divided into *collision substeps*: contact points are computed anew in each of them. A collision substep is
-/// divided into the solver's *substeps*. Lengths in D are fractions of the bounding diameter of the smaller of the two
-/// bodies, so that small and large bodies behave alike.
+/// A step is divided into *collision substeps*: contact points are computed anew in each of them. A collision substep
+/// is divided into the solver's *substeps*. Lengths in D are fractions of the bounding diameter of the smaller of the
+/// two bodies, so that small and large bodies behave alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -27,22 +27,22 @@ pub struct SolverSettings {
     /// Halving the substep helps stiff stacks and large mass ratios more than doubling the iterations, at the same cost
     /// (Macklin et al., "Small Steps in Physics Simulation", 2019).
     pub substeps: u32,
-    /// Passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart. Default 2: a body in
-    /// several pairs gets the mean of their impulses in one pass, and a second pass lets them agree.
+    /// Passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart. Default 2: a body
+    /// in several pairs gets the mean of their impulses in one pass, and a second pass lets them agree.
     pub bias_iterations: u32,
-    /// Passes per substep without bias velocity, after the bodies have moved. They remove the velocity that the bias added.
-    /// Default 2. Without them chains break.
+    /// Passes per substep without bias velocity, after the bodies have moved. They remove the velocity that the bias
+    /// added. Default 2. Without them chains break.
     pub relax_iterations: u32,
     /// Gauss-Seidel sweeps over the points of one pair within a pass. Default 2.
     pub sweeps: u32,
-    /// Relaxation factor: the fraction of a point's correction that one sweep applies, from 0 to 1. Default 0.5. With 1,
-    /// points of the same pair overshoot, and a stack creeps.
+    /// Relaxation factor: the fraction of a point's correction that one sweep applies, from 0 to 1. Default 0.5. With
+    /// 1, points of the same pair overshoot, and a stack creeps.
     pub relaxation: f32,
-    /// Frequency of the contact spring as a fraction of the substep rate. Default 0.25, the stiffest value that the time step
-    /// supports with a margin (Catto, "Solver2D", 2024).
+    /// Frequency of the contact spring as a fraction of the substep rate. Default 0.25, the stiffest value that the
+    /// time step supports with a margin (Catto, "Solver2D", 2024).
     pub frequency: f32,
-    /// Damping ratio of the contact spring. Default 10: strongly overdamped, so that pushing bodies out of an overlap does
-    /// not throw them.
+    /// Damping ratio of the contact spring. Default 10: strongly overdamped, so that pushing bodies out of an overlap
+    /// does not throw them.
     pub damping_ratio: f32,
     /// Largest speed at which overlapping bodies are pushed apart, in m/s. Default 3.
     pub push_speed: f32,
@@ -51,32 +51,33 @@ pub struct SolverSettings {
     pub untangle_speed: f32,
     /// Depth of deep penetration, in D. Default 0.04.
     ///
-    /// A pair that overlaps more deeply when it first meets is pushed apart along the line of centres, without friction,
-    /// until it separates: the contact points of meshes that overlap so deeply may disagree about the direction.
+    /// A pair that overlaps more deeply when it first meets is pushed apart along the line of centres, without
+    /// friction, until it separates: the contact points of meshes that overlap so deeply may disagree about the
+    /// direction.
     pub untangle_depth: f32,
     /// Distance between surfaces within which contact points are computed, in D, in addition to the distance that the
-    /// surfaces may move in the meantime. Default 0.01, so that bodies push each other before they overlap. Values below
-    /// twice [`SolverSettings::rest_offset`] count as that.
+    /// surfaces may move in the meantime. Default 0.01, so that bodies push each other before they overlap. Values
+    /// below twice [`SolverSettings::rest_offset`] count as that.
     pub contact_margin: f32,
     /// Gap between bodies at rest, in D. Default 0.005. Contact points carry more information while surfaces do not
     /// intersect.
     pub rest_offset: f32,
-    /// Bodies that meet more slowly than this do not bounce, in m/s. Default 0.5: the speed that gravity adds within a few
-    /// steps must not keep a pile awake.
+    /// Bodies that meet more slowly than this do not bounce, in m/s. Default 0.5: the speed that gravity adds within a
+    /// few steps must not keep a pile awake.
     pub restitution_threshold: f32,
     /// Passes over all pairs that apply restitution, once per collision substep. Default 4.
     ///
-    /// In a cloud of 500 elastic balls that all meet at once, 94 % of the energy was left with 4 passes, 75 % with 2, and
-    /// 102 % with 8: Newton's law of restitution may add energy where many bodies meet at once. A single pair is exact after
-    /// one pass.
+    /// In a cloud of 500 elastic balls that all meet at once, 94 % of the energy was left with 4 passes, 75 % with 2,
+    /// and 102 % with 8: Newton's law of restitution may add energy where many bodies meet at once. A single pair is
+    /// exact after one pass.
     pub restitution_iterations: u32,
-    /// Warm starting: a point keeps the impulse of a point of the last collision substep that is at most this far away. In
-    /// D, default 0.05.
+    /// Warm starting: a point keeps the impulse of a point of the last collision substep that is at most this far away.
+    /// In D, default 0.05.
     pub match_distance: f32,
     /// Warm starting: the smallest cosine of the angle between the normals of two such points. Default 0.7.
     pub match_normal: f32,
-    /// How far two surfaces may move relative to each other in one collision substep, as a fraction of the thickness of the
-    /// thinnest body. Faster bodies cause more collision substeps.
+    /// How far two surfaces may move relative to each other in one collision substep, as a fraction of the thickness of
+    /// the thinnest body. Faster bodies cause more collision substeps.
     ///
     /// Default 0.25: a body that a third one deflects never gets undetected through more than a quarter of another one.
     pub detection_travel: f32,
@@ -84,10 +85,11 @@ pub struct SolverSettings {
     pub max_detections: u32,
     /// Whether islands of bodies at rest fall asleep. Default true.
     pub sleeping: bool,
-    /// A body is at rest if none of its points moves faster than this, in m/s. Default 0.05. Piles settle to 0.0001 to 0.001.
+    /// A body is at rest if none of its points moves faster than this, in m/s. Default 0.05. Piles settle to 0.0001 to
+    /// 0.001.
     pub sleep_speed: f32,
-    /// How long all bodies of an island must be at rest before they sleep, in seconds. Default 0.5: longer than a thrown body
-    /// is slow at the top of its path.
+    /// How long all bodies of an island must be at rest before they sleep, in seconds. Default 0.5: longer than a
+    /// thrown body is slow at the top of its path.
     pub sleep_time: f32,
 }
 
@@ -130,8 +132,8 @@ impl SolverSettings {
         self.contact_margin.max(2.0 * self.rest_offset)
     }
 
-    /// The name of the first invalid setting, if there is one: a number that is negative or not finite, or a count above
-    /// [`MOST_PASSES`] or [`MOST_DETECTIONS`], with which a step would take too long.
+    /// The name of the first invalid setting, if there is one: a number that is negative or not finite, or a count
+    /// above [`MOST_PASSES`] or [`MOST_DETECTIONS`], with which a step would take too long.
     pub fn fault(&self) -> Option<&'static str> {
         let Self {
             substeps,

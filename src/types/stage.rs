@@ -5,14 +5,15 @@
 pub enum Stage {
     /// Finds pairs of bodies whose bounding spheres overlap.
     BroadPhase,
-    /// Computes each pair's relative pose, rejects pairs that a support plane separates, and looks up the visible faces.
+    /// Computes each pair's relative pose, rejects pairs that a support plane separates, and looks up the visible
+    /// faces.
     Angles,
     /// Tests triangles against triangles.
     TriangleTest,
     /// Computes contact manifolds: the points at which bodies push each other.
     Manifolds,
-    /// Sums the impulses of each body. With [`Response::Contacts`](crate::types::settings::Response::Contacts) it runs the
-    /// solver's substeps, in which bodies move.
+    /// Sums the impulses of each body. With [`Response::Contacts`](crate::types::settings::Response::Contacts) it runs
+    /// the solver's substeps, in which bodies move.
     ForceScan,
     /// Moves the bodies.
     Integrate,

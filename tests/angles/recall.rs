@@ -4,7 +4,8 @@ use super::{MODES, baked, boxed_ball, collide, inside_out, random_pose};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{Orientation, shapes};
 use bevy_faceoff::queries::{CheckOptions, Placement, check, check_with};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use glam::{DMat3, DVec3, Vec3};
 
@@ -72,7 +73,7 @@ fn modes_find_exactly_those_pairs_of_faces_that_are_in_view_from_either_end() {
         baked(&boxed_ball(), 10, 32),
     ];
     let mut state = StepState::default();
-    let slots = meshes.clone().map(|mesh| state.meshes.add(mesh));
+    let slots = meshes.clone().map(|mesh| state.input.meshes.add(mesh));
     let mut random = fastrand::Rng::with_seed(5);
     let scales = [
         Vec3::ONE,
@@ -90,13 +91,13 @@ fn modes_find_exactly_those_pairs_of_faces_that_are_in_view_from_either_end() {
             Body::at_rest(slots[kinds[end]], position, rotation, scales[random.usize(..5)])
         });
         let exact = collide(&mut state, bodies, [Culling::Exact; 2]);
-        let touching = state.contacts.pairs.len();
+        let touching = state.results.contacts.pairs.len();
         let found = collide(&mut state, bodies, culling);
         assert!(
-            state.contacts.pairs.len() <= touching,
+            state.results.contacts.pairs.len() <= touching,
             "case {case}: a collision was invented"
         );
-        let centers = [0, 1].map(|i| state.bodies.frame[i].center);
+        let centers = [0, 1].map(|i| state.input.bodies.frame[i].center);
         let seen = [0, 1].map(|i| Seen::of(&meshes[kinds[i]], &bodies[i], centers[1 - i], culling[i]));
         for hit in &exact {
             let expected = [0, 1].map(|i| seen[i].0[hit[i] as usize]);

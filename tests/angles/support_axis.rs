@@ -4,7 +4,8 @@ use super::random_pose;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::queries::{Placement, check};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use glam::{Mat3, Vec3};
 
@@ -12,7 +13,7 @@ use glam::{Mat3, Vec3};
 fn pairs_that_a_support_plane_separates_do_not_touch_and_the_others_know_their_overlap() {
     let meshes = [shapes::torus_240(), shapes::knot_1120()].map(|mesh| CollisionMesh::new(&mesh));
     let mut state = StepState::default();
-    let slots = meshes.each_ref().map(|mesh| state.meshes.add(mesh.clone()));
+    let slots = meshes.each_ref().map(|mesh| state.input.meshes.add(mesh.clone()));
     let mut random = fastrand::Rng::with_seed(31);
     let (mut rejected, mut missed) = (0, 0);
     for case in 0..1000 {
@@ -22,14 +23,14 @@ fn pairs_that_a_support_plane_separates_do_not_touch_and_the_others_know_their_o
             let scale = Vec3::from_array([0; 3].map(|_| 0.3 + random.f32()));
             Body::at_rest(slots[kind], position, rotation, scale)
         });
-        state.bodies.clear();
+        state.input.bodies.clear();
         for body in &bodies {
-            state.bodies.push(body, &state.meshes).unwrap();
+            state.input.bodies.push(body, &state.input.meshes).unwrap();
         }
         for stage in [Stage::BroadPhase, Stage::Angles] {
             bevy_faceoff::step::cpu::run(stage, &mut state);
         }
-        if state.sphere_pairs.is_empty() {
+        if state.results.sphere_pairs.is_empty() {
             continue;
         }
         let placements = [0, 1].map(|i| Placement {
@@ -39,7 +40,7 @@ fn pairs_that_a_support_plane_separates_do_not_touch_and_the_others_know_their_o
             scale: bodies[i].scale,
         });
         let touch = !check(&placements).unwrap().is_empty();
-        let Some(near) = state.near_pairs.first() else {
+        let Some(near) = state.results.near_pairs.first() else {
             assert!(!touch, "case {case}: a pair that touches was rejected");
             rejected += 1;
             continue;
@@ -54,7 +55,7 @@ fn pairs_that_a_support_plane_separates_do_not_touch_and_the_others_know_their_o
                 scale,
             } = &placements[i];
             let axes = Mat3::from_quat(bodies[0].rotation).transpose();
-            let center = state.bodies.frame[0].center.as_vec3();
+            let center = state.input.bodies.frame[0].center.as_vec3();
             let vertices = mesh.mesh.vertices().iter();
             vertices.map(move |&v| near.axis.dot(axes * (*rotation * (*scale * v) + *translation - center)))
         };

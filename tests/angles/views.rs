@@ -5,7 +5,8 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::direction::{Angles, DirectionGrid};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::queries::{CheckOptions, Placement, TouchingPair, check_with};
-use bevy_faceoff::state::{Body, StepState, View};
+use bevy_faceoff::state::{Body, View};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use glam::{Quat, Vec3};
 
@@ -15,7 +16,7 @@ fn a_body_in_a_baked_direction_looks_up_that_directions_group() {
     let table = mesh.faces.as_ref().unwrap();
     let grid = DirectionGrid::new(10).unwrap();
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     let rotation = Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.0);
     let scale = Vec3::new(0.5, -0.8, 1.3);
     for index in 0..grid.len() {
@@ -29,7 +30,7 @@ fn a_body_in_a_baked_direction_looks_up_that_directions_group() {
             body(offset, Quat::IDENTITY, Vec3::ONE),
         ];
         collide(&mut state, bodies, [Culling::FacesOfCollision; 2]);
-        let views = state.near_pairs[0].views;
+        let views = state.results.near_pairs[0].views;
         assert_eq!(
             views[0],
             View::Group(table.directions()[index as usize]),
@@ -62,7 +63,7 @@ fn lane_masks_are_the_group_in_both_forms() {
 fn coinciding_centres_are_exact() {
     let mesh = baked(&shapes::torus_240(), 10, 32);
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     for angle in [0.3, 0.8, 1.5] {
         let bodies = [Quat::IDENTITY, Quat::from_rotation_x(angle)]
             .map(|rotation| Body::at_rest(slot, Vec3::ONE - rotation * mesh.mass.center, rotation, Vec3::ONE));

@@ -54,8 +54,8 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
         world.add(1 + random.below(3), Vec3::ONE, sweep);
         let state = &world.state;
         clamp(
-            &state.bodies,
-            &state.meshes,
+            &state.input.bodies,
+            &state.input.meshes,
             &[],
             &world.sweeps,
             &[false, true],

@@ -13,11 +13,11 @@ const SLACK: f32 = 0.005;
 
 fn stops(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<Stop> {
     let mut stops = Vec::new();
-    let (bodies, meshes) = (&world.state.bodies, &world.state.meshes);
+    let (bodies, meshes) = (&world.state.input.bodies, &world.state.input.meshes);
     clamp(
         bodies,
         meshes,
-        &world.state.planes,
+        &world.state.input.planes,
         &world.sweeps,
         continuous,
         pairs,
@@ -133,7 +133,7 @@ fn what_meets_a_door_is_carried_by_it() {
         );
         assert!(then.center.distance(now.center) < 1.0e-5, "{then:?}, {now:?}");
         // What is held in its place is not.
-        world.state.bodies.handling[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
+        world.state.input.bodies.handling[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
         let held = stops(&world, &[false, true], &[[0, 1]], &mut ClampScratch::default());
         assert!(held[0].end.center.distance(ball.at(fraction.into()).center) < 1.0e-5);
     }
@@ -150,7 +150,7 @@ fn two_that_meet_go_on_with_their_common_momentum_whatever_moves_with_them() {
             let sweep = flight(DVec3::X * from, DQuat::IDENTITY, DVec3::X * travel + wind, DVec3::ZERO);
             world.add(0, Vec3::ONE, sweep);
             // The second one is of twice the mass.
-            world.state.bodies.inverse_mass[i] = [1.0, 0.5][i];
+            world.state.input.bodies.inverse_mass[i] = [1.0, 0.5][i];
         }
         let found = stops(&world, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
         let middle = (found[0].end.center + 2.0 * found[1].end.center) / 3.0;
@@ -208,7 +208,7 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
         };
         for (sweep, kind) in sweeps.into_iter().zip(kinds) {
             let i = world.add(0, Vec3::ONE, sweep);
-            world.state.bodies.kind[i as usize] = kind;
+            world.state.input.bodies.kind[i as usize] = kind;
         }
         world.add(1, Vec3::ONE, ball);
         let pairs = [[0, 2], [1, 2]];
@@ -225,7 +225,7 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
 fn nothing_is_carried_into_a_half_space() {
     for with_door in [true, false] {
         let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
-        world.state.planes.push(Plane {
+        world.state.input.planes.push(Plane {
             normal: Vec3::Z,
             ..Plane::default()
         });

@@ -118,7 +118,14 @@ fn bad_input_has_no_impact() {
     let state = &world.state;
     for pair in [[0, 0], [0, 2], [7, 1]] {
         let sweeps = [&world.sweeps[0], &world.sweeps[1]];
-        let time = time_of_impact(&state.bodies, &state.meshes, pair, sweeps, SLACK, &mut world.scratch);
+        let time = time_of_impact(
+            &state.input.bodies,
+            &state.input.meshes,
+            pair,
+            sweeps,
+            SLACK,
+            &mut world.scratch,
+        );
         assert_eq!(time, None);
     }
     let bad = [

@@ -4,7 +4,8 @@ use super::oracle::Mover;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::ccd::{Pose, Scratch, Sweep, time_of_impact};
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 #[derive(Default)]
@@ -19,14 +20,14 @@ impl World {
     pub fn new(meshes: &[TriMesh]) -> Self {
         let mut world = Self::default();
         for mesh in meshes {
-            world.state.meshes.add(CollisionMesh::new(mesh));
+            world.state.input.meshes.add(CollisionMesh::new(mesh));
         }
         world
     }
 
     /// Without bodies.
     pub fn clear(&mut self) {
-        self.state.bodies.clear();
+        self.state.input.bodies.clear();
         self.sweeps.clear();
     }
 
@@ -34,8 +35,9 @@ impl World {
     pub fn add(&mut self, mesh: usize, scale: Vec3, sweep: Sweep) -> u32 {
         let body = Body::at_rest(mesh as u32, Vec3::new(-7.0, 70.0, 700.0), Quat::IDENTITY, scale);
         self.state
+            .input
             .bodies
-            .push(&body, &self.state.meshes)
+            .push(&body, &self.state.input.meshes)
             .expect("a usable body");
         self.sweeps.push(sweep);
         self.sweeps.len() as u32 - 1
@@ -44,7 +46,7 @@ impl World {
     pub fn time_of(&mut self, pair: [u32; 2], slack: f32) -> Option<f32> {
         let sweeps = pair.map(|i| &self.sweeps[i as usize]);
         let Self { state, scratch, .. } = self;
-        time_of_impact(&state.bodies, &state.meshes, pair, sweeps, slack, scratch)
+        time_of_impact(&state.input.bodies, &state.input.meshes, pair, sweeps, slack, scratch)
     }
 
     /// Of bodies 0 and 1.
@@ -54,8 +56,8 @@ impl World {
 
     /// Body `i` as the oracle has it.
     pub fn mover(&self, i: usize) -> Mover {
-        let slot = &self.state.meshes[self.state.bodies.mesh[i]].mesh;
-        let (scale, sweep) = (self.state.bodies.scale[i].as_dvec3(), &self.sweeps[i]);
+        let slot = &self.state.input.meshes[self.state.input.bodies.mesh[i]].mesh;
+        let (scale, sweep) = (self.state.input.bodies.scale[i].as_dvec3(), &self.sweeps[i]);
         let mass_center = slot.mass.center.as_dvec3();
         let place = |p: Vec3| sweep.before.rotation * (scale * (p.as_dvec3() - mass_center));
         Mover {

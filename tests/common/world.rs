@@ -2,7 +2,8 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, Handling, StepConfig, StepState};
+use bevy_faceoff::state::{Body, Handling, StepConfig, StepInput};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
@@ -25,14 +26,14 @@ impl World {
     /// Under gravity, without sleep.
     pub fn new() -> Self {
         let mut state = StepState::default();
-        state.config = StepConfig {
+        state.input.config = StepConfig {
             gravity: Vec3::NEG_Y * 9.81,
             response: Response::Contacts,
             solver: SolverSettings {
                 sleeping: false,
                 ..SolverSettings::default()
             },
-            ..state.config
+            ..state.input.config
         };
         #[cfg(feature = "gpu")]
         if let Some(device) = DEVICE.lock().unwrap().as_mut() {
@@ -44,10 +45,10 @@ impl World {
     /// With the gravity and the bodies of a scene.
     pub fn of(scene: &Scene) -> Self {
         let mut world = Self::new();
-        world.state.config.gravity = scene.gravity;
+        world.state.input.config.gravity = scene.gravity;
         let mut slots = HashMap::new();
         for body in &scene.bodies {
-            let mut add = || world.state.meshes.add(body.shape.mesh().clone());
+            let mut add = || world.state.input.meshes.add(body.shape.mesh().clone());
             let mesh = *slots.entry(body.shape).or_insert_with(&mut add);
             world.put(&Body {
                 kind: if body.fixed {
@@ -72,12 +73,12 @@ impl World {
     /// The same without gravity.
     pub fn weightless() -> Self {
         let mut world = Self::new();
-        world.state.config.gravity = Vec3::ZERO;
+        world.state.input.config.gravity = Vec3::ZERO;
         world
     }
 
     pub fn mesh(&mut self, mesh: &TriMesh) -> u32 {
-        self.state.meshes.add(CollisionMesh::new(mesh))
+        self.state.input.meshes.add(CollisionMesh::new(mesh))
     }
 
     pub fn add(&mut self, kind: RigidBody, mesh: u32, scale: Vec3, position: Vec3, rotation: Quat) -> usize {
@@ -88,8 +89,8 @@ impl World {
     }
 
     pub fn put(&mut self, body: &Body) -> usize {
-        self.state.bodies.push(body, &self.state.meshes).unwrap();
-        self.state.bodies.len() - 1
+        self.state.input.bodies.push(body, &self.state.input.meshes).unwrap();
+        self.state.input.bodies.len() - 1
     }
 
     pub fn step(&mut self) {
@@ -107,7 +108,7 @@ impl World {
     /// What the plugin does between steps: poses in double precision follow from those in single.
     #[cfg(feature = "gpu")]
     pub fn place_frames(&mut self) {
-        let StepState { bodies, meshes, .. } = &mut self.state;
+        let StepInput { bodies, meshes, .. } = &mut self.state.input;
         for i in 0..bodies.len() {
             let arm = (bodies.scale[i] * meshes[bodies.mesh[i]].mesh.mass.center).as_dvec3();
             let frame = &mut bodies.frame[i];
@@ -119,16 +120,17 @@ impl World {
     }
 
     pub fn center(&self, i: usize) -> DVec3 {
-        self.state.bodies.frame[i].center
+        self.state.input.bodies.frame[i].center
     }
 
     pub fn velocity(&self, i: usize) -> Vec3 {
-        self.state.bodies.linear_velocity[i]
+        self.state.input.bodies.linear_velocity[i]
     }
 
     pub fn deepest(&self) -> f32 {
         -self
             .state
+            .results
             .manifolds
             .points
             .iter()
@@ -137,7 +139,7 @@ impl World {
     }
 
     pub fn fastest(&self) -> f32 {
-        let velocities = self.state.bodies.linear_velocity.iter();
+        let velocities = self.state.input.bodies.linear_velocity.iter();
         velocities.map(|v| v.length()).fold(0.0, f32::max)
     }
 

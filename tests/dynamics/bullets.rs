@@ -22,7 +22,7 @@ fn unit(random: &mut fastrand::Rng) -> Vec3 {
 fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: bool) -> usize {
     let mut random = fastrand::Rng::with_seed(sizes as u64);
     let mut world = World::new();
-    world.state.config.gravity = Vec3::ZERO;
+    world.state.input.config.gravity = Vec3::ZERO;
     let (mesh, cube) = (world.mesh(bullet), world.mesh(&shapes::cube(1.0)));
     let mut bullets = Vec::new();
     for try_ in 0..tries {
@@ -45,8 +45,8 @@ fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: boo
             },
             ..Body::at_rest(mesh, start, Quat::from_scaled_axis(unit(&mut random) * 3.0), Vec3::ONE)
         };
-        world.state.bodies.push(&body, &world.state.meshes).unwrap();
-        bullets.push(world.state.bodies.len() - 1);
+        world.state.input.bodies.push(&body, &world.state.input.meshes).unwrap();
+        bullets.push(world.state.input.bodies.len() - 1);
     }
     for _ in 0..4 {
         world.step();
@@ -112,7 +112,7 @@ fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [V
     body.handling.friction.coefficient = 0.0;
     let bullet = world.put(&body);
     let seen_from_plate = |world: &World| {
-        let turned = world.state.bodies.rotation[plate].as_dquat();
+        let turned = world.state.input.bodies.rotation[plate].as_dquat();
         turned.inverse() * (world.center(bullet) - world.center(plate))
     };
     let mut before = seen_from_plate(&world);

@@ -8,12 +8,12 @@ use std::f32::consts::TAU;
 
 /// Centre and rotation of ring `i`.
 fn ring(world: &World, i: usize) -> (DVec3, DQuat) {
-    let frame = &world.state.bodies.frame[i];
+    let frame = &world.state.input.bodies.frame[i];
     (frame.center, DQuat::from_mat3(&frame.rotation))
 }
 
 fn check_links(world: &World, when: &str) {
-    for i in 1..world.state.bodies.len() {
+    for i in 1..world.state.input.bodies.len() {
         let number = linking_number(ring(world, i - 1), ring(world, i));
         assert_eq!(number.abs(), 1, "{when}: rings {} and {i}", i - 1);
     }
@@ -36,16 +36,16 @@ pub fn hangs_and_is_shaken(count: usize, [seconds, shaken, afterwards]: [usize; 
     let found = world.center(0).distance(world.center(count - 1));
     let fastest = world.fastest();
 
-    world.state.bodies.kind[0] = RigidBody::Kinematic;
+    world.state.input.bodies.kind[0] = RigidBody::Kinematic;
     let start = world.center(0);
     for k in 0..64 * shaken {
         // 0.3 m to both sides, once a second.
         let at = |k: usize| 0.3 * (TAU * k as f32 / 64.0).sin();
-        world.state.bodies.linear_velocity[0] = Vec3::X * 64.0 * (at(k + 1) - at(k));
+        world.state.input.bodies.linear_velocity[0] = Vec3::X * 64.0 * (at(k + 1) - at(k));
         deepest[1] = deepest[1].max(watched(&mut world, "shaken"));
     }
     assert!(world.center(0).distance(start) < 1.0e-3, "back where it was");
-    world.state.bodies.linear_velocity[0] = Vec3::ZERO;
+    world.state.input.bodies.linear_velocity[0] = Vec3::ZERO;
     for _ in 0..64 * afterwards {
         deepest[2] = deepest[2].max(watched(&mut world, "afterwards"));
     }

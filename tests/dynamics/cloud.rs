@@ -35,6 +35,7 @@ pub fn keeps_momentum(count: usize, steps: usize, mixed: bool) {
         kinetic = kinetic.max(now.kinetic / before.kinetic);
         pairs += world
             .state
+            .results
             .contacts
             .pairs
             .iter()

@@ -34,7 +34,7 @@ fn equal_balls_that_are_not_turned_bounce_without_loss_at_any_speed() {
     for speed in [2.0, 5.0, 10.0, 20.0, 40.0] {
         for k in 0..10 {
             let mut world = World::weightless();
-            let ball = world.state.meshes.add(mesh.clone());
+            let ball = world.state.input.meshes.add(mesh.clone());
             let aside = Vec3::new(0.02, 0.04, 0.0) * k as f32;
             world.put(&elastic(ball, Vec3::ZERO, Vec3::ZERO));
             world.put(&elastic(ball, Vec3::Y * 2.0 + aside, Vec3::NEG_Y * speed));

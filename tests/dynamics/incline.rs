@@ -97,13 +97,13 @@ pub fn rolling_error(degrees: f64, half_space: bool, runs: u32) -> f64 {
         let mut slope = Slope::new(angle);
         let state = &mut slope.world.state;
         if half_space {
-            state.bodies.clear();
-            state.planes.push(Plane {
+            state.input.bodies.clear();
+            state.input.planes.push(Plane {
                 normal: slope.turn * Vec3::Y,
                 ..Plane::default()
             });
         }
-        let mesh = state.meshes.add(mesh.clone());
+        let mesh = state.input.meshes.add(mesh.clone());
         // A rest offset above the slope.
         let at = slope.turn * (Vec3::Y * 0.505);
         let turn = any_turn(&mut random);

@@ -16,12 +16,12 @@ impl Depths {
     /// Adds all pairs of knots, and of knots and walls, that are as near as bodies at rest, or nearer.
     fn add(&mut self, world: &World) {
         let state = &world.state;
-        for pair in &state.manifolds.pairs {
-            let [a, b] = pair.bodies.map(|i| state.bodies.radius[i as usize]);
+        for pair in &state.results.manifolds.pairs {
+            let [a, b] = pair.bodies.map(|i| state.input.bodies.radius[i as usize]);
             let diameter = 2.0 * a.min(b);
-            let points = state.manifolds.points_of(pair).iter();
+            let points = state.results.manifolds.points_of(pair).iter();
             let nearest = points.map(|p| p.separation / diameter).fold(f32::INFINITY, f32::min);
-            if nearest <= state.config.solver.rest_offset {
+            if nearest <= state.input.config.solver.rest_offset {
                 let depth = f64::from(-nearest).max(0.0);
                 self.sum += depth;
                 self.pairs += 1;

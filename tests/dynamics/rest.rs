@@ -12,7 +12,7 @@ pub struct Moved {
 
 /// Watches all bodies but the floor, the first, for so many seconds.
 fn watch(world: &mut World, seconds: usize) -> Moved {
-    let start: Vec<DVec3> = (1..world.state.bodies.len()).map(|i| world.center(i)).collect();
+    let start: Vec<DVec3> = (1..world.state.input.bodies.len()).map(|i| world.center(i)).collect();
     let mut most = Moved { far: 0.0, sunk: 0.0 };
     for _ in 0..64 * seconds {
         world.step();
@@ -63,7 +63,7 @@ pub fn pyramid(rows: usize, seconds: usize) {
     let mut world = World::of(&scenes::pyramid(rows, GAP));
     let moved = watch(&mut world, seconds);
     check(
-        &format!("pyramid of {}", world.state.bodies.len() - 1),
+        &format!("pyramid of {}", world.state.input.bodies.len() - 1),
         &moved,
         0.02,
         0.02,

@@ -12,7 +12,7 @@ fn knot(spin: Vec3) -> (World, usize) {
 
 /// Moments of inertia about the body's own axes, which the squeezed knot's symmetry makes principal.
 fn moments(world: &World, body: usize) -> DVec3 {
-    let axes = world.state.bodies.frame[body].rotation;
+    let axes = world.state.input.bodies.frame[body].rotation;
     let own = axes.transpose() * inertia(world, body) * axes;
     let diagonal = own.to_cols_array();
     let moments = DVec3::new(diagonal[0], diagonal[4], diagonal[8]);
@@ -82,7 +82,7 @@ pub fn flips(axis: usize, seconds: usize) -> usize {
     let (mut flips, mut up) = (0, true);
     for _ in 0..64 * seconds {
         world.step();
-        let bodies = &world.state.bodies;
+        let bodies = &world.state.input.bodies;
         let spin = bodies.rotation[body].conjugate() * bodies.angular_velocity[body];
         if spin[axis].abs() > 2.5 && up != (spin[axis] > 0.0) {
             (flips, up) = (flips + 1, spin[axis] > 0.0);

@@ -32,9 +32,9 @@ fn mesh(name: &str) -> Option<CollisionMesh> {
 fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
     let meshes = [mesh("bolt_m16_loose")?, mesh("nut_m16_loose_subdiv_3x")?];
     let mut world = World::new();
-    world.state.config.gravity = Vec3::NEG_Z * 9.81;
-    world.state.config.solver.rest_offset = rest_offset;
-    let [bolt, nut] = meshes.map(|mesh| world.state.meshes.add(mesh));
+    world.state.input.config.gravity = Vec3::NEG_Z * 9.81;
+    world.state.input.config.solver.rest_offset = rest_offset;
+    let [bolt, nut] = meshes.map(|mesh| world.state.input.meshes.add(mesh));
     for (kind, mesh, at) in [
         (RigidBody::Static, bolt, Vec3::ZERO),
         // Five turns above the bottom of the thread.
@@ -62,13 +62,13 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
     let mut start = None;
     let mut farthest_off = 0.0f64;
     let travel = loop {
-        let bodies = &mut world.state.bodies;
+        let bodies = &mut world.state.input.bodies;
         let inertia = bodies.own_inverse_inertia[nut].z_axis.z.recip();
         let missing = SPEED - bodies.angular_velocity[nut].z;
         bodies.handling[nut].forces.torque = Vec3::Z * (0.5 * 64.0 * inertia * missing);
         let before = bodies.rotation[nut];
         world.step();
-        let change = world.state.bodies.rotation[nut] * before.conjugate();
+        let change = world.state.input.bodies.rotation[nut] * before.conjugate();
         turned += 2.0 * f64::from(change.z).atan2(f64::from(change.w)) / TAU;
         step += 1;
         if step % 8 == 0 {

@@ -97,8 +97,8 @@ fn slivers_that_collapse_leave_no_hole() {
         let [a, b, c] = *triangle;
         assert!(*owned == 0 || (a != b && b != c && c != a));
     }
-    assert!(features.round_normals.iter().all(|n| n.is_finite()));
-    assert!(features.vertex_roundness.iter().all(|r| *r == 0.0));
+    assert!(features.vertex_normals.iter().all(|n| n.is_finite()));
+    assert!(features.vertex_curvature_radii.iter().all(|r| *r == 0.0));
 }
 
 /// Joining corners takes faces from an edge two at a time.
@@ -117,12 +117,12 @@ fn what_is_closed_stays_closed_at_any_tolerance() {
             let features = baked.features();
             assert!(
                 features
-                    .roundness
+                    .curvature_radii
                     .iter()
                     .chain(&features.curvature)
                     .all(|r| !r.is_nan())
             );
-            assert!(features.round_normals.iter().all(|n| n.is_finite()));
+            assert!(features.vertex_normals.iter().all(|n| n.is_finite()));
             assert!(features.components.iter().all(|c| *c == 0));
         }
     }

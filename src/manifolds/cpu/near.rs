@@ -5,14 +5,13 @@
 //! look at each other. What can have no feature and cannot intersect is dropped here, eight pairs at a time.
 
 use super::side::{Side, Triangle};
-use crate::angles::PAD;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
 use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
+use crate::simd::rounding::{PAD, unit_of};
 use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::Points;
-use crate::triangle_test::cpu::placed::unit_of;
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 

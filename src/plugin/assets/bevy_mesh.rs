@@ -15,8 +15,8 @@ use thiserror::Error;
 pub enum BevyMeshError {
     /// The mesh is in the render world only.
     #[error(
-        "the mesh's data has moved to the render world; create or load it with RenderAssetUsages::MAIN_WORLD (for glTF in \
-         GltfLoaderSettings::load_meshes), beside RENDER_WORLD if it is drawn"
+        "the mesh's data has moved to the render world; create or load it with RenderAssetUsages::MAIN_WORLD (for glTF \
+         in GltfLoaderSettings::load_meshes), beside RENDER_WORLD if it is drawn"
     )]
     InRenderWorld,
     /// The mesh has no vertex positions.
@@ -107,7 +107,8 @@ impl TryFrom<&Mesh> for TriMesh {
 }
 
 impl CollisionMesh {
-    /// Bakes a Bevy mesh like [`CollisionMesh::new`], without a face table. Takes milliseconds for thousands of triangles.
+    /// Bakes a Bevy mesh like [`CollisionMesh::new`], without a face table. Takes milliseconds for thousands of
+    /// triangles.
     ///
     /// # Errors
     /// If the mesh is not in the main world, has no positions or has no triangles.
@@ -117,8 +118,8 @@ impl CollisionMesh {
 
     /// A flat-shaded Bevy mesh with positions and normals, for debugging: it shows the triangles that collide.
     ///
-    /// Triangles share no vertices, so that single faces can be coloured. Vertices `3 t`, `3 t + 1` and `3 t + 2` are the
-    /// corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh).
+    /// Triangles share no vertices, so that single faces can be coloured. Vertices `3 t`, `3 t + 1` and `3 t + 2` are
+    /// the corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh).
     pub fn to_bevy_mesh(&self) -> Mesh {
         let mesh = &self.mesh;
         let mut positions = Vec::with_capacity(3 * mesh.triangles().len());

@@ -20,7 +20,8 @@ pub(super) async fn on_compute_pool<T: Send + 'static>(
     .await
 }
 
-/// Runs `job` on the pool for bakes, after all jobs that were queued before. Dropping the returned future cancels the job.
+/// Runs `job` on the pool for bakes, after all jobs that were queued before. Dropping the returned future cancels the
+/// job.
 pub(crate) async fn on_bake_pool<T: Send + 'static>(
     job: impl FnOnce(&'static rayon::ThreadPool, &Progress) -> Result<T, LoadError> + Send + 'static,
 ) -> Result<T, LoadError> {
@@ -33,8 +34,8 @@ pub(crate) async fn on_bake_pool<T: Send + 'static>(
 
 /// A queue that runs one job at a time, in order.
 ///
-/// Each job has the whole pool. Jobs that run at the same time would all finish late and hold their memory together, and a
-/// thread that waits for a part of one job would start another one in the meantime.
+/// Each job has the whole pool. Jobs that run at the same time would all finish late and hold their memory together,
+/// and a thread that waits for a part of one job would start another one in the meantime.
 ///
 /// The queue does not depend on futures, so that a future that nobody polls does not block it.
 struct Queue(Mutex<Waiting>);
@@ -81,8 +82,8 @@ impl Queue {
     }
 }
 
-/// Awaits a job that `spawn` runs on another thread. A panic of the job becomes an error: otherwise rayon would abort the
-/// process, and a task of Bevy would drop the sender.
+/// Awaits a job that `spawn` runs on another thread. A panic of the job becomes an error: otherwise rayon would abort
+/// the process, and a task of Bevy would drop the sender.
 async fn finish<T: Send + 'static>(
     job: impl FnOnce() -> Result<T, LoadError> + Send + 'static,
     spawn: impl FnOnce(Job),

@@ -13,23 +13,24 @@
 //! # }
 //! ```
 //!
-//! The loader registers the extensions `bake.ron` and `faceoff`. It does not register the extensions of other meshes: for
-//! each extension Bevy uses the loader that was registered last, so `obj` or `glb` would no longer reach other loaders. Load
-//! these files by the type of the handle, as above.
+//! The loader registers the extensions `bake.ron` and `faceoff`. It does not register the extensions of other meshes:
+//! for each extension Bevy uses the loader that was registered last, so `obj` or `glb` would no longer reach other
+//! loaders. Load these files by the type of the handle, as above.
 //!
-//! Reading and baking do not run on Bevy's IO pool, so other assets load in the meantime. Both stop when the last handle is
-//! dropped. Face tables are baked one after the other. Bevy keeps the file of a waiting load open, and a thousand open files
-//! are more than some systems allow: bake so many tables ahead of time.
+//! Reading and baking do not run on Bevy's IO pool, so other assets load in the meantime. Both stop when the last
+//! handle is dropped. Face tables are baked one after the other. Bevy keeps the file of a waiting load open, and a
+//! thousand open files are more than some systems allow: bake so many tables ahead of time.
 //!
-//! This describes `AssetMode::Unprocessed`, Bevy's default. For `AssetMode::Processed` see [`processor`](super::processor).
+//! This describes `AssetMode::Unprocessed`, Bevy's default. For `AssetMode::Processed` see
+//! [`processor`](super::processor).
 //!
 //! # Pitfalls of Bevy's asset server
-//! * A path is loaded once. Two loads of one path with different settings give one handle, with the settings of the first
-//!   load. To bake a mesh in two ways, write two recipes.
-//! * A `.meta` file that names this loader hides the mesh from all other loaders, so its scene can no longer be drawn. Write
-//!   `.meta` files only for meshes that serve collisions alone, and recipes for all others.
-//! * Bevy chooses the loader of a labelled path by its extension, so `machine.glb#Mesh0` is never a collision mesh. To bake one
-//!   mesh of a glTF file, write a recipe: `(mesh: "machine.glb", part: (mesh: "Gear"))`.
+//! * A path is loaded once. Two loads of one path with different settings give one handle, with the settings of the
+//!   first load. To bake a mesh in two ways, write two recipes.
+//! * A `.meta` file that names this loader hides the mesh from all other loaders, so its scene can no longer be drawn.
+//!   Write `.meta` files only for meshes that serve collisions alone, and recipes for all others.
+//! * Bevy chooses the loader of a labelled path by its extension, so `machine.glb#Mesh0` is never a collision mesh. To
+//!   bake one mesh of a glTF file, write a recipe: `(mesh: "machine.glb", part: (mesh: "Gear"))`.
 //! * Bevy takes everything after the first dot as the extension, so `knot.v2.bake.ron` loads only by type.
 
 use super::error::LoadError;
@@ -53,10 +54,11 @@ pub struct CollisionMeshLoader;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CollisionMeshSettings {
-    /// Settings of the bake. They override the recipe, and a `.faceoff` file with other settings is baked again. By default
-    /// the recipe or the `.faceoff` file decides, and other meshes are baked with the default settings.
+    /// Settings of the bake. They override the recipe, and a `.faceoff` file with other settings is baked again. By
+    /// default the recipe or the `.faceoff` file decides, and other meshes are baked with the default settings.
     pub bake: Option<BakeSettings>,
-    /// Which part of a glTF file to bake. Overrides the recipe. By default the recipe decides, or the whole scene is baked.
+    /// Which part of a glTF file to bake. Overrides the recipe. By default the recipe decides, or the whole scene is
+    /// baked.
     pub part: Option<MeshPart>,
 }
 
@@ -160,8 +162,8 @@ struct Wanted {
 
 /// Parses and bakes a mesh, not on the IO pool.
 ///
-/// Only face tables are baked on the pool for bakes, one after the other. There a mesh without a table would wait for tables
-/// that take seconds.
+/// Only face tables are baked on the pool for bakes, one after the other. There a mesh without a table would wait for
+/// tables that take seconds.
 async fn load_mesh(
     context: &mut LoadContext<'_>,
     path: &AssetPath<'static>,

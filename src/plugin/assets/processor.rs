@@ -1,21 +1,21 @@
 //! The asset processor, which bakes recipes ahead of time.
 //!
-//! If `AssetPlugin::mode` is `AssetMode::Processed` and Bevy's feature `asset_processor` is on, every `.bake.ron` file of the
-//! asset folder is baked once, into the folder of imported assets. A baked recipe keeps its name: programs still load
-//! `knot.bake.ron`, which then has the content of a `.faceoff` file. A released game, built without that feature, loads the
-//! imported files. No setup is needed: [`register`](super::register) registers the processor if there is one.
+//! If `AssetPlugin::mode` is `AssetMode::Processed` and Bevy's feature `asset_processor` is on, every `.bake.ron` file
+//! of the asset folder is baked once, into the folder of imported assets. A baked recipe keeps its name: programs still
+//! load `knot.bake.ron`, which then has the content of a `.faceoff` file. A released game, built without that feature,
+//! loads the imported files. No setup is needed: [`register`](super::register) registers the processor if there is one.
 //!
-//! A processed asset has one loader, which Bevy chooses by extension. So only recipes and `.faceoff` files can be loaded as
-//! collision meshes in this mode. For a `.glb` or `.obj` file write a recipe that names it.
+//! A processed asset has one loader, which Bevy chooses by extension. So only recipes and `.faceoff` files can be
+//! loaded as collision meshes in this mode. For a `.glb` or `.obj` file write a recipe that names it.
 //!
-//! Bevy bakes again when a recipe, a file that it names, or its `.meta` file changes. It checks this while the app runs, and
-//! loads the old mesh until the new one is baked. Then the app's mesh is replaced. Bevy 0.19 sometimes never finishes a load
-//! that begins while the same file is baked. Loads that begin once [`AssetProcessor::get_state`] is `Finished` do not have
-//! this problem, and get the new mesh at once.
+//! Bevy bakes again when a recipe, a file that it names, or its `.meta` file changes. It checks this while the app
+//! runs, and loads the old mesh until the new one is baked. Then the app's mesh is replaced. Bevy 0.19 sometimes never
+//! finishes a load that begins while the same file is baked. Loads that begin once [`AssetProcessor::get_state`] is
+//! `Finished` do not have this problem, and get the new mesh at once.
 //!
-//! Bevy does not notice a new version of this library, so the version is one of the settings. A recipe without a `.meta` file
-//! has the version of the running build and is baked again after an update. In a `.meta` file write the version, and raise
-//! it yourself:
+//! Bevy does not notice a new version of this library, so the version is one of the settings. A recipe without a
+//! `.meta` file has the version of the running build and is baked again after an update. In a `.meta` file write the
+//! version, and raise it yourself:
 //!
 //! ```ron
 //! (
@@ -135,8 +135,8 @@ struct Baked {
 
 /// Reloads assets that were loaded before they were baked again.
 ///
-/// At startup these are recipes that name a changed file: Bevy checks the recipe first, finds it unchanged, and loads the old
-/// mesh.
+/// At startup these are recipes that name a changed file: Bevy checks the recipe first, finds it unchanged, and loads
+/// the old mesh.
 fn swap_in(
     mut baked: ResMut<Baked>,
     processor: Res<AssetProcessor>,
@@ -147,8 +147,8 @@ fn swap_in(
     while let Ok((path, mesh)) = news.try_recv() {
         meshes.insert(path, mesh);
     }
-    // Before that a load may fail to read a file that is being written. It may also deadlock in Bevy 0.19: a load locks a file
-    // twice, and a bake in between waits for the first lock and blocks the second one.
+    // Before that a load may fail to read a file that is being written. It may also deadlock in Bevy 0.19: a load locks
+    // a file twice, and a bake in between waits for the first lock and blocks the second one.
     if block_on(poll_once(processor.get_state())) != Some(ProcessorState::Finished) {
         return;
     }
@@ -169,15 +169,16 @@ fn swap_in(
     });
 }
 
-/// Explains Bevy's error that a mesh is configured to be ignored, which it logs although the user did not configure that.
+/// Explains Bevy's error that a mesh is configured to be ignored, which it logs although the user did not configure
+/// that.
 fn explain(mut failures: MessageReader<AssetLoadFailedEvent<CollisionMesh>>) {
     for failure in failures.read() {
         if matches!(failure.error, AssetLoadError::CannotLoadIgnoredAsset { .. }) {
             let path = &failure.path;
             let name = path.path().file_name().unwrap_or_default();
             error!(
-                "{path}: with processed assets only recipes load as collision meshes; write a recipe beside it, a file with the \
-                 extension .bake.ron and the content (mesh: {name:?}), and load that file"
+                "{path}: with processed assets only recipes load as collision meshes; write a recipe beside it, a file with \
+                 the extension .bake.ron and the content (mesh: {name:?}), and load that file"
             );
         }
     }

@@ -47,8 +47,8 @@ impl Default for GravityScale {
     }
 }
 
-/// Rate at which the linear velocity decays, in 1/s: a free body keeps the fraction `exp(-rate)` of it per second. Default 0.
-/// Negative rates count as 0.
+/// Rate at which the linear velocity decays, in 1/s: a free body keeps the fraction `exp(-rate)` of it per second.
+/// Default 0. Negative rates count as 0.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct LinearDamping(pub f32);
@@ -68,25 +68,26 @@ pub struct MaxLinearSpeed(pub f32);
 #[reflect(Component, Debug, PartialEq)]
 pub struct MaxAngularSpeed(pub f32);
 
-/// Continuous collision detection (CCD): a dynamic body with this component does not pass through thin bodies, however fast it
-/// is.
+/// Continuous collision detection (CCD): a dynamic body with this component does not pass through thin bodies, however
+/// fast it is.
 ///
-/// At the time of impact, when the body first comes nearer to another solid body than the gap between bodies at rest, it loses
-/// its motion relative to that body. For the rest of the collision substep it moves with the other body, for example with a
-/// closing door. Two bodies with this component continue with their common velocity. The body keeps its own velocity, and the
-/// contact solver handles the contact in the next collision substep. Bodies with this component cause more collision substeps
-/// only after they met something.
+/// At the time of impact, when the body first comes nearer to another solid body than the gap between bodies at rest,
+/// it loses its motion relative to that body. For the rest of the collision substep it moves with the other body, for
+/// example with a closing door. Two bodies with this component continue with their common velocity. The body keeps its
+/// own velocity, and the contact solver handles the contact in the next collision substep. Bodies with this component
+/// cause more collision substeps only after they met something.
 ///
-/// * The cost is one search for each body near the path: some microseconds if the other body is passed by, tens to hundreds of
-///   microseconds near many triangles, and another search for each neighbour of bodies that met. A heap of 100 balls costs
-///   about ten times as much if all have this component.
-/// * Add it to fast bodies, not to the bodies that they may hit. Doors and crates need it only if they are fast themselves.
-/// * A body squeezed between two others may overlap one of them: a dynamic body rather than a kinematic one, and a kinematic
-///   body rather than a static one.
+/// * The cost is one search for each body near the path: some microseconds if the other body is passed by, tens to
+///   hundreds of microseconds near many triangles, and another search for each neighbour of bodies that met. A heap of
+///   100 balls costs about ten times as much if all have this component.
+/// * Add it to fast bodies, not to the bodies that they may hit. Doors and crates need it only if they are fast
+///   themselves.
+/// * A body squeezed between two others may overlap one of them: a dynamic body rather than a kinematic one, and a
+///   kinematic body rather than a static one.
 /// * A body that already overlaps another one is pushed out by its contacts only.
 /// * Sensors do not stop the body, but they detect it along its path, from the first touch
-///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)). On a sensor or a kinematic body the component has
-///   only this effect.
+///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)). On a sensor or a kinematic body the
+///   component has only this effect.
 /// * Planes do not need it: no body passes through them.
 /// * There is no CCD on the GPU. While a body in the world has this component, steps run on the CPU.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

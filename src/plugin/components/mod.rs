@@ -17,9 +17,9 @@ pub struct MeshCollider(pub Handle<CollisionMesh>);
 /// A solid half-space: the points `p` with `normal . p < distance` are solid. Dynamic bodies collide with it.
 ///
 /// Spawn it on an entity of its own, not on a body. It may have [`Friction`](crate::types::material::Friction) and
-/// [`Restitution`](crate::types::material::Restitution). Planes are fixed in the world: a `Transform` has no effect. They
-/// ignore [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those with
-/// bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
+/// [`Restitution`](crate::types::material::Restitution). Planes are fixed in the world: a `Transform` has no effect.
+/// They ignore [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those
+/// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct PlaneCollider {
@@ -42,28 +42,29 @@ impl PlaneCollider {
 
 /// Makes a body report collisions without pushing or being pushed.
 ///
-/// A sensor touches the bodies that it overlaps or contains at the beginning of a step, asleep or not. It detects a body that
-/// passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and only if the
-/// faster one of the two has [`ContinuousCollision`].
+/// A sensor touches the bodies that it overlaps or contains at the beginning of a step, asleep or not. It detects a
+/// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
+/// only if the faster one of the two has [`ContinuousCollision`].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Sensor;
 
-/// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a pair
-/// chooses among that body's triangles.
+/// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
+/// pair chooses among that body's triangles.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct BodyCulling(pub Culling);
 
-/// The entities that a body touches, in ascending order. Add it to a body, and the step keeps it up to date. An entity stays in
-/// the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last touch.
+/// The entities that a body touches, in ascending order. Add it to a body, and the step keeps it up to date. An entity
+/// stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
+/// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollidingEntities(pub(crate) Vec<Entity>);
 
 /// Triggers [`CollisionStart`](crate::plugin::events::CollisionStart) and
-/// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this entity, for observers. As messages they are always
-/// written.
+/// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this entity, for observers. As messages they are
+/// always written.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollisionEventsEnabled;

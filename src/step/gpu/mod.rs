@@ -24,7 +24,8 @@ use crate::gpu::{radix_sort, scan};
 use crate::integrate;
 use crate::manifolds::gpu::ContactSizes;
 use crate::solver::speeds::Speeds;
-use crate::state::{Motion, StepState};
+use crate::state::{Motion, StepInput};
+use crate::step::StepState;
 use crate::triangle_test;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -205,7 +206,7 @@ impl GpuStep {
         if self.in_flight() > 0 {
             self.forget();
         }
-        self.submit(state, &[], Detail::All)?;
+        self.submit(&state.input, &[], Detail::All)?;
         if let Some(output) = self.take() {
             output?.put(state);
         }
@@ -217,7 +218,7 @@ impl GpuStep {
     ///
     /// # Errors
     /// If the device cannot hold the bodies or meshes, or fails: all steps in flight are given up then.
-    pub fn submit(&mut self, state: &StepState, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
+    pub fn submit(&mut self, state: &StepInput, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
         let result = self.submit_within(state, carried, detail);
         if result.is_err() {
             self.fail();
@@ -311,7 +312,7 @@ impl GpuStep {
 
     fn submit_within(
         &mut self,
-        state: &StepState,
+        state: &StepInput,
         carried: &[Option<Carried>],
         detail: Detail,
     ) -> Result<(), StepError> {

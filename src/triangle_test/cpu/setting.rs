@@ -3,9 +3,9 @@
 use super::choice::Choice;
 use super::contact::PairView;
 use super::cull::Other;
-use super::placed::{Place, Placed, Placing, unit_of};
-use crate::angles::PAD;
+use super::placed::{Place, Placed, Placing};
 use crate::geometry::Aabb;
+use crate::simd::rounding::{PAD, unit_of};
 use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::{MeshArena, MeshLanes};
 use crate::state::{Bodies, NearPair};

@@ -40,9 +40,9 @@ pub fn too_many_places_are_found_or_an_error(gpu: &Gpu) {
     match step.run(&mut state) {
         Ok(()) => {
             let cpu = scene.on_cpu();
-            let count = cpu.contacts.faces.len();
+            let count = cpu.results.contacts.faces.len();
             assert!(count > 100_000, "{count}");
-            assert!(state.contacts.faces.len().abs_diff(count) < count / 200);
+            assert!(state.results.contacts.faces.len().abs_diff(count) < count / 200);
         }
         Err(error) => {
             println!("\n{error}");
@@ -72,17 +72,17 @@ pub fn too_much_is_an_error_that_leaves_no_trace(gpu: &Gpu) {
         restitution: 0.0,
         ..Plane::default()
     };
-    state.planes = vec![plane; planes as usize];
-    let positions = state.bodies.position.clone();
+    state.input.planes = vec![plane; planes as usize];
+    let positions = state.input.bodies.position.clone();
     let error = step.run(&mut state).unwrap_err();
     assert!(matches!(error, StepError::TooLarge(_)), "{error}");
-    assert_eq!(state.bodies.position, positions);
+    assert_eq!(state.input.bodies.position, positions);
     scene.planes = half_spaces(&mut Rng::new(9, 9), 0.4);
     let tally = agree(&scene, &mut step, "after an error");
     tally.require_no_failures();
     assert!(tally.touching > 20);
     // The same state and meshes, not only equal ones.
-    state.planes.clear();
+    state.input.planes.clear();
     step.run(&mut state).unwrap();
-    assert!(state.contacts.pairs.len() > 20);
+    assert!(state.results.contacts.pairs.len() > 20);
 }

@@ -5,7 +5,8 @@ use super::scenes::{ANY, Kit, crowd, half_spaces};
 use crate::oracle::rng::Rng;
 use bevy_faceoff::gpu::buffers::Sizes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::state::{StepConfig, StepState};
+use bevy_faceoff::state::StepConfig;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::GpuStep;
 use bevy_faceoff::types::settings::Culling;
 use glam::Vec3;
@@ -45,33 +46,36 @@ impl Bits {
     pub fn of(state: &StepState) -> Self {
         let vector = |v: Vec3| v.to_array().map(f32::to_bits);
         let mut contacts = Vec::new();
-        for pair in &state.contacts.pairs {
+        for pair in &state.results.contacts.pairs {
             contacts.extend(pair.bodies);
             contacts.extend([u32::from(pair.contained), pair.first_face, pair.face_count]);
             contacts.extend(vector(pair.contact.point));
             contacts.extend(vector(pair.contact.normal));
         }
-        for face in &state.contacts.faces {
+        for face in &state.results.contacts.faces {
             contacts.extend([face.a, face.b]);
             contacts.extend(vector(face.start));
             contacts.extend(vector(face.end));
         }
-        for plane in &state.contacts.planes {
+        for plane in &state.results.contacts.planes {
             contacts.extend([plane.body, plane.plane, plane.depth.to_bits()]);
             contacts.extend(vector(plane.point));
         }
         let mut bodies = Vec::new();
-        for i in 0..state.bodies.len() {
-            bodies.extend(vector(state.bodies.position[i]));
-            bodies.extend(state.bodies.rotation[i].to_array().map(f32::to_bits));
-            bodies.extend(vector(state.bodies.linear_velocity[i]));
-            bodies.extend(vector(state.bodies.angular_velocity[i]));
+        for i in 0..state.input.bodies.len() {
+            bodies.extend(vector(state.input.bodies.position[i]));
+            bodies.extend(state.input.bodies.rotation[i].to_array().map(f32::to_bits));
+            bodies.extend(vector(state.input.bodies.linear_velocity[i]));
+            bodies.extend(vector(state.input.bodies.angular_velocity[i]));
         }
         Self {
-            pairs: state.sphere_pairs.clone(),
+            pairs: state.results.sphere_pairs.clone(),
             contacts,
             bodies,
-            counts: [state.contacts.triangle_tests, state.approximate_pairs as u64],
+            counts: [
+                state.results.contacts.triangle_tests,
+                state.results.approximate_pairs as u64,
+            ],
         }
     }
 

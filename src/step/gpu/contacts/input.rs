@@ -6,7 +6,7 @@ use crate::gpu::device::Gpu;
 use crate::solver::gpu::{Passes, Room, layout, upload};
 use crate::solver::speeds::Speeds;
 use crate::solver::{Interval, SolverBodies};
-use crate::state::StepState;
+use crate::state::StepInput;
 use crate::state::margins::SAFETY;
 use crate::step::gpu::upload::Carried;
 use crate::types::body::RigidBody;
@@ -42,15 +42,17 @@ pub struct Told {
 impl SolverInput {
     /// Packs the bodies and half-spaces of `state`. Those that `carried` says go on with their velocities have `speeds`, but
     /// for what they are pushed by.
-    pub fn new(state: &StepState, carried: &[Option<Carried>], speeds: Speeds, descent: Descent) -> Self {
-        let StepState {
+    pub fn new(state: &StepInput, carried: &[Option<Carried>], speeds: Speeds, descent: Descent) -> Self {
+        let StepInput {
             config,
             bodies: placed,
             planes,
             ..
         } = state;
         let mut bodies = SolverBodies::default();
-        bodies.read(placed, planes, &state.dynamics.keys_of(placed.len()));
+        let mut keys = Vec::new();
+        state.write_keys(&mut keys);
+        bodies.read(placed, planes, &keys);
         let unseen = |i: usize| unseen(carried, i).filter(|_| placed.kind.get(i) != Some(&RigidBody::Static));
         let mut seen = Speeds::of(&bodies, |i| unseen(i).is_some());
         let mut added = 0.0f32;
@@ -78,11 +80,7 @@ impl SolverInput {
                 forces.impulse.length() * body.inverse_mass + turn.length() * body.radius
             })
             .fold(0.0, f32::max);
-        let interval = Interval {
-            dt: config.dt / intervals as f32,
-            substeps: config.solver.substeps_per_detection(intervals),
-            gravity: config.gravity,
-        };
+        let interval = Interval::of(config, intervals);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let mut arrivals: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, *k)).collect();
         if descent.new_ground {

@@ -1,10 +1,9 @@
 //! Who touched whom in a step, from what the solver did in each of its intervals, and from who passed sensors.
 
-use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, nearest, place};
 use crate::solver::{Solver, SolverBodies};
-use crate::state::{Bodies, Contact, ContactPoint, Contacts, PlaneContact, TouchingPair};
+use crate::state::manifolds::{nearest, place};
+use crate::state::{Bodies, Contact, ContactPoint, Contacts, Manifolds, PairContact, PlaneContact};
 use crate::types::solver_settings::SolverSettings;
-use glam::Vec3;
 
 /// The points of all pairs that touched so far in a step: that pushed each other, lay nearer than bodies at rest do, or passed
 /// each other.
@@ -12,7 +11,7 @@ use glam::Vec3;
 pub(crate) struct Touches {
     all: Vec<Touch>,
     /// Memory for merging.
-    pairs: Vec<TouchingPair>,
+    pairs: Vec<PairContact>,
     planes: Vec<PlaneContact>,
 }
 
@@ -21,7 +20,7 @@ pub(crate) struct Touches {
 struct Touch {
     bodies: [u32; 2],
     point: ContactPoint,
-    /// See [`TouchingPair::passing`].
+    /// See [`PairContact::passing`].
     passing: bool,
 }
 
@@ -53,7 +52,7 @@ impl Touches {
                 let center = bodies.frame[a].center.as_vec3();
                 self.all.extend(points.iter().enumerate().map(|(k, point)| Touch {
                     bodies: pair.bodies,
-                    point: in_the_world(center, point, solver.impulse_of(first + k)),
+                    point: point.in_world(center, solver.impulse_of(first + k)),
                     passing: false,
                 }));
             }
@@ -96,7 +95,7 @@ impl Touches {
 
     /// Adds to what the triangle test found in the step what it did not, and where and how strongly all pushed. Planes are the
     /// bodies from `planes_from` on.
-    pub fn tell(&mut self, planes_from: u32, contacts: &mut Contacts) {
+    pub fn report(&mut self, planes_from: u32, contacts: &mut Contacts) {
         let Self { all, pairs, planes } = self;
         // Stable: each pair's stay in the order of intervals.
         all.sort_by_key(|touch| place(touch.bodies, planes_from));
@@ -112,7 +111,7 @@ impl Touches {
             }
             let same = found.next_if(|pair| pair.bodies == run[0].bodies);
             let (first_point, point_count, impulse) = add(run, points);
-            pairs.push(TouchingPair {
+            pairs.push(PairContact {
                 first_point,
                 point_count,
                 impulse,
@@ -151,50 +150,6 @@ impl Touches {
     }
 }
 
-/// Gives all that touch the points that were found between them, where nothing pushes ([`Response::None`]). `center_of` tells
-/// where the centre of mass of a body was then.
-///
-/// [`Response::None`]: crate::types::settings::Response::None
-pub(crate) fn show_points(
-    manifolds: &Manifolds,
-    planes_from: u32,
-    contacts: &mut Contacts,
-    center_of: impl Fn(u32) -> Vec3,
-) {
-    let Contacts {
-        pairs, planes, points, ..
-    } = contacts;
-    points.clear();
-    let mut add = |pair: &Manifold| {
-        let first = points.len() as u32;
-        let center = center_of(pair.bodies[0]);
-        points.extend(
-            manifolds
-                .points_of(pair)
-                .iter()
-                .map(|point| in_the_world(center, point, 0.0)),
-        );
-        (first, pair.point_count)
-    };
-    let mut all = manifolds.pairs.iter().peekable();
-    for pair in pairs {
-        while all
-            .next_if(|m| place(m.bodies, planes_from) < (false, pair.bodies))
-            .is_some()
-        {}
-        if let Some(manifold) = all.next_if(|m| m.bodies == pair.bodies) {
-            (pair.first_point, pair.point_count) = add(manifold);
-        }
-    }
-    for plane in planes {
-        let bodies = [plane.body, planes_from + plane.plane];
-        while all.next_if(|m| place(m.bodies, planes_from) < (true, bodies)).is_some() {}
-        if let Some(manifold) = all.next_if(|m| m.bodies == bodies) {
-            (plane.first_point, plane.point_count) = add(manifold);
-        }
-    }
-}
-
 /// Adds the points of a pair, and tells where they begin, how many there are and the sum of their impulses. What only passes a
 /// sensor has none.
 fn add(run: &[Touch], points: &mut Vec<ContactPoint>) -> (u32, u32, f32) {
@@ -211,17 +166,7 @@ fn deepest(run: &[Touch]) -> Touch {
         .unwrap_or(&run[0])
 }
 
-/// A point of a pair whose first body has its centre of mass there.
-fn in_the_world(center: Vec3, point: &ManifoldPoint, impulse: f32) -> ContactPoint {
-    ContactPoint {
-        point: center + point.arms[0] + point.normal * (0.5 * point.separation),
-        normal: point.normal,
-        separation: point.separation,
-        impulse,
-    }
-}
-
-impl From<Touch> for TouchingPair {
+impl From<Touch> for PairContact {
     fn from(touch: Touch) -> Self {
         Self {
             bodies: touch.bodies,

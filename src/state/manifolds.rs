@@ -1,5 +1,6 @@
 //! Where two bodies push each other: the points that a solver works on.
 
+use super::contacts::ContactPoint;
 use glam::Vec3;
 
 /// All contact points of a pair of bodies.
@@ -52,6 +53,24 @@ impl Manifolds {
         self.points.clone_from(&others.points);
     }
 
+    /// Removes all, keeping the memory.
+    pub(crate) fn clear(&mut self) {
+        self.pairs.clear();
+        self.points.clear();
+    }
+
+    /// Adds the pair whose points are those from `first` on, if there are any.
+    pub(crate) fn close(&mut self, bodies: [u32; 2], first: usize) {
+        let count = self.points.len() - first;
+        if count > 0 {
+            self.pairs.push(Manifold {
+                bodies,
+                first_point: first as u32,
+                point_count: count as u32,
+            });
+        }
+    }
+
     /// The points of these bodies, which are in order; none if there are none. Half-spaces have the numbers from
     /// `planes_from` on.
     pub(crate) fn find(&self, bodies: [u32; 2], planes_from: u32) -> &[ManifoldPoint] {
@@ -66,6 +85,18 @@ impl Manifolds {
     pub fn points_of(&self, pair: &Manifold) -> &[ManifoldPoint] {
         let first = pair.first_point as usize;
         &self.points[first..first + pair.point_count as usize]
+    }
+}
+
+impl ManifoldPoint {
+    /// The same as it is reported, for a first body whose centre of mass is at `center`.
+    pub(crate) fn in_world(&self, center: Vec3, impulse: f32) -> ContactPoint {
+        ContactPoint {
+            point: center + self.arms[0] + self.normal * (0.5 * self.separation),
+            normal: self.normal,
+            separation: self.separation,
+            impulse,
+        }
     }
 }
 
