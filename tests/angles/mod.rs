@@ -7,7 +7,8 @@ mod views;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::projection::{BakeSettings, Progress, bake_pool};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use bevy_faceoff::types::stage::Stage;
 use glam::{Quat, Vec3};
@@ -46,12 +47,16 @@ pub fn random_pose(random: &mut fastrand::Rng, size: f32) -> (Vec3, Quat) {
 
 /// Runs the three stages that find collisions, on one pair.
 pub fn collide(state: &mut StepState, bodies: [Body; 2], culling: [Culling; 2]) -> BTreeSet<[u32; 2]> {
-    state.bodies.clear();
+    state.input.bodies.clear();
     for (body, culling) in bodies.into_iter().zip(culling) {
-        state.bodies.push(&Body { culling, ..body }, &state.meshes).unwrap();
+        state
+            .input
+            .bodies
+            .push(&Body { culling, ..body }, &state.input.meshes)
+            .unwrap();
     }
     for stage in [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest] {
         bevy_faceoff::step::cpu::run(stage, state);
     }
-    state.contacts.faces.iter().map(|f| [f.a, f.b]).collect()
+    state.results.contacts.faces.iter().map(|f| [f.a, f.b]).collect()
 }

@@ -4,7 +4,8 @@ use super::{MODES, baked, boxed_ball, collide, inside_out, random_pose};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{Orientation, shapes};
 use bevy_faceoff::queries::{CheckOptions, Placement, check, check_with};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use glam::{DMat3, DVec3, Vec3};
 

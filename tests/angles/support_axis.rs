@@ -4,7 +4,8 @@ use super::random_pose;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::queries::{Placement, check};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use glam::{Mat3, Vec3};
 

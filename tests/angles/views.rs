@@ -5,7 +5,8 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::direction::{Angles, DirectionGrid};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::queries::{CheckOptions, Placement, TouchingPair, check_with};
-use bevy_faceoff::state::{Body, StepState, View};
+use bevy_faceoff::state::{Body, View};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use glam::{Quat, Vec3};
 

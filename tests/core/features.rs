@@ -160,7 +160,7 @@ fn ids_name_corners_edges_and_faces_of_the_input() {
     // Coarse ones: their points do not move to a round surface. The second is turned by the bake.
     let cube = shapes::cube(0.8);
     let knob = shapes::torus(8, 6, 0.4, 0.15);
-    let inward = knob.clone().turned();
+    let inward = knob.clone().flipped();
     let inward = TriMesh::new(inward.vertices().to_vec(), inward.triangles().to_vec()).unwrap();
     let solid = bevy_faceoff::projection::BakeSettings {
         inward: bevy_faceoff::projection::Inward::Solid,
@@ -171,7 +171,7 @@ fn ids_name_corners_edges_and_faces_of_the_input() {
         (CollisionMesh::new(&knob), knob),
         (CollisionMesh::without_faces(&inward, solid), inward),
     ];
-    assert!(baked[2].0.mesh.is_turned());
+    assert!(baked[2].0.mesh.is_flipped());
     let mut kinds = BTreeMap::new();
     for case in 0..300 {
         let [(mesh_a, input_a), (mesh_b, input_b)] = [&baked[case % 3], &baked[case / 3 % 3]];
