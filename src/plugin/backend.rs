@@ -223,8 +223,8 @@ impl Engine {
     fn wait_for_renderer(&mut self, error: &str) {
         self.active = ActiveBackend::Lost;
         self.failure = Some(format!(
-            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has a \
-             new one. To get one, the app needs a RenderErrorHandler that recovers, like \
+            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has \
+             a new one. To get one, the app needs a RenderErrorHandler that recovers, like \
              backend::recover_from_device_loss: {error}"
         ));
     }
