@@ -1,7 +1,7 @@
 //! bevy_faceoff: the narrow phase alone, as in `benches/narrow_phase`, and a whole headless app.
 
 use crate::engine::{Engine, THREADS};
-use crate::scene::{STEP, Scene, paper};
+use crate::scene::{STEP, Scene};
 use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -105,7 +105,19 @@ impl Faceoff {
             .world_mut()
             .resource_mut::<Assets<CollisionMesh>>()
             .add(scene.mesh.clone());
-        paper::spawn(app.world_mut(), &scene.paper, &scene.mesh, &mesh);
+        for (point, normal) in scene.paper.walls() {
+            app.world_mut()
+                .spawn((PlaneCollider::through(point, normal), Restitution::new(1.0)));
+        }
+        for body in &scene.bodies {
+            app.world_mut().spawn((
+                RigidBody::Dynamic,
+                MeshCollider(mesh.clone()),
+                body.pose,
+                LinearVelocity(body.velocity),
+                Restitution::new(1.0),
+            ));
+        }
         app.finish();
         app.cleanup();
         // In Bevy's first update no time has passed, so it runs no step.

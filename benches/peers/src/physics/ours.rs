@@ -1,9 +1,9 @@
 //! bevy_faceoff: contacts between meshes, on the CPU, by default settings but for sleep.
 
-use super::scene::Scene;
+use super::mass::Mass;
 use super::world::{State, World};
 use crate::scene::STEP;
-use bevy_faceoff::types::material::Friction;
+use bevy_faceoff::testing::scenes::Scene;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
@@ -29,7 +29,7 @@ impl Faceoff {
         };
         for body in &scene.bodies {
             let mesh = state.input.meshes.add(body.shape.mesh().clone());
-            let mass = body.mass();
+            let mass = Mass::of(body);
             let body = Body {
                 kind: if body.fixed {
                     RigidBody::Static
@@ -42,7 +42,7 @@ impl Faceoff {
                 inertia: Some(mass.inertia.as_mat3()),
                 restitution: body.restitution,
                 handling: Handling {
-                    friction: Friction::new(body.friction),
+                    friction: body.friction,
                     ..Handling::default()
                 },
                 ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
