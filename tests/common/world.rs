@@ -2,7 +2,7 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, Handling, StepConfig, StepInput};
+use bevy_faceoff::state::{Body, BodyParams, StepConfig, StepInput};
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
@@ -60,9 +60,9 @@ impl World {
                 angular_velocity: body.spin,
                 restitution: body.restitution,
                 density: body.density,
-                handling: Handling {
+                params: BodyParams {
                     friction: body.friction,
-                    ..Handling::default()
+                    ..BodyParams::default()
                 },
                 ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
             });

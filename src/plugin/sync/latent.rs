@@ -51,7 +51,7 @@ impl Latent {
             };
             let seen = body.motion();
             // Components of those that fall asleep do not say so before their results are there.
-            let says_asleep = !body.handling.woken;
+            let says_asleep = !body.params.woken;
             let (shadow, carried, woken) = match sources.next().flatten() {
                 Some(source) => {
                     let (_, mut shadow) = before[source as usize];

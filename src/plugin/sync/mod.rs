@@ -132,13 +132,7 @@ impl Step {
 
     /// Moves the simulation to the CPU while a body needs CCD, and back to the GPU afterwards. Bodies keep their state.
     pub fn choose_place(&mut self) {
-        let stops = self
-            .state
-            .input
-            .bodies
-            .handling
-            .iter()
-            .any(|handling| handling.continuous);
+        let stops = self.state.input.bodies.params.iter().any(|params| params.continuous);
         let on_cpu = stops && self.state.input.config.response == Response::Contacts;
         if self.engine.changes_place(on_cpu) {
             #[cfg(feature = "gpu")]
@@ -201,9 +195,9 @@ impl Step {
         if let Some(detail) = self.engine.latent() {
             let resident = detail == Detail::Counts;
             self.latent.link(&self.collected.entities, &self.bodies, resident);
-            let handling = &mut self.state.input.bodies.handling;
-            for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
-                handling.woken = woken;
+            let params = &mut self.state.input.bodies.params;
+            for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
+                params.woken = woken;
             }
         }
         while let Some(detail) = self.engine.latent() {

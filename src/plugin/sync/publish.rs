@@ -130,7 +130,7 @@ pub(crate) fn publish(
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
-        intervals: step.state.results.intervals,
+        collision_substeps: step.state.results.collision_substeps,
         sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
