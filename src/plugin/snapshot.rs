@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
-    /// What the solver keeps from step to step.
+    /// The solver's memory from step to step.
     memory: StepMemory,
     manifolds: Manifolds,
     /// Bodies asleep, ascending.

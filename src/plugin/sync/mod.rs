@@ -165,7 +165,7 @@ impl Step {
                 angular_velocity: motion.angular_velocity,
                 ..*body
             };
-            // Where the components say it was fit to take part.
+            // If the new state is invalid, use that of the components, which was valid.
             if self.state.input.bodies.push(&moved, &self.state.input.meshes).is_err() {
                 let _ = self.state.input.bodies.push(body, &self.state.input.meshes);
             }
@@ -181,7 +181,7 @@ impl Step {
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
             self.counts = self.state.results.counts();
-            // What was there is overwritten by the next step, in the same memory.
+            // Swapped instead of moved, so that the next step reuses the memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
     }
@@ -203,7 +203,7 @@ impl Step {
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;
             let Some(output) = self.engine.advance(&self.state.input, carried, detail, LATENCY) else {
-                // The device failed. Whoever takes over begins where the components say.
+                // The device failed. The next backend starts from the components.
                 self.latent.restart();
                 continue;
             };
