@@ -19,6 +19,7 @@ use crate::state::{Body, Counts, Motion, Plane};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::contacts::memory::DeviceMemory;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
