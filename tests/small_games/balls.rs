@@ -27,26 +27,25 @@ pub fn two_dropped_on_each_other_keep_their_energy(backend: Backend) {
 
 /// One of a pair flies down at the other, which rests; ten pairs, each a little further off the centre.
 pub fn offset_impacts_keep_their_energy(backend: Backend) {
-    for speed in [5.0, 10.0] {
-        let mut game = Game::new(backend).without_gravity();
-        let ball = game.mesh(&shapes::ball(0.5, 3));
-        let pairs: Vec<[Entity; 2]> = (0..10)
-            .map(|k| {
-                let home = Vec3::X * 20.0 * k as f32;
-                let aside = Vec3::new(0.02, 0.04, 0.0) * k as f32;
-                let target = game.spawn((body(&ball, Transform::from_translation(home)), elastic()));
-                let above = Transform::from_translation(home + aside + Vec3::Y * 2.0);
-                let flying = game.spawn((body(&ball, above), elastic(), LinearVelocity(Vec3::NEG_Y * speed)));
-                [target, flying]
-            })
-            .collect();
-        game.seconds(0.75);
-        for (k, pair) in pairs.into_iter().enumerate() {
-            let kept = pair.map(|b| game.velocity(b).length_squared()).iter().sum::<f32>() / (speed * speed);
-            check(format!("energy of pair {k} at {speed} m/s"), kept, 0.99..=1.01);
-            let goes_over = game.velocity(pair[0]).length() / speed;
-            check(format!("speed of the target of pair {k}"), goes_over, 0.5..=1.01);
-        }
+    let speed = 10.0;
+    let mut game = Game::new(backend).without_gravity();
+    let ball = game.mesh(&shapes::ball(0.5, 3));
+    let pairs: Vec<[Entity; 2]> = (0..10)
+        .map(|k| {
+            let home = Vec3::X * 20.0 * k as f32;
+            let aside = Vec3::new(0.02, 0.04, 0.0) * k as f32;
+            let target = game.spawn((body(&ball, Transform::from_translation(home)), elastic()));
+            let above = Transform::from_translation(home + aside + Vec3::Y * 2.0);
+            let flying = game.spawn((body(&ball, above), elastic(), LinearVelocity(Vec3::NEG_Y * speed)));
+            [target, flying]
+        })
+        .collect();
+    game.seconds(0.25);
+    for (k, pair) in pairs.into_iter().enumerate() {
+        let kept = pair.map(|b| game.velocity(b).length_squared()).iter().sum::<f32>() / (speed * speed);
+        check(format!("energy of pair {k}"), kept, 0.99..=1.01);
+        let goes_over = game.velocity(pair[0]).length() / speed;
+        check(format!("speed of the target of pair {k}"), goes_over, 0.5..=1.01);
     }
 }
 
