@@ -107,7 +107,7 @@ pub mod prelude {
     pub use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
     #[cfg(feature = "bevy_mesh")]
     pub use crate::plugin::mesh_collider_from::MeshColliderFrom;
-    pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Reading};
+    pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;

@@ -16,7 +16,7 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 
 fn main() {
     let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
-    println!("| game | bodies | steps | median ms | worst ms | most pairs | most points | most intervals |");
+    println!("| game | bodies | steps | median ms | worst ms | most pairs | most points | most collision_substeps |");
     println!("|---|---|---|---|---|---|---|---|");
     for game in GAMES {
         if only.as_ref().is_none_or(|only| game.name.contains(only.as_str())) {
@@ -41,7 +41,7 @@ fn play(game: &Game) {
     app.update();
 
     let mut times = Vec::new();
-    let (mut bodies, mut pairs, mut points, mut intervals) = (0, 0, 0, 0);
+    let (mut bodies, mut pairs, mut points, mut collision_substeps) = (0, 0, 0, 0);
     for _ in 0..game.steps {
         app.update();
         let report = app.world().resource::<StepReport>();
@@ -49,12 +49,12 @@ fn play(game: &Game) {
         bodies = report.bodies;
         pairs = pairs.max(report.sphere_pairs);
         points = points.max(report.contact_points);
-        intervals = intervals.max(report.intervals);
+        collision_substeps = collision_substeps.max(report.collision_substeps);
     }
     times.sort();
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     println!(
-        "| {} | {bodies} | {} | {:.2} | {:.1} | {pairs} | {points} | {intervals} |",
+        "| {} | {bodies} | {} | {:.2} | {:.1} | {pairs} | {points} | {collision_substeps} |",
         game.name,
         game.steps,
         ms(times[times.len() / 2]),

@@ -116,7 +116,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     var count = 1u;
     // The first half are those on which it stands.
     for (var stage = 0u; stage < 2u; stage += 1u) {
-        let limit = select(t::MOST_PLANE_POINTS / 2u, t::MOST_PLANE_POINTS, stage == 1u);
+        let limit = select(t::MAX_PLANE_POINTS / 2u, t::MAX_PLANE_POINTS, stage == 1u);
         let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
         while count < limit {
             most = level * level;

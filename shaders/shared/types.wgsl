@@ -505,7 +505,7 @@ const DEEP: f32 = 0.04;
 const AGREES: f32 = 0.7;
 // How many points a pair of bodies has at most, and a body and a half-space.
 const MOST_POINTS: u32 = 16u;
-const MOST_PLANE_POINTS: u32 = 8u;
+const MAX_PLANE_POINTS: u32 = 8u;
 
 // Indices into the counters of contact generation. The host sets the first and zeroes the others. Lists may hold fewer
 // than these say, and then their contents are worth nothing.

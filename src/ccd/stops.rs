@@ -65,7 +65,7 @@ impl Stops {
             touched,
         } = self;
         found.clear();
-        let flagged = |i: u32| bodies.handling[i as usize].continuous;
+        let flagged = |i: u32| bodies.params[i as usize].continuous;
         if !(0..bodies.len() as u32).any(flagged) {
             return;
         }

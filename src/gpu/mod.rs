@@ -5,7 +5,7 @@
 //! the primitives; [`contacts`] joins contact generation and solver; [`upload`] is what a step is told and [`results`] what comes of it; [`step`] runs it all. Each stage's kernels are declared in its own folder, in `gpu.rs`, with their
 //! WGSL in `shaders/`.
 //!
-//! A step is one submission, of a pass per stage and detection interval; several may be in flight. Lists of unknown length have a capacity and a counter; if one is too short, the
+//! A step is one submission, of a pass per stage and collision substep; several may be in flight. Lists of unknown length have a capacity and a counter; if one is too short, the
 //! bodies stay where they are, the list is made longer, and the step runs again: nothing is dropped.
 
 pub mod arena;

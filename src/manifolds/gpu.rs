@@ -29,5 +29,5 @@
 pub mod buffers;
 pub mod kernels;
 
-pub use buffers::{ContactBuffers, ContactSizes};
+pub use buffers::{ContactBuffers, ContactCapacity};
 pub use kernels::{KERNELS, Shared, record, record_lists, record_points};

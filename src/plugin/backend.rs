@@ -1,8 +1,8 @@
 //! The backend: whether the stages run on the CPU or on a GPU, and what happens when a device fails.
 //!
 //! With the feature `bevy_render`, in an app whose renderer has a device, the stages share that device and open none of
-//! their own. They start when the renderer's plugins are finished. With [`Reading::Auto`] results are then published
-//! [two steps later](Reading::Latent).
+//! their own. They start when the renderer's plugins are finished. With [`Readback::Auto`] results are then published
+//! [two steps later](Readback::Latent).
 //!
 //! **If the renderer loses its device**, Bevy's default handler ends the app. With `recover_from_device_loss` of this
 //! module as the app's `RenderErrorHandler`, bodies stand still until Bevy has a new device, and then continue from the
@@ -11,7 +11,7 @@
 #[cfg(feature = "bevy_render")]
 pub use crate::plugin::renderer::recover_from_device_loss;
 
-use crate::plugin::settings::{Backend, Reading};
+use crate::plugin::settings::{Backend, Readback};
 use crate::state::StepInput;
 use crate::step::StepState;
 use crate::types::stage::Stage;
@@ -20,9 +20,13 @@ use rayon::ThreadPool;
 
 #[cfg(feature = "gpu")]
 use crate::gpu::device::{self, Gpu, NoGpu};
+#[cfg(feature = "gpu")]
 use crate::gpu::readback::outlive;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
+#[cfg(feature = "gpu")]
 use crate::step::gpu::upload::Carried;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::{GpuStep, StepError};
 #[cfg(feature = "gpu")]
 use std::thread::JoinHandle;
@@ -104,7 +108,7 @@ pub(crate) struct Engine {
     pub pool: ThreadPool,
     backend: Backend,
     #[cfg(feature = "gpu")]
-    reading: Reading,
+    readback: Readback,
     #[cfg(feature = "gpu")]
     source: Source,
     #[cfg(feature = "gpu")]
@@ -133,19 +137,19 @@ impl Engine {
     ///
     /// # Errors
     /// If the threads cannot be created.
-    pub fn new(backend: Backend, threads: usize, reading: Reading) -> Result<Self, String> {
+    pub fn new(backend: Backend, threads: usize, readback: Readback) -> Result<Self, String> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .thread_name(|i| format!("faceoff step {i}"))
             .build()
             .map_err(|error| format!("the threads of the step cannot be created: {error}"))?;
         #[cfg(not(feature = "gpu"))]
-        let _ = reading;
+        let _ = readback;
         Ok(Self {
             pool,
             backend,
             #[cfg(feature = "gpu")]
-            reading,
+            readback,
             #[cfg(feature = "gpu")]
             source: Source::Unknown,
             #[cfg(feature = "gpu")]
@@ -188,7 +192,7 @@ impl Engine {
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
         if self.backend == Backend::Cpu {
             self.fall_back("Backend::Cpu asks for it");
-        } else if self.reading() == Reading::Lockstep {
+        } else if self.readback() == Readback::Lockstep {
             self.opened(source.open(software, false));
         } else {
             let (thread, to_open) = (std::thread::Builder::new(), source.clone());
@@ -223,8 +227,8 @@ impl Engine {
     fn wait_for_renderer(&mut self, error: &str) {
         self.active = ActiveBackend::Lost;
         self.failure = Some(format!(
-            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has a \
-             new one. To get one, the app needs a RenderErrorHandler that recovers, like \
+            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has \
+             a new one. To get one, the app needs a RenderErrorHandler that recovers, like \
              backend::recover_from_device_loss: {error}"
         ));
     }
@@ -387,20 +391,20 @@ impl Engine {
         true
     }
 
-    /// When results are published, with [`Reading::Auto`] resolved.
-    fn reading(&self) -> Reading {
-        match (self.reading, &self.source) {
-            (Reading::Auto, Source::Renderer(_)) => Reading::Latent,
-            (Reading::Auto, _) => Reading::Lockstep,
-            (reading, _) => reading,
+    /// When results are published, with [`Readback::Auto`] resolved.
+    fn readback(&self) -> Readback {
+        match (self.readback, &self.source) {
+            (Readback::Auto, Source::Renderer(_)) => Readback::Latent,
+            (Readback::Auto, _) => Readback::Lockstep,
+            (readback, _) => readback,
         }
     }
 
     /// What is read back of a step, if its results come later.
     pub fn latent(&self) -> Option<Detail> {
-        match (self.gpu.as_ref().filter(|_| !self.on_cpu), self.reading()) {
-            (Some(_), Reading::Latent) => Some(Detail::All),
-            (Some(_), Reading::Resident) => Some(Detail::Counts),
+        match (self.gpu.as_ref().filter(|_| !self.on_cpu), self.readback()) {
+            (Some(_), Readback::Latent) => Some(Detail::All),
+            (Some(_), Readback::Resident) => Some(Detail::Counts),
             _ => None,
         }
     }

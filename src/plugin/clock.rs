@@ -65,7 +65,7 @@ pub trait PhysicsTime {
     /// Pauses the clock: no body moves from the next tick of fixed time on. What you write to components in the
     /// meantime takes effect when the clock runs again.
     ///
-    /// That tick waits for the pending results of a GPU ([`Reading::Latent`](crate::plugin::settings::Reading::Latent))
+    /// That tick waits for the pending results of a GPU ([`Readback::Latent`](crate::plugin::settings::Readback::Latent))
     /// and publishes them, so that components hold the current state of the bodies.
     ///
     /// While the clock is paused, [`PhysicsTime::step_once`] requests a step of the fixed timestep, and `advance_by` a

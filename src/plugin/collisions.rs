@@ -48,12 +48,12 @@ pub struct Collision<'a> {
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.
     ///
-    /// A step with several collision substeps ([`StepReport::intervals`]) has the points of each collision substep in
+    /// A step with several collision substeps ([`StepReport::collision_substeps`]) has the points of each collision substep in
     /// which the two touched, in order. A persistent contact therefore appears once per collision substep. With
     /// [`Response::None`](crate::types::settings::Response::None) all impulses are 0. With `Response::Impulse`, and for
     /// sensors, there are no points.
     ///
-    /// On a GPU the points are the same with every [`Reading`](crate::plugin::settings::Reading) that publishes
+    /// On a GPU the points are the same with every [`Readback`](crate::plugin::settings::Readback) that publishes
     /// `Collisions`.
     pub points: &'a [ContactPoint],
     /// Total normal impulse over the step, in newton seconds: for a body at rest, its weight times the length of the
@@ -189,14 +189,14 @@ pub struct StepReport {
     pub tables_in_bake: usize,
     /// Number of touching pairs of bodies.
     ///
-    /// With [`Reading::Resident`](crate::plugin::settings::Reading::Resident) and
+    /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident) and
     /// [`Response::Contacts`](crate::types::settings::Response::Contacts) the larger one of two numbers: pairs whose
     /// faces intersect, and pairs that push each other. The two lists are not compared on the device.
     pub touching_pairs: usize,
     /// Number of contact points within the contact margin, between bodies and between bodies and planes.
     pub contact_points: usize,
     /// Number of collision substeps; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
-    pub intervals: u32,
+    pub collision_substeps: u32,
     /// Number of bodies asleep.
     pub sleeping: usize,
     /// Number of pairs of triangles that were tested because their bounding boxes overlap.
@@ -204,7 +204,7 @@ pub struct StepReport {
     /// Number of pairs of intersecting faces.
     pub face_pairs: usize,
     /// Number of steps on the GPU whose results are not published yet; see
-    /// [`Reading`](crate::plugin::settings::Reading).
+    /// [`Readback`](crate::plugin::settings::Readback).
     pub in_flight: usize,
     /// How many times a step has waited for the results of an earlier one since the device was opened.
     pub waits: u64,
@@ -231,7 +231,7 @@ impl fmt::Debug for StepReport {
             tables_in_bake,
             touching_pairs,
             contact_points,
-            intervals,
+            collision_substeps,
             sleeping,
             triangle_tests,
             face_pairs,
@@ -252,7 +252,7 @@ impl fmt::Debug for StepReport {
             .field("tables_in_bake", tables_in_bake)
             .field("touching_pairs", touching_pairs)
             .field("contact_points", contact_points)
-            .field("intervals", intervals)
+            .field("collision_substeps", collision_substeps)
             .field("sleeping", sleeping)
             .field("triangle_tests", triangle_tests)
             .field("face_pairs", face_pairs)

@@ -13,7 +13,7 @@ use bevy::prelude::*;
 ///
 /// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. Such a step has the length of the fixed
 /// timestep, even if a clock is paused. It waits for the results of a GPU and publishes them, whatever the
-/// [`Reading`](super::settings::Reading). It does nothing while [`ActiveBackend`](super::backend::ActiveBackend) is
+/// [`Readback`](super::settings::Readback). It does nothing while [`ActiveBackend`](super::backend::ActiveBackend) is
 /// neither `Cpu` nor `Gpu`.
 #[derive(ScheduleLabel, SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct FaceoffStep;

@@ -87,9 +87,9 @@ pub enum Backend {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Reading {
-    /// [`Reading::Latent`] where the stages share the device of Bevy's renderer (feature `bevy_render`), else
-    /// [`Reading::Lockstep`].
+pub enum Readback {
+    /// [`Readback::Latent`] where the stages share the device of Bevy's renderer (feature `bevy_render`), else
+    /// [`Readback::Lockstep`].
     #[default]
     Auto,
     /// Every step waits for its results. For tests, tools and servers.
@@ -116,5 +116,5 @@ pub enum Reading {
     Resident,
 }
 
-/// With [`Reading::Latent`], the number of steps between a step and the publication of its results.
+/// With [`Readback::Latent`], the number of steps between a step and the publication of its results.
 pub const LATENCY: usize = 2;

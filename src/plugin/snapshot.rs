@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
-    /// What the solver keeps from step to step.
+    /// The solver's memory from step to step.
     memory: StepMemory,
     manifolds: Manifolds,
     /// Bodies asleep, ascending.
@@ -34,7 +34,7 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// The state after the last step. It waits for pending results of a GPU: with
-    /// [`Reading::Latent`](crate::plugin::settings::Reading::Latent) the snapshot is ahead of the components.
+    /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) the snapshot is ahead of the components.
     pub fn take(world: &mut World) -> Self {
         let mut bodies: BTreeMap<Entity, Motion> = world
             .query_filtered::<(

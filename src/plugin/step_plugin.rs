@@ -9,7 +9,7 @@ use crate::plugin::components::*;
 use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
-use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Reading};
+use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::latent;
 use crate::plugin::sync::{Step, collect, publish};
@@ -30,8 +30,8 @@ pub struct StepPlugin {
     pub backend: Backend,
     /// Number of threads of the CPU stages. 0, the default, means one per core.
     pub threads: usize,
-    /// When the results of a GPU are published. Default [`Reading::Auto`].
-    pub reading: Reading,
+    /// When the results of a GPU are published. Default [`Readback::Auto`].
+    pub readback: Readback,
 }
 
 impl Plugin for StepPlugin {
@@ -52,7 +52,7 @@ impl Plugin for StepPlugin {
             .add_message::<BackendFailed>();
         register_types(app);
 
-        match Engine::new(self.backend, self.threads, self.reading) {
+        match Engine::new(self.backend, self.threads, self.readback) {
             Ok(mut engine) => {
                 if !renderer::is_coming(app) {
                     engine.choose();
@@ -245,7 +245,7 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
 /// The poses of all bodies on the GPU, for shaders that draw them without reading results back: buffers with the poses
 /// before and after the last submitted step, and the entities in the same order.
 ///
-/// `None` unless the stages run on a GPU with [`Reading::Latent`] or [`Reading::Resident`]. There are no entities
+/// `None` unless the stages run on a GPU with [`Readback::Latent`] or [`Readback::Resident`]. There are no entities
 /// between [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore) and the next step.
 #[cfg(feature = "gpu")]
 pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {

@@ -17,7 +17,7 @@ const OVERLAP: f32 = 1.0;
 /// Puts bodies at rest to sleep and wakes them. Holds nothing but memory; what it knows of bodies is in
 /// [`SolverBodies::sleep`].
 ///
-/// Around every detection interval: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
+/// Around every collision substep: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
 /// [`Sleeper::settle`] after it. The manifolds must hold the pairs of sleeping bodies too; as these do not move, those of
 /// the last interval do (see [`Sleeper::is_still`]).
 #[derive(Clone, Debug, Default)]

@@ -54,18 +54,18 @@ use pairs::Pass;
 pub struct Interval {
     /// Its length, seconds.
     pub dt: f32,
-    /// Into how many substeps it is cut; see [`SolverSettings::substeps_per_detection`].
+    /// Into how many substeps it is cut; see [`SolverSettings::substeps_per_collision_substep`].
     pub substeps: u32,
     /// Acceleration of bodies, m/s^2.
     pub gravity: Vec3,
 }
 
 impl Interval {
-    /// One of `intervals` detection intervals of a step.
-    pub fn of(config: &StepConfig, intervals: u32) -> Self {
+    /// One of `collision_substeps` collision substeps of a step.
+    pub fn of(config: &StepConfig, collision_substeps: u32) -> Self {
         Self {
-            dt: config.of_interval(intervals).dt,
-            substeps: config.solver.substeps_per_detection(intervals),
+            dt: config.of_interval(collision_substeps).dt,
+            substeps: config.solver.substeps_per_collision_substep(collision_substeps),
             gravity: config.gravity,
         }
     }
@@ -80,7 +80,7 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Moves `bodies` over one detection interval, on rayon's current thread pool.
+    /// Moves `bodies` over one collision substep, on rayon's current thread pool.
     ///
     /// `manifolds` are the contact points at its start, `warm` what the last interval left behind; an empty one works, and
     /// costs some sinking. Impulses in [`SolverBodies::forces`] are used up.

@@ -61,10 +61,10 @@ pub(super) fn judge(
         return Overlap::Usual;
     }
     let tangled = match kept {
-        Some(kept) => kept.pair.untangling,
+        Some(kept) => kept.pair.depenetrating,
         None => {
             let explained = |p: &ManifoldPoint| -p.separation <= SAFETY * (closing.dot(p.normal).max(0.0) + swing);
-            let deep = |p: &&ManifoldPoint| p.separation < -settings.untangle_depth * diameter;
+            let deep = |p: &&ManifoldPoint| p.separation < -settings.deep_penetration * diameter;
             points.iter().filter(deep).any(|p| !explained(p)) || opposed(points, 0.0)
         }
     };

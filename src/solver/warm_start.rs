@@ -8,7 +8,7 @@ use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-/// The impulses of the last detection interval, by the keys of bodies: bodies may come, go, and be numbered anew.
+/// The impulses of the last collision substep, by the keys of bodies: bodies may come, go, and be numbered anew.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
     /// Ascending by keys.
@@ -27,7 +27,7 @@ pub(super) struct KeptPair {
     count: u32,
     /// The order of numbers was not that of keys.
     flipped: bool,
-    pub untangling: bool,
+    pub depenetrating: bool,
     direction: Vec3,
     /// From each body's axes to the world's.
     rotations: [Quat; 2],
@@ -106,7 +106,7 @@ impl WarmStart {
                 first: pair.first,
                 count: pair.count,
                 flipped: sorted(keys) != keys,
-                untangling: pair.untangling,
+                depenetrating: pair.depenetrating,
                 direction: pair.direction,
                 rotations: [a, b].map(|i| movers.rotation(i)),
             });
@@ -175,7 +175,7 @@ impl<'a> Match<'a> {
         diameter: f32,
         growth: f32,
     ) -> Self {
-        let kept = kept.filter(|kept| !kept.pair.untangling);
+        let kept = kept.filter(|kept| !kept.pair.depenetrating);
         let back = kept.map_or([Quat::IDENTITY; 2], |kept| {
             let [one, other] = kept.pair.rotations;
             let before = if kept.swapped { [other, one] } else { [one, other] };

@@ -1,6 +1,6 @@
 //! All bodies as structures of arrays: what is checked when one enters a step, and what is derived from its pose and mesh.
 
-use super::body::{Body, Handling, Motion};
+use super::body::{Body, BodyParams, Motion};
 use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use crate::geometry::MassProperties;
@@ -55,7 +55,7 @@ pub struct Bodies {
     /// Which of its triangles take part in tests.
     pub culling: Vec<Culling>,
     /// How the body answers.
-    pub handling: Vec<Handling>,
+    pub params: Vec<BodyParams>,
 }
 
 /// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
@@ -107,7 +107,7 @@ impl Bodies {
             layers,
             sensor,
             culling,
-            handling,
+            params,
         } = self;
         mesh.clear();
         kind.clear();
@@ -130,7 +130,7 @@ impl Bodies {
         layers.clear();
         sensor.clear();
         culling.clear();
-        handling.clear();
+        params.clear();
     }
 
     /// Whether contacts between two bodies move one of them.
@@ -227,7 +227,7 @@ impl Bodies {
         self.layers.push(body.layers);
         self.sensor.push(body.sensor);
         self.culling.push(body.culling);
-        self.handling.push(body.handling);
+        self.params.push(body.params);
         Ok(())
     }
 }
@@ -284,25 +284,25 @@ fn is_inertia(tensor: &Mat3) -> bool {
 
 /// The component in which a number is NaN, or infinite though it is no limit.
 fn not_finite(body: &Body) -> Option<&'static str> {
-    let handling = &body.handling;
+    let params = &body.params;
     let ExternalForces {
         force,
         torque,
         impulse,
         angular_impulse,
-    } = handling.forces;
+    } = params.forces;
     let finite = [
         ("LinearVelocity", body.linear_velocity.is_finite()),
         ("AngularVelocity", body.angular_velocity.is_finite()),
         ("Mass", body.mass.is_none_or(f32::is_finite)),
         ("Density", body.density.is_finite()),
         ("Restitution", body.restitution.is_finite()),
-        ("Friction", handling.friction.coefficient.is_finite()),
+        ("Friction", params.friction.coefficient.is_finite()),
         ("GravityScale", body.gravity_scale.is_finite()),
-        ("LinearDamping", handling.linear_damping.is_finite()),
-        ("AngularDamping", handling.angular_damping.is_finite()),
-        ("MaxLinearSpeed", !handling.max_linear_speed.is_nan()),
-        ("MaxAngularSpeed", !handling.max_angular_speed.is_nan()),
+        ("LinearDamping", params.linear_damping.is_finite()),
+        ("AngularDamping", params.angular_damping.is_finite()),
+        ("MaxLinearSpeed", !params.max_linear_speed.is_nan()),
+        ("MaxAngularSpeed", !params.max_angular_speed.is_nan()),
         (
             "ExternalForces",
             [force, torque, impulse, angular_impulse].iter().all(|v| v.is_finite()),

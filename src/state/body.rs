@@ -39,12 +39,12 @@ pub struct Body {
     /// Which of its triangles take part in tests.
     pub culling: Culling,
     /// How it answers.
-    pub handling: Handling,
+    pub params: BodyParams,
 }
 
 /// How a body answers contacts and forces, with [`Response::Contacts`]. The components of these names say what each means.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Handling {
+pub struct BodyParams {
     /// Coulomb's coefficient, and the rule for pairs.
     pub friction: Friction,
     /// The rule for pairs of the body's restitution.
@@ -69,7 +69,7 @@ pub struct Handling {
     pub continuous: bool,
 }
 
-impl Default for Handling {
+impl Default for BodyParams {
     fn default() -> Self {
         Self {
             friction: Friction::default(),
@@ -119,7 +119,7 @@ impl Body {
             layers: CollisionLayers::default(),
             sensor: false,
             culling: Culling::Exact,
-            handling: Handling::default(),
+            params: BodyParams::default(),
         }
     }
 

@@ -29,10 +29,10 @@ impl Default for StepConfig {
 }
 
 impl StepConfig {
-    /// What holds in each of `intervals` detection intervals of the step.
-    pub(crate) fn of_interval(&self, intervals: u32) -> Self {
+    /// What holds in each of `collision_substeps` collision substeps of the step.
+    pub(crate) fn of_interval(&self, collision_substeps: u32) -> Self {
         Self {
-            dt: self.dt / intervals.max(1) as f32,
+            dt: self.dt / collision_substeps.max(1) as f32,
             ..*self
         }
     }

@@ -55,7 +55,7 @@ pub struct Contact {
 /// One of the points at which two bodies pushed each other in a step, or might have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// Halfway between both surfaces, in the world, metres: where it was as its detection interval began.
+    /// Halfway between both surfaces, in the world, metres: where it was as its collision substep began.
     pub point: Vec3,
     /// Unit vector from the first body to the second.
     pub normal: Vec3,

@@ -26,7 +26,7 @@ pub mod results;
 pub(crate) mod still;
 
 pub use bodies::{Bodies, Frame};
-pub use body::{Body, Handling, Motion};
+pub use body::{Body, BodyParams, Motion};
 pub use config::StepConfig;
 pub use contacts::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 pub use fault::BodyFault;

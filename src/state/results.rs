@@ -31,8 +31,8 @@ pub struct StepResults {
     ///
     /// [`Response::Contacts`]: crate::types::settings::Response::Contacts
     pub asleep: Vec<bool>,
-    /// Into how many detection intervals the step was cut.
-    pub intervals: u32,
+    /// Into how many collision substeps the step was cut.
+    pub collision_substeps: u32,
     /// How long each stage took.
     pub times: [Duration; Stage::COUNT],
 }

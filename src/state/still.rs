@@ -1,10 +1,10 @@
-//! Pairs of bodies about which nothing has changed since the last detection interval, because they sleep: they need no test,
+//! Pairs of bodies about which nothing has changed since the last collision substep, because they sleep: they need no test,
 //! and keep the contact points they had.
 
 /// The number of a body that is gone.
 pub(crate) const GONE: u32 = u32::MAX;
 
-/// Which bodies have not changed since the last detection interval. Half-spaces are numbered after the bodies.
+/// Which bodies have not changed since the last collision substep. Half-spaces are numbered after the bodies.
 #[derive(Default)]
 pub(crate) struct StillBodies {
     /// For each body: nothing about it can have changed.

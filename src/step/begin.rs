@@ -1,4 +1,4 @@
-//! The beginning of a step: who sleeps, how many detection intervals there are, how far bodies look for each other.
+//! The beginning of a step: who sleeps, how many collision substeps there are, how far bodies look for each other.
 
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
@@ -9,7 +9,7 @@ use crate::types::settings::Response;
 
 /// Prepares the first interval.
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
-    results.intervals = 1;
+    results.collision_substeps = 1;
     results.asleep.clear();
     scratch.still.clear();
     scratch.touches.clear();
@@ -23,9 +23,9 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
         Response::Contacts => {
             let speeds = take_in(input, memory, scratch);
             let config = &input.config;
-            results.intervals = speeds.detections(&config.solver, &scratch.solver_bodies, config.dt);
+            results.collision_substeps = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
             Margins::Moving {
-                interval: config.of_interval(results.intervals).dt,
+                interval: config.of_interval(results.collision_substeps).dt,
                 drift: speeds.drift(),
             }
         }

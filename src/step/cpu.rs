@@ -17,7 +17,7 @@ pub fn run_all(step: &mut StepState) {
     }
 }
 
-/// Runs a stage of the first detection interval, and notes how long it took.
+/// Runs a stage of the first collision substep, and notes how long it took.
 ///
 /// The last stage goes on with all stages for the other intervals, if there are any: a step is whole when all stages have run,
 /// in order.
@@ -25,7 +25,7 @@ pub fn run(stage: Stage, step: &mut StepState) {
     step.results.times[stage as usize] = Default::default();
     run_stage(stage, 0, step);
     if stage == Stage::Integrate {
-        for interval in 1..step.results.intervals {
+        for interval in 1..step.results.collision_substeps {
             for stage in Stage::ALL {
                 run_stage(stage, interval, step);
             }
@@ -54,7 +54,7 @@ pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
 fn run_stage(stage: Stage, interval: u32, step: &mut StepState) {
     let start = Instant::now();
     // How many intervals there are is known after the first part. It matters to the last stage only.
-    let place = Place::of(interval, step.results.intervals);
+    let place = Place::of(interval, step.results.collision_substeps);
     for part in parts_of(stage, step.input.config.response, place) {
         run_part(part, step);
     }
@@ -70,7 +70,7 @@ fn run_part(part: Part, step: &mut StepState) {
     } = step;
     let config = input.config;
     let planes_from = input.bodies.len() as u32;
-    let interval = config.of_interval(results.intervals);
+    let interval = config.of_interval(results.collision_substeps);
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
@@ -132,7 +132,7 @@ fn run_part(part: Part, step: &mut StepState) {
         }
         Part::Wake => force_scan::cpu::wake(
             &config.solver,
-            &Interval::of(&config, results.intervals),
+            &Interval::of(&config, results.collision_substeps),
             &results.manifolds,
             &scratch.still,
             &mut scratch.sleeper,
@@ -140,7 +140,7 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::Solve => force_scan::cpu::solve(
             &config.solver,
-            &Interval::of(&config, results.intervals),
+            &Interval::of(&config, results.collision_substeps),
             &results.manifolds,
             &mut scratch.solver,
             &mut memory.warm,

@@ -19,7 +19,7 @@ pub struct StepMemory {
     bodies: Vec<BodyMemory>,
     planes: Vec<Plane>,
     gravity: Vec3,
-    /// The impulses of the last detection interval.
+    /// The impulses of the last collision substep.
     pub(super) warm: WarmStart,
 }
 
@@ -58,8 +58,8 @@ impl StepMemory {
                 stopped,
             } = self.bodies[before];
             let same = traits == PlacedTraits::of(input, i);
-            let handling = &bodies.handling[i];
-            if !handling.can_sleep || handling.woken && sleep.asleep || sleep.asleep && !same || all_wake {
+            let params = &bodies.params[i];
+            if !params.can_sleep || params.woken && sleep.asleep || sleep.asleep && !same || all_wake {
                 sleep = SleepState::default();
             }
             moved.sleep[i] = sleep;

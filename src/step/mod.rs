@@ -1,6 +1,6 @@
 //! The fixed step, from bodies that move to bodies that have collided.
 //!
-//! A step is cut into *detection intervals*, in each of which contact points are found and solved. How many there are depends
+//! A step is cut into *collision substeps*, in each of which contact points are found and solved. How many there are depends
 //! on how fast bodies move against each other: no surface may pass a thin body between two looks. Only
 //! [`Response::Contacts`](crate::types::settings::Response::Contacts) needs more than one. Each interval runs the stages in order,
 //! and each stage a few parts:

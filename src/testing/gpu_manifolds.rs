@@ -10,7 +10,7 @@ use crate::gpu::layout::{
 };
 use crate::gpu::readback::{read_words, scoped};
 use crate::gpu::scan;
-use crate::manifolds::gpu::buffers::{ContactBuffers, ContactSizes};
+use crate::manifolds::gpu::buffers::{ContactBuffers, ContactCapacity};
 use crate::manifolds::gpu::kernels::{KERNELS, Shared, record};
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
 use crate::state::StepInput;
@@ -26,13 +26,13 @@ use wgpu::{Buffer, BufferUsages};
 pub struct GpuManifolds {
     gpu: Gpu,
     kernels: Kernels,
-    sizes: ContactSizes,
+    sizes: ContactCapacity,
     /// How often lists had to be made longer.
     repeats: usize,
 }
 
 /// Lists start with room for this many things, and grow.
-const START: ContactSizes = ContactSizes {
+const START: ContactCapacity = ContactCapacity {
     margin_pairs: 256,
     slots: 1024,
     near_triangles: 1 << 16,
@@ -59,7 +59,7 @@ impl GpuManifolds {
     ///
     /// # Errors
     /// If the device cannot run the kernels.
-    pub fn with_room(gpu: &Gpu, sizes: ContactSizes) -> Result<Self, NoGpu> {
+    pub fn with_room(gpu: &Gpu, sizes: ContactCapacity) -> Result<Self, NoGpu> {
         let all = KERNELS.into_iter().chain(scan::KERNELS);
         let compiled = scoped(gpu, || Kernels::new(gpu, all)).and_then(|kernels| kernels);
         match compiled {
@@ -77,7 +77,7 @@ impl GpuManifolds {
     }
 
     /// What fits at present.
-    pub fn sizes(&self) -> ContactSizes {
+    pub fn sizes(&self) -> ContactCapacity {
         self.sizes
     }
 
@@ -103,10 +103,10 @@ impl GpuManifolds {
         let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
         let count = pairs.len() as u32;
         let slots = scene.bodies.saturating_mul(scene.planes).saturating_add(count);
-        self.sizes = self.sizes.grown(ContactSizes {
+        self.sizes = self.sizes.grown(ContactCapacity {
             margin_pairs: count,
             slots,
-            ..ContactSizes::default()
+            ..ContactCapacity::default()
         });
         for _ in 0..REPEATS {
             let buffers = self.scoped(|gpu| ContactBuffers::new(gpu, self.sizes))??;
@@ -117,7 +117,7 @@ impl GpuManifolds {
             if counters[CONTACTS_SKIPPED as usize] == 0 {
                 return self.read(&buffers, &counters);
             }
-            self.sizes = self.sizes.grown(ContactSizes::needed(&counters));
+            self.sizes = self.sizes.grown(ContactCapacity::needed(&counters));
             self.repeats += 1;
         }
         Err(StepError::Device(

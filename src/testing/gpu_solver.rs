@@ -194,7 +194,7 @@ impl GpuSolver {
         ])
     }
 
-    /// Moves the bodies over one detection interval. If the solver's own lists are too small for the contacts, nothing
+    /// Moves the bodies over one collision substep. If the solver's own lists are too small for the contacts, nothing
     /// moves; they are made larger and the interval runs again.
     ///
     /// # Errors

@@ -25,8 +25,8 @@ pub enum Response {
     ///
     /// It runs on the GPU too. Steps with a body that has
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) run on the CPU. With
-    /// [`Reading::Latent`](crate::plugin::settings::Reading::Latent) and
-    /// [`Reading::Resident`](crate::plugin::settings::Reading::Resident) the number of collision substeps of a step
+    /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
+    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) the number of collision substeps of a step
     /// follows from the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
     #[default]
     Contacts,

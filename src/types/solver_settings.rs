@@ -3,11 +3,11 @@
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
 
-/// The largest [`SolverSettings::max_detections`].
-pub const MOST_DETECTIONS: u32 = 64;
+/// The largest [`SolverSettings::max_collision_substeps`].
+pub const MAX_COLLISION_SUBSTEPS: u32 = 64;
 
 /// The largest [`SolverSettings::substeps`], and the largest number of iterations and sweeps.
-pub const MOST_PASSES: u32 = 256;
+pub const MAX_PASSES: u32 = 256;
 
 /// Parameters of the contact solver, for all bodies. Used with
 /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
@@ -22,7 +22,7 @@ pub const MOST_PASSES: u32 = 256;
     reflect(Resource, Default, Debug, PartialEq)
 )]
 pub struct SolverSettings {
-    /// Substeps per step, distributed over its collision substeps. Default 8, at most [`MOST_PASSES`].
+    /// Substeps per step, distributed over its collision substeps. Default 8, at most [`MAX_PASSES`].
     ///
     /// Halving the substep helps stiff stacks and large mass ratios more than doubling the iterations, at the same cost
     /// (Macklin et al., "Small Steps in Physics Simulation", 2019).
@@ -45,16 +45,16 @@ pub struct SolverSettings {
     /// does not throw them.
     pub damping_ratio: f32,
     /// Largest speed at which overlapping bodies are pushed apart, in m/s. Default 3.
-    pub push_speed: f32,
+    pub max_depenetration_speed: f32,
     /// Largest speed at which deeply overlapping pairs are pushed apart, in m/s; see
-    /// [`SolverSettings::untangle_depth`]. Default 1.
-    pub untangle_speed: f32,
+    /// [`SolverSettings::deep_penetration`]. Default 1.
+    pub deep_depenetration_speed: f32,
     /// Depth of deep penetration, in D. Default 0.04.
     ///
     /// A pair that overlaps more deeply when it first meets is pushed apart along the line of centres, without
     /// friction, until it separates: the contact points of meshes that overlap so deeply may disagree about the
     /// direction.
-    pub untangle_depth: f32,
+    pub deep_penetration: f32,
     /// Distance between surfaces within which contact points are computed, in D, in addition to the distance that the
     /// surfaces may move in the meantime. Default 0.01, so that bodies push each other before they overlap. Values
     /// below twice [`SolverSettings::rest_offset`] count as that.
@@ -80,9 +80,9 @@ pub struct SolverSettings {
     /// the thinnest body. Faster bodies cause more collision substeps.
     ///
     /// Default 0.25: a body that a third one deflects never gets undetected through more than a quarter of another one.
-    pub detection_travel: f32,
-    /// Largest number of collision substeps per step. Default 8, at most [`MOST_DETECTIONS`].
-    pub max_detections: u32,
+    pub collision_substep_travel: f32,
+    /// Largest number of collision substeps per step. Default 8, at most [`MAX_COLLISION_SUBSTEPS`].
+    pub max_collision_substeps: u32,
     /// Whether islands of bodies at rest fall asleep. Default true.
     pub sleeping: bool,
     /// A body is at rest if none of its points moves faster than this, in m/s. Default 0.05. Piles settle to 0.0001 to
@@ -103,17 +103,17 @@ impl Default for SolverSettings {
             relaxation: 0.5,
             frequency: 0.25,
             damping_ratio: 10.0,
-            push_speed: 3.0,
-            untangle_speed: 1.0,
-            untangle_depth: 0.04,
+            max_depenetration_speed: 3.0,
+            deep_depenetration_speed: 1.0,
+            deep_penetration: 0.04,
             contact_margin: 0.01,
             rest_offset: 0.005,
             restitution_threshold: 0.5,
             restitution_iterations: 4,
             match_distance: 0.05,
             match_normal: 0.7,
-            detection_travel: 0.25,
-            max_detections: 8,
+            collision_substep_travel: 0.25,
+            max_collision_substeps: 8,
             sleeping: true,
             sleep_speed: 0.05,
             sleep_time: 0.5,
@@ -123,7 +123,7 @@ impl Default for SolverSettings {
 
 impl SolverSettings {
     /// Number of substeps in each of `detections` collision substeps.
-    pub fn substeps_per_detection(&self, detections: u32) -> u32 {
+    pub fn substeps_per_collision_substep(&self, detections: u32) -> u32 {
         self.substeps.div_ceil(detections.max(1)).max(1)
     }
 
@@ -133,7 +133,7 @@ impl SolverSettings {
     }
 
     /// The name of the first invalid setting, if there is one: a number that is negative or not finite, or a count
-    /// above [`MOST_PASSES`] or [`MOST_DETECTIONS`], with which a step would take too long.
+    /// above [`MAX_PASSES`] or [`MAX_COLLISION_SUBSTEPS`], with which a step would take too long.
     pub fn fault(&self) -> Option<&'static str> {
         let Self {
             substeps,
@@ -143,28 +143,28 @@ impl SolverSettings {
             relaxation,
             frequency,
             damping_ratio,
-            push_speed,
-            untangle_speed,
-            untangle_depth,
+            max_depenetration_speed,
+            deep_depenetration_speed,
+            deep_penetration,
             contact_margin,
             rest_offset,
             restitution_threshold,
             restitution_iterations,
             match_distance,
             match_normal,
-            detection_travel,
-            max_detections,
+            collision_substep_travel,
+            max_collision_substeps,
             sleeping: _,
             sleep_speed,
             sleep_time,
         } = *self;
         let counts = [
-            ("substeps", substeps, MOST_PASSES),
-            ("bias_iterations", bias_iterations, MOST_PASSES),
-            ("relax_iterations", relax_iterations, MOST_PASSES),
-            ("sweeps", sweeps, MOST_PASSES),
-            ("restitution_iterations", restitution_iterations, MOST_PASSES),
-            ("max_detections", max_detections, MOST_DETECTIONS),
+            ("substeps", substeps, MAX_PASSES),
+            ("bias_iterations", bias_iterations, MAX_PASSES),
+            ("relax_iterations", relax_iterations, MAX_PASSES),
+            ("sweeps", sweeps, MAX_PASSES),
+            ("restitution_iterations", restitution_iterations, MAX_PASSES),
+            ("max_collision_substeps", max_collision_substeps, MAX_COLLISION_SUBSTEPS),
         ];
         if let Some((name, ..)) = counts.into_iter().find(|&(_, count, most)| count > most) {
             return Some(name);
@@ -173,15 +173,15 @@ impl SolverSettings {
             ("relaxation", relaxation),
             ("frequency", frequency),
             ("damping_ratio", damping_ratio),
-            ("push_speed", push_speed),
-            ("untangle_speed", untangle_speed),
-            ("untangle_depth", untangle_depth),
+            ("max_depenetration_speed", max_depenetration_speed),
+            ("deep_depenetration_speed", deep_depenetration_speed),
+            ("deep_penetration", deep_penetration),
             ("contact_margin", contact_margin),
             ("rest_offset", rest_offset),
             ("restitution_threshold", restitution_threshold),
             ("match_distance", match_distance),
             ("match_normal", match_normal),
-            ("detection_travel", detection_travel),
+            ("collision_substep_travel", collision_substep_travel),
             ("sleep_speed", sleep_speed),
             ("sleep_time", sleep_time),
         ]

@@ -133,7 +133,7 @@ fn what_meets_a_door_is_carried_by_it() {
         );
         assert!(then.center.distance(now.center) < 1.0e-5, "{then:?}, {now:?}");
         // What is held in its place is not.
-        flights.input.bodies.handling[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
+        flights.input.bodies.params[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
         let held = stops(&flights, &[false, true], &[[0, 1]], &mut ClampScratch::default());
         assert!(held[0].end.center.distance(ball.at(fraction.into()).center) < 1.0e-5);
     }

@@ -4,7 +4,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
 #[cfg(feature = "gpu")]
 use bevy_faceoff::state::StepInput;
-use bevy_faceoff::state::{Body, Handling, StepConfig};
+use bevy_faceoff::state::{Body, BodyParams, StepConfig};
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
@@ -67,9 +67,9 @@ impl World {
                 angular_velocity: body.spin,
                 restitution: body.restitution,
                 density: body.density,
-                handling: Handling {
+                params: BodyParams {
                     friction: body.friction,
-                    ..Handling::default()
+                    ..BodyParams::default()
                 },
                 ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
             });

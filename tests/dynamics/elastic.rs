@@ -3,7 +3,7 @@
 use crate::world::World;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::state::{Body, BodyParams};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::material::Friction;
 use glam::{Quat, Vec3};
@@ -13,9 +13,9 @@ fn elastic(mesh: u32, position: Vec3, velocity: Vec3) -> Body {
     Body {
         linear_velocity: velocity,
         restitution: 1.0,
-        handling: Handling {
+        params: BodyParams {
             friction: Friction::new(0.0),
-            ..Handling::default()
+            ..BodyParams::default()
         },
         ..Body::at_rest(mesh, position, Quat::IDENTITY, Vec3::ONE)
     }

@@ -15,7 +15,7 @@ fn work(world: &World) -> Work {
         state.results.sphere_pairs.len(),
         state.results.near_pairs.len(),
         state.results.manifolds.points.len(),
-        state.results.intervals as usize,
+        state.results.collision_substeps as usize,
     ]
 }
 
@@ -94,16 +94,16 @@ pub fn swarm(side: usize, height: f32) {
         let state = &world.state;
         for pair in &state.results.near_pairs {
             // A quarter of a ball, with safety, and the contact margin.
-            let most = if state.results.intervals < 8 {
+            let most = if state.results.collision_substeps < 8 {
                 0.5 * 0.25 * 1.5 + 0.006
             } else {
                 0.5
             };
             assert!(
                 pair.margin <= most,
-                "{} in {} intervals",
+                "{} in {} collision_substeps",
                 pair.margin,
-                state.results.intervals
+                state.results.collision_substeps
             );
         }
     }
@@ -231,10 +231,10 @@ fn few_bodies_are_little_work() {
         }
         for _ in 0..64 {
             world.step();
-            let [spheres, near, points, intervals] = work(&world);
+            let [spheres, near, points, collision_substeps] = work(&world);
             // Neighbours' spheres overlap; the cubes are half a metre apart, and have a plane point for each corner below.
             assert!(
-                spheres < count && near == 0 && points <= 4 * count && intervals == 1,
+                spheres < count && near == 0 && points <= 4 * count && collision_substeps == 1,
                 "{:?}",
                 work(&world)
             );
@@ -268,7 +268,7 @@ fn what_is_far_and_fast_adds_no_pair_and_no_point() {
         let works = (0..64).map(|_| {
             world.step();
             let [spheres, near, ..] = work(&world);
-            assert!(world.state.results.intervals == if with_bullet { 8 } else { 1 });
+            assert!(world.state.results.collision_substeps == if with_bullet { 8 } else { 1 });
             [spheres, near]
         });
         works.collect()

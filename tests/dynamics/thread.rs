@@ -4,7 +4,7 @@
 
 use crate::world::World;
 use bevy_faceoff::asset::{CollisionMesh, import_file};
-use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::state::{Body, BodyParams};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::material::Friction;
 use bevy_faceoff::types::solver_settings::SolverSettings;
@@ -43,9 +43,9 @@ fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
         world.put(&Body {
             kind,
             density: 7800.0,
-            handling: Handling {
+            params: BodyParams {
                 friction: Friction::new(friction),
-                ..Handling::default()
+                ..BodyParams::default()
             },
             ..Body::at_rest(mesh, at, Quat::IDENTITY, Vec3::ONE)
         });
@@ -65,7 +65,7 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
         let bodies = &mut world.state.input.bodies;
         let inertia = bodies.own_inverse_inertia[nut].z_axis.z.recip();
         let missing = SPEED - bodies.angular_velocity[nut].z;
-        bodies.handling[nut].forces.torque = Vec3::Z * (0.5 * 64.0 * inertia * missing);
+        bodies.params[nut].forces.torque = Vec3::Z * (0.5 * 64.0 * inertia * missing);
         let before = bodies.rotation[nut];
         world.step();
         let change = world.state.input.bodies.rotation[nut] * before.conjugate();

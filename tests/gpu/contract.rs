@@ -42,10 +42,10 @@ pub const TESTS: &[Plain] = &[
 ];
 
 /// Storage buffers that every device lets a kernel have.
-const MOST_STORAGE: usize = 8;
+const MAX_STORAGE: usize = 8;
 
 /// Bytes of workgroup memory that every device has.
-const MOST_WORKGROUP: u32 = 16 << 10;
+const MAX_WORKGROUP: u32 = 16 << 10;
 
 /// Every struct that passes between host and kernels.
 fn structs() -> impl Iterator<Item = &'static Struct> {
@@ -147,14 +147,14 @@ fn complaints(kernel: &Kernel) -> Vec<String> {
         wrong.push(format!("binds {in_source:?}, declared {in_rust:?}"));
     }
     let storage = kernel.bindings.iter().filter(|b| b.access != Access::Uniform).count();
-    if storage > MOST_STORAGE {
+    if storage > MAX_STORAGE {
         wrong.push(format!("{storage} storage buffers"));
     }
     let shared: u32 = (module.global_variables.iter())
         .filter(|(_, variable)| variable.space == AddressSpace::WorkGroup)
         .map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx()))
         .sum();
-    if shared > MOST_WORKGROUP {
+    if shared > MAX_WORKGROUP {
         wrong.push(format!("{shared} bytes of workgroup memory"));
     }
     wrong.extend(structs_of(&module).filter_map(|(name, found)| {
@@ -286,7 +286,7 @@ fn sizes_of_blocks_are_the_same_in_wgsl() {
 fn contact_generation_counts_as_in_wgsl() {
     let types = constants("types.wgsl");
     assert_eq!(types["MOST_POINTS"] as usize, manifolds::MOST_POINTS);
-    assert_eq!(types["MOST_PLANE_POINTS"] as usize, manifolds::cpu::planes::MAX_POINTS);
+    assert_eq!(types["MAX_PLANE_POINTS"] as usize, manifolds::cpu::planes::MAX_POINTS);
     assert_eq!(types["NOTHING"], manifolds::cpu::planes::NO_FACE);
     let sides = constants("sides.wgsl");
     assert_eq!(sides["HEADER"] as usize, mesh_features::HEADER);

@@ -124,7 +124,7 @@ struct StepRecord {
     triangle_tests: u64,
     face_pairs: usize,
     contact_points: usize,
-    intervals: u32,
+    collision_substeps: u32,
     sleeping: usize,
     /// Only where it is written: it costs a look at every body.
     #[serde(flatten)]
@@ -305,7 +305,7 @@ impl StepRecord {
             triangle_tests: report.triangle_tests,
             face_pairs: report.face_pairs,
             contact_points: report.contact_points,
-            intervals: report.intervals,
+            collision_substeps: report.collision_substeps,
             sleeping: report.sleeping,
             mechanics,
         }

@@ -11,7 +11,7 @@ use wgpu::{Buffer, BufferUsages};
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ContactSizes {
+pub struct ContactCapacity {
     /// Pairs of bodies that are looked at.
     pub margin_pairs: u32,
     /// Those, and bodies times half-spaces.
@@ -30,7 +30,7 @@ pub struct ContactSizes {
     pub points: u32,
 }
 
-impl ContactSizes {
+impl ContactCapacity {
     /// At least `needed` of each, with room to spare where these sizes do not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
@@ -81,7 +81,7 @@ macro_rules! buffers {
         #[derive(Debug)]
         pub struct ContactBuffers {
             /// What fits.
-            pub sizes: ContactSizes,
+            pub sizes: ContactCapacity,
             $($(#[$doc])* pub $name: Buffer,)*
         }
 
@@ -90,7 +90,7 @@ macro_rules! buffers {
             ///
             /// # Errors
             /// If one is larger than the device allows; none is made then.
-            pub fn new(gpu: &Gpu, sizes: ContactSizes) -> Result<Self, TooLarge> {
+            pub fn new(gpu: &Gpu, sizes: ContactCapacity) -> Result<Self, TooLarge> {
                 $(let $name = {
                     let $sizes = &sizes;
                     check(gpu, $what, u64::from($count) * size_of::<$element>() as u64)?

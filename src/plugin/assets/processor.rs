@@ -177,8 +177,8 @@ fn explain(mut failures: MessageReader<AssetLoadFailedEvent<CollisionMesh>>) {
             let path = &failure.path;
             let name = path.path().file_name().unwrap_or_default();
             error!(
-                "{path}: with processed assets only recipes load as collision meshes; write a recipe beside it, a file with \
-                 the extension .bake.ron and the content (mesh: {name:?}), and load that file"
+                "{path}: with processed assets only recipes load as collision meshes; write a recipe beside it, a file \
+                 with the extension .bake.ron and the content (mesh: {name:?}), and load that file"
             );
         }
     }

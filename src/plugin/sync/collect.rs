@@ -10,7 +10,7 @@ use crate::plugin::events::BodyRejected;
 use crate::plugin::settings::Gravity;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Body, Handling, Plane};
+use crate::state::{Body, BodyParams, Plane};
 use crate::types::body::*;
 use crate::types::material::{Friction, Restitution};
 use crate::types::settings::{Culling, Response};
@@ -36,7 +36,7 @@ pub(crate) struct BodyComponents {
     density: Option<&'static Density>,
     inertia: Option<&'static AngularInertia>,
     restitution: Option<&'static Restitution>,
-    handling: HandlingComponents,
+    params: HandlingComponents,
     gravity_scale: Option<&'static GravityScale>,
     layers: Option<&'static CollisionLayers>,
     sensor: Has<Sensor>,
@@ -301,13 +301,13 @@ impl Rules<'_> {
 impl BodyComponentsItem<'_, '_> {
     /// Records components without effect.
     fn note(&self, oddities: &mut Oddities) {
-        let (entity, handling) = (self.entity, &self.handling);
+        let (entity, params) = (self.entity, &self.params);
         oddities.check_restitution(entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(entity, "Friction", handling.friction.map(|f| f.coefficient));
-        oddities.check(entity, "LinearDamping", handling.linear_damping.map(|d| d.0));
-        oddities.check(entity, "AngularDamping", handling.angular_damping.map(|d| d.0));
-        oddities.check_limit(entity, "MaxLinearSpeed", handling.max_linear_speed.map(|m| m.0));
-        oddities.check_limit(entity, "MaxAngularSpeed", handling.max_angular_speed.map(|m| m.0));
+        oddities.check(entity, "Friction", params.friction.map(|f| f.coefficient));
+        oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
+        oddities.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
+        oddities.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
+        oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
     }
 
     fn with_mesh(&self, mesh: u32, culling: Culling) -> Body {
@@ -324,14 +324,14 @@ impl BodyComponentsItem<'_, '_> {
         body.layers = self.layers.copied().unwrap_or_default();
         body.sensor = self.sensor;
         body.culling = culling;
-        body.handling = self.handling.read(self.restitution);
+        body.params = self.params.read(self.restitution);
         body
     }
 }
 
 impl HandlingComponentsItem<'_, '_> {
-    fn read(&self, restitution: Option<&Restitution>) -> Handling {
-        Handling {
+    fn read(&self, restitution: Option<&Restitution>) -> BodyParams {
+        BodyParams {
             friction: self.friction.copied().unwrap_or_default(),
             restitution_combine: restitution.map_or_else(Default::default, |r| r.combine),
             linear_damping: self.linear_damping.map_or(0.0, |d| d.0),

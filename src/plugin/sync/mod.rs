@@ -19,6 +19,7 @@ use crate::state::{Body, Counts, Motion, Plane};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::contacts::memory::DeviceMemory;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
@@ -132,13 +133,7 @@ impl Step {
 
     /// Moves the simulation to the CPU while a body needs CCD, and back to the GPU afterwards. Bodies keep their state.
     pub fn choose_place(&mut self) {
-        let stops = self
-            .state
-            .input
-            .bodies
-            .handling
-            .iter()
-            .any(|handling| handling.continuous);
+        let stops = self.state.input.bodies.params.iter().any(|params| params.continuous);
         let on_cpu = stops && self.state.input.config.response == Response::Contacts;
         if self.engine.changes_place(on_cpu) {
             #[cfg(feature = "gpu")]
@@ -171,7 +166,7 @@ impl Step {
                 angular_velocity: motion.angular_velocity,
                 ..*body
             };
-            // Where the components say it was fit to take part.
+            // If the new state is invalid, use that of the components, which was valid.
             if self.state.input.bodies.push(&moved, &self.state.input.meshes).is_err() {
                 let _ = self.state.input.bodies.push(body, &self.state.input.meshes);
             }
@@ -187,7 +182,7 @@ impl Step {
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
             self.counts = self.state.results.counts();
-            // What was there is overwritten by the next step, in the same memory.
+            // Swapped instead of moved, so that the next step reuses the memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
     }
@@ -201,15 +196,15 @@ impl Step {
         if let Some(detail) = self.engine.latent() {
             let resident = detail == Detail::Counts;
             self.latent.link(&self.collected.entities, &self.bodies, resident);
-            let handling = &mut self.state.input.bodies.handling;
-            for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
-                handling.woken = woken;
+            let params = &mut self.state.input.bodies.params;
+            for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
+                params.woken = woken;
             }
         }
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;
             let Some(output) = self.engine.advance(&self.state.input, carried, detail, LATENCY) else {
-                // The device failed. Whoever takes over begins where the components say.
+                // The device failed. The next backend starts from the components.
                 self.latent.restart();
                 continue;
             };

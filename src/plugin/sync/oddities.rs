@@ -23,8 +23,8 @@ pub(crate) enum Oddity {
     )]
     NoCollider,
     #[error(
-        "it has both a RigidBody and a PlaneCollider, and does not move: planes are fixed in the world. Remove its RigidBody, \
-         or give it a MeshCollider instead of the plane"
+        "it has both a RigidBody and a PlaneCollider, and does not move: planes are fixed in the world. Remove its \
+         RigidBody, or give it a MeshCollider instead of the plane"
     )]
     PlaneDoesNotMove,
 }

@@ -130,7 +130,7 @@ pub(crate) fn publish(
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
-        intervals: step.state.results.intervals,
+        collision_substeps: step.state.results.collision_substeps,
         sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
@@ -208,7 +208,7 @@ pub(crate) fn publish(
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
     std::mem::swap(&mut collisions.entities, &mut results.entities);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
-    // The next step reads what those had that sleep.
+    // Copied, because the next step reuses the manifolds of bodies asleep.
     collisions.manifolds.copy(&step.state.results.manifolds);
 }
 

@@ -2,7 +2,7 @@
 //! since.
 //!
 //! A **changed** field is detected by its value, axis by axis. **Inserting** a component writes all of it, even with
-//! equal values. The docs of [`Reading`](crate::plugin::settings::Reading) define the effect of each.
+//! equal values. The docs of [`Readback`](crate::plugin::settings::Readback) define the effect of each.
 
 use crate::plugin::settings::LATENCY;
 use crate::state::Motion;

@@ -2,8 +2,8 @@
 
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Sizes;
-use crate::manifolds::gpu::ContactSizes;
-use crate::step::gpu::contacts::lists::StepRoom;
+use crate::manifolds::gpu::ContactCapacity;
+use crate::step::gpu::contacts::lists::StepCapacity;
 use crate::step::gpu::contacts::memory::DeviceMemory;
 
 impl GpuStep {
@@ -45,12 +45,12 @@ impl GpuStep {
             bodies,
             ..Sizes::default()
         };
-        let contacts = ContactSizes {
+        let contacts = ContactCapacity {
             pairs,
             points,
-            ..ContactSizes::default()
+            ..ContactCapacity::default()
         };
-        self.make_room(needed, Some(StepRoom { contacts, ..room }))?;
+        self.make_room(needed, Some(StepCapacity { contacts, ..room }))?;
         if let Some(contacts) = &self.contacts {
             memory
                 .write(&self.gpu, &self.buffers, contacts)

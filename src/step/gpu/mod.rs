@@ -22,7 +22,7 @@ use crate::gpu::readback::{read_words, scoped, staging};
 use crate::gpu::timer::Timer;
 use crate::gpu::{radix_sort, scan};
 use crate::integrate;
-use crate::manifolds::gpu::ContactSizes;
+use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::speeds::Speeds;
 use crate::state::{Motion, StepInput};
 use crate::step::StepState;
@@ -33,7 +33,7 @@ use crate::{angles, broad_phase, force_scan};
 use contacts::Contacts;
 use contacts::input::{SolverInput, Told};
 use contacts::lineage::Lineage;
-use contacts::lists::StepRoom;
+use contacts::lists::StepCapacity;
 use flight::Flight;
 use results::{Detail, Output, Parts};
 use std::collections::VecDeque;
@@ -355,7 +355,7 @@ impl GpuStep {
             self.settle()?;
             self.contacts = None;
         }
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
             ..contacts.room
         });
@@ -411,8 +411,8 @@ impl GpuStep {
             plane_contacts: counters[PLANE_CONTACTS as usize],
             ..Sizes::default()
         };
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
-            contacts: ContactSizes::needed(tally),
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
+            contacts: ContactCapacity::needed(tally),
             touches: tally[TOUCHES as usize],
             ..contacts.room
         });
@@ -467,7 +467,7 @@ impl GpuStep {
                 }
             }
             if let Some(timer) = timer {
-                timer.resolve(&mut encoder, input.intervals());
+                timer.resolve(&mut encoder, input.collision_substeps());
             }
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {

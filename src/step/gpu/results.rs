@@ -51,8 +51,8 @@ pub struct Output {
     pub asleep: Vec<bool>,
     /// Pairs of triangles near each other, in the interval that had most: what contact generation had to look at.
     pub near_triangles: usize,
-    /// Into how many detection intervals the step was cut.
-    pub intervals: u32,
+    /// Into how many collision substeps the step was cut.
+    pub collision_substeps: u32,
     /// How fast bodies move after the step, with [`Response::Contacts`].
     pub speeds: Speeds,
     /// How many there are.
@@ -90,7 +90,7 @@ impl Parts {
             start..total
         };
         let counters = part(COUNTERS, 4);
-        let times = part(timer::BYTES * input.intervals(), 1);
+        let times = part(timer::BYTES * input.collision_substeps(), 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
         let moved = part(lists(input.len()), size_of::<Moved>());
         let sphere_pairs = part(lists(sizes.pairs), 8);
@@ -226,7 +226,7 @@ impl Raw {
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
-            intervals: input.intervals(),
+            collision_substeps: input.collision_substeps(),
             speeds: speeds(&self.tally),
             ..Default::default()
         };
@@ -277,7 +277,7 @@ impl Output {
         results.contacts = self.contacts;
         results.manifolds = self.manifolds;
         results.asleep = self.asleep;
-        results.intervals = self.intervals;
+        results.collision_substeps = self.collision_substeps;
         results.times = self.times;
         self.motions
     }

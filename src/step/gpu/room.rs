@@ -5,7 +5,7 @@ use crate::gpu::arena::Change;
 use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
 use crate::gpu::layout;
 use crate::gpu::readback::scoped;
-use crate::step::gpu::contacts::lists::StepRoom;
+use crate::step::gpu::contacts::lists::StepCapacity;
 use crate::step::gpu::contacts::{self, Contacts};
 
 impl GpuStep {
@@ -38,7 +38,7 @@ impl GpuStep {
     }
 
     /// Whether some list does not suffice.
-    pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepRoom>) -> bool {
+    pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepCapacity>) -> bool {
         let room = self.contacts.as_ref().map(|contacts| contacts.room);
         self.buffers.sizes.grown(needed) != self.buffers.sizes
             || room
@@ -47,7 +47,7 @@ impl GpuStep {
     }
 
     /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
-    pub(super) fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepRoom>) -> Result<bool, StepError> {
+    pub(super) fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepCapacity>) -> Result<bool, StepError> {
         if !self.lacks(needed, for_contacts) {
             return Ok(false);
         }

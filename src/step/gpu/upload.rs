@@ -147,9 +147,9 @@ impl Input {
         self
     }
 
-    /// How many detection intervals the step has.
-    pub(super) fn intervals(&self) -> u32 {
-        self.solver.as_ref().map_or(1, |solver| solver.intervals)
+    /// How many collision substeps the step has.
+    pub(super) fn collision_substeps(&self) -> u32 {
+        self.solver.as_ref().map_or(1, |solver| solver.collision_substeps)
     }
 
     /// How many bodies and half-spaces there were in the step before, as far as the solver knows.

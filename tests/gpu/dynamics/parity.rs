@@ -54,8 +54,8 @@ pub fn free() {
                 angular_velocity: any_vector(&mut || random.f32()) * 6.0,
                 ..Body::at_rest(meshes[i % 3], at, any_turn(&mut random), Vec3::new(0.5, 1.0, 1.3))
             };
-            body.handling.linear_damping = 0.1 * (i % 4) as f32;
-            body.handling.angular_damping = 0.2 * (i % 3) as f32;
+            body.params.linear_damping = 0.1 * (i % 4) as f32;
+            body.params.angular_damping = 0.2 * (i % 3) as f32;
             world.put(&body);
         }
         world
@@ -213,7 +213,7 @@ pub fn reports() {
     for _ in 0..80 {
         worlds.iter_mut().for_each(World::step);
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
-        assert_eq!(cpu.results.intervals, gpu.results.intervals);
+        assert_eq!(cpu.results.collision_substeps, gpu.results.collision_substeps);
         let bodies = |state: &bevy_faceoff::step::StepState| -> Vec<[u32; 2]> {
             state.results.contacts.pairs.iter().map(|pair| pair.bodies).collect()
         };

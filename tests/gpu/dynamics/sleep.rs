@@ -58,16 +58,16 @@ pub fn falls_asleep_and_wakes() {
         assert_eq!(output.manifolds.points.len(), points, "which keeps its points");
     }
 
-    world.state.input.bodies.handling[3].forces.impulse = Vec3::X * 0.5;
+    world.state.input.bodies.params[3].forces.impulse = Vec3::X * 0.5;
     world.step();
-    world.state.input.bodies.handling[3].forces.impulse = Vec3::ZERO;
+    world.state.input.bodies.params[3].forces.impulse = Vec3::ZERO;
     assert_eq!(asleep(&world), 0, "a push wakes the island");
     assert!(world.velocity(3).x > 0.01);
 
     fall_asleep(&mut world);
-    world.state.input.bodies.handling[2].woken = true;
+    world.state.input.bodies.params[2].woken = true;
     world.step();
-    world.state.input.bodies.handling[2].woken = false;
+    world.state.input.bodies.params[2].woken = false;
     assert_eq!(asleep(&world), 0, "who is woken wakes the others");
 
     fall_asleep(&mut world);

@@ -4,7 +4,7 @@ use crate::oracle::rng::Rng;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::manifolds::gpu::ContactSizes;
+use bevy_faceoff::manifolds::gpu::ContactCapacity;
 use bevy_faceoff::manifolds::{Manifolds, MarginPair};
 use bevy_faceoff::state::{Body, Plane};
 use bevy_faceoff::step::StepState;
@@ -46,7 +46,7 @@ pub fn twice_and_with_little_room(gpu: &Gpu) {
         let again = run.run(&state.input, &pairs).unwrap();
         assert_eq!(bits(&again), bits(&first));
     }
-    let mut small = GpuManifolds::with_room(gpu, ContactSizes::default()).unwrap();
+    let mut small = GpuManifolds::with_room(gpu, ContactCapacity::default()).unwrap();
     let grown = small.run(&state.input, &pairs).unwrap();
     assert_eq!(bits(&grown), bits(&first));
     assert!(small.repeats() > 2, "{}", small.repeats());

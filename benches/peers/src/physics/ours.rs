@@ -8,7 +8,7 @@ use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
-use bevy_faceoff::state::{Body, Handling, StepConfig};
+use bevy_faceoff::state::{Body, BodyParams, StepConfig};
 use bevy_faceoff::step::StepState;
 
 /// The stages without an app.
@@ -41,9 +41,9 @@ impl Faceoff {
                 mass: Some(mass.mass as f32),
                 inertia: Some(mass.inertia.as_mat3()),
                 restitution: body.restitution,
-                handling: Handling {
+                params: BodyParams {
                     friction: body.friction,
-                    ..Handling::default()
+                    ..BodyParams::default()
                 },
                 ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
             };

@@ -19,7 +19,7 @@ pub struct SolverInput {
     settings: SolverSettings,
     interval: Interval,
     /// Into how many intervals the step is cut.
-    pub intervals: u32,
+    pub collision_substeps: u32,
     bodies: Vec<layout::SolverBody>,
     arrivals: Vec<layout::BodyState>,
     forces: Vec<layout::BodyForces>,
@@ -73,14 +73,14 @@ impl SolverInput {
             goes_on = speeds;
         }
         let all = seen.and(goes_on).after(added, Vec3::ZERO);
-        let intervals = all.detections(&config.solver, &bodies, config.dt);
+        let collision_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
         let pushed = (bodies.bodies.iter().zip(&bodies.forces))
             .map(|(body, forces)| {
                 let turn = body.inverse_inertia * forces.angular_impulse;
                 forces.impulse.length() * body.inverse_mass + turn.length() * body.radius
             })
             .fold(0.0, f32::max);
-        let interval = Interval::of(config, intervals);
+        let interval = Interval::of(config, collision_substeps);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let mut arrivals: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, *k)).collect();
         if descent.new_ground {
@@ -91,7 +91,7 @@ impl SolverInput {
         Self {
             settings: config.solver,
             interval,
-            intervals,
+            collision_substeps,
             bodies: bodies.bodies.iter().map(upload::body).collect(),
             arrivals,
             forces: bodies.forces.iter().map(upload::forces).collect(),
@@ -104,7 +104,7 @@ impl SolverInput {
         }
     }
 
-    /// The length of a detection interval, seconds.
+    /// The length of a collision substep, seconds.
     pub fn dt(&self) -> f32 {
         self.interval.dt
     }

@@ -63,14 +63,14 @@ impl Lineage {
         for (i, before) in remap::numbers_before(&self.keys, &keys).enumerate() {
             let Some(before) = before else { continue };
             descent.renumbered[before as usize] = i as u32;
-            let handling = &bodies.handling[i];
-            let sleeps = handling.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
+            let params = &bodies.params[i];
+            let sleeps = params.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
             // Another scale or mesh may put the centre of mass elsewhere.
             let (now, then) = (&traits[i], &self.traits[before as usize]);
             let same_center = (now.center, now.scale) == (then.center, then.scale);
             let mut carried = if same_center { CONTINUES } else { 0 };
             carried |= if sleeps && now == then { CARRIED_SLEEP } else { 0 };
-            carried |= if handling.woken { WOKEN } else { 0 };
+            carried |= if params.woken { WOKEN } else { 0 };
             descent.bodies[i] = (before, carried);
         }
         if !self.keys.is_empty() {

@@ -3,22 +3,22 @@
 use crate::gpu::buffers::{TooLarge, check, grow, make};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
-use crate::manifolds::gpu::ContactSizes;
+use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::layout::{BodyForces, BodyState, COUNTERS, Interval, KeptPair, KeptPoint, SLOTS, SolverBody};
 use wgpu::{Buffer, BufferUsages};
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StepRoom {
+pub struct StepCapacity {
     /// What contact generation makes.
-    pub contacts: ContactSizes,
+    pub contacts: ContactCapacity,
     /// Bodies and half-spaces.
     pub bodies: u32,
     /// Points of pairs that touch, in all intervals.
     pub touches: u32,
 }
 
-impl StepRoom {
+impl StepCapacity {
     /// At least `needed` of each, with room to spare where these do not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
@@ -42,7 +42,7 @@ macro_rules! lists {
             ///
             /// # Errors
             /// If one is larger than the device allows; none is made then.
-            pub fn new(gpu: &Gpu, room: &StepRoom) -> Result<Self, TooLarge> {
+            pub fn new(gpu: &Gpu, room: &StepCapacity) -> Result<Self, TooLarge> {
                 $(let $name = {
                     let $room = room;
                     check(gpu, $what, u64::from($count) * size_of::<$element>() as u64)?
@@ -76,7 +76,7 @@ lists! {
     /// What the solver is told about the first interval, and about each other one.
     first_interval: "first interval", Interval, NONE, |_r| 1u32;
     /// The other.
-    other_interval: "other intervals", Interval, NONE, |_r| 1u32;
+    other_interval: "other collision_substeps", Interval, NONE, |_r| 1u32;
     /// The bodies' numbers by those they had before the first interval, and before each other one.
     first_numbers: "new numbers of bodies", u32, NONE, |r| r.bodies;
     /// The other.

@@ -1,6 +1,6 @@
 //! Contacts in the device's step: contact generation and solver, joined.
 //!
-//! A step is one submission, whatever number of detection intervals it is cut into. Bodies and the solver's memory stay on
+//! A step is one submission, whatever number of collision substeps it is cut into. Bodies and the solver's memory stay on
 //! the device from step to step, in [`StepLists::settled`](lists::StepLists) and the kept lists. These are written at the
 //! end of a step and not before, and only if no list was too short in any of its intervals; so such a step can run again.
 //!
@@ -30,7 +30,7 @@ use crate::gpu::radix_sort::Sort;
 use crate::gpu::timer::Timer;
 use crate::integrate;
 use crate::manifolds::gpu as manifolds;
-use crate::manifolds::gpu::{ContactBuffers, ContactSizes, Shared};
+use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, Shared};
 use crate::solver::gpu as solver;
 use crate::solver::gpu::layout::GROUPS_PER_64_PAIRS as SOLVER_PAIRS;
 use crate::solver::gpu::{Inputs, Lists, Passes, Room, layout as solver_layout};
@@ -40,7 +40,7 @@ use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan};
 use input::SolverInput;
 use kernels::*;
-use lists::{StepLists, StepRoom};
+use lists::{StepCapacity, StepLists};
 use std::collections::HashMap;
 use wgpu::{Buffer, CommandEncoder};
 
@@ -52,8 +52,8 @@ pub fn all_kernels() -> impl Iterator<Item = &'static Kernel> {
 }
 
 /// Lists start with room for this many things, and grow.
-pub const START: StepRoom = StepRoom {
-    contacts: ContactSizes {
+pub const START: StepCapacity = StepCapacity {
+    contacts: ContactCapacity {
         margin_pairs: 0,
         slots: 0,
         near_triangles: 1 << 15,
@@ -68,12 +68,12 @@ pub const START: StepRoom = StepRoom {
 };
 
 /// Calls are kept for so many ways of cutting up a step: one for each number of substeps an interval may have.
-const MOST_PROGRAMS: usize = 16;
+const MAX_PROGRAMS: usize = 16;
 
 /// Buffers and calls of steps with contacts.
 pub struct Contacts {
     /// What fits.
-    pub room: StepRoom,
+    pub room: StepCapacity,
     /// Of contact generation.
     pub contacts: ContactBuffers,
     /// Of the solver.
@@ -97,7 +97,7 @@ impl Contacts {
     ///
     /// # Errors
     /// If the device cannot hold the lists.
-    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, mut room: StepRoom) -> Result<Self, TooLarge> {
+    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, mut room: StepCapacity) -> Result<Self, TooLarge> {
         // As many as there can be: the lists are made on the device.
         let sizes = &buffers.sizes;
         room.contacts.margin_pairs = sizes.pairs;
@@ -191,7 +191,7 @@ impl Contacts {
         if self.solve.contains_key(&passes) {
             return;
         }
-        if self.solve.len() >= MOST_PROGRAMS {
+        if self.solve.len() >= MAX_PROGRAMS {
             self.solve.clear();
         }
         let recorder = Recorder {
@@ -228,9 +228,9 @@ impl Contacts {
         if input.old_bodies() == 0 {
             encoder.clear_buffer(&solver.counters, 0, None);
         }
-        for lap in 0..input.intervals {
+        for lap in 0..input.collision_substeps {
             let is_first = lap == 0;
-            let is_last = lap + 1 == input.intervals;
+            let is_last = lap + 1 == input.collision_substeps;
             let (interval, numbers, find) = if is_first {
                 (&lists.first_interval, &lists.first_numbers, &self.first)
             } else {
