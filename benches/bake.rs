@@ -1,11 +1,11 @@
-//! How long a full table of faces of collision takes, against a plain rasteriser on the same pool in the same run.
+//! Time to bake a full face table, compared with a plain rasteriser on the same thread pool in the same run.
 //!
-//! The plain one does what Aly & Elawady 2010 describe, in the usual way: an image of heights and one of face indices,
-//! scan-line spans, a depth test per pixel, and a search through the image for the indices left over. It draws the same
-//! half of the table, at pixel centres only.
+//! The plain rasteriser implements what Aly & Elawady 2010 describe in the usual way: an image of heights and one of
+//! face indices, scan-line spans, a depth test per pixel, and a search through the image for the remaining indices. It
+//! draws the same half of the table, at pixel centres only.
 //!
-//! Run with `cargo bench --bench bake`, optionally followed by `-- <runs>`; the best of the runs counts. With
-//! `-- sizes` it prints the sizes of tables and the times to load them, and nothing else.
+//! Run with `cargo bench --bench bake`, optionally followed by `-- <runs>`; the best run counts. With `-- sizes` it
+//! only prints the sizes of tables and the times to load them.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::asset::format::{from_bytes, to_bytes};
@@ -58,8 +58,9 @@ fn main() {
     }
 }
 
-/// The fast form's sets must be those of the slow one. The plain one sees fewer triangles: it knows no slivers and shows
-/// one of several equally high ones. What it alone sees are backs at silhouettes, where rounding lifts them.
+/// Asserts that the fast implementation of visibility gives the same sets as the definition, and compares both with the
+/// plain rasteriser. The plain one finds fewer triangles: it has no slivers and shows only one of several equally high
+/// ones. Triangles that only it finds are back faces at silhouettes, which rounding raises.
 fn compare(name: &str, mesh: &TriMesh, image: u32) {
     let grid = DirectionGrid::new(1).expect("1 divides 90");
     let raster = Raster::new(mesh, image);
@@ -68,7 +69,7 @@ fn compare(name: &str, mesh: &TriMesh, image: u32) {
     for direction in (0..grid.len()).step_by(211).chain([grid.len() - 1]) {
         let rotation = grid.rotation(direction);
         let visible = raster.visible(&rotation);
-        differ += usize::from(visible != raster.visible_plainly(&rotation));
+        differ += usize::from(visible != raster.visible_by_definition(&rotation));
         let plain = buffers.visible(mesh, &rotation, image as usize, false);
         plain_sum += plain.iter().map(|w| w.count_ones() as usize).sum::<usize>();
         let own = visible
@@ -86,7 +87,7 @@ fn compare(name: &str, mesh: &TriMesh, image: u32) {
         mean(alone),
         mean(sum)
     );
-    assert_eq!(differ, 0, "the fast form sees something else");
+    assert_eq!(differ, 0, "the fast implementation gives another set");
 }
 
 fn time(name: &str, mesh: &TriMesh, image: u32, pool: &rayon::ThreadPool, runs: usize) {
@@ -126,7 +127,7 @@ fn all_sizes(meshes: &[(&str, TriMesh)], pool: &rayon::ThreadPool) {
     }
 }
 
-/// The shortest of some calls.
+/// The shortest time of several calls.
 fn best_of<T>(mut f: impl FnMut() -> T) -> Duration {
     (0..20)
         .map(|_| {
@@ -140,7 +141,7 @@ fn best_of<T>(mut f: impl FnMut() -> T) -> Duration {
         .expect("some calls")
 }
 
-/// The table of a mesh as it is after import, with its triangles in the order of clusters.
+/// The face table of a mesh as after import, with its triangles in cluster order.
 fn sizes(name: &str, mesh: &TriMesh, pool: &rayon::ThreadPool) {
     let settings = BakeSettings {
         faces: true,
@@ -210,7 +211,7 @@ fn heights(name: &str, mesh: &TriMesh) {
     );
 }
 
-/// The half table by the plain rasteriser: one set of bits per direction.
+/// The table of half of all angles by the plain rasteriser: one set of bits per direction.
 fn plain_table(mesh: &TriMesh, image: usize, fronts_only: bool, pool: &rayon::ThreadPool) -> Vec<Vec<u64>> {
     let grid = DirectionGrid::new(1).expect("1 divides 90");
     pool.install(|| {
@@ -269,7 +270,7 @@ impl Plain {
 
     fn triangle(&mut self, [mut a, mut b, mut c]: [Vec3; 3], normal: Vec3, t: u32, size: usize) {
         let dx = -normal.x / normal.z;
-        // Sorted by y: the long edge from a to c on one side, by way of b on the other.
+        // Sorted by y: the long edge from a to c is on one side, the edges through b on the other.
         if a.y > b.y {
             std::mem::swap(&mut a, &mut b);
         }
@@ -314,13 +315,13 @@ impl Plain {
     }
 }
 
-/// The smallest whole number not below `x >= 0`.
+/// The smallest integer not below `x >= 0`.
 fn up(x: f32) -> i32 {
     let t = x as i32;
     t + i32::from((t as f32) < x)
 }
 
-/// A torus of `around * about * 2` triangles, tube radius 0.4 of the ring's.
+/// A torus of `around * about * 2` triangles. The radius of the tube is 0.4 of that of the ring.
 fn torus(around: u32, about: u32) -> TriMesh {
     tube(around, about, 0.4, |s| Vec3::new((TAU * s).cos(), (TAU * s).sin(), 0.0))
 }
@@ -340,7 +341,7 @@ fn tube(around: u32, about: u32, radius: f32, center: impl Fn(f32) -> Vec3) -> T
         let s = i as f32 / around as f32;
         let (here, ahead, behind) = (center(s), center(s + 1.0e-3), center(s - 1.0e-3));
         let tangent = (ahead - behind).normalize();
-        // Away from the axis as far as possible: a frame that returns to itself after a turn.
+        // A normal that points away from the axis gives a frame that closes after a turn.
         let away = Vec3::new(here.x, here.y, 0.0);
         let normal = away.reject_from_normalized(tangent).normalize();
         let binormal = tangent.cross(normal);

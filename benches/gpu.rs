@@ -1,15 +1,21 @@
-//! The five stages on the GPU: `cargo bench --bench gpu [-- --quick]`, or the binary it builds, copied to any machine
+//! Time of the stages on the GPU: `cargo bench --bench gpu [-- --quick]`. The binary can also be copied to any machine
 //! with a driver.
 //!
-//! Scenes are the paper's at growing size, exact, with response. Per scene: device time of each stage (medians, from time
-//! stamps), wall time of a step with all results read back at once, of one with the results two steps later, of one with only
-//! the counts two steps later, and the same step on the CPU. `--quick` leaves out what takes minutes on a software driver.
+//! The scenes are those of the paper in several sizes, in the exact mode and with response. For each scene the table
+//! has:
+//! * the device time of each stage (medians of timestamps);
+//! * the wall time of a step with all results read back at once, with results read back two steps later, and with only
+//!   the counts read back two steps later;
+//! * the time of the same step on the CPU.
+//!
+//! `--quick` omits scenes that take minutes on a software driver.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::device;
 use bevy_faceoff::plugin::settings::LATENCY;
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::results::Detail;
 use bevy_faceoff::step::gpu::upload::Carried;
 use bevy_faceoff::step::gpu::{GpuStep, StepError};
@@ -72,7 +78,7 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
         let start = Instant::now();
         step.run(&mut state)?;
         walls.push(start.elapsed());
-        for (times, time) in stages.iter_mut().zip(state.times) {
+        for (times, time) in stages.iter_mut().zip(state.results.times) {
             times.push(time);
         }
         let mut state = scene(&mesh, count);
@@ -89,24 +95,24 @@ fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds:
     let times: String = stages.iter().map(|time| format!("{time:.3} | ")).collect();
     println!(
         "| {name} | {} | {} | {} | {times}{device:.3} | {wall:.3} | {latent:.3} | {resident:.3} | {cpu:.3} | {:.3} | {} |",
-        state.sphere_pairs.len(),
-        state.contacts.pairs.len(),
-        state.contacts.faces.len(),
+        state.results.sphere_pairs.len(),
+        state.results.contacts.pairs.len(),
+        state.results.contacts.faces.len(),
         cpu / device,
         step.bytes(),
     );
     Ok(())
 }
 
-/// Milliseconds a step if each goes on from the one before and results are taken some steps later.
+/// Milliseconds per step if each step continues from the one before, and results are read back some steps later.
 fn in_flight(step: &mut GpuStep, state: &StepState, detail: Detail, rounds: usize) -> Result<f64, StepError> {
-    let carried: Vec<_> = (0..state.bodies.len() as u32)
+    let carried: Vec<_> = (0..state.input.bodies.len() as u32)
         .map(|source| Some(Carried::all(source)))
         .collect();
     let start = Instant::now();
-    step.submit(state, &[], detail)?;
+    step.submit(&state.input, &[], detail)?;
     for _ in 1..rounds {
-        step.submit(state, &carried, detail)?;
+        step.submit(&state.input, &carried, detail)?;
         if step.in_flight() > LATENCY
             && let Some(output) = step.take()
         {
@@ -125,23 +131,27 @@ fn median(mut times: Vec<Duration>) -> f64 {
     times[times.len() / 2].as_secs_f64() * 1.0e3
 }
 
-/// Bodies in a box at the density of Aly & Elawady 2010: about 0.7 pairs of spheres a body.
+/// Bodies in a box at the density of Aly & Elawady 2010: about 0.7 pairs of overlapping bounding spheres per body.
 fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
     let mut random = fastrand::Rng::with_seed(1);
     let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
     let side = 22.5 * (count as f32 / 2200.0).cbrt();
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     for _ in 0..count {
         let scale = between(0.25, 2.0) / (2.0 * mesh.radius);
         let [x, y, z, w] = [0; 4].map(|_| between(-1.0, 1.0));
         let position = Vec3::from_array([0; 3].map(|_| between(0.0, side)));
-        // Not uniform over rotations, but close.
+        // Nearly uniform over rotations.
         let rotation = Quat::from_xyzw(x, y, z, w + 1.0e-3).normalize();
         let mut body = Body::at_rest(slot, position, rotation, Vec3::splat(scale));
         body.linear_velocity = Vec3::from_array([0; 3].map(|_| between(-0.5, 0.5)));
         body.restitution = 1.0;
-        state.bodies.push(&body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(&body, &state.input.meshes)
+            .expect("a usable body");
     }
     state
 }

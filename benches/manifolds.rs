@@ -1,18 +1,20 @@
-//! Contact generation per pair, one thread: `cargo bench --bench manifolds [PAIRS]`.
+//! Time of contact generation per pair on one thread: `cargo bench --bench manifolds [PAIRS]`.
 //!
-//! Two scenes: the narrow phase's, random poses of diameters 0.25 to 2 whose bounding spheres overlap, most of which are apart
-//! or deep inside each other; and bodies of diameter 1 that lie against each other, overlapping by 1 % as in a pile, or
-//! apart by half of the margin. The margin is 1 % of the smaller diameter.
+//! There are three scenes. The first has the random poses of the narrow phase benchmark: bodies of diameters 0.25 to 2
+//! whose bounding spheres overlap. Most are apart or deep inside each other. In the others bodies of diameter 1 rest
+//! against each other: they overlap by 1 %, as in a pile, or are apart by half of the speculative margin. The margin is
+//! 1 % of the smaller diameter.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
 use bevy_faceoff::queries::{Placement, touching};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use glam::{Quat, Vec3};
 use std::time::Instant;
 
-/// A pair's poses: scale, rotation, translation of each.
+/// The poses of a pair: scale, rotation and translation of each body.
 type Poses = [(f32, Quat, Vec3); 2];
 
 fn main() {
@@ -43,13 +45,17 @@ fn main() {
 
 fn time(name: &str, scene: &str, mesh: &CollisionMesh, poses: &[Poses]) {
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     let mut pairs = Vec::new();
     for pair in poses {
-        let first = state.bodies.len() as u32;
+        let first = state.input.bodies.len() as u32;
         for (scale, rotation, at) in pair {
             let body = Body::at_rest(slot, *at, *rotation, Vec3::splat(*scale));
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
         pairs.push(MarginPair {
             bodies: [first, first + 1],
@@ -60,10 +66,16 @@ fn time(name: &str, scene: &str, mesh: &CollisionMesh, poses: &[Poses]) {
     let mut round = |pairs: &[MarginPair]| {
         let times = (0..8).map(|_| {
             let start = Instant::now();
-            cpu::run(&state.bodies, &state.meshes, pairs, &mut scratch, &mut manifolds);
+            cpu::run(
+                &state.input.bodies,
+                &state.input.meshes,
+                pairs,
+                &mut scratch,
+                &mut manifolds,
+            );
             start.elapsed().as_secs_f64() * 1e6 / pairs.len().max(1) as f64
         });
-        // The first warms the caches.
+        // The first run warms the caches.
         let best = times.skip(1).fold(f64::INFINITY, f64::min);
         (best, manifolds.pairs.clone(), manifolds.points.len())
     };
@@ -93,20 +105,20 @@ fn overlapping(mesh: &TriMesh, count: usize) -> Vec<Poses> {
     poses
 }
 
-/// The second comes towards the first until it is `overlap` deep.
+/// Poses in which the second body is moved towards the first until it overlaps by `overlap`.
 fn against(mesh: &CollisionMesh, overlap: f32, count: usize) -> Vec<Poses> {
     let mut random = fastrand::Rng::with_seed(5);
     let mut poses = Vec::new();
     while poses.len() < count {
         let [qa, qb] = [0; 2].map(|_| rotation(&mut random));
-        let (way, aside) = (vector(&mut random).normalize(), 0.2 * vector(&mut random));
+        let (direction, aside) = (vector(&mut random).normalize(), 0.2 * vector(&mut random));
         let place = |rotation: Quat, translation: Vec3| Placement {
             mesh: mesh.clone(),
             translation,
             rotation,
             scale: Vec3::ONE,
         };
-        let at = |t: f32| aside + way * t;
+        let at = |t: f32| aside + direction * t;
         let touch = |t: f32| {
             let pair = [place(qa, Vec3::ZERO), place(qb, at(t))];
             !touching(&pair).expect("usable placements").is_empty()
@@ -128,7 +140,7 @@ fn against(mesh: &CollisionMesh, overlap: f32, count: usize) -> Vec<Poses> {
     poses
 }
 
-/// In the cube of edge 1.
+/// A random vector in the cube of edge 1 about the origin.
 fn vector(random: &mut fastrand::Rng) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| random.f32() - 0.5))
 }

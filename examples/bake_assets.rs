@@ -1,12 +1,13 @@
-//! Meshes baked ahead of time by Bevy's asset processor, as a game would have it: source files in one folder, what the
-//! game is shipped with in another.
+//! Bakes meshes ahead of time with Bevy's asset processor. Source files are in one folder, the assets that a game ships
+//! with in another.
 //!
 //! `cargo run --release --example bake_assets`
 //!
-//! Starts a program over a folder of assets three times: the first bakes, the second finds nothing to do, the third
-//! is what players get, with no processor and no source files. All folders are temporary. A game sets
-//! `AssetPlugin::mode` to `AssetMode::Processed`, as here, and leaves the rest at its defaults: the folders `assets` and
-//! `imported_assets`, and a processor if Bevy's feature `asset_processor` is on.
+//! It runs an app on the same assets three times. The first run bakes. The second has nothing to bake. The third is the
+//! game as players get it, without a processor and without source files. All folders are temporary.
+//!
+//! A game sets `AssetPlugin::mode` to `AssetMode::Processed`, as here, and keeps the defaults for the rest: the folders
+//! `assets` and `imported_assets`, and a processor if Bevy's feature `asset_processor` is on.
 
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::LoadState;
@@ -35,20 +36,20 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let first = start(folder, true)?;
     let baked_at = time_of_bake(folder)?;
-    // Coarse clocks would give two bakes in quick succession the same time.
+    // With a coarse clock two bakes in quick succession could have the same time.
     std::thread::sleep(Duration::from_millis(50));
     let second = start(folder, true)?;
-    assert_eq!(time_of_bake(folder)?, baked_at, "the second start baked again");
-    println!("the second start baked nothing");
+    assert_eq!(time_of_bake(folder)?, baked_at, "the second run baked again");
+    println!("the second run baked nothing");
 
     std::fs::remove_dir_all(&sources)?;
     let shipped = start(folder, false)?;
     assert!(first == second && second == shipped, "all three are the same mesh");
-    println!("the third got along without {}", sources.display());
+    println!("the third run did not need {}", sources.display());
     Ok(())
 }
 
-/// One start of the program: loads the recipe and says how long it took.
+/// Runs the app once: loads the recipe and prints how long it took.
 fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> {
     let began = Instant::now();
     let text = |path: &Path| path.to_string_lossy().into_owned();
@@ -66,7 +67,7 @@ fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> 
             ..default()
         },
     ));
-    // Bevy keeps a log in the working folder, to repair what a crash left half done.
+    // By default Bevy writes its transaction log, from which it recovers after a crash, into the working folder.
     if let Some(processor) = app.world().get_resource::<AssetProcessor>() {
         let file_path = folder.join("log");
         processor
@@ -95,7 +96,7 @@ fn start(folder: &Path, process: bool) -> Result<CollisionMesh, Box<dyn Error>> 
         block_on(processor.data().wait_until_finished());
     }
     println!(
-        "{}: {RECIPE} there after {:.0} ms, {mesh:?}",
+        "{}: {RECIPE} loaded after {:.0} ms, {mesh:?}",
         if process { "with processor" } else { "as shipped" },
         began.elapsed().as_secs_f64() * 1e3
     );

@@ -1,9 +1,9 @@
-//! Faces of collision: two bodies turn near each other, and the faces that each shows the other are lit.
+//! Two bodies rotate near each other. The faces of collision of each, towards the other, are highlighted.
 //!
-//! * `cargo run --release --example debug_faces --features window` shows it, in colour;
-//! * `cargo run --release --example debug_faces -- --headless` prints how many are lit, step by step.
+//! * `cargo run --release --example debug_faces --features window` shows them in a window;
+//! * `cargo run --release --example debug_faces -- --headless` prints their number in every eighth step.
 //!
-//! These are the faces that `Culling::FacesOfCollision` tests. They are read from the table that is baked for a mesh.
+//! Faces of collision are the faces that `Culling::FacesOfCollision` tests. They come from the mesh's baked face table.
 
 mod common;
 
@@ -23,7 +23,7 @@ fn main() -> AppExit {
     app.run()
 }
 
-/// The body on the other side.
+/// The other body.
 #[derive(Component)]
 struct Partner(Entity);
 
@@ -33,7 +33,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
         ("torus", 1.0, Vec3::new(0.5, -0.4, 0.6)),
     ]
     .map(|(mesh, side, spin)| {
-        // A coarse table is there at once. It overrules the recipe.
+        // A coarse table bakes quickly. These settings override the recipe.
         let bake = |settings: &mut CollisionMeshSettings| {
             settings.bake = Some(BakeSettings {
                 faces: true,
@@ -67,7 +67,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     }
 }
 
-/// Calls `each` with a body, its mesh and the faces that it shows its partner.
+/// Calls `each` with each body, its mesh and its faces of collision towards its partner.
 fn for_each_lit(
     bodies: &Query<(Entity, &Partner, &MeshCollider, &Transform)>,
     meshes: &Assets<CollisionMesh>,
@@ -77,7 +77,7 @@ fn for_each_lit(
         let Ok((_, _, other, other_pose)) = bodies.get(partner.0) else {
             continue;
         };
-        // Both are `None` until they are loaded.
+        // Meshes are missing until they are loaded.
         let (Some(mesh), Some(other)) = (meshes.get(&collider.0), meshes.get(&other.0)) else {
             continue;
         };
@@ -87,7 +87,7 @@ fn for_each_lit(
     }
 }
 
-/// Every eighth step, how many faces are lit.
+/// Prints the number of highlighted faces in every eighth step.
 fn print(
     bodies: Query<(Entity, &Partner, &MeshCollider, &Transform)>,
     meshes: Res<Assets<CollisionMesh>>,
@@ -105,7 +105,7 @@ fn print(
     println!();
 }
 
-/// Gives the corners of lit faces another colour than those of the others.
+/// Highlights faces by vertex colours.
 #[cfg(feature = "window")]
 fn paint(
     bodies: Query<(Entity, &Partner, &MeshCollider, &Transform)>,
@@ -113,7 +113,7 @@ fn paint(
     drawn: Query<&Mesh3d>,
     mut meshes: ResMut<Assets<Mesh>>,
 ) {
-    // Factors on the body's own colour.
+    // Vertex colours multiply the colour of the material.
     const DARK: [f32; 4] = [0.25, 0.25, 0.25, 1.0];
     const LIT: [f32; 4] = [2.0, 2.0, 2.0, 1.0];
     for_each_lit(&bodies, &baked, |entity, mesh, lit| {

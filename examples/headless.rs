@@ -1,5 +1,5 @@
-//! A simulation with no window and no GPU, as a test or a server would run it: one fixed step per update, as fast as it
-//! goes, and assertions about the outcome. It panics, and so exits with an error, where one of them fails.
+//! A simulation without a window or GPU, as in a test or on a server: one fixed step per update, as fast as possible,
+//! and assertions about the outcome. If an assertion fails, it panics and exits with an error.
 //!
 //! `cargo run --release --example headless`
 
@@ -22,30 +22,34 @@ fn main() {
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((
-        // Without the runner: we call `update` ourselves.
+        // Without the runner, because we call `update` ourselves.
         MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
         FaceoffHeadlessPlugins::default(),
     ))
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
     .insert_resource(Time::<Fixed>::from_duration(STEP))
     .insert_resource(Gravity(Vec3::ZERO))
-    .init_resource::<Told>()
+    .init_resource::<Events>()
     .add_systems(Update, listen);
     app.finish();
     app.cleanup();
     app
 }
 
-/// What was told, for later.
+/// All collision messages since the start.
 #[derive(Resource, Default)]
-struct Told {
+struct Events {
     starts: Vec<CollisionStart>,
     ends: Vec<CollisionEnd>,
 }
 
-fn listen(mut told: ResMut<Told>, mut starts: MessageReader<CollisionStart>, mut ends: MessageReader<CollisionEnd>) {
-    told.starts.extend(starts.read());
-    told.ends.extend(ends.read());
+fn listen(
+    mut events: ResMut<Events>,
+    mut starts: MessageReader<CollisionStart>,
+    mut ends: MessageReader<CollisionEnd>,
+) {
+    events.starts.extend(starts.read());
+    events.ends.extend(ends.read());
 }
 
 fn collider(app: &mut App, mesh: &TriMesh) -> MeshCollider {
@@ -74,23 +78,23 @@ fn two_tori_bounce_off_each_other() {
     for _ in 0..192 {
         app.update();
     }
-    let told = app.world().resource::<Told>();
+    let events = app.world().resource::<Events>();
     println!(
-        "tori: {} collisions began and {} ended",
-        told.starts.len(),
-        told.ends.len()
+        "tori: {} collisions started and {} ended",
+        events.starts.len(),
+        events.ends.len()
     );
-    assert!(!told.starts.is_empty(), "they never met");
-    assert_eq!(told.starts.len(), told.ends.len(), "they still touch");
-    for start in &told.starts {
+    assert!(!events.starts.is_empty(), "they never met");
+    assert_eq!(events.starts.len(), events.ends.len(), "they still touch");
+    for start in &events.starts {
         assert!(bodies.contains(&start.entity1) && bodies.contains(&start.entity2));
     }
     let velocities = bodies.map(|body| app.world().get::<LinearVelocity>(body).expect("a body").0);
     assert!(
         velocities[0].x < 0.0 && velocities[1].x > 0.0,
-        "they part: {velocities:?}"
+        "they separate: {velocities:?}"
     );
-    // Whatever they do to each other, momentum stays; the masses are equal.
+    // Momentum is conserved, and the masses are equal.
     assert!((velocities[0] + velocities[1]).length() < 1e-4, "{velocities:?}");
 }
 
@@ -99,7 +103,7 @@ fn a_ball_flies_through_the_hole_of_a_torus() {
         let mut app = app();
         let torus = shapes::torus_240();
         let hole = TriMesh::aabb(&torus);
-        // The axis of a torus is the side on which it is shortest.
+        // The axis of a torus is the shortest side of its box.
         let axis = Vec3::AXES[(hole.max - hole.min).min_position()];
         let torus = collider(&mut app, &torus);
         let ball = collider(&mut app, &shapes::ball_320());
@@ -113,9 +117,9 @@ fn a_ball_flies_through_the_hole_of_a_torus() {
             app.update();
         }
         let place = app.world().get::<Transform>(ball).expect("the ball").translation;
-        let touched = !app.world().resource::<Told>().starts.is_empty();
+        let touched = !app.world().resource::<Events>().starts.is_empty();
         println!("ball of scale {scale}: touched {touched}, is at {place}");
-        // A sensor reports and flies on. The hole is empty, whatever the bounding spheres say.
+        // A sensor is not pushed, so it flies on. Bounding spheres overlap, but a small ball fits through the hole.
         assert!(place.dot(axis) > 2.0);
         assert_eq!(touched, !fits);
     }

@@ -3,7 +3,8 @@
 //! * `cargo run --release --example hello --features window` shows them in a window;
 //! * `cargo run --release --example hello -- --headless` needs neither window nor GPU, and prints what happens.
 //!
-//! `common` opens the window, which in your own game `DefaultPlugins` do. Everything else is here.
+//! The module `common` opens the window. In your own game use `DefaultPlugins` for that. The rest of the program is in
+//! this file.
 
 mod common;
 
@@ -14,13 +15,13 @@ fn main() -> AppExit {
     common::app("hello", 64 * 6)
         .insert_resource(Gravity(Vec3::ZERO))
         .add_systems(Startup, spawn)
-        // After every step, not every frame: a slow frame runs several steps.
+        // Runs after every step, not in every frame, because a slow frame has several steps.
         .add_systems(FixedLast, report)
         .run()
 }
 
 fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
-    // A recipe: it names the mesh and how to bake it. Bodies wait until that is done.
+    // A recipe names a mesh and the settings of its bake. Bodies start to move once their mesh is loaded.
     let torus: Handle<CollisionMesh> = assets.load("torus.bake.ron");
     for (name, side) in [("left", -1.0), ("right", 1.0)] {
         commands.spawn((
@@ -36,7 +37,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     common::spawn_box(&mut commands, 1.5);
 }
 
-/// Only bodies have names: what touches a wall is not told.
+/// Prints collisions of bodies. Walls have no name, so collisions with walls are not printed.
 fn report(
     mut started: MessageReader<CollisionStart>,
     mut ended: MessageReader<CollisionEnd>,
@@ -54,7 +55,7 @@ fn report(
     }
     for &CollisionEnd { entity1, entity2 } in ended.read() {
         if let Ok([one, other]) = names.get_many([entity1, entity2]) {
-            println!("{seconds:.2} s: {one} and {other} part");
+            println!("{seconds:.2} s: {one} and {other} separate");
         }
     }
 }

@@ -5,7 +5,7 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::BakeSettings;
 use std::path::Path;
 
-/// Every file's name and text.
+/// Name and text of every file.
 pub fn files() -> Vec<(String, String)> {
     [
         ("torus", shapes::torus_240(), true),
@@ -32,7 +32,7 @@ pub fn files() -> Vec<(String, String)> {
     .collect()
 }
 
-#[allow(dead_code)] // A test includes this file to compare what it writes with what is in the repository.
+#[allow(dead_code)] // A test includes this file to compare its output with the files in the repository.
 fn main() -> std::io::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     std::fs::create_dir_all(&folder)?;

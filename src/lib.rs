@@ -1,49 +1,102 @@
-//! Collisions between thousands of moving, concave triangle meshes, triangle by triangle, inside Bevy.
+//! Exact collisions and contacts between thousands of moving, concave triangle meshes: a plugin for Bevy 0.19, and a
+//! library without an engine.
 //!
-//! The method is height projection (Aly & Elawady, "A New Narrow Phase Collision Detection Algorithm Using Height
-//! Projection", EDERC 2010), made exact: meshes are baked once ([`projection`], [`asset`]); every fixed step runs
-//! ordered [`stages`]; results are components, messages and resources.
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_faceoff::{geometry::shapes, prelude::*};
 //!
-//! * Add [`FaceoffPlugins`](plugin::FaceoffPlugins) after `DefaultPlugins`, or
-//!   [`FaceoffHeadlessPlugins`](plugin::FaceoffHeadlessPlugins) after `MinimalPlugins` and `LogPlugin`.
-//! * Spawn a [`RigidBody`](components::RigidBody) with a [`MeshCollider`](components::MeshCollider); see [`components`]
-//!   for all that can stand beside them and [`settings`] for what holds for all bodies.
-//! * Read [`Collisions`](collisions::Collisions), [`CollidingEntities`](components::CollidingEntities) or
-//!   [`events`].
-//! * To check placed meshes without an app, call [`queries::check`].
-//! * The stages run on a GPU or on the CPU: see [`Backend`](settings::Backend) and [`backend`].
-//! * Pause, step by hand, slow down: see [`clock`].
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
+//! app.world_mut().spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
 //!
-//! Units are metres, kilograms, seconds and radians. Bodies move in `FixedPostUpdate`, in the schedule
-//! [`FaceoffStep`](plugin::FaceoffStep).
+//! let mut meshes = app.world_mut().resource_mut::<Assets<CollisionMesh>>();
+//! let torus = meshes.add(CollisionMesh::new(&shapes::torus_240()));
+//! for height in [1.0, 2.0] {
+//!     app.world_mut().spawn((
+//!         RigidBody::Dynamic,
+//!         MeshCollider(torus.clone()),
+//!         Transform::from_xyz(0.0, height, 0.0),
+//!     ));
+//! }
+//! app.finish();
+//!
+//! // A game does this 64 times a second by itself.
+//! for _ in 0..64 {
+//!     app.world_mut().run_schedule(FaceoffStep);
+//! }
+//! for hit in app.world().resource::<Collisions>().iter() {
+//!     println!("{} touches {} at {}", hit.entity1, hit.entity2, hit.contact.point);
+//! }
+//! ```
+//!
+//! # Map
+//!
+//! | to | see |
+//! |---|---|
+//! | build a game or a headless app | [`prelude`], [`plugin`] |
+//! | make triangle meshes | [`geometry`] |
+//! | bake them, and choose how | [`projection`] |
+//! | load and save baked meshes, without an app | [`asset`] |
+//! | ask which placed meshes touch, and where, without an app | [`queries`] |
+//! | know what components and settings mean | [`types`], [`plugin::components`], [`plugin::settings`] |
+//!
+//! Meshes are baked once, by height projection (Aly & Elawady, "A New Narrow Phase Collision Detection Algorithm Using Height
+//! Projection", EDERC 2010), made exact. Every fixed step then runs ordered stages, on the CPU or on a GPU: broad phase,
+//! angles, triangle test, manifolds, force scan, integrate.
+//!
+//! # Units
+//!
+//! Metres, kilograms, seconds and radians. Counter-clockwise faces look outward.
+//!
+//! # Features
+//!
+//! * `bevy`, on by default: [`plugin`] and [`prelude`]. Without it no crate of Bevy is built.
+//! * `gpu`, on by default: the stages on a GPU, through wgpu.
+//! * `bevy_render`, `bevy_mesh`, `debug_gizmos`: what works with these parts of Bevy.
+//! * `cli`: the command line `faceoff`.
 
-pub mod angles;
 pub mod asset;
-pub mod broad_phase;
-pub mod ccd;
-pub mod force_scan;
 pub mod geometry;
-#[cfg(feature = "gpu")]
-pub mod gpu;
-pub mod integrate;
-pub mod manifolds;
-pub(crate) mod parallel;
 #[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod projection;
 pub mod queries;
-pub(crate) mod simd;
-pub mod sleep;
-pub mod solver;
-pub mod state;
-pub mod step;
-#[cfg(feature = "gpu")]
-pub mod testing;
-pub mod triangle_test;
 pub mod types;
 
-#[cfg(feature = "bevy")]
+// The stages and what they work on, for this repository's tests, benches and command line. Hidden from the documentation:
+// they change without notice.
+#[doc(hidden)]
+pub mod angles;
+#[doc(hidden)]
+pub mod broad_phase;
+#[doc(hidden)]
+pub mod ccd;
+#[doc(hidden)]
+pub mod force_scan;
+#[cfg(feature = "gpu")]
+#[doc(hidden)]
+pub mod gpu;
+#[doc(hidden)]
+pub mod integrate;
+#[doc(hidden)]
+pub mod manifolds;
+mod parallel;
+mod simd;
+#[doc(hidden)]
+pub mod sleep;
+#[doc(hidden)]
+pub mod solver;
+#[doc(hidden)]
+pub mod state;
+#[doc(hidden)]
+pub mod step;
+#[doc(hidden)]
+pub mod testing;
+#[doc(hidden)]
+pub mod triangle_test;
+
 /// What most programs need: `use bevy_faceoff::prelude::*;`
+#[cfg(feature = "bevy")]
 pub mod prelude {
     pub use crate::asset::CollisionMesh;
     pub use crate::geometry::TriMesh;
@@ -54,7 +107,7 @@ pub mod prelude {
     pub use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
     #[cfg(feature = "bevy_mesh")]
     pub use crate::plugin::mesh_collider_from::MeshColliderFrom;
-    pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Reading};
+    pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;

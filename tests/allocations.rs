@@ -5,8 +5,11 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::FaceoffStep;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::state::{Body, Counts, Plane, StepState};
+use bevy_faceoff::queries::{ContactWorker, PairMemory, Placed};
+use bevy_faceoff::state::{Body, Counts, Plane};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
+use glam::{DQuat, DVec3};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 use std::alloc::System;
 
@@ -18,9 +21,9 @@ const STEPS: usize = 20;
 /// Tori, knots and balls in a box over a plane, some static, some culled by their front.
 fn scene(state: &mut StepState) -> Vec<Body> {
     let meshes = [shapes::torus_240(), shapes::knot_1120(), shapes::ball(0.5, 5)];
-    let meshes = meshes.map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
-    state.config.gravity = Vec3::NEG_Y;
-    state.planes.push(Plane {
+    let meshes = meshes.map(|mesh| state.input.meshes.add(CollisionMesh::new(&mesh)));
+    state.input.config.gravity = Vec3::NEG_Y;
+    state.input.planes.push(Plane {
         normal: Vec3::Y,
         distance: -2.0,
         restitution: 0.5,
@@ -59,16 +62,20 @@ fn steps(state: &mut StepState, scene: &[Body], bodies: &mut Vec<Body>, counts: 
     bodies.clear();
     bodies.extend_from_slice(scene);
     for _ in 0..STEPS {
-        state.bodies.clear();
+        state.input.bodies.clear();
         for body in bodies.iter() {
-            state.bodies.push(body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(body, &state.input.meshes)
+                .expect("a usable body");
         }
         for stage in Stage::ALL {
             bevy_faceoff::step::cpu::run(stage, state);
         }
-        counts.push(state.counts());
+        counts.push(state.results.counts());
         for (i, body) in bodies.iter_mut().enumerate() {
-            let motion = state.bodies.motion(i);
+            let motion = state.input.bodies.motion(i);
             body.position = motion.position;
             body.rotation = motion.rotation;
             body.linear_velocity = motion.linear_velocity;
@@ -91,6 +98,39 @@ fn warm_steps_allocate_nothing() {
         stages(threads);
         app(threads);
     }
+    contacts();
+}
+
+/// A worker for contacts, which goes through the same poses again and again.
+fn contacts() {
+    let mut random = fastrand::Rng::with_seed(6);
+    let mut vector = |reach: f64| DVec3::from_array([0; 3].map(|_| (random.f64() * 2.0 - 1.0) * reach));
+    let meshes = [shapes::torus_240(), shapes::knot_1120(), shapes::ball(0.5, 5)].map(|mesh| CollisionMesh::new(&mesh));
+    let poses: Vec<_> = (0..600)
+        .map(|i| (i % 3, vector(0.5), DQuat::from_scaled_axis(vector(3.0))))
+        .collect();
+    let place = |&(mesh, at, turn): &(usize, DVec3, DQuat)| {
+        Placed::new(&meshes[mesh], at, turn, Vec3::ONE).expect("a usable pose")
+    };
+    let (mut worker, mut memory) = (ContactWorker::new(), PairMemory::default());
+    let (mut all, mut few) = (Vec::new(), Vec::new());
+    let mut round = || {
+        (all.clear(), few.clear());
+        for pair in poses.chunks(2) {
+            let [a, b] = [0, 1].map(|i| place(&pair[i]));
+            worker.points(&a, &b, 0.02, &mut all);
+            worker.manifold(&a, &b, 0.02, &mut memory, &mut few);
+        }
+        (all.len(), few.len())
+    };
+    let mut first = (0, 0);
+    let cold = allocated(|| first = round());
+    assert!(cold.allocations > 10, "the allocator does not count: {cold:?}");
+    let mut again = (0, 0);
+    let warm = allocated(|| again = round());
+    assert_eq!(first, again);
+    assert!(first.1 > 1000, "{first:?}");
+    assert_eq!((warm.allocations, warm.reallocations), (0, 0), "{warm:?}");
 }
 
 fn stages(threads: usize) {

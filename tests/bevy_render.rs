@@ -64,21 +64,21 @@ fn renderer(settings: WgpuSettings) -> PluginGroupBuilder {
         .add(CameraPlugin)
 }
 
-fn faceoff(backend: Backend, reading: Reading) -> FaceoffPlugins {
+fn faceoff(backend: Backend, readback: Readback) -> FaceoffPlugins {
     let threads = 1;
     FaceoffPlugins {
         step: StepPlugin {
             backend,
             threads,
-            reading,
+            readback,
         },
     }
 }
 
-fn app(backend: Backend, reading: Reading, settings: WgpuSettings) -> App {
+fn app(backend: Backend, readback: Readback, settings: WgpuSettings) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default()));
-    app.add_plugins((renderer(settings), faceoff(backend, reading)));
+    app.add_plugins((renderer(settings), faceoff(backend, readback)));
     app.insert_resource(Response::Impulse);
     watch(&mut app);
     app
@@ -105,13 +105,13 @@ fn told(sim: &Sim) -> (usize, usize) {
     (told.ready, told.failed)
 }
 
-fn shared(reading: Reading) -> App {
-    app(Backend::Gpu, reading, default())
+fn shared(readback: Readback) -> App {
+    app(Backend::Gpu, readback, default())
 }
 
 /// The same, with a handler that opens a new device for a lost one.
-fn shared_and_recovering(reading: Reading) -> App {
-    let mut app = shared(reading);
+fn shared_and_recovering(readback: Readback) -> App {
+    let mut app = shared(readback);
     app.insert_resource(RenderErrorHandler(recover_from_device_loss));
     app
 }
@@ -175,7 +175,7 @@ impl Mover {
 }
 
 fn shares(_: &Gpu) {
-    let mut sim = run(shared(Reading::Auto));
+    let mut sim = run(shared(Readback::Auto));
     assert!(on_renderers_device(&sim), "{:?}", active(&sim));
     assert_eq!(told(&sim), (1, 0));
     sim.step(5);
@@ -223,27 +223,27 @@ fn same_collisions(_: &Gpu) {
     let bodies = crowd(&mut cpu);
     let on_cpu = touching(&mut cpu, &bodies, 8);
     assert!(on_cpu.iter().all(|pairs| !pairs.is_empty()));
-    for (reading, late) in [(Reading::Lockstep, 0), (Reading::Auto, 2)] {
-        let mut gpu = shared(reading);
+    for (readback, late) in [(Readback::Lockstep, 0), (Readback::Auto, 2)] {
+        let mut gpu = shared(readback);
         // As in a game: the renderer draws while the next steps run.
         gpu.add_plugins(PipelinedRenderingPlugin);
         let mut gpu = run(gpu);
         assert!(on_renderers_device(&gpu));
         let bodies = crowd(&mut gpu);
         let on_gpu = touching(&mut gpu, &bodies, 8 + late);
-        assert_eq!(on_cpu, on_gpu[late..], "{reading:?}");
+        assert_eq!(on_cpu, on_gpu[late..], "{readback:?}");
     }
 }
 
 fn auto(gpu: &Gpu) {
-    let sim = run(app(Backend::Auto, Reading::Auto, default()));
+    let sim = run(app(Backend::Auto, Readback::Auto, default()));
     match active(&sim) {
         ActiveBackend::Cpu { reason, .. } if gpu.info.device_type == DeviceType::Cpu => {
             assert!(reason.contains(&gpu.info.name), "{reason}");
         }
         taken => assert!(on_renderers_device(&sim), "{taken:?}"),
     }
-    let mut sim = Sim::of(app(Backend::Cpu, Reading::Auto, default()));
+    let mut sim = Sim::of(app(Backend::Cpu, Readback::Auto, default()));
     assert_eq!(active(&sim).name(), "cpu");
     let mover = Mover::new(&mut sim);
     sim.step(3);
@@ -255,7 +255,7 @@ fn no_backend(_: &Gpu) {
         backends: None,
         ..default()
     };
-    let mut sim = Sim::of(app(Backend::Gpu, Reading::Auto, settings()));
+    let mut sim = Sim::of(app(Backend::Gpu, Readback::Auto, settings()));
     assert!(
         matches!(active(&sim), ActiveBackend::Gpu { shared: false, .. }),
         "{:?}",
@@ -266,7 +266,7 @@ fn no_backend(_: &Gpu) {
     assert_eq!(sim.report().step, 3, "results are waited for");
     assert!(mover.x(&sim) > 0.0);
     assert_eq!(
-        active(&Sim::of(app(Backend::Cpu, Reading::Auto, settings()))).name(),
+        active(&Sim::of(app(Backend::Cpu, Readback::Auto, settings()))).name(),
         "cpu"
     );
 }
@@ -274,7 +274,7 @@ fn no_backend(_: &Gpu) {
 fn added_later(_: &Gpu) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default()));
-    app.add_plugins(faceoff(Backend::Gpu, Reading::Auto));
+    app.add_plugins(faceoff(Backend::Gpu, Readback::Auto));
     app.add_plugins(renderer(default()));
     watch(&mut app);
     let mut sim = run(app);
@@ -286,8 +286,8 @@ fn added_later(_: &Gpu) {
 }
 
 fn lost_for_good(_: &Gpu) {
-    for reading in [Reading::Lockstep, Reading::Auto] {
-        let mut sim = run(shared(reading));
+    for readback in [Readback::Lockstep, Readback::Auto] {
+        let mut sim = run(shared(readback));
         let mover = Mover::new(&mut sim);
         sim.step(4);
         assert_eq!(sim.app.should_exit(), None);
@@ -302,8 +302,8 @@ fn lost_for_good(_: &Gpu) {
 }
 
 fn recovered(_: &Gpu) {
-    for reading in [Reading::Lockstep, Reading::Auto] {
-        let mut sim = run(shared_and_recovering(reading));
+    for readback in [Readback::Lockstep, Readback::Auto] {
+        let mut sim = run(shared_and_recovering(readback));
         let mover = Mover::new(&mut sim);
         sim.step(8);
         let before = mover.x(&sim);
@@ -323,7 +323,7 @@ fn recovered(_: &Gpu) {
 }
 
 fn replaced_unseen(_: &Gpu) {
-    let mut sim = run(shared_and_recovering(Reading::Auto));
+    let mut sim = run(shared_and_recovering(Readback::Auto));
     let mover = Mover::new(&mut sim);
     sim.step(8);
     let before = mover.x(&sim);
@@ -343,7 +343,7 @@ fn replaced_unseen(_: &Gpu) {
 }
 
 fn lost_early(_: &Gpu) {
-    let mut sim = Sim::of(shared_and_recovering(Reading::Auto));
+    let mut sim = Sim::of(shared_and_recovering(Readback::Auto));
     assert_eq!(active(&sim), ActiveBackend::Opening);
     lose(&sim);
     wait(&mut sim);
@@ -354,7 +354,7 @@ fn lost_early(_: &Gpu) {
 }
 
 fn lost_repeatedly(_: &Gpu) {
-    let mut sim = run(shared_and_recovering(Reading::Lockstep));
+    let mut sim = run(shared_and_recovering(Readback::Lockstep));
     let mover = Mover::new(&mut sim);
     let mut losses = 0;
     while active(&sim).name() == "gpu" {

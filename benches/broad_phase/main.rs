@@ -1,11 +1,11 @@
-//! The broad phase on the CPU, over scenes of one density and several mixtures of sizes:
-//! `cargo bench --bench broad_phase [BODIES]`, without a number for 10,000, 100,000 and 1,000,000 bodies.
+//! Time of the CPU broad phase for scenes of equal density and different mixtures of sizes:
+//! `cargo bench --bench broad_phase [BODIES]`. The default is 10,000, 100,000 and 1,000,000 bodies.
 //!
-//! All bodies that are not static move a little before each round, as they do between steps.
+//! All bodies that are not static move a little before each round, as between steps.
 
 mod scenes;
 
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::stage::Stage;
 use scenes::Scene;
@@ -37,7 +37,7 @@ fn table(count: usize) {
             bevy_faceoff::step::cpu::run(Stage::BroadPhase, state);
             // The first round allocates.
             if round > 0 {
-                times.push(state.times[Stage::BroadPhase as usize]);
+                times.push(state.results.times[Stage::BroadPhase as usize]);
             }
         }
     }
@@ -45,7 +45,7 @@ fn table(count: usize) {
     for ((scene, state), times) in Scene::ALL.iter().zip(&states).zip(&mut times) {
         times.sort_unstable();
         let time: Duration = times[times.len() / 2];
-        let pairs = state.sphere_pairs.len();
+        let pairs = state.results.sphere_pairs.len();
         let per_pair = time.as_secs_f64() * 1e9 / pairs as f64;
         let ratio = per_pair / *equal.get_or_insert(per_pair);
         println!(
@@ -57,11 +57,11 @@ fn table(count: usize) {
     }
 }
 
-/// Moves what is not static by up to a tenth of a metre along each axis, to and fro.
+/// Moves all bodies that are not static by up to 0.1 m along each axis, back and forth.
 fn drift(state: &mut StepState, round: usize) {
     let mut random = fastrand::Rng::with_seed(round as u64 / 2);
     let sign = if round.is_multiple_of(2) { 0.1 } else { -0.1 };
-    let bodies = &mut state.bodies;
+    let bodies = &mut state.input.bodies;
     for (center, kind) in bodies.center.iter_mut().zip(&bodies.kind) {
         if *kind != RigidBody::Static {
             *center += sign * glam::Vec3::new(random.f32(), random.f32(), random.f32());

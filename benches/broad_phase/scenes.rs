@@ -1,6 +1,6 @@
 //! Spheres at the paper's density: about 0.7 pairs a body.
 
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::body::{CollisionLayers, RigidBody};
 use glam::Vec3;
 
@@ -64,7 +64,7 @@ impl Scene {
 }
 
 fn push(state: &mut StepState, kind: RigidBody, center: Vec3, radius: f32) {
-    let bodies = &mut state.bodies;
+    let bodies = &mut state.input.bodies;
     bodies.center.push(center);
     bodies.radius.push(radius);
     bodies.kind.push(kind);

@@ -1,14 +1,14 @@
-//! Narrow phase against the plain all-pairs loop, one thread, interleaved in one run:
+//! Time of the narrow phase compared with a plain all-pairs loop, on one thread, interleaved in one run:
 //! `cargo bench --bench narrow_phase [PAIRS]`.
 //!
-//! Pairs are the paper's: diameters 0.25 to 2, random poses, kept if the bounding spheres overlap.
+//! The pairs are those of the paper: diameters 0.25 to 2 and random poses in which the bounding spheres overlap.
 
 mod plain;
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::state::{Body, StepState};
-use bevy_faceoff::triangle_test;
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
     let mut random = fastrand::Rng::with_seed(1234);
     let mut state = StepState::default();
     let baked = CollisionMesh::new(mesh);
-    let slot = state.meshes.add(baked.clone());
+    let slot = state.input.meshes.add(baked.clone());
     let center = baked.mass.center;
     let mut poses: Vec<(f32, Mat3, Vec3)> = Vec::new();
     while poses.len() < count {
@@ -47,10 +47,14 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
         for (scale, rotation, at) in [(sa, qa, Vec3::ZERO), (sb, qb, offset)] {
             let position = at - rotation * (scale * center);
             let body = Body::at_rest(slot, position, rotation, Vec3::splat(scale));
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
-        state.sphere_pairs.push([i, i + 1]);
-        let [fa, fb] = [0, 1].map(|k| state.bodies.frame[i as usize + k]);
+        state.results.sphere_pairs.push([i, i + 1]);
+        let [fa, fb] = [0, 1].map(|k| state.input.bodies.frame[i as usize + k]);
         let to_a: DMat3 = fa.rotation.transpose();
         let matrix = to_a * fb.rotation * sb as f64;
         let translation: DVec3 = to_a * (fb.position - fa.position);
@@ -74,12 +78,16 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
         plain_times.push(start.elapsed());
         bevy_faceoff::step::cpu::run(Stage::Angles, &mut state);
         bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
-        angles.push(state.times[Stage::Angles as usize]);
-        triangle_tests.push(state.times[Stage::TriangleTest as usize]);
+        angles.push(state.results.times[Stage::Angles as usize]);
+        triangle_tests.push(state.results.times[Stage::TriangleTest as usize]);
         let start = Instant::now();
-        let touching = triangle_test::cpu::touching(&mut state);
+        let touching = bevy_faceoff::step::cpu::touching(&mut state);
         first_hit.push(start.elapsed());
-        assert!(touching.iter().eq(state.contacts.pairs.iter().map(|pair| &pair.bodies)));
+        assert!(
+            touching
+                .iter()
+                .eq(state.results.contacts.pairs.iter().map(|pair| &pair.bodies))
+        );
     }
     let [plain, angles, triangle_test, first_hit] =
         [plain_times, angles, triangle_tests, first_hit].map(|times| micros(times, count));
@@ -87,10 +95,10 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
         "| {name} | {plain:.1} | {angles:.2} | {triangle_test:.2} | {first_hit:.2} | {:.1} | {:.1} | {} | {} | {} ({plain_hits}) | {:.0} |",
         plain / triangle_test,
         plain / (angles + triangle_test),
-        state.near_pairs.len(),
-        state.contacts.pairs.len(),
-        state.contacts.faces.len(),
-        state.contacts.triangle_tests as f64 / count as f64,
+        state.results.near_pairs.len(),
+        state.results.contacts.pairs.len(),
+        state.results.contacts.faces.len(),
+        state.results.contacts.triangle_tests as f64 / count as f64,
     );
 }
 

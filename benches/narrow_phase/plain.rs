@@ -1,5 +1,5 @@
-//! The yardstick: every triangle of one body against every triangle of the other, a comparison of boxes in front of
-//! Moeller's interval test (1997), single precision, one thread. No hierarchy, no culls, no contacts.
+//! The baseline: all triangles of one body against all triangles of the other, in single precision on one thread. A box
+//! test comes before Moeller's interval test (1997). There is no hierarchy, no culling and no contact generation.
 
 use glam::{Mat3, Vec3};
 
@@ -27,7 +27,7 @@ impl Triangle {
     }
 }
 
-/// Triangles of `b` placed in `a`'s axes, then all against all; tells how many pairs intersect.
+/// Transforms the triangles of `b` to the axes of `a`, tests all pairs, and returns the number that intersect.
 pub fn count(a: &[Triangle], b: &[[Vec3; 3]], matrix: Mat3, translation: Vec3, placed: &mut Vec<Triangle>) -> u32 {
     placed.clear();
     placed.extend(b.iter().map(|t| Triangle::new(t.map(|p| matrix * p + translation))));
@@ -67,7 +67,8 @@ fn moeller(s: &Triangle, t: &Triangle) -> bool {
     }
 }
 
-/// Where a triangle with coordinates `x` along the common line and heights `h` crosses the other's plane.
+/// The interval in which a triangle crosses the other's plane, from its coordinates `x` along the common line and its
+/// heights `h` over the plane.
 fn interval(x: [f32; 3], h: [f32; 3]) -> Option<(f32, f32)> {
     let alone = if h[0] * h[1] > 0.0 {
         2

@@ -1,32 +1,33 @@
-//! Pairs of bodies in the situations in which recall differs.
+//! Touching pairs of bodies for the regimes in which recall is measured.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, Contacts, StepState};
+use bevy_faceoff::state::{Body, Contacts};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f64::consts::TAU;
 
-/// How two bodies meet.
+/// How two bodies touch.
 #[derive(Clone, Copy)]
 pub enum Kind {
-    /// On a straight way towards each other, this share of the smaller diameter after they first touched.
+    /// They moved straight towards each other until they touched, and this fraction of the smaller diameter farther.
     FirstContact(f64),
-    /// Anywhere where the spheres overlap.
+    /// They are at random positions where their bounding spheres overlap.
     Scene,
-    /// Like a scene, the centres nearer than half the sum of the radii.
+    /// Like `Scene`, but the centres are closer than half the sum of the radii.
     Deep,
-    /// Linked through their holes, then moved until they touched, and one part in a hundred farther.
+    /// They are linked through their holes, then moved until they touched, and 1 % of the smaller diameter farther.
     Interlocked,
 }
 
 pub struct Regime {
     pub name: &'static str,
     pub kind: Kind,
-    /// The smaller diameter over the larger one is below this.
+    /// The ratio of the smaller to the larger diameter is below this.
     pub ratio_below: f64,
-    /// This share of the cases is enough: the others take long to find.
+    /// The fraction of the requested cases to use. It is less than 1 where cases take long to find.
     pub share: f64,
 }
 
@@ -39,7 +40,7 @@ const fn regime(name: &'static str, kind: Kind, ratio_below: f64, share: f64) ->
     }
 }
 
-/// No bound.
+/// No bound on the ratio of diameters.
 const ANY: f64 = 2.0;
 
 pub const REGIMES: [Regime; 8] = [
@@ -53,12 +54,12 @@ pub const REGIMES: [Regime; 8] = [
     regime("deep, sizes < 0.3", Kind::Deep, 0.3, 1.0),
 ];
 
-/// The second body relative to the first, which stands at the origin.
+/// The poses of a pair. The first body is at the origin.
 #[derive(Clone, Copy)]
 pub struct Pair {
     pub diameters: [f64; 2],
     pub rotations: [Quat; 2],
-    /// From centre of mass to centre of mass.
+    /// The vector from the first centre of mass to the second.
     pub offset: DVec3,
 }
 
@@ -90,7 +91,7 @@ impl Pair {
     }
 }
 
-/// The stages on one pair at a time.
+/// Runs the narrow phase on one pair at a time.
 pub struct Tester {
     state: StepState,
     slot: u32,
@@ -101,7 +102,7 @@ impl Tester {
     pub fn new(mesh: &CollisionMesh) -> Self {
         let mut state = StepState::default();
         Self {
-            slot: state.meshes.add(mesh.clone()),
+            slot: state.input.meshes.add(mesh.clone()),
             center: mesh.mass.center,
             state,
         }
@@ -109,31 +110,36 @@ impl Tester {
 
     pub fn test(&mut self, pair: &Pair, culling: Culling) -> &Contacts {
         let Self { state, slot, center } = self;
-        state.bodies.clear();
+        state.input.bodies.clear();
         for body in pair.bodies(*slot, *center, culling) {
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
-        state.sphere_pairs.clear();
-        state.sphere_pairs.push([0, 1]);
+        state.results.sphere_pairs.clear();
+        state.results.sphere_pairs.push([0, 1]);
         bevy_faceoff::step::cpu::run(Stage::Angles, state);
         bevy_faceoff::step::cpu::run(Stage::TriangleTest, state);
-        &state.contacts
+        &state.results.contacts
     }
 
     fn meets(&mut self, pair: &Pair) -> bool {
         !self.test(pair, Culling::Exact).faces.is_empty()
     }
 
-    /// How far along the unit vector `way` the second body has to go until it touches; `None` if it does not up to `end`.
-    fn way_to_contact(&mut self, pair: &Pair, way: DVec3, end: f64) -> Option<f64> {
+    /// The distance along the unit vector `direction` at which the second body touches the first; `None` if it does not
+    /// within the distance `end`.
+    fn distance_to_contact(&mut self, pair: &Pair, direction: DVec3, end: f64) -> Option<f64> {
         let step = 0.005 * pair.smaller();
         let mut at = 0.0;
         while at < end {
-            if self.meets(&pair.moved(way * at)) {
+            if self.meets(&pair.moved(direction * at)) {
                 let (mut before, mut after) = ((at - step).max(0.0), at);
                 for _ in 0..20 {
                     let middle = 0.5 * (before + after);
-                    if self.meets(&pair.moved(way * middle)) {
+                    if self.meets(&pair.moved(direction * middle)) {
                         after = middle;
                     } else {
                         before = middle;
@@ -147,7 +153,8 @@ impl Tester {
     }
 }
 
-/// A pair of the regime whose spheres overlap and whose faces intersect. `core` is a closed curve inside the mesh.
+/// A random pair of the regime whose bounding spheres overlap and whose faces intersect. `core` is the centre line of
+/// the mesh's tube, a closed curve.
 pub fn sample(regime: &Regime, random: &mut fastrand::Rng, tester: &mut Tester, core: &[DVec3]) -> Pair {
     loop {
         let pair = placed(regime, random);
@@ -162,21 +169,21 @@ pub fn sample(regime: &Regime, random: &mut fastrand::Rng, tester: &mut Tester, 
             Kind::Deep => (distance < 0.5 * reach).then_some(pair),
             Kind::FirstContact(depth) => {
                 let way = direction(random);
-                // The drawn place lies in the xy plane.
+                // The random offset is in the xy plane; rotate it into the plane normal to the direction.
                 let aside = DQuat::from_rotation_arc(DVec3::Z, way) * pair.offset;
                 let before = (reach * reach - aside.length_squared()).max(0.0).sqrt();
                 let start = Pair {
                     offset: aside - before * way,
                     ..pair
                 };
-                let found = tester.way_to_contact(&start, way, 2.0 * before);
+                let found = tester.distance_to_contact(&start, way, 2.0 * before);
                 found.map(|at| start.moved(way * (at + depth * pair.smaller())))
             }
             Kind::Interlocked => {
                 let similar = pair.smaller() >= 0.6 * a.max(b);
                 let linked = similar && linking_number(core, &pair) != 0 && !tester.meets(&pair);
                 let way = direction(random);
-                let found = linked.then(|| tester.way_to_contact(&pair, way, 2.0 * reach + a));
+                let found = linked.then(|| tester.distance_to_contact(&pair, way, 2.0 * reach + a));
                 found.flatten().map(|at| pair.moved(way * (at + 0.01 * pair.smaller())))
             }
         };
@@ -188,8 +195,8 @@ pub fn sample(regime: &Regime, random: &mut fastrand::Rng, tester: &mut Tester, 
     }
 }
 
-/// Any sizes and rotations, and a uniform place where the spheres overlap; for first contacts one in the xy plane, which
-/// is where the way will pass.
+/// A pair with random sizes and rotations, and a uniformly random offset at which the bounding spheres overlap. For
+/// first contacts the offset is in the xy plane: it is the impact parameter.
 fn placed(regime: &Regime, random: &mut fastrand::Rng) -> Pair {
     loop {
         let diameters = [0; 2].map(|_| 0.25 + 1.75 * random.f64());
@@ -229,20 +236,21 @@ fn direction(random: &mut fastrand::Rng) -> DVec3 {
     }
 }
 
-/// Uniform (Shoemake 1992).
+/// A uniformly random rotation (Shoemake 1992).
 pub fn rotation(random: &mut fastrand::Rng) -> Quat {
     let (u, v, w) = (random.f64(), TAU * random.f64(), TAU * random.f64());
     let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
     DQuat::from_xyzw(a * v.sin(), a * v.cos(), b * w.sin(), b * w.cos()).as_quat()
 }
 
-/// The middles of a tube's rings of `around` vertices, from the centre of mass.
+/// The centres of the rings of `around` vertices that make up a tube, relative to the centre of mass.
 pub fn core(mesh: &TriMesh, around: usize, center: Vec3) -> Vec<DVec3> {
     let middle = |ring: &[Vec3]| (ring.iter().sum::<Vec3>() / ring.len() as f32 - center).as_dvec3();
     mesh.vertices().chunks(around).map(middle).collect()
 }
 
-/// How often one core winds through the other: signed crossings, seen along z, of the first over the second.
+/// The linking number of the two centre lines: the sum of the signed crossings, seen along z, of the first over the
+/// second.
 fn linking_number(core: &[DVec3], pair: &Pair) -> i32 {
     let curve = |i: usize, at: DVec3| -> Vec<DVec3> {
         let rotation = pair.rotations[i].as_dquat();

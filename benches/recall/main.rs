@@ -1,9 +1,9 @@
-//! What the approximate culling modes find of what there is, and what they save: `cargo bench --bench recall [CASES]`.
+//! Recall and speed of the approximate culling modes: `cargo bench --bench recall [CASES]`.
 //!
-//! Recall is measured against the exact mode on random pairs of equal meshes that touch, diameters 0.25 to 2:
-//! *any* is the share of pairs of which at least one intersecting pair of faces is found, *share* that of all
-//! intersecting pairs of faces. "eq. 4" looks the table up by the formula of Aly & Elawady 2010 as it is printed, which
-//! takes angles between 0 and 180 degrees in two planes; it exists only here, to show what that does.
+//! Recall is relative to the exact mode, on random touching pairs of equal meshes with diameters 0.25 to 2. *any* is
+//! the fraction of pairs for which at least one intersecting pair of faces is found. *share* is the fraction of all
+//! intersecting pairs of faces that is found. "eq. 4" looks up the table by the formula of Aly & Elawady 2010 as
+//! printed, which takes angles between 0 and 180 degrees in two planes. It exists only here, to show its effect.
 
 mod cases;
 #[path = "../narrow_phase/plain.rs"]
@@ -15,7 +15,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::{BakeSettings, Progress};
 
-/// Sphere pairs for times.
+/// The number of sphere pairs for the measurement of time.
 const TIMED: usize = 1000;
 
 fn main() {

@@ -1,4 +1,4 @@
-//! The table of recalls.
+//! The table of recall.
 
 use crate::cases::{self, Pair, REGIMES, Regime, Tester};
 use bevy_faceoff::asset::CollisionMesh;
@@ -22,7 +22,7 @@ struct Found {
 struct Tally {
     pairs: usize,
     faces: usize,
-    /// Faces of collision, front-facing, eq. 4.
+    /// For faces of collision, front-facing, and eq. 4.
     found: [Found; 3],
 }
 
@@ -48,7 +48,7 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, cases: usize) {
         let cases = (cases as f64 * regime.share).ceil() as usize;
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let work = |thread: usize| {
-            // A pool of its own per thread: waiting for others inside a step of microseconds would cost more than it.
+            // Each thread has its own pool: a case takes microseconds, and waiting for other threads would take longer.
             let pool = rayon::ThreadPoolBuilder::new()
                 .num_threads(1)
                 .build()
@@ -115,7 +115,8 @@ fn judge(tester: &mut Tester, pair: &Pair, baked: &CollisionMesh, inverse: &[u32
     }
 }
 
-/// Eq. 4 of Aly & Elawady 2010 as printed: the angles to the z axis within the xz and the yz plane.
+/// The group for direction `d` by eq. 4 of Aly & Elawady 2010 as printed: the angles to the z axis in the xz and yz
+/// planes.
 fn literal(table: &FaceTable, d: DVec3) -> Group<'_> {
     let steps = |other: f64| {
         let angle = (d.z / other.hypot(d.z)).clamp(-1.0, 1.0).acos().to_degrees();

@@ -1,10 +1,10 @@
-//! The table of times.
+//! The table of time per pair.
 
 use crate::cases::{Pair, rotation};
 use crate::plain;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DVec3, Mat3, Vec3};
@@ -16,7 +16,7 @@ const MODES: [(Culling, &str); 3] = [
     (Culling::FrontFacing, "front-facing"),
 ];
 
-/// What a method took in each round, and what it found.
+/// The time of a method in each round, and its results.
 #[derive(Default)]
 struct Measured {
     times: Vec<Duration>,
@@ -28,7 +28,7 @@ struct Measured {
 /// Prints a row per method.
 pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
     let mut state = StepState::default();
-    let slot = state.meshes.add(baked.clone());
+    let slot = state.input.meshes.add(baked.clone());
     let poses = fill(&mut state, slot, baked, count);
     let triangles: Vec<[Vec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
     let mut placed = Vec::new();
@@ -52,14 +52,14 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
         }
         plain.times.push(start.elapsed());
         for ((culling, _), measured) in MODES.iter().zip(&mut modes) {
-            state.bodies.culling.fill(*culling);
+            state.input.bodies.culling.fill(*culling);
             bevy_faceoff::step::cpu::run(Stage::Angles, &mut state);
             bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
-            let [angles, triangle_test] = [Stage::Angles, Stage::TriangleTest].map(|s| state.times[s as usize]);
+            let [angles, triangle_test] = [Stage::Angles, Stage::TriangleTest].map(|s| state.results.times[s as usize]);
             measured.times.push(angles + triangle_test);
-            measured.tests = state.contacts.triangle_tests;
-            measured.touching = state.contacts.pairs.len();
-            measured.faces = state.contacts.faces.len();
+            measured.tests = state.results.contacts.triangle_tests;
+            measured.touching = state.results.contacts.pairs.len();
+            measured.faces = state.results.contacts.faces.len();
         }
     }
     let yardstick = micros(&mut plain.times, count);
@@ -76,7 +76,8 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, count: usize) {
     }
 }
 
-/// Sphere pairs as in a scene, and for each what the plain loop needs: scale of the first, placement of the second.
+/// Fills the state with sphere pairs as in a scene. Returns the input of the plain loop for each pair: the scale of the
+/// first body, and the matrix and translation of the second.
 fn fill(state: &mut StepState, slot: u32, baked: &CollisionMesh, count: usize) -> Vec<(f32, Mat3, Vec3)> {
     let mut random = fastrand::Rng::with_seed(1234);
     let mut poses = Vec::new();
@@ -93,10 +94,14 @@ fn fill(state: &mut StepState, slot: u32, baked: &CollisionMesh, count: usize) -
         };
         let i = 2 * poses.len();
         for body in pair.bodies(slot, baked.mass.center, Culling::Exact) {
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
-        state.sphere_pairs.push([i as u32, i as u32 + 1]);
-        let [a, b] = [i, i + 1].map(|k| state.bodies.frame[k]);
+        state.results.sphere_pairs.push([i as u32, i as u32 + 1]);
+        let [a, b] = [i, i + 1].map(|k| state.input.bodies.frame[k]);
         let to_a: DMat3 = a.rotation.transpose();
         let matrix = to_a * b.rotation * b.scale.x;
         poses.push((

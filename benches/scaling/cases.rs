@@ -1,29 +1,30 @@
-//! Meshes in several sizes, and pairs of them whose contacts do not grow with them.
+//! Meshes in several resolutions, and pairs of them whose contacts do not grow with the number of triangles.
 
 use bevy_faceoff::asset::{CollisionMesh, import_file};
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, Quat, Vec3};
 
-/// Scenes of growing meshes.
+/// Scenes with meshes of growing resolution.
 pub struct Case {
     pub name: &'static str,
-    /// Each for a number of poses.
+    /// Functions that build a scene with the given number of poses.
     pub scenes: Vec<Box<dyn Fn(usize) -> Scene>>,
 }
 
 /// Pairs of bodies, ready for the narrow phase.
 pub struct Scene {
     pub state: StepState,
-    /// Of each body of a pair, as a table shows it.
+    /// The number of triangles of each body of a pair, as shown in the table.
     pub triangles: String,
 }
 
-/// Intersecting pairs of faces that each touching pair of bodies gets, to a twentieth.
+/// The number of intersecting pairs of faces for each touching pair of bodies, within 5 %.
 const FACE_PAIRS: usize = 100;
 
-/// All of them.
+/// All cases.
 pub fn all() -> Vec<Case> {
     let balls: Vec<fn() -> TriMesh> = vec![|| shapes::ball(0.5, 4), || shapes::ball(0.5, 6), || {
         shapes::ball(0.5, 8)
@@ -55,8 +56,8 @@ pub fn all() -> Vec<Case> {
     ]
 }
 
-/// Bodies of 320 triangles strewn over the whole of a terrain, half of them in it. Its triangles are as large as the bodies,
-/// however many there are.
+/// Bodies of 320 triangles scattered over a whole terrain, about half of them touching it. The triangles of the terrain
+/// are as large as the bodies at every resolution.
 fn on_terrain(side: u32, bodies: usize) -> Scene {
     let height = |x: f32, y: f32| 2.0 * (0.13 * x).sin() * (0.09 * y).cos() + 0.4 * (0.7 * x + 0.5 * y).sin();
     let point = |i: u32| {
@@ -75,7 +76,7 @@ fn on_terrain(side: u32, bodies: usize) -> Scene {
     let terrain = CollisionMesh::new(&terrain.expect("a mesh"));
     let triangles = terrain.mesh.triangles().len();
     let mut state = StepState::default();
-    let [ground, ball] = [terrain, CollisionMesh::new(&shapes::ball_320())].map(|mesh| state.meshes.add(mesh));
+    let [ground, ball] = [terrain, CollisionMesh::new(&shapes::ball_320())].map(|mesh| state.input.meshes.add(mesh));
     let mut random = fastrand::Rng::with_seed(78);
     let mut all = vec![Body::at_rest(ground, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)];
     for _ in 0..bodies {
@@ -85,17 +86,21 @@ fn on_terrain(side: u32, bodies: usize) -> Scene {
         all.push(Body::at_rest(ball, at, turn, Vec3::ONE));
     }
     for body in &all {
-        state.bodies.push(body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(body, &state.input.meshes)
+            .expect("a usable body");
     }
-    state.sphere_pairs = (1..all.len() as u32).map(|i| [0, i]).collect();
+    state.results.sphere_pairs = (1..all.len() as u32).map(|i| [0, i]).collect();
     Scene {
         state,
         triangles: format!("{triangles} and 320"),
     }
 }
 
-/// A nut on the thread of a bolt, meshes that others made, if they lie beside the checkout: surfaces that lie along each
-/// other all the way round. There is one size only.
+/// A nut on the thread of a bolt, whose surfaces are close to each other all around. The meshes are external files, so
+/// the case is skipped if they are not found. There is only one resolution.
 pub fn nut_on_bolt() -> Option<Case> {
     let mesh = |name: &str| {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/meshes/isaacgym_factory_");
@@ -105,7 +110,7 @@ pub fn nut_on_bolt() -> Option<Case> {
     let meshes = [mesh("nut_m16_loose_subdiv_3x")?, mesh("bolt_m16_loose")?];
     let scene = move |poses: usize| {
         let mut state = StepState::default();
-        let [nut, bolt] = meshes.each_ref().map(|mesh| state.meshes.add(mesh.clone()));
+        let [nut, bolt] = meshes.each_ref().map(|mesh| state.input.meshes.add(mesh.clone()));
         for pose in 0..poses {
             let height = 0.0007 + 0.0094 * pose as f32 / poses as f32;
             let turn = Quat::from_rotation_z(0.4 * pose as f32);
@@ -113,10 +118,14 @@ pub fn nut_on_bolt() -> Option<Case> {
                 Body::at_rest(bolt, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE),
                 Body::at_rest(nut, Vec3::Z * height, turn, Vec3::ONE),
             ] {
-                state.bodies.push(&body, &state.meshes).expect("a usable body");
+                state
+                    .input
+                    .bodies
+                    .push(&body, &state.input.meshes)
+                    .expect("a usable body");
             }
         }
-        state.sphere_pairs = pairs(poses);
+        state.results.sphere_pairs = pairs(poses);
         Scene {
             state,
             triangles: meshes
@@ -137,7 +146,7 @@ fn pairs(count: usize) -> Vec<[u32; 2]> {
 
 fn touching(mesh: &TriMesh, poses: usize) -> Scene {
     placed(mesh, poses, |pair| {
-        // Bodies apart at one end and crossing too much at the other.
+        // Bisect between a distance at which the bodies are apart and one at which too many faces cross.
         let (mut apart, mut crossing) = (pair.reach, 0.0);
         let mut best = (usize::MAX, apart);
         for _ in 0..60 {
@@ -160,7 +169,7 @@ fn touching(mesh: &TriMesh, poses: usize) -> Scene {
     })
 }
 
-/// Less than a thousandth of their size from touching.
+/// Pairs that are apart by less than a thousandth of their size.
 fn apart(mesh: &TriMesh, poses: usize) -> Scene {
     placed(mesh, poses, |pair| {
         let (mut apart, mut touching) = (pair.reach, 0.0);
@@ -176,19 +185,19 @@ fn apart(mesh: &TriMesh, poses: usize) -> Scene {
     })
 }
 
-/// The second of half the size, in the first.
+/// Pairs in which the second body has half the size and is inside the first.
 fn contained(mesh: &TriMesh, poses: usize) -> Scene {
     placed(mesh, poses, |pair| (0.1 * pair.reach, 0.5))
 }
 
-/// Two bodies of one mesh in given rotations, along a given way.
+/// Two bodies with the same mesh in given rotations. The second can be moved along `direction`.
 struct Pair<'a> {
     state: &'a mut StepState,
     slot: u32,
     center: Vec3,
     rotations: [Quat; 2],
     direction: Vec3,
-    /// From here on they are apart.
+    /// At this distance and beyond they are apart.
     reach: f32,
 }
 
@@ -204,35 +213,36 @@ impl Pair<'_> {
 
     fn run(&mut self, way: f32) {
         let bodies = self.bodies(way, 1.0);
-        self.state.bodies.clear();
+        self.state.input.bodies.clear();
         for body in bodies {
             self.state
+                .input
                 .bodies
-                .push(&body, &self.state.meshes)
+                .push(&body, &self.state.input.meshes)
                 .expect("a usable body");
         }
-        self.state.sphere_pairs = vec![[0, 1]];
+        self.state.results.sphere_pairs = vec![[0, 1]];
         bevy_faceoff::step::cpu::run(Stage::Angles, self.state);
         bevy_faceoff::step::cpu::run(Stage::TriangleTest, self.state);
     }
 
     fn face_pairs(&mut self, way: f32) -> usize {
         self.run(way);
-        self.state.contacts.faces.len()
+        self.state.results.contacts.faces.len()
     }
 
     fn touches(&mut self, way: f32) -> bool {
         self.run(way);
-        !self.state.contacts.pairs.is_empty()
+        !self.state.results.contacts.pairs.is_empty()
     }
 }
 
-/// A scene of pairs, each as far along its way, and its second body as large, as `find` tells.
+/// A scene of pairs. For each pair `find` returns the distance of the second body along its direction, and its scale.
 fn placed(mesh: &TriMesh, poses: usize, find: impl Fn(&mut Pair) -> (f32, f32)) -> Scene {
     let mut random = fastrand::Rng::with_seed(77);
     let mesh = CollisionMesh::new(mesh);
     let mut state = StepState::default();
-    let slot = state.meshes.add(mesh.clone());
+    let slot = state.input.meshes.add(mesh.clone());
     let mut bodies = Vec::new();
     for _ in 0..poses {
         let rotations = [0; 2].map(|_| rotation(&mut random));
@@ -247,11 +257,15 @@ fn placed(mesh: &TriMesh, poses: usize, find: impl Fn(&mut Pair) -> (f32, f32)) 
         let (way, scale) = find(&mut pair);
         bodies.extend(pair.bodies(way, scale));
     }
-    state.bodies.clear();
+    state.input.bodies.clear();
     for body in &bodies {
-        state.bodies.push(body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(body, &state.input.meshes)
+            .expect("a usable body");
     }
-    state.sphere_pairs = pairs(poses);
+    state.results.sphere_pairs = pairs(poses);
     Scene {
         state,
         triangles: mesh.mesh.triangles().len().to_string(),

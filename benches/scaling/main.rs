@@ -1,17 +1,17 @@
-//! What a pair costs against the number of triangles, one thread, sizes taking turns in one run:
-//! `cargo bench --bench scaling [POSES] [CASES]`, of which only those that begin with the given words.
+//! Time per pair as a function of the number of triangles, on one thread, interleaved in one run:
+//! `cargo bench --bench scaling [POSES] [CASES]`. `CASES` selects the cases whose names begin with one of these words.
 //!
-//! Each mesh comes in three sizes, 16 times apart. Pairs of equal meshes in random rotations are moved together until
-//! about as many pairs of faces intersect in each size, so that only the meshes grow and not the contact.
+//! Each mesh comes in three resolutions, with a factor of 16 in the number of triangles between them. Pairs of equal
+//! meshes in random rotations are moved together until about the same number of pairs of faces intersect at each
+//! resolution. So the meshes grow, but not the contacts.
 
 mod cases;
 
-use bevy_faceoff::triangle_test;
 use bevy_faceoff::types::stage::Stage;
 use cases::{Case, Scene};
 use std::time::{Duration, Instant};
 
-/// Rounds in which all scenes take turns.
+/// The number of rounds; each round measures all scenes in turn.
 const ROUNDS: usize = 7;
 
 fn main() {
@@ -45,18 +45,22 @@ fn run(case: &Case, poses: usize) {
     let mut times = vec![Vec::new(); scenes.len()];
     for _ in 0..ROUNDS {
         for (scene, times) in scenes.iter_mut().zip(&mut times) {
-            // Small scenes are over before a clock has ticked.
+            // Small scenes take less than a clock tick, so take the best of three runs.
             let mut least = [f64::INFINITY; 3];
-            let pairs = scene.state.sphere_pairs.len();
+            let pairs = scene.state.results.sphere_pairs.len();
             for _ in 0..3 {
                 for (least, stage) in least.iter_mut().zip([Stage::Angles, Stage::TriangleTest]) {
                     bevy_faceoff::step::cpu::run(stage, &mut scene.state);
-                    *least = least.min(micros(scene.state.times[stage as usize], pairs));
+                    *least = least.min(micros(scene.state.results.times[stage as usize], pairs));
                 }
                 let start = Instant::now();
-                let touching = triangle_test::cpu::touching(&mut scene.state);
+                let touching = bevy_faceoff::step::cpu::touching(&mut scene.state);
                 least[2] = least[2].min(micros(start.elapsed(), pairs));
-                assert_eq!(touching.len(), scene.state.contacts.pairs.len(), "first hits are hits");
+                assert_eq!(
+                    touching.len(),
+                    scene.state.results.contacts.pairs.len(),
+                    "first hits are hits"
+                );
             }
             times.push(least);
         }
@@ -69,8 +73,8 @@ fn run(case: &Case, poses: usize) {
                 .then(|| median(ratios(i)))
                 .map_or(String::new(), |g| format!("{g:.2}"))
         };
-        let contacts = &scene.state.contacts;
-        let pairs = scene.state.sphere_pairs.len() as f64;
+        let contacts = &scene.state.results.contacts;
+        let pairs = scene.state.results.sphere_pairs.len() as f64;
         println!(
             "| {} | {} | {:.2} | {:.2} | {} | {:.2} | {} | {} | {:.1} | {:.0} |",
             case.name,

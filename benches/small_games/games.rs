@@ -1,10 +1,10 @@
-//! What is played.
+//! The scenes of the benchmark.
 
 use bevy::prelude::*;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::prelude::*;
 
-/// A scene and how long it is watched.
+/// A scene and its number of steps.
 pub struct Game {
     pub name: &'static str,
     pub steps: usize,
@@ -15,7 +15,7 @@ const fn game(name: &'static str, steps: usize, spawn: fn(&mut World)) -> Game {
     Game { name, steps, spawn }
 }
 
-/// All of them.
+/// All scenes.
 pub const GAMES: &[Game] = &[
     game("one cube on the ground", 128, |world| boxes(world, 1)),
     game("ten cubes on the ground", 128, |world| boxes(world, 10)),
@@ -82,12 +82,12 @@ fn mesh(world: &mut World, mesh: &TriMesh) -> MeshCollider {
     MeshCollider(world.resource_mut::<Assets<CollisionMesh>>().add(baked))
 }
 
-/// A ball of 1,280 triangles, half a metre across.
+/// A ball of 1,280 triangles with a diameter of 0.5 m.
 fn ball() -> TriMesh {
     shapes::ball(0.25, 3)
 }
 
-/// A torus of 240 triangles, half a metre across.
+/// A torus of 240 triangles with a diameter of 0.5 m.
 fn torus() -> TriMesh {
     let torus = shapes::torus_240();
     let vertices = torus.vertices().iter().map(|v| *v * 0.25).collect();
@@ -103,13 +103,13 @@ fn boxes(world: &mut World, count: usize) {
     }
 }
 
-/// 27 bodies, a fifth of their size apart, that all move alike.
+/// 27 bodies with the same velocity, separated by a fifth of their size.
 fn formation(world: &mut World, shape: &TriMesh, speed: f32) {
     world.insert_resource(Gravity(Vec3::ZERO));
     block(world, shape, 20.0, LinearVelocity(Vec3::new(0.6, 0.0, 0.8) * speed));
 }
 
-/// The same above the ground.
+/// The same block of bodies, dropped above the ground.
 fn swarm(world: &mut World, shape: &TriMesh, height: f32) {
     world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
     block(world, shape, height, LinearVelocity::default());
@@ -124,7 +124,7 @@ fn block(world: &mut World, shape: &TriMesh, height: f32, velocity: LinearVeloci
     }
 }
 
-/// 108 tori that fall into a heap and lie there, awake.
+/// 108 tori that fall into a pile and rest there, awake.
 fn pile(world: &mut World) {
     world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
@@ -140,7 +140,7 @@ fn pile(world: &mut World) {
     }
 }
 
-/// Hills of `2 * cells * cells` triangles, 100 m wide.
+/// A hilly terrain of `2 * cells * cells` triangles, 100 m wide.
 fn terrain(world: &mut World, cells: usize) {
     let at = |i: usize| i as f32 / cells as f32 * 100.0 - 50.0;
     let point = |i: usize| {

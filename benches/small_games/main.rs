@@ -1,7 +1,7 @@
-//! Small games with default settings on the CPU, as apps: `cargo bench --bench small_games [NAME]`.
+//! Time per step of small games: apps with default settings on the CPU, `cargo bench --bench small_games [NAME]`.
 //!
-//! Each looks for a cliff: a step whose cost depends on what should not matter, like the speed that all bodies have in common.
-//! Times are of this machine; what is counted beside them is the same everywhere.
+//! Each game looks for a performance cliff: a cost that depends on something irrelevant, such as a velocity that all
+//! bodies share. Times depend on the machine; the counts beside them are the same everywhere.
 
 mod games;
 
@@ -16,7 +16,7 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 
 fn main() {
     let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
-    println!("| game | bodies | steps | median ms | worst ms | most pairs | most points | most intervals |");
+    println!("| game | bodies | steps | median ms | worst ms | most pairs | most points | most collision_substeps |");
     println!("|---|---|---|---|---|---|---|---|");
     for game in GAMES {
         if only.as_ref().is_none_or(|only| game.name.contains(only.as_str())) {
@@ -37,11 +37,11 @@ fn play(game: &Game) {
     app.finish();
     app.cleanup();
     (game.spawn)(app.world_mut());
-    // Bevy's first update has no time behind it and runs no step.
+    // In Bevy's first update no time has passed, so it runs no step.
     app.update();
 
     let mut times = Vec::new();
-    let (mut bodies, mut pairs, mut points, mut intervals) = (0, 0, 0, 0);
+    let (mut bodies, mut pairs, mut points, mut collision_substeps) = (0, 0, 0, 0);
     for _ in 0..game.steps {
         app.update();
         let report = app.world().resource::<StepReport>();
@@ -49,12 +49,12 @@ fn play(game: &Game) {
         bodies = report.bodies;
         pairs = pairs.max(report.sphere_pairs);
         points = points.max(report.contact_points);
-        intervals = intervals.max(report.intervals);
+        collision_substeps = collision_substeps.max(report.collision_substeps);
     }
     times.sort();
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     println!(
-        "| {} | {bodies} | {} | {:.2} | {:.1} | {pairs} | {points} | {intervals} |",
+        "| {} | {bodies} | {} | {:.2} | {:.1} | {pairs} | {points} | {collision_substeps} |",
         game.name,
         game.steps,
         ms(times[times.len() / 2]),

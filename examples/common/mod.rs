@@ -1,8 +1,8 @@
-//! What the examples share: an app that opens a window, or with `--headless` runs its steps as fast as it can.
+//! Shared code of the examples: an app that opens a window, or with `--headless` runs its steps as fast as possible.
 //!
 //! | argument | effect |
 //! |---|---|
-//! | `--headless` | no window and no GPU: runs as many fixed steps as the example says, then ends |
+//! | `--headless` | without window and GPU: runs a number of fixed steps that the example chooses, then ends |
 //! | `--frames N` | ends after N steps (headless) or N frames (window) |
 //! | `--screenshot FILE` | saves the last of these frames as a picture; needs `--frames` |
 #![allow(dead_code, reason = "no example uses all of it")]
@@ -61,7 +61,7 @@ fn usage(what: &str) -> ! {
     exit(2)
 }
 
-/// An app with Bevy's plugins and ours. Without a window it runs `steps` fixed steps, unless `--frames` says otherwise.
+/// An app with Bevy's plugins and ours. With `--headless` it runs `steps` fixed steps, or those of `--frames`.
 pub fn app(title: &str, steps: u32) -> App {
     let options = Options::parse();
     let mut app = App::new();
@@ -86,7 +86,7 @@ pub fn app(title: &str, steps: u32) -> App {
     app
 }
 
-/// Waits for the meshes, then runs one step per update, however long it takes.
+/// Waits for the meshes, then runs one step per update, as fast as possible.
 fn run_headless(mut app: App, steps: u32) -> AppExit {
     app.finish();
     app.cleanup();
@@ -132,7 +132,7 @@ fn meshes_loaded(world: &mut World) -> Result<bool, String> {
     Ok(true)
 }
 
-/// Six planes that face each other, `half` metres from the origin.
+/// Spawns six planes that form a box around the origin. `half` is the distance of each in metres.
 pub fn spawn_box(commands: &mut Commands, half: f32) {
     for side in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         commands.spawn((PlaneCollider::through(half * side, -side), Restitution::new(1.0)));

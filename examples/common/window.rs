@@ -1,4 +1,4 @@
-//! The window of the examples: camera, light, and a mesh to see for every body.
+//! The window of the examples: camera, lights, and a visible mesh for every body.
 
 use super::Options;
 use bevy::prelude::*;
@@ -6,7 +6,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_dis
 use bevy_faceoff::plugin::debug::FaceoffGizmosPlugin;
 use bevy_faceoff::prelude::*;
 
-/// Colours of bodies, in the order in which they are drawn first.
+/// Colours of bodies, in the order in which their meshes load.
 const COLORS: [Color; 4] = [
     Color::srgb(0.16, 0.47, 0.87),
     Color::srgb(0.90, 0.36, 0.20),
@@ -58,7 +58,7 @@ fn light_and_camera(mut commands: Commands) {
     }
 }
 
-/// Draws the very triangles that collide, as soon as they are loaded.
+/// Draws the triangles that collide, as soon as they are loaded.
 fn dress(
     mut commands: Commands,
     bare: Query<(Entity, &MeshCollider), Without<Mesh3d>>,
@@ -82,7 +82,7 @@ fn dress(
     }
 }
 
-/// For checks that nobody watches: ends after the frames that were asked for, counted once all bodies are there.
+/// Ends the app after `--frames` frames, counted from when all bodies are visible.
 fn count_frames(
     mut commands: Commands,
     mut count: Local<u32>,

@@ -14,7 +14,7 @@
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 
 // Of more components than this only the first ones can be inside.
-const MOST_COMPONENTS: u32 = 1024u;
+const MAX_COMPONENTS: u32 = 1024u;
 
 // A bit for each component of the inner body.
 var<workgroup> held: array<u32, 32>;
@@ -62,7 +62,7 @@ fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread
         held[thread] = 0u;
     }
     workgroupBarrier();
-    for (var k = 0u; k < min(components, MOST_COMPONENTS); k += 1u) {
+    for (var k = 0u; k < min(components, MAX_COMPONENTS); k += 1u) {
         let p = sides::place(inner, vector(meshes[inner.mesh].components + 3u * k));
         // What lies on the surface counts as inside or not as rounding wants: two vertices must be.
         if is_inside(mesh, outer, end, p, thread) && is_inside(mesh, outer, end, sides::far_end(inner, k), thread) {
@@ -125,7 +125,7 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     for (var v = thread; v < sides::vertex_count(inner); v += 64u) {
         let along = dot(way, sides::vertex(inner, v) - start);
         if along < far.w {
-            let component = min(sides::component(inner, v), MOST_COMPONENTS - 1u);
+            let component = min(sides::component(inner, v), MAX_COMPONENTS - 1u);
             if !several || ((held[component / 32u] >> (component % 32u)) & 1u) == 1u {
                 far.w = along;
                 vertex = v;

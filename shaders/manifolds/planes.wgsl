@@ -1,7 +1,7 @@
 // Contact generation: where bodies lie on half-spaces. A few vertices each, the lowest and spread wide. A workgroup a body.
 // `src/manifolds/cpu/planes.rs` explains it.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::constants::manifolds::{LEVEL, MARGIN, MOST_PLANE_POINTS}
+#import faceoff::constants::manifolds::{LEVEL, MARGIN, MAX_PLANE_POINTS}
 #import faceoff::constants::shared::SAFETY
 #import faceoff::contact_slots::slot_of_plane
 #import faceoff::dispatch::group_index
@@ -113,7 +113,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     var count = 1u;
     // The first half are those on which it stands.
     for (var stage = 0u; stage < 2u; stage += 1u) {
-        let limit = select(MOST_PLANE_POINTS / 2u, MOST_PLANE_POINTS, stage == 1u);
+        let limit = select(MAX_PLANE_POINTS / 2u, MAX_PLANE_POINTS, stage == 1u);
         let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
         while count < limit {
             most = level * level;

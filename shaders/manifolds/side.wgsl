@@ -6,7 +6,7 @@
 
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::ARC_SLACK
-#import faceoff::constants::shared::{EVERY_WAY, MESH_HEADER, MESH_RECORD}
+#import faceoff::constants::shared::{ANY_NORMAL, MESH_HEADER, MESH_RECORD}
 #import faceoff::math::direction
 #import faceoff::types as t
 
@@ -143,15 +143,15 @@ fn owned(side: Side, number: u32) -> u32 {
     return words[record(side, number) + 12u] & 63u;
 }
 
-// How far a contact's normal at an edge that the triangle owns may turn from the triangle's, radians; of `EVERY_WAY` any normal
+// How far a contact's normal at an edge that the triangle owns may turn from the triangle's, radians; of `ANY_NORMAL` any normal
 // is within.
 fn edge_turn(side: Side, number: u32) -> f32 {
     let scale = abs(side.scale);
     let longest = max(scale.x, max(scale.y, scale.z));
     let shortest = min(scale.x, min(scale.y, scale.z));
-    let turn = f32(words[record(side, number) + 12u] >> 8u) * (EVERY_WAY / 255.0) + ARC_SLACK;
+    let turn = f32(words[record(side, number) + 12u] >> 8u) * (ANY_NORMAL / 255.0) + ARC_SLACK;
     // Unequal scales change angles.
-    return select(EVERY_WAY, min(turn, EVERY_WAY), longest <= shortest * (1.0 + 1.0e-6));
+    return select(ANY_NORMAL, min(turn, ANY_NORMAL), longest <= shortest * (1.0 + 1.0e-6));
 }
 
 fn roundness(side: Side, number: u32) -> f32 {

@@ -74,7 +74,7 @@ fn give_along(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> vec2<f32> {
 fn measured(pair: s::SolverPair, k: u32) -> s::PointState {
     var point = points[k];
     let shape = shapes[k];
-    if (pair.flags & s::UNTANGLING) != 0u {
+    if (pair.flags & s::DEPENETRATING) != 0u {
         point.separation = shape.first_separation + dot(point.normal, shifts[pair.b].moved - shifts[pair.a].moved);
         point.lever_a = vec3(0.0);
         point.lever_b = vec3(0.0);

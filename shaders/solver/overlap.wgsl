@@ -34,7 +34,7 @@ fn judge(pair: s::SolverPair) -> Overlap {
     let known = pair.kept != s::NOT_KEPT;
     var tangled = false;
     if known {
-        tangled = kept_pairs[pair.kept].untangling != 0u;
+        tangled = kept_pairs[pair.kept].depenetrating != 0u;
     } else {
         tangled = unexplained(pair) || opposed(pair, 0.0);
     }
@@ -70,7 +70,7 @@ fn unexplained(pair: s::SolverPair) -> bool {
         let point = contact_points[k];
         let depth = -point.separation;
         let way = max(dot(pair.closing, point.normal), 0.0) + pair.swing;
-        if depth > interval.untangle_depth * pair.diameter && depth > SAFETY * way * interval.dt {
+        if depth > interval.deep_penetration * pair.diameter && depth > SAFETY * way * interval.dt {
             return true;
         }
     }

@@ -13,7 +13,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     c::hand_out_nothing(i);
     let pair = solver_pairs[i];
     var pushes = false;
-    if (pair.flags & (s::FROZEN | s::UNTANGLING)) == 0u && pair.restitution > 0.0 {
+    if (pair.flags & (s::FROZEN | s::DEPENETRATING)) == 0u && pair.restitution > 0.0 {
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
             let point = points[k];
             let usable = (point.flags & s::POINT_USABLE) != 0u;

@@ -52,7 +52,7 @@ fn solve(pair: s::SolverPair, k: u32, local: ptr<function, c::Local>) {
     points[k].impulse = impulse;
     points[k].largest = max(point.largest, impulse);
 
-    let limit = select(pair.friction * impulse, 0.0, (pair.flags & s::UNTANGLING) != 0u);
+    let limit = select(pair.friction * impulse, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
     points[k].friction = rub(local, point, give.y, point.friction, interval.relaxation, limit);
 }
 
@@ -66,10 +66,10 @@ fn softness(pair: s::SolverPair, separation: f32) -> vec3<f32> {
     if (constants.x & s::PASS_BIASED) == 0u {
         return vec3(0.0, 1.0, 0.0);
     }
-    if (pair.flags & s::UNTANGLING) != 0u {
+    if (pair.flags & s::DEPENETRATING) != 0u {
         // Slower towards the end, where the spring of other pairs is as fast.
-        return vec3(max(interval.bias_rate * separation, -interval.untangle_speed), 1.0, 0.0);
+        return vec3(max(interval.bias_rate * separation, -interval.deep_depenetration_speed), 1.0, 0.0);
     }
-    let speed = max(interval.bias_rate * separation, -interval.push_speed);
+    let speed = max(interval.bias_rate * separation, -interval.max_depenetration_speed);
     return vec3(speed, interval.mass_scale, interval.impulse_scale);
 }

@@ -4,7 +4,7 @@
 // of which a test compares every offset; and it holds the constants that the host needs, which are added to this module from
 // there. Symmetric tensors are six numbers: the diagonal xx, yy, zz and, mixed, xy, xz, yz.
 
-// A detection interval, and how contacts are solved in it; `settings.rs` explains what is not explained here.
+// A collision substep, and how contacts are solved in it; `settings.rs` explains what is not explained here.
 struct Interval {
     gravity: vec3<f32>,
     // Length of a substep, seconds.
@@ -21,9 +21,9 @@ struct Interval {
     impulse_scale: f32,
     relaxation: f32,
     sweeps: u32,
-    push_speed: f32,
-    untangle_speed: f32,
-    untangle_depth: f32,
+    max_depenetration_speed: f32,
+    deep_depenetration_speed: f32,
+    deep_penetration: f32,
     rest_offset: f32,
     restitution_threshold: f32,
     match_distance: f32,
@@ -182,7 +182,7 @@ const VALID: u32 = 1u;
 const FROZEN: u32 = 2u;
 // Some point pushes, or may, in this substep.
 const ACTIVE: u32 = 4u;
-const UNTANGLING: u32 = 8u;
+const DEPENETRATING: u32 = 8u;
 // The first body was the second of the remembered pair.
 const SWAPPED: u32 = 16u;
 // Whether contacts push the ends.
@@ -250,7 +250,7 @@ struct KeptPair {
     first: u32,
     count: u32,
     direction: vec3<f32>,
-    untangling: u32,
+    depenetrating: u32,
     // From each body's axes to the world's.
     rotation_a: vec4<f32>,
     rotation_b: vec4<f32>,

@@ -30,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let overlap = o::judge(pair);
     if overlap.kind == o::TANGLED && (pair.flags & s::FROZEN) == 0u {
-        solver_pairs[i].flags |= s::UNTANGLING;
+        solver_pairs[i].flags |= s::DEPENETRATING;
         // One point, which pushes the centres themselves apart.
         var deepest = 0.0;
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
@@ -68,7 +68,7 @@ fn fill(pair: s::SolverPair) {
     let swapped = (pair.flags & s::SWAPPED) != 0u;
     if pair.kept != s::NOT_KEPT {
         old = kept_pairs[pair.kept];
-        if old.untangling != 0u {
+        if old.depenetrating != 0u {
             old.count = 0u;
         }
         let first = select(old.rotation_a, old.rotation_b, swapped);

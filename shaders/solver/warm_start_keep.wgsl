@@ -29,7 +29,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         kept.rotation_b = movers[pair.b].rotation;
     }
     kept.direction = pair.direction;
-    kept.untangling = u32((pair.flags & s::UNTANGLING) != 0u);
+    kept.depenetrating = u32((pair.flags & s::DEPENETRATING) != 0u);
     kept_pairs[i] = kept;
     for (var k = pair.first; k < pair.first + kept.count; k += 1u) {
         let point = points[k];

@@ -2,10 +2,12 @@
 
 mod view;
 
-use super::{AXES, PAD};
+use super::AXES;
 use crate::parallel::in_order::InOrder;
+use crate::simd::rounding::PAD;
+use crate::state::margins::Margins;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, NearPair, StepState, View};
+use crate::state::{Bodies, NearPair, StepConfig, View};
 use glam::{DMat3, Vec3};
 
 /// Memory kept between steps.
@@ -14,25 +16,23 @@ pub(crate) type Scratch = InOrder<NearPair>;
 /// Pairs per task.
 const TASK: usize = 64;
 
-/// Fills `state.near_pairs`.
-pub fn run(state: &mut StepState) {
-    let StepState {
-        bodies,
-        meshes,
-        sphere_pairs,
-        near_pairs,
-        approximate_pairs,
-        angles_scratch,
-        dynamics,
-        config,
-        ..
-    } = state;
+/// Writes those of `sphere_pairs` that no support plane separates by more than their margin into `near_pairs`, in the same order.
+/// Returns how many of them are tested with some triangles left out.
+pub(crate) fn run(
+    config: &StepConfig,
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    margins: Margins,
+    sphere_pairs: &[[u32; 2]],
+    scratch: &mut Scratch,
+    near_pairs: &mut Vec<NearPair>,
+) -> usize {
     near_pairs.clear();
-    angles_scratch.extend(near_pairs, sphere_pairs, TASK, |_, &pair, near_pairs| {
-        let margin = dynamics.margins.of_pair(bodies, config, pair);
+    scratch.extend(near_pairs, sphere_pairs, TASK, |_, &pair, near_pairs| {
+        let margin = margins.of_pair(bodies, config, pair);
         near_pairs.extend(near(bodies, meshes, pair, margin));
     });
-    *approximate_pairs = near_pairs.iter().filter(|pair| pair.is_approximate()).count();
+    near_pairs.iter().filter(|pair| pair.is_approximate()).count()
 }
 
 fn near(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f32) -> Option<NearPair> {

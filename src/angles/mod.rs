@@ -20,7 +20,3 @@ pub mod gpu;
 /// Axes tried per pair. Each costs two look-ups; eight reject 91 % (tori) and 85 % (knots) of the
 /// overlapping spheres' pairs that do not touch.
 pub const AXES: usize = 8;
-
-/// Rounding allowance of single-precision culls, relative to the sum of the two bounding radii. Rotating, scaling and
-/// moving a point costs less than a millionth.
-pub const PAD: f32 = 4.0e-6;

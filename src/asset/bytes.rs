@@ -1,8 +1,8 @@
-//! Reading and writing little-endian numbers, with every length checked before it is believed.
+//! Reading and writing of little-endian numbers. The reader checks all lengths.
 
-use super::format::FormatError;
+use super::format_error::FormatError;
 
-/// A number that has little-endian bytes.
+/// A number that can be written as little-endian bytes.
 pub(super) trait Number {
     fn push(self, out: &mut Vec<u8>);
 }
@@ -32,7 +32,7 @@ pub(super) fn put<T: Number>(out: &mut Vec<u8>, numbers: impl IntoIterator<Item 
     }
 }
 
-/// What is left of some bytes. Whatever it is asked for is named, so that an error can say what is missing.
+/// Reads from a slice. Each read has a name, `what`, so that an error can say what is missing.
 pub(super) struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
@@ -67,7 +67,7 @@ impl<'a> Reader<'a> {
         self.array(what).map(u64::from_le_bytes)
     }
 
-    /// Numbers that have to be finite.
+    /// Reads `N` numbers. They must be finite.
     pub(super) fn floats<const N: usize>(&mut self, what: &'static str) -> Result<[f32; N], FormatError> {
         let mut out = [0.0; N];
         for x in &mut out {
@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// `count` groups of `N` words. Nothing is allocated unless all of them are there.
+    /// Reads `count` groups of `N` words. Fails without any allocation if the input is too short.
     pub(super) fn list<const N: usize>(
         &mut self,
         count: u32,

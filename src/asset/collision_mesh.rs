@@ -1,4 +1,4 @@
-//! [`CollisionMesh`]: everything the stages need to know about a mesh.
+//! [`CollisionMesh`]: a baked mesh, with all data that a step needs.
 
 use crate::geometry::cluster::cluster_order;
 use crate::geometry::features::MeshFeatures;
@@ -14,10 +14,10 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// A baked mesh. Cloning is cheap: the data is shared and never changes.
+/// A baked mesh. Clones are cheap: they share the data, which never changes.
 ///
-/// It comes with what the stages derive from a mesh, so that no step has to: making one, be it by a bake or from a file, takes
-/// about a millisecond for a thousand triangles.
+/// Besides the [`BakedMesh`] it holds data that the steps need and that follows from it. To derive that data, after a
+/// bake or after loading, takes about a millisecond for a thousand triangles.
 #[derive(Clone)]
 #[cfg_attr(feature = "bevy", derive(Asset, TypePath))]
 pub struct CollisionMesh {
@@ -26,20 +26,21 @@ pub struct CollisionMesh {
     lanes: Arc<MeshLanes>,
 }
 
-/// What a bake produces.
+/// The result of a bake.
 #[derive(Clone, PartialEq)]
 pub struct BakedMesh {
-    /// The validated mesh, its triangles in cluster order.
+    /// The validated mesh, with its triangles in cluster order.
     pub mesh: TriMesh,
     /// Volume, centre of mass, inertia, thickness.
     pub mass: MassProperties,
-    /// Radius of the bounding sphere about the centre of mass, in mesh units; rounded up, so that no vertex is outside.
+    /// Radius of the bounding sphere about the centre of mass, in mesh units. It is rounded up, so that no vertex is
+    /// outside.
     pub radius: f32,
-    /// Upper bounds of the reach in every direction, measured from the centre of mass.
+    /// Support heights relative to the centre of mass: upper bounds on the extent in each direction.
     pub heights: SupportHeights,
-    /// Faces of collision, if the settings asked for them; indices are triangles of `mesh`.
+    /// The faces of collision, if the settings ask for them. Indices are triangles of `mesh`.
     pub faces: Option<FaceTable>,
-    /// What was asked for.
+    /// The settings of the bake.
     pub settings: BakeSettings,
 }
 
@@ -51,14 +52,14 @@ impl Deref for CollisionMesh {
 }
 
 impl PartialEq for CollisionMesh {
-    /// All else follows from what was baked.
+    /// Compares the baked data; all other data follows from it.
     fn eq(&self, other: &Self) -> bool {
         self.baked == other.baked
     }
 }
 
 impl From<BakedMesh> for CollisionMesh {
-    /// Derives what the stages need.
+    /// Derives the data that the steps need.
     fn from(baked: BakedMesh) -> Self {
         let features = MeshFeatures::of(&baked.mesh);
         Self {
@@ -70,13 +71,13 @@ impl From<BakedMesh> for CollisionMesh {
 }
 
 impl CollisionMesh {
-    /// Bakes `mesh` on `pool`. The face table, if `settings` ask for one, takes seconds, which `progress` counts and may
-    /// cut short; all else takes milliseconds. `settings` must be valid.
+    /// Bakes `mesh` on `pool`. `settings` must be valid.
     ///
-    /// The same mesh and settings give the same result, however many threads the pool has.
+    /// A face table takes seconds, which `progress` reports and can cancel. All else takes milliseconds. The same mesh
+    /// and settings give the same result for any number of threads.
     ///
     /// # Errors
-    /// [`Cancelled`] if `progress` was cancelled before the end.
+    /// [`Cancelled`] if the bake was cancelled through `progress`.
     pub fn bake(
         mesh: &TriMesh,
         settings: BakeSettings,
@@ -86,17 +87,17 @@ impl CollisionMesh {
         Self::without_faces(mesh, settings).rebake(settings, pool, progress)
     }
 
-    /// Whether both are the same bake, not merely equal.
+    /// Whether both are clones of the same bake, not merely equal.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.baked, &other.baked)
     }
 
-    /// Bakes `mesh` with default settings: all but the face table, which takes milliseconds and no pool.
+    /// Bakes `mesh` with default settings, without a face table. This takes milliseconds and needs no thread pool.
     pub fn new(mesh: &TriMesh) -> Self {
         Self::without_faces(mesh, BakeSettings::default())
     }
 
-    /// Bakes `mesh` without a face table, whether `settings` ask for one or not. `settings` must be valid.
+    /// Bakes `mesh` without a face table, even if `settings` ask for one. `settings` must be valid.
     pub fn without_faces(mesh: &TriMesh, settings: BakeSettings) -> Self {
         let settings = BakeSettings {
             faces: false,
@@ -105,40 +106,42 @@ impl CollisionMesh {
         prepare(mesh, settings).into()
     }
 
-    /// Its vertices and edges, of which contact points are made.
+    /// The vertices and edges of the mesh, from which contact points are computed.
     pub fn features(&self) -> &Arc<MeshFeatures> {
         &self.features
     }
 
-    /// Its triangles in eights, as the CPU tests them.
+    /// The SIMD layout of the mesh, for the CPU.
     pub fn lanes(&self) -> &Arc<MeshLanes> {
         &self.lanes
     }
 
-    /// The *faces of collision* that the mesh, placed by `pose`, shows a body whose centre of mass is at `point`, both in
-    /// the world: triangles of [`BakedMesh::mesh`] that can be seen from there, along the line of centres. `None` without a
-    /// face table, and where the centres coincide, since then there is no direction.
+    /// The *faces of collision* towards another body: the triangles of [`BakedMesh::mesh`] that are visible along the
+    /// line of centres.
+    ///
+    /// `pose` places this mesh in the world, and `point` is the other body's centre of mass in the world. `None`
+    /// without a face table, or if the centres coincide, because then there is no direction.
     #[cfg(feature = "bevy")]
     pub fn faces_towards(&self, pose: &Transform, point: Vec3) -> Option<Group<'_>> {
         let to_point = point - pose.transform_point(self.mass.center);
-        // Directions between points of a mesh are scaled as the mesh is.
+        // Differences of points are divided by the scale, as points are.
         let local = pose.rotation.inverse() * to_point / pose.scale;
         (local.is_finite() && local != Vec3::ZERO)
             .then(|| self.faces.as_ref())?
             .map(|table| table.group(local))
     }
 
-    /// The same mesh baked with other settings; only what they change is made anew.
+    /// The same mesh baked with other settings. Only data that depends on the changed settings is recomputed.
     ///
     /// # Errors
-    /// [`Cancelled`] if `progress` was cancelled before the end.
+    /// [`Cancelled`] if the bake was cancelled through `progress`.
     pub fn rebake(
         &self,
         settings: BakeSettings,
         pool: &rayon::ThreadPool,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        // A bake without a table can be cancelled as well.
+        // A bake without a face table can be cancelled too.
         progress.advance(0)?;
         if settings == self.settings {
             return Ok(self.clone());
@@ -164,32 +167,32 @@ impl CollisionMesh {
 }
 
 impl BakedMesh {
-    /// What its author may want to know about the mesh, one sentence each: faces that were dropped, a surface that is not
-    /// closed. Empty for a mesh that is in order. Whoever loads a mesh logs these once, with the file's name.
+    /// Warnings for the author of the mesh, one sentence each: dropped faces, an open surface, and the like. Empty for
+    /// a sound mesh. Code that loads a mesh should log them once, with the name of the file.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let dropped = self.mesh.dropped();
         if dropped > 0 {
             let all = self.mesh.triangles().len() as u64 + u64::from(dropped);
             warnings.push(format!(
-                "{dropped} of {all} faces have no area and were dropped; the others keep their numbers"
+                "{dropped} of {all} faces have zero area and were dropped; the others keep their indices"
             ));
         }
         match self.mesh.orientation() {
-            Orientation::Open => warnings.push(self.openness()),
+            Orientation::Open => warnings.push(self.open_warning()),
             Orientation::Mixed => warnings.push(
-                "some neighbouring faces disagree about the outside, so the mass is that of the bounding box; recalculate \
-                 the normals or set the mass yourself"
+                "some neighbouring faces have opposite winding, so the mass is that of the bounding box; recalculate the \
+                 normals or set the mass yourself"
                     .into(),
             ),
             Orientation::Inward => warnings.push(
-                "its faces look inward, so it is a room: bodies inside are free, its walls push inward, and its mass is \
-                 that of its inside; if it is meant to be solid, turn its faces or bake it with `inward: Solid`"
+                "its faces point inward, so it is a room: bodies inside are free, its walls push inward, and its mass is \
+                 that of a solid that fills it; if it is meant to be solid, flip its faces or bake it with `inward: Solid`"
                     .into(),
             ),
             Orientation::Outward if self.mass.approximate => warnings.push(
-                "the mesh encloses next to nothing, or its size does not fit single precision, so its mass is approximate; \
-                 set the mass yourself"
+                "the mesh encloses almost no volume, or its size does not fit single precision, so its mass is \
+                 approximate; set the mass yourself"
                     .into(),
             ),
             Orientation::Outward => {}
@@ -197,16 +200,16 @@ impl BakedMesh {
         warnings
     }
 
-    /// What there is to say of an open mesh.
-    fn openness(&self) -> String {
+    /// The warning about an open mesh.
+    fn open_warning(&self) -> String {
         let mut text = "the mesh is open".to_owned();
         if let Some(gaps) = self.mesh.gaps() {
             let edges = if gaps.edges == 1 { "edge has" } else { "edges have" };
             text += &format!(" ({} {edges} no partner", gaps.edges);
             if let (Some(nearest), Some(relative)) = (gaps.nearest, gaps.relative) {
                 text += &format!(
-                    "; the nearest corners there that no such edge joins are {nearest:.2e} apart, {relative:.1e} of its \
-                     size, and `weld_tolerance` is {:.1e}",
+                    "; the nearest corners of these that no such edge joins are {nearest:.2e} apart, {relative:.1e} of \
+                     its size, and `weld_tolerance` is {:.1e}",
                     self.settings.weld_tolerance
                 );
             }
@@ -217,16 +220,16 @@ impl BakedMesh {
     }
 }
 
-/// All but the face table.
+/// Bakes all but the face table.
 fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
-    // Clusters first: thickness is found by rays that need neighbours to be neighbours in the list.
+    // Clusters come first: the rays that measure thickness are fast only in cluster order.
     let mut mesh = (mesh.reordered(&cluster_order(mesh))).with_weld_tolerance(settings.weld_tolerance);
-    // What an earlier bake turned is judged as it was.
-    if mesh.is_turned() {
-        mesh = mesh.turned();
+    // Undo the flip of an earlier bake, so that the result depends only on the source.
+    if mesh.is_flipped() {
+        mesh = mesh.flipped();
     }
     if settings.inward == Inward::Solid && mesh.orientation() == Orientation::Inward {
-        mesh = mesh.turned();
+        mesh = mesh.flipped();
     }
     let mass = MassProperties::of(&mesh);
     let heights = SupportHeights::of(used_once(&mesh).map(|p| p - mass.center));
@@ -240,7 +243,7 @@ fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
     }
 }
 
-/// Positions of the vertices that triangles use, each once: a vertex is used six times on average.
+/// The position of each vertex that a triangle uses, once. A vertex is used six times on average.
 fn used_once(mesh: &TriMesh) -> impl Iterator<Item = Vec3> + '_ {
     let mut used = vec![false; mesh.vertices().len()];
     for &v in mesh.triangles().iter().flatten() {
@@ -258,7 +261,7 @@ fn radius_about(mesh: &TriMesh, center: Vec3) -> f32 {
         .used_positions()
         .map(|p| p.as_dvec3().distance_squared(center))
         .fold(0.0, f64::max);
-    // The root is exact to a part in 2^53, so the next f32 above whatever it rounds to is no smaller than the truth.
+    // The root is exact to a part in 2^53, so the next f32 above the rounded value is an upper bound.
     (squared.sqrt() as f32).next_up()
 }
 

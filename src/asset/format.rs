@@ -1,7 +1,7 @@
-//! The `.faceoff` file: a baked mesh as bytes.
+//! The `.faceoff` file format: a baked mesh as bytes.
 //!
-//! All numbers are little-endian. A fixed header of [`HEADER_LENGTH`] bytes says what the file was made from; the rest is
-//! one lz4 frame with the mesh, its figures and the run-length form of its face table.
+//! All numbers are little-endian. A fixed header of [`HEADER_LENGTH`] bytes identifies the source and the settings. The
+//! rest is one lz4 frame with the mesh, its mass properties, its support heights and its encoded face table.
 //!
 //! | offset | bytes | content |
 //! |---|---|---|
@@ -9,97 +9,67 @@
 //! | 8 | 4 | format version |
 //! | 12 | 4 | baker version |
 //! | 16 | 20 | settings: faces (0 or 1), degrees, image, weld tolerance, inward (0 for a room, 1 for a solid) |
-//! | 36 | 32 | blake3 of the source mesh's bytes |
+//! | 36 | 32 | blake3 of the source file |
 //! | 68 | 8 | length of the frame's content |
 //! | 76 | 32 | blake3 of everything else in the file |
 //! | 108 | | lz4 frame |
 //!
-//! A file is believed only as far as its bytes go: lengths are checked against the bytes that are left before anything is
-//! allocated, every number is checked for range, and the checksum finds what a disk or a network changed. The checksum is
-//! no signature: who makes up a file can make it say that a mesh weighs what it does not, which spoils results, but
-//! neither panics nor eats memory. What follows from the triangles alone, how they hang together say, is not in the file but
-//! found again.
+//! The reader is safe for untrusted input. It checks lengths against the remaining bytes before it allocates, and
+//! checks the range of all numbers. The checksum detects corruption by a disk or a network. It is not a signature: a
+//! forged file can state a wrong mass, for example. That gives wrong results, but neither a panic nor excessive memory.
+//! Connectivity and other data that follows from the triangles is not stored; the reader recomputes it.
 
 use super::bytes::{Reader, put};
 use super::collision_mesh::{BakedMesh, CollisionMesh};
+pub use super::format_error::{FORMAT_VERSION, FormatError};
 use crate::geometry::{MassProperties, MeshParts, TriMesh};
-use crate::projection::{BakeSettings, FaceTable, Inward, SupportHeights, faces::TableError};
+use crate::projection::{BakeSettings, FaceTable, Inward, SupportHeights};
 use glam::{Mat3, Vec3};
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use std::io::{Read, Write};
-use thiserror::Error;
 
-/// The first bytes of every `.faceoff` file.
+/// The first bytes of each `.faceoff` file.
 pub const MAGIC: [u8; 8] = *b"FACEOFF\0";
-/// Changes when the meaning of a file's bytes changes. Files of another version are refused.
-pub const FORMAT_VERSION: u32 = 3;
-/// Changes when the same source and settings bake to something else. Older files still load, but are not up to date.
+/// The version of the baker. It changes when the same source and settings give another result. Files of older versions
+/// still load, but are not up to date.
 pub const BAKER_VERSION: u32 = 2;
 /// Length of the header in bytes; enough for [`read_header`].
 pub const HEADER_LENGTH: usize = 108;
 
 const CHECKSUM_AT: usize = 76;
-/// How every frame of ours begins: lz4's magic, version 1, independent blocks of at most 256 KiB, no extras.
+/// The start of each frame that this module writes: lz4's magic, version 1, independent blocks of at most 256 KiB, no
+/// options.
 const FRAME_START: [u8; 6] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x50];
-/// One byte of an lz4 block stands for at most 255 bytes of content.
-const MOST_EXPANSION: u64 = 255;
+/// One byte of an lz4 block decompresses to at most 255 bytes.
+const MAX_EXPANSION: u64 = 255;
 
 /// A blake3 hash.
 pub type Hash = [u8; 32];
 
-/// The hash by which a `.faceoff` file remembers its source: blake3 of the mesh file's bytes.
+/// The hash by which a `.faceoff` file identifies its source: blake3 of the mesh file's bytes.
 pub fn source_hash(source: &[u8]) -> Hash {
     *blake3::hash(source).as_bytes()
 }
 
-/// What a file was made from.
+/// The origin of a baked file: source, settings and version of the baker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
-    /// The [`BAKER_VERSION`] that made it.
+    /// The [`BAKER_VERSION`] of the build that baked the file.
     pub baker_version: u32,
-    /// What was asked for.
+    /// The settings of the bake.
     pub settings: BakeSettings,
     /// [`source_hash`] of the mesh file.
     pub source_hash: Hash,
 }
 
 impl Header {
-    /// Whether baking this source with these settings now would make the same file.
+    /// Whether a bake of this source with these settings would now give the same file.
     pub fn is_up_to_date(&self, source_hash: &Hash, settings: &BakeSettings) -> bool {
         self.baker_version == BAKER_VERSION && self.source_hash == *source_hash && self.settings == *settings
     }
 }
 
-/// Why bytes are not a `.faceoff` file of this version.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum FormatError {
-    /// The first bytes are not [`MAGIC`].
-    #[error("this is not a .faceoff file")]
-    Magic,
-    /// Another version of this library wrote it.
-    #[error("the file has format version {0}, this build reads version {FORMAT_VERSION}: bake the mesh again")]
-    Version(u32),
-    /// The file ends too early.
-    #[error("the file is cut off ({what} is missing): copy it again or bake the mesh again")]
-    Truncated {
-        /// What could not be read.
-        what: &'static str,
-    },
-    /// The bytes are not those that were written.
-    #[error("the file is damaged (its checksum does not match): copy it again or bake the mesh again")]
-    Checksum,
-    /// The checksum matches, but the content is impossible.
-    #[error("the file is damaged ({0}): bake the mesh again")]
-    Damaged(&'static str),
-    /// The lz4 frame does not decompress.
-    #[error("the file is damaged (its content does not decompress: {0}): bake the mesh again")]
-    Compression(String),
-    /// The face table is impossible.
-    #[error("{0}: bake the mesh again")]
-    Table(#[from] TableError),
-}
-
-/// The file for a baked mesh. The same mesh, settings and source give the same bytes.
+/// Writes a baked mesh as a file. The same mesh, settings and source give the same bytes.
 pub fn to_bytes(mesh: &CollisionMesh, source_hash: Hash) -> Vec<u8> {
     let body = body(mesh);
     let mut out = Vec::with_capacity(HEADER_LENGTH + body.len() / 2);
@@ -134,8 +104,11 @@ pub fn to_bytes(mesh: &CollisionMesh, source_hash: Hash) -> Vec<u8> {
     out
 }
 
-/// Reads the header alone, to find out whether a file is up to date: the first [`HEADER_LENGTH`] bytes are enough, and the
-/// checksum is not looked at.
+/// Reads only the header, to check whether a file is up to date. The first [`HEADER_LENGTH`] bytes suffice. The
+/// checksum is not verified.
+///
+/// # Errors
+/// If the bytes are not the start of a `.faceoff` file of this version.
 pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
     if bytes.len() < MAGIC.len() && MAGIC.starts_with(bytes) && !bytes.is_empty() {
         return Err(FormatError::Truncated { what: "the header" });
@@ -163,7 +136,7 @@ pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
     };
     settings
         .validate()
-        .map_err(|_| FormatError::Damaged("its settings are impossible"))?;
+        .map_err(|_| FormatError::Damaged("its settings are invalid"))?;
     Ok(Header {
         baker_version,
         settings,
@@ -171,8 +144,11 @@ pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
     })
 }
 
-/// Reads a file. Never panics, whatever the bytes, and never allocates more than a small multiple of what an honest file of
-/// that length holds.
+/// Reads a file. Safe for any input: it does not panic, and its allocations are bounded by a small multiple of what a
+/// valid file of this length needs.
+///
+/// # Errors
+/// If the bytes are not a valid `.faceoff` file of this version.
 pub fn from_bytes(bytes: &[u8]) -> Result<(CollisionMesh, Header), FormatError> {
     let header = read_header(bytes)?;
     if checksum(bytes) != bytes[CHECKSUM_AT..HEADER_LENGTH] {
@@ -183,7 +159,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(CollisionMesh, Header), FormatError> 
     let mut reader = Reader::new(&body);
     let baked = read_body(&mut reader, header.settings)?;
     if !reader.is_empty() {
-        return Err(FormatError::Damaged("bytes are left over"));
+        return Err(FormatError::Damaged("there are bytes after its end"));
     }
     Ok((baked.into(), header))
 }
@@ -199,17 +175,17 @@ fn decompress(frame: &[u8], length: u64) -> Result<Vec<u8>, FormatError> {
     if !frame.starts_with(&FRAME_START) {
         return Err(FormatError::Damaged("its frame has unknown options"));
     }
-    if length > (frame.len() as u64).saturating_mul(MOST_EXPANSION) {
+    if length > (frame.len() as u64).saturating_mul(MAX_EXPANSION) {
         return Err(FormatError::Damaged("it claims more content than its bytes can hold"));
     }
-    // The buffer grows with what really comes out, and stops one byte beyond what was announced.
+    // The buffer grows with the actual output, and decompression stops one byte after the stated length.
     let mut body = Vec::with_capacity(length.min(frame.len() as u64 * 4) as usize);
     let mut decoder = FrameDecoder::new(frame).take(length + 1);
     decoder
         .read_to_end(&mut body)
         .map_err(|e| FormatError::Compression(e.to_string()))?;
     if body.len() as u64 != length || !decoder.into_inner().into_inner().is_empty() {
-        return Err(FormatError::Damaged("its content is not as long as announced"));
+        return Err(FormatError::Damaged("its content does not have the stated length"));
     }
     Ok(body)
 }
@@ -224,7 +200,7 @@ fn body(baked: &BakedMesh) -> Vec<u8> {
     put(&mut out, mesh.face_ids().iter().copied());
     put(&mut out, [mesh.dropped()]);
     put(&mut out, mesh.dropped_faces().iter().flatten().copied());
-    put(&mut out, [u32::from(mesh.is_turned())]);
+    put(&mut out, [u32::from(mesh.is_flipped())]);
 
     let mass = &baked.mass;
     put(&mut out, [mass.volume, mass.thickness, baked.radius]);
@@ -255,14 +231,15 @@ fn read_body(reader: &mut Reader, settings: BakeSettings) -> Result<BakedMesh, F
         approximate: flag(reader.u32("the mass")?)?,
     };
     if [volume, thickness, radius].iter().any(|x| *x <= 0.0) || second_moment != second_moment.transpose() {
-        return Err(FormatError::Damaged("its mass is impossible"));
+        return Err(FormatError::Damaged("its mass is invalid"));
     }
-    let count = reader.u32("the heights")?;
+    let count = reader.u32("the support heights")?;
     let heights: Vec<f32> = reader
-        .list::<1>(count, "the heights")?
+        .list::<1>(count, "the support heights")?
         .map(|[h]| f32::from_bits(h))
         .collect();
-    let heights = SupportHeights::from_heights(heights).ok_or(FormatError::Damaged("its heights are impossible"))?;
+    let heights =
+        SupportHeights::from_heights(heights).ok_or(FormatError::Damaged("its support heights are invalid"))?;
     let faces = if settings.faces {
         let length = reader.u64("the face table")?;
         let table = reader.bytes(length, "the face table")?;
@@ -291,13 +268,13 @@ fn read_mesh(reader: &mut Reader, weld_tolerance: f32) -> Result<TriMesh, Format
     let face_ids = reader.list(count, "the face ids")?.map(|[id]| id).collect();
     let count = reader.u32("the dropped faces")?;
     let dropped = reader.list(count, "the dropped faces")?.collect();
-    let is_turned = flag(reader.u32("which way its faces look")?)?;
+    let is_flipped = flag(reader.u32("the winding of its faces")?)?;
     TriMesh::from_parts(MeshParts {
         vertices,
         triangles,
         face_ids,
         dropped,
-        is_turned,
+        is_flipped,
         weld_tolerance,
     })
     .map_err(FormatError::Damaged)

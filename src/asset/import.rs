@@ -1,4 +1,4 @@
-//! Mesh files of any kind we read, recognised by magic or by name.
+//! Import of mesh files of all supported formats. The format is recognised by content or by file name.
 
 use super::collision_mesh::CollisionMesh;
 use super::format::{self, Hash, Header};
@@ -12,29 +12,31 @@ use crate::projection::BakeSettings;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// What a mesh file holds.
+/// The content of a mesh file.
 #[derive(Clone, Debug)]
 pub enum Imported {
-    /// A mesh yet to be baked.
+    /// A mesh that is not baked.
     Mesh {
         /// The mesh.
         mesh: TriMesh,
-        /// What the recipe asks for; the default if there is no recipe.
+        /// The settings of the recipe; the default if there is no recipe.
         settings: BakeSettings,
-        /// [`format::source_hash`] of the mesh file; of a glTF file with a chosen part or other files, of these too.
+        /// [`format::source_hash`] of the mesh file. For a glTF file it also covers the chosen part and the other
+        /// files.
         source_hash: Hash,
     },
-    /// A `.faceoff` file.
+    /// A baked mesh from a `.faceoff` file.
     Baked {
         /// The baked mesh.
         mesh: CollisionMesh,
-        /// What it was made from.
+        /// The source and settings of the bake.
         header: Header,
     },
 }
 
 impl Imported {
-    /// The mesh as such, baked or not. A baked one has its triangles in cluster order, with the face ids of its source.
+    /// The triangle mesh, baked or not. The triangles of a baked one are in cluster order, with the face ids of the
+    /// source.
     pub fn mesh(&self) -> &TriMesh {
         match self {
             Self::Mesh { mesh, .. } => mesh,
@@ -43,13 +45,20 @@ impl Imported {
     }
 }
 
-/// Reads a mesh from the bytes of a glTF, OBJ, STL or `.faceoff` file. `name` is its file name; its ending decides where the
-/// bytes do not, and it need not name a file that exists. Of a glTF file this is the whole scene.
+/// Reads a mesh from the bytes of a glTF, OBJ, STL or `.faceoff` file. For glTF this is the whole scene.
+///
+/// `name` is the file name. Its extension decides the format if the bytes do not. The file need not exist.
+///
+/// # Errors
+/// If the format is unknown, the bytes are invalid, or a glTF file refers to other files.
 pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
     import_part(name, bytes, None)
 }
 
-/// As [`import_bytes`], but a part of a glTF file, if `part` names one.
+/// The same as [`import_bytes`], but reads only a part of a glTF file if `part` is given.
+///
+/// # Errors
+/// As for [`import_bytes`]; also if there is no such part.
 pub fn import_part(name: &str, bytes: &[u8], part: Option<&MeshPart>) -> Result<TriMesh, ImportError> {
     let source = Source::open(name, bytes)?;
     if let Some(file) = source.files().first() {
@@ -61,8 +70,10 @@ pub fn import_part(name: &str, bytes: &[u8], part: Option<&MeshPart>) -> Result<
     }
 }
 
-/// Reads a mesh file or a `.bake.ron` recipe from disk, with the files it names. Errors name the file. Pipes and devices are
-/// refused.
+/// Reads a mesh file or a `.bake.ron` recipe from disk, and the files it refers to.
+///
+/// # Errors
+/// If a file cannot be read or is invalid. Errors contain the path of the file. Pipes and devices are rejected.
 pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let path = path.as_ref();
     let bytes = read_file(path)?;
@@ -83,7 +94,7 @@ pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
             settings: recipe.settings,
             source_hash,
         },
-        // What the recipe asks for is baked anew, from the mesh alone.
+        // The settings of the recipe count, so the mesh is baked again.
         Imported::Baked { mesh, .. } => Imported::Mesh {
             mesh: mesh.mesh.clone(),
             settings: recipe.settings,
@@ -102,7 +113,7 @@ fn import_mesh_file(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Res
     source.read(part, &files).map_err(|e| in_file(path, e))
 }
 
-/// A mesh file of known format, with all that is read of it before other files.
+/// A mesh file of known format, parsed as far as possible without other files.
 pub(crate) struct Source<'a> {
     bytes: Cow<'a, [u8]>,
     format: Format,
@@ -116,14 +127,14 @@ enum Format {
 }
 
 impl<'a> Source<'a> {
-    /// Recognises the format.
+    /// Recognises the format; parses a glTF document.
     pub(crate) fn open(name: &str, bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self, ImportError> {
         let bytes = bytes.into();
         let format = Format::of(name, &bytes)?;
         Ok(Self { bytes, format })
     }
 
-    /// The other files it needs, relative to its own.
+    /// The other files it needs, as paths relative to the mesh file.
     pub(crate) fn files(&self) -> &[String] {
         match &self.format {
             Format::Gltf(document) => &document.files,
@@ -154,7 +165,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The hash of everything that the mesh depends on.
+/// The hash of all input that the mesh depends on.
 fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8>]) -> Hash {
     let hash = format::source_hash(bytes);
     if part.is_none() && files.is_empty() {
@@ -180,9 +191,9 @@ impl Format {
             return Ok(Self::Baked);
         }
         if is_recipe(name) {
-            return Err(ImportError::RecipeIsNoMesh);
+            return Err(ImportError::RecipeNotMesh);
         }
-        let foreign = match extension.as_str() {
+        let unsupported = match extension.as_str() {
             _ if bytes.starts_with(b"Kaydara FBX") => Some("FBX"),
             _ if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") => Some("PLY"),
             "fbx" => Some("FBX"),
@@ -191,8 +202,8 @@ impl Format {
             "blend" => Some("Blender"),
             _ => None,
         };
-        if let Some(format) = foreign {
-            return Err(ImportError::Foreign(format));
+        if let Some(format) = unsupported {
+            return Err(ImportError::Unsupported(format));
         }
         Ok(match extension.as_str() {
             "gltf" | "glb" => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
@@ -207,16 +218,17 @@ impl Format {
     }
 }
 
-/// Whether a vertex stands at the beginning of a line early in the file.
+/// Whether a line near the start of the file begins with a vertex.
 fn looks_like_obj(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(1 << 16)];
     !start.contains(&0) && start.split(|&b| b == b'\n').any(|line| line.starts_with(b"v "))
 }
 
-/// A device, which a recipe or a hostile mesh might name, has no end, and a pipe may never begin.
+/// Reads a regular file. A recipe or a malicious mesh could refer to a device, which may be endless, or to a pipe,
+/// which may block.
 fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
     match std::fs::metadata(path) {
-        Ok(there) if !there.is_file() => Err(in_file(path, ImportError::NoFile)),
+        Ok(there) if !there.is_file() => Err(in_file(path, ImportError::NotAFile)),
         Ok(_) => std::fs::read(path).map_err(|e| in_file(path, e)),
         Err(e) => Err(in_file(path, e)),
     }

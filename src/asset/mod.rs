@@ -1,11 +1,12 @@
-//! Baked meshes as Bevy assets: the asset, its file, its loader.
+//! Baked meshes, their file format, and the readers of mesh files.
 //!
-//! A [`CollisionMesh`] comes from a file through Bevy's asset server (see [`loader`]), from a file on disk through
-//! [`import::import_file`], or from vertices and faces through [`CollisionMesh::new`].
+//! A [`CollisionMesh`] is baked from vertices and faces by [`CollisionMesh::new`], or read from a file by
+//! [`import_file`]. Bevy's asset server can load one too; the plugin registers a loader.
 
 mod bytes;
 pub mod collision_mesh;
 pub mod format;
+mod format_error;
 pub mod gltf;
 pub mod import;
 mod import_error;

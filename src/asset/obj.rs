@@ -1,11 +1,11 @@
-//! Wavefront OBJ: positions and faces, nothing else.
+//! Reader and writer for Wavefront OBJ: only positions and faces.
 //!
-//! A reader of our own, since what this project needs is little and strict. The `tobj` crate was looked at and its errors
-//! carry no line number; it also refuses whole files for things that collisions never use: a normal or texture index out of
-//! range, colours at some vertices only, a comment that is not UTF-8. And it splits a file at objects, groups and materials
-//! into models with vertices of their own, which would have to be put together again.
+//! Why not the `tobj` crate: its errors have no line numbers. It rejects whole files for data that collisions never
+//! use: a normal or texture index out of range, colours at only some vertices, a comment that is not UTF-8. And it
+//! splits a file at objects, groups and materials into models with separate vertices, which would have to be merged
+//! again.
 
-use super::import::ImportError;
+use super::import_error::ImportError;
 use super::text::{number, shown};
 use crate::geometry::TriMesh;
 use glam::Vec3;
@@ -13,10 +13,10 @@ use std::fmt::Write;
 
 /// Reads all objects of a file as one mesh.
 ///
-/// Polygons are cut into fans from their first corner. A face's index, by which everything else names it, counts these
-/// triangles in the order of the file, over all objects and groups, before any is dropped. Only `v` and `f` lines are read:
-/// materials, normals, texture coordinates, colours, curves, points and lines are passed over, and so are polygons with
-/// fewer than three corners. Negative indices count back from the last vertex read.
+/// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of
+/// the file, over all objects and groups, before any is dropped. Only `v` and `f` lines are read. Materials, normals,
+/// texture coordinates, colours, curves, points and lines are ignored, as are polygons with fewer than three corners.
+/// Negative indices count backwards from the last vertex read.
 pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     let mut obj = Obj::default();
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -44,8 +44,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     obj.finish()
 }
 
-/// The text of an OBJ file for a mesh: its faces in the order of their ids. Positions survive bit for bit, as each is
-/// written with the fewest digits that name it.
+/// Writes a mesh as the text of an OBJ file, with faces in the order of their ids. Positions are written with the
+/// fewest digits that identify each `f32`, so reading them gives the same bits.
 pub fn to_obj(mesh: &TriMesh) -> String {
     let mut out = String::new();
     for v in mesh.vertices() {
@@ -64,8 +64,8 @@ pub fn to_obj(mesh: &TriMesh) -> String {
 struct Obj {
     vertices: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
-    /// The largest index that was ahead of its vertex when it was read, and its line.
-    ahead: Option<(u32, usize)>,
+    /// The largest index that was read before its vertex, and its line.
+    forward: Option<(u32, usize)>,
 }
 
 impl Obj {
@@ -110,7 +110,7 @@ impl Obj {
         Ok(())
     }
 
-    /// The vertex that a corner such as `7`, `7/1`, `7//3`, `-1/-1/-1` names, counted from 0.
+    /// The vertex index, counted from 0, of a corner such as `7`, `7/1`, `7//3` or `-1/-1/-1`.
     fn index(&mut self, line: usize, word: &[u8]) -> Result<u32, ImportError> {
         let number = word.split(|&b| b == b'/').next().unwrap_or_default();
         let number: i64 = std::str::from_utf8(number)
@@ -133,9 +133,9 @@ impl Obj {
                 index: number,
                 vertices: self.vertices.len(),
             })?;
-        // Some writers put all faces first, so whether the vertex exists is known only at the end.
-        if i64::from(index) >= count && self.ahead.is_none_or(|(i, _)| index > i) {
-            self.ahead = Some((index, line));
+        // Some programs write all faces first, so whether the vertex exists is known only at the end.
+        if i64::from(index) >= count && self.forward.is_none_or(|(i, _)| index > i) {
+            self.forward = Some((index, line));
         }
         Ok(index)
     }
@@ -146,7 +146,7 @@ impl Obj {
                 vertices: self.vertices.len(),
             });
         }
-        match self.ahead {
+        match self.forward {
             Some((index, line)) if index as usize >= self.vertices.len() => Err(ImportError::NoSuchVertex {
                 line,
                 index: i64::from(index) + 1,

@@ -1,12 +1,14 @@
-//! The `.bake.ron` recipe: which mesh to bake, and how.
+//! The `.bake.ron` recipe, which says which mesh to bake, and how.
 //!
 //! ```ron
 //! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256, weld_tolerance: 1e-6, inward: Room))
 //! ```
 //!
-//! The path is relative to the recipe, with `/` between folders and `..` for the one above; it begins with no `/`, which would be
-//! the asset folder to Bevy and the whole disk to others. `settings` and each of its fields may be left out; see [`BakeSettings`]. Of a glTF file
-//! the whole scene is one mesh, unless the recipe chooses a part of it, see [`MeshPart`]:
+//! The path is relative to the recipe, with `/` between folders and `..` for the parent folder. It must not begin with
+//! `/`: that would mean the asset folder to Bevy, but the root of the disk to other programs. `settings` and each of
+//! its fields are optional; see [`BakeSettings`].
+//!
+//! The whole scene of a glTF file is one mesh, unless the recipe chooses a part of it; see [`MeshPart`]:
 //!
 //! ```ron
 //! (mesh: "machine.glb", part: (mesh: "Gear", primitive: 0))
@@ -17,27 +19,27 @@ use crate::projection::{BakeSettings, SettingsError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// What a `.bake.ron` file says.
+/// The content of a `.bake.ron` file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// The mesh file, relative to the recipe: glTF, OBJ or STL, or a baked file whose mesh is to be baked otherwise.
+    /// The path of the mesh file, relative to the recipe: a glTF, OBJ or STL file, or a baked file to bake again.
     pub mesh: String,
-    /// The part of a glTF file to bake; without it, the whole scene.
+    /// The part of a glTF file to bake; `None` for the whole scene.
     #[serde(default)]
     pub part: Option<MeshPart>,
-    /// How to bake it.
+    /// The settings of the bake.
     #[serde(default)]
     pub settings: BakeSettings,
 }
 
-/// Why a recipe cannot be followed.
+/// Why a recipe is invalid.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RecipeError {
-    /// More than any recipe needs.
-    #[error("the recipe has {0} bytes, and {LONGEST} are more than enough: is it the mesh itself?")]
+    /// The recipe is longer than any recipe needs to be. Holds its length in bytes.
+    #[error("the recipe has {0} bytes, but a recipe has at most {MAX_LENGTH}: is it the mesh itself?")]
     TooLong(usize),
-    /// Not RON, or not the fields of a recipe.
+    /// The text is not RON, or does not have the fields of a recipe.
     #[error("line {line}, column {column}: {reason}; a recipe reads (mesh: \"knot.obj\", settings: (faces: true))")]
     Syntax {
         /// Counted from 1.
@@ -47,32 +49,36 @@ pub enum RecipeError {
         /// What is wrong.
         reason: String,
     },
-    /// The path of the mesh is empty, or names another recipe.
-    #[error("mesh: {0:?} is no mesh file; name a mesh file relative to the recipe")]
+    /// The path of the mesh is empty, or is that of another recipe.
+    #[error("mesh: {0:?} is not a mesh file; give the path of a mesh file relative to the recipe")]
     Mesh(String),
-    /// The path of the mesh means one thing here and another there.
+    /// The path of the mesh is not relative, so its meaning would depend on the system.
     #[error(
-        "mesh: {0:?} is not relative to the recipe; name the mesh without a leading / or drive, with / between folders and .. \
-         for the one above"
+        "mesh: {0:?} is not relative to the recipe; give the path without a leading / or drive, with / between folders \
+         and .. for the parent folder"
     )]
     NotRelative(String),
-    /// Settings that cannot be baked with.
+    /// The settings are invalid.
     #[error("settings: {0}")]
     Settings(#[from] SettingsError),
 }
 
-const LONGEST: usize = 1 << 16;
-/// A recipe nests two deep.
-const DEEPEST: usize = 8;
+/// The maximum length of a recipe in bytes.
+const MAX_LENGTH: usize = 1 << 16;
+/// The maximum nesting of the RON text. A recipe needs two levels.
+const MAX_DEPTH: usize = 8;
 
 impl Recipe {
-    /// Reads a recipe. Whatever the bytes, this ends soon and takes little memory.
+    /// Parses a recipe. Time and memory are bounded for any input.
+    ///
+    /// # Errors
+    /// If the text is not a recipe, its mesh path is not usable, or its settings are invalid.
     pub fn parse(bytes: &[u8]) -> Result<Self, RecipeError> {
-        if bytes.len() > LONGEST {
+        if bytes.len() > MAX_LENGTH {
             return Err(RecipeError::TooLong(bytes.len()));
         }
         let recipe: Self = ron::Options::default()
-            .with_recursion_limit(DEEPEST)
+            .with_recursion_limit(MAX_DEPTH)
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
             .from_bytes(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
             .map_err(|e| RecipeError::Syntax {
@@ -90,8 +96,7 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// The recipe as text, in one line. How to join corners and what to make of inward faces is left out where it is the
-    /// default.
+    /// The recipe as one line of text. `weld_tolerance` and `inward` are left out if they have their default values.
     pub fn to_text(&self) -> String {
         let BakeSettings {
             faces,
@@ -117,8 +122,7 @@ impl Recipe {
     }
 }
 
-/// Whether a path means the same on every system, and to whoever reads the recipe. What stands before `://` is one of Bevy's
-/// asset sources.
+/// Whether a path is relative on every system. A prefix before `://` is the name of a Bevy asset source.
 fn is_relative(path: &str) -> bool {
     let path = path.split_once("://").map_or(path, |(_, path)| path);
     let is_drive = path.as_bytes().get(1) == Some(&b':');

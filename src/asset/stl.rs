@@ -1,23 +1,23 @@
-//! STL, binary and text.
+//! Reader for STL, binary and text.
 //!
-//! A reader of our own. The `stl_io` crate is careful about memory, but takes every file that begins with `solid ` for text,
-//! which many binary files do, and offers no way to tell it otherwise; of a text with several solids it reads the first and
-//! drops the rest; it refuses texts in capitals, texts that begin with a bare `solid`, and normals that are NaN, which
-//! exporters write for slivers and nobody needs; and its errors carry no line number.
+//! Why not the `stl_io` crate: it is careful about memory, but treats any file that begins with `solid ` as text,
+//! although many binary files do, and this cannot be changed. Of a text with several solids it reads only the first. It
+//! rejects text in capitals, text that begins with a bare `solid`, and NaN normals, which exporters write for slivers
+//! and which nobody needs. Its errors have no line numbers.
 
-use super::import::ImportError;
+use super::import_error::ImportError;
 use super::text::{number, shown};
 use crate::geometry::{MeshError, TriMesh};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// A header that says nothing, and the number of triangles.
+/// The length of the header: 80 bytes without meaning, and the number of triangles.
 const PREFIX: usize = 84;
-/// A normal, three corners and two bytes that every program uses otherwise.
+/// The length of a triangle: a normal, three corners, and two bytes without a standard meaning.
 const TRIANGLE: usize = 50;
 
-/// Reads all solids of a file as one mesh. A face's index is the number of its triangle in the file. Corners at the same
-/// place become one vertex. Normals are passed over: the order of the corners says which side is outside.
+/// Reads all solids of a file as one mesh. The index of a face is that of its triangle in the file. Corners at the same
+/// position become one vertex. Normals are ignored: the winding defines the outside.
 pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     if is_binary(bytes) {
         read_binary(bytes)
@@ -26,51 +26,52 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     }
 }
 
-/// Whether bytes without a telling name are STL.
+/// Whether the content looks like STL. Used if the file name does not identify the format.
 pub(super) fn is_likely(bytes: &[u8]) -> bool {
     let start = &bytes[..bytes.len().min(1 << 16)];
     let text = begins_with_solid(bytes) && start.windows(5).any(|w| w.eq_ignore_ascii_case(b"facet"));
-    text || (bytes.len() > PREFIX && announced_length(bytes) == Some(bytes.len() as u64))
+    text || (bytes.len() > PREFIX && expected_length(bytes) == Some(bytes.len() as u64))
 }
 
-/// The length decides, since binary headers may begin with `solid` too. Where it does not fit, only a `solid` without any
-/// zero byte near it can be a text.
+/// Whether a file is binary. The length decides, because binary headers may begin with `solid` too. If the length does
+/// not match, a file is text if it begins with `solid` and has no zero byte near the start.
 fn is_binary(bytes: &[u8]) -> bool {
-    announced_length(bytes) == Some(bytes.len() as u64)
+    expected_length(bytes) == Some(bytes.len() as u64)
         || !begins_with_solid(bytes)
         || bytes[..bytes.len().min(PREFIX)].contains(&0)
 }
 
-fn announced_length(bytes: &[u8]) -> Option<u64> {
-    announced(bytes).map(|n| PREFIX as u64 + u64::from(n) * TRIANGLE as u64)
+/// The length of a binary file according to its header.
+fn expected_length(bytes: &[u8]) -> Option<u64> {
+    expected_triangles(bytes).map(|n| PREFIX as u64 + u64::from(n) * TRIANGLE as u64)
 }
 
-/// How many triangles a binary file says it has.
-fn announced(bytes: &[u8]) -> Option<u32> {
+/// The number of triangles of a binary file according to its header.
+fn expected_triangles(bytes: &[u8]) -> Option<u32> {
     let count = bytes.get(PREFIX - 4..PREFIX)?;
     Some(u32::from_le_bytes([count[0], count[1], count[2], count[3]]))
 }
 
 fn begins_with_solid(bytes: &[u8]) -> bool {
-    without_mark(bytes)
+    without_byte_order_mark(bytes)
         .trim_ascii_start()
         .get(..5)
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-fn without_mark(bytes: &[u8]) -> &[u8] {
+fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 fn read_binary(bytes: &[u8]) -> Result<TriMesh, ImportError> {
-    let triangles = announced(bytes).ok_or(ImportError::StlHeader { length: bytes.len() })?;
+    let triangles = expected_triangles(bytes).ok_or(ImportError::StlHeader { length: bytes.len() })?;
     let body = &bytes[PREFIX..];
     let there = body.len() / TRIANGLE;
-    // What follows the last triangle, a comment or padding, is nobody's business.
+    // Bytes after the last triangle, such as a comment or padding, are ignored.
     if there < triangles as usize {
         return Err(ImportError::StlCutOff { triangles, there });
     }
-    let mut soup = Soup::default();
+    let mut soup = TriangleSoup::default();
     for (face, triangle) in body.chunks_exact(TRIANGLE).take(triangles as usize).enumerate() {
         let float = |i: usize| f32::from_le_bytes([triangle[i], triangle[i + 1], triangle[i + 2], triangle[i + 3]]);
         let corners = [12, 24, 36].map(|at| Vec3::new(float(at), float(at + 4), float(at + 8)));
@@ -82,11 +83,11 @@ fn read_binary(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     Ok(soup.finish()?)
 }
 
-/// Words may stand on as many lines as they like; only a name ends with its line.
+/// Line breaks between words have no meaning, except that the name of a solid ends with its line.
 fn read_text(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     let mut text = Text::default();
     let mut last_line = 1;
-    for (line, words) in (1..).zip(without_mark(bytes).split(|&b| b == b'\n')) {
+    for (line, words) in (1..).zip(without_byte_order_mark(bytes).split(|&b| b == b'\n')) {
         for word in words.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()) {
             last_line = line;
             if text.word(line, word)? == Then::NextLine {
@@ -103,15 +104,15 @@ fn read_text(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     Ok(text.soup.finish()?)
 }
 
-/// A text STL file as far as it was read.
+/// The state of the parser of text STL.
 #[derive(Default)]
 struct Text {
-    soup: Soup,
-    /// The corners of the facet that has begun.
-    facet: Option<Few<Vec3>>,
-    /// The coordinates of the vertex that has begun.
-    vertex: Option<Few<f32>>,
-    /// How many words of a normal are to come.
+    soup: TriangleSoup,
+    /// The corners of the current facet so far.
+    facet: Option<UpToThree<Vec3>>,
+    /// The coordinates of the current vertex so far.
+    vertex: Option<UpToThree<f32>>,
+    /// The number of words of the current normal still to skip.
     normal: u32,
     ended: bool,
 }
@@ -150,25 +151,25 @@ impl Text {
         match keyword {
             b"solid" | b"endsolid" => {
                 if self.facet.is_some() {
-                    return wrong("a facet does not end before its solid does");
+                    return wrong("a solid ends within a facet");
                 }
-                // Whatever the name is: it may even be `facet`.
+                // Skip the name, which may be a keyword such as `facet`.
                 self.ended = keyword == b"endsolid";
                 return Ok(Then::NextLine);
             }
-            b"facet" if self.facet.is_some() => return wrong("a facet begins before the last one has ended"),
-            b"facet" => self.facet = Some(Few::default()),
+            b"facet" if self.facet.is_some() => return wrong("a facet begins within another facet"),
+            b"facet" => self.facet = Some(UpToThree::default()),
             b"normal" => self.normal = 3,
             b"outer" | b"loop" | b"endloop" => {}
             b"vertex" => match &self.facet {
-                None => return wrong("a vertex stands outside of any facet"),
+                None => return wrong("a vertex is outside of any facet"),
                 Some(facet) if facet.count == 3 => {
                     return wrong("a facet has more than three corners; export the mesh as triangles");
                 }
-                Some(_) => self.vertex = Some(Few::default()),
+                Some(_) => self.vertex = Some(UpToThree::default()),
             },
             b"endfacet" => match self.facet.take() {
-                None => return wrong("a facet ends that never began"),
+                None => return wrong("an endfacet has no facet"),
                 Some(facet) if facet.count < 3 => return wrong("a facet has fewer than three corners"),
                 Some(facet) => self.soup.push(facet.items)?,
             },
@@ -183,15 +184,15 @@ impl Text {
     }
 }
 
-/// At most three of something.
+/// A list of at most three items.
 #[derive(Default)]
-struct Few<T> {
+struct UpToThree<T> {
     items: [T; 3],
     count: usize,
 }
 
-impl<T: Copy> Few<T> {
-    /// Returns all three with the third.
+impl<T: Copy> UpToThree<T> {
+    /// Adds an item; returns all three once there are three.
     fn push(&mut self, item: T) -> Option<[T; 3]> {
         self.items[self.count] = item;
         self.count += 1;
@@ -199,19 +200,19 @@ impl<T: Copy> Few<T> {
     }
 }
 
-/// Triangles that do not know their neighbours.
+/// Triangles, with corners at the same position merged.
 #[derive(Default)]
-struct Soup {
+struct TriangleSoup {
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     known: HashMap<[u32; 3], u32>,
 }
 
-impl Soup {
+impl TriangleSoup {
     fn push(&mut self, corners: [Vec3; 3]) -> Result<(), MeshError> {
         let mut triangle = [0; 3];
         for (index, corner) in triangle.iter_mut().zip(corners) {
-            // Adding zero makes one of the two zeros.
+            // Adding zero turns -0 into 0.
             let corner = corner + Vec3::ZERO;
             let count = self.vertices.len();
             let next = u32::try_from(count).map_err(|_| MeshError::TooLarge {

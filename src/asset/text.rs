@@ -1,8 +1,8 @@
-//! What the readers of text formats share.
+//! Helpers for the readers of text formats.
 
-use super::import::ImportError;
+use super::import_error::ImportError;
 
-/// A finite number.
+/// Parses a finite number.
 pub(super) fn number(line: usize, word: &[u8]) -> Result<f32, ImportError> {
     let number: f32 = std::str::from_utf8(word)
         .ok()
@@ -11,7 +11,7 @@ pub(super) fn number(line: usize, word: &[u8]) -> Result<f32, ImportError> {
             line,
             word: shown(word),
         })?;
-    // A number too large for single precision parses as infinite.
+    // A number too large for single precision parses as infinity.
     if number.is_finite() {
         Ok(number)
     } else {
@@ -22,7 +22,7 @@ pub(super) fn number(line: usize, word: &[u8]) -> Result<f32, ImportError> {
     }
 }
 
-/// A word of a file as it may stand in an error message.
+/// A word of a file, escaped and shortened for an error message.
 pub(super) fn shown(word: &[u8]) -> String {
     // A word can be as long as the file.
     let text = String::from_utf8_lossy(&word[..word.len().min(256)]);

@@ -3,7 +3,7 @@
 mod counting_sort;
 pub(super) mod grid;
 
-use crate::state::{Bodies, StepState};
+use crate::state::Bodies;
 use crate::types::body::RigidBody;
 use counting_sort::CountingSort;
 use grid::{Grid, Level};
@@ -30,14 +30,9 @@ const SETTLE: usize = 12;
 /// Bodies per task.
 const TASK: usize = 512;
 
-/// Fills `state.sphere_pairs`.
-pub fn run(state: &mut StepState) {
-    let StepState {
-        bodies,
-        sphere_pairs,
-        grid_scratch,
-        ..
-    } = state;
+/// Writes the pairs of bodies that may collide and whose spheres overlap, as far as bodies reach, into `sphere_pairs`: `a < b`,
+/// ascending.
+pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec<[u32; 2]>) {
     let Scratch {
         moving,
         still,
@@ -46,10 +41,10 @@ pub fn run(state: &mut StepState) {
         unsorted,
         firsts,
         sort,
-    } = grid_scratch;
+    } = scratch;
     let Bodies {
         center, reach, kind, ..
-    } = &*bodies;
+    } = bodies;
     let is_still = |i: usize| kind[i] == RigidBody::Static;
     let all = 0..kind.len() as u32;
     members.clear();

@@ -249,7 +249,7 @@ fn go_together(bodies: &Bodies, planes: &[Plane], ways: &mut [Way], groups: [u32
         if members[side] > members[1 - side] && common == travel {
             way.group = group;
         } else {
-            let free = bodies.handling[i].locked_axes.free_translation().as_dvec3();
+            let free = bodies.params[i].locked_axes.free_translation().as_dvec3();
             way.change(time, group, common * free, DVec3::ZERO);
         }
     }
@@ -292,7 +292,7 @@ fn carry(
         } else {
             turned * arm - arm
         };
-        let locked = bodies.handling[i as usize].locked_axes;
+        let locked = bodies.params[i as usize].locked_axes;
         let travel = kept_out(bodies, planes, i as usize, &own, by.travel + swing);
         let travel = travel * locked.free_translation().as_dvec3();
         way.change(time, carrier, travel, by.turn * locked.free_rotation().as_dvec3());

@@ -1,7 +1,7 @@
 //! How two moving bodies lie and move relative to each other at one time.
 
 use super::Sweep;
-use crate::angles::PAD;
+use crate::simd::rounding::PAD;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 /// Single precision costs a speed this part of the largest one.

@@ -1,10 +1,10 @@
 //! Where bodies are stopped that are fast, so that they do not pass what is thin, and which sensors they pass.
 
 use crate::ccd::{ClampScratch, PassScratch, Pose, Stop, Sweep, clamp, passes};
-use crate::manifolds::{Manifolds, nearest};
 use crate::solver::SolverBodies;
+use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, Contact, Plane, StepConfig};
+use crate::state::{Bodies, Contact, Manifolds, Plane, StepConfig};
 use std::f64::consts::TAU;
 
 /// How near bodies come before they are stopped, as a part of the gap that bodies at rest keep: what slides along another must
@@ -65,7 +65,7 @@ impl Stops {
             touched,
         } = self;
         found.clear();
-        let flagged = |i: u32| bodies.handling[i as usize].continuous;
+        let flagged = |i: u32| bodies.params[i as usize].continuous;
         if !(0..bodies.len() as u32).any(flagged) {
             return;
         }

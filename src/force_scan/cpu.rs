@@ -1,9 +1,14 @@
 //! ForceScan on the CPU.
 
-use super::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
+use super::impulse::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
 use crate::parallel::in_order::InOrder;
-use crate::state::{Impulse, StepState};
+use crate::sleep::cpu::{Sleeper, wake_on_new_ground};
+use crate::solver::{Interval, Solver, SolverBodies, WarmStart};
+use crate::state::still::StillBodies;
+use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
+use crate::types::body::RigidBody;
 use crate::types::settings::Response;
+use crate::types::solver_settings::SolverSettings;
 use rayon::prelude::*;
 
 /// Memory kept between steps.
@@ -27,23 +32,21 @@ struct Entry {
 /// Contacts per task.
 const TASK: usize = 256;
 
-/// Fills `state.impulses`, one per body.
-pub fn run(state: &mut StepState) {
-    let StepState {
-        bodies,
-        config,
-        contacts,
-        planes,
-        impulses,
-        force_scratch:
-            Scratch {
-                counts,
-                lists,
-                entries,
-                starts,
-            },
-        ..
-    } = state;
+/// Sums the impulses of all `contacts` into `impulses`, one per body. With [`Response::None`] all are zero.
+pub(crate) fn sum_impulses(
+    config: &StepConfig,
+    bodies: &Bodies,
+    planes: &[Plane],
+    contacts: &Contacts,
+    scratch: &mut Scratch,
+    impulses: &mut Vec<Impulse>,
+) {
+    let Scratch {
+        counts,
+        lists,
+        entries,
+        starts,
+    } = scratch;
     impulses.clear();
     impulses.resize(bodies.len(), Impulse::default());
     if config.response == Response::None {
@@ -91,4 +94,43 @@ pub fn run(state: &mut StepState) {
             });
         impulses[body as usize] = sum;
     }
+}
+
+/// Wakes islands of bodies that something disturbs.
+pub(crate) fn wake(
+    settings: &SolverSettings,
+    interval: &Interval,
+    manifolds: &Manifolds,
+    still: &StillBodies,
+    sleeper: &mut Sleeper,
+    bodies: &mut SolverBodies,
+) {
+    wake_on_new_ground(bodies, still, manifolds);
+    sleeper.wake(bodies, manifolds, settings, interval);
+}
+
+/// Moves `bodies` by the points in `manifolds` over one interval.
+pub(crate) fn solve(
+    settings: &SolverSettings,
+    interval: &Interval,
+    manifolds: &Manifolds,
+    solver: &mut Solver,
+    warm: &mut WarmStart,
+    bodies: &mut SolverBodies,
+) {
+    solver.solve(bodies, manifolds, warm, settings, interval);
+}
+
+/// Freezes islands of bodies that have been at rest for long enough, after an interval of `dt` seconds. Who woke in it is not
+/// still any more.
+pub(crate) fn fall_asleep(
+    settings: &SolverSettings,
+    dt: f32,
+    manifolds: &Manifolds,
+    sleeper: &mut Sleeper,
+    bodies: &mut SolverBodies,
+    still: &mut StillBodies,
+) {
+    sleeper.settle(bodies, manifolds, settings, dt);
+    still.keep_only(|i| bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static);
 }

@@ -1,11 +1,14 @@
-//! ForceScan on the GPU: two entries a pair, sorted by body, summed by a thread a body.
+//! ForceScan on the GPU. Impulses have two entries a pair, sorted by body, summed by a thread a body; touches are noted by a
+//! thread a pair.
 
+use super::impulse;
 use crate::broad_phase::gpu::SORT;
 use crate::gpu::buffers::Sizes;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{self, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_SORT_BLOCK};
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
+use crate::solver::gpu::record::per_pair as per_solver_pair;
 
 /// Keys by body.
 const ENTRIES: Kernel = kernel!("force_scan/entries");
@@ -15,20 +18,22 @@ const SEGMENTS: Kernel = kernel!("force_scan/segments");
 const COUNTS: Kernel = kernel!("force_scan/counts");
 /// The sums.
 const SUMS: Kernel = kernel!("force_scan/sums");
+/// Who touched whom, and where.
+const TOUCHES: Kernel = kernel!("force_scan/touches");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::force_scan", {
-    vec2 PUSH = super::PUSH;
-    f32 BOUNCE_STEPS = super::BOUNCE_STEPS;
+    vec2 PUSH = impulse::PUSH;
+    f32 BOUNCE_STEPS = impulse::BOUNCE_STEPS;
 });
 
 /// All of them.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS, module!("force_scan/response")],
-    kernels: &[&ENTRIES, &SEGMENTS, &COUNTS, &SUMS],
+    kernels: &[&ENTRIES, &SEGMENTS, &COUNTS, &SUMS, &TOUCHES],
 };
 
-/// Adds this stage's calls.
-pub fn record(calls: &mut Calls, sizes: &Sizes) {
+/// Adds the calls that sum up impulses.
+pub fn record_impulses(calls: &mut Calls, sizes: &Sizes) {
     let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
         .map(|slot| Groups::Indirect("arguments", slot));
     let per_body = Groups::PerBodies(64);
@@ -37,4 +42,9 @@ pub fn record(calls: &mut Calls, sizes: &Sizes) {
     calls.call(&SEGMENTS, per_pair).bind("keys", keys);
     calls.call(&COUNTS, per_body);
     calls.call(&SUMS, per_body).bind("values", values);
+}
+
+/// Adds the call that notes who touched whom in an interval that the solver has solved.
+pub fn record_touches(calls: &mut Calls) {
+    calls.call(&TOUCHES, per_solver_pair());
 }

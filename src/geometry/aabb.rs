@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-/// An axis-aligned box. [`Aabb::EMPTY`] contains nothing and grows to whatever is added first.
+/// An axis-aligned bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
     /// Smallest coordinates.
@@ -16,13 +16,13 @@ impl Default for Aabb {
 }
 
 impl Aabb {
-    /// The box around nothing.
+    /// The empty box: the union with it is the other box.
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
     };
 
-    /// The smallest box around `points`.
+    /// The smallest box that contains all `points`; [`Aabb::EMPTY`] if there are none.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self {
             min: b.min.min(p),
@@ -30,7 +30,7 @@ impl Aabb {
         })
     }
 
-    /// The smallest box around both.
+    /// The smallest box that contains both boxes.
     pub fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -38,7 +38,7 @@ impl Aabb {
         }
     }
 
-    /// The middle of the box.
+    /// The centre of the box.
     pub fn center(self) -> Vec3 {
         (self.min + self.max) * 0.5
     }

@@ -1,25 +1,25 @@
-//! An order of triangles in which neighbours in the list are neighbours in space.
+//! The cluster order of triangles: neighbours in the list are neighbours in space.
 
 use crate::geometry::{Aabb, TriMesh};
 use glam::Vec3;
 
-/// Triangles per cluster, and children per node of the tree above them: one SIMD lane each.
+/// Triangles per cluster, and children per node of the tree above the clusters: one per SIMD lane.
 pub const CLUSTER: usize = 8;
 
-/// A permutation of the triangles after which each aligned run of [`CLUSTER`] is compact, each aligned run of
-/// `CLUSTER * CLUSTER` too, and so on: an implicit 8-wide tree that needs no pointers.
+/// A permutation of the triangles that makes them an implicit 8-wide tree without pointers: each aligned run of
+/// [`CLUSTER`] triangles is spatially compact, each aligned run of `CLUSTER * CLUSTER` is too, and so on.
 ///
-/// Splits by the longest axis of the centroids' box, at the multiple of the largest such run that is nearest to the
-/// median. Depends on the mesh alone.
-pub fn cluster_order(mesh: &TriMesh) -> Vec<u32> {
+/// Each split is along the longest axis of the centroids' bounding box. It is at the multiple of the largest such run
+/// that is nearest to the median. The result depends only on the mesh.
+pub(crate) fn cluster_order(mesh: &TriMesh) -> Vec<u32> {
     let centroids: Vec<Vec3> = (0..mesh.triangles().len())
         .map(|t| mesh.corners(t).map(|p| p / 3.0).iter().sum())
         .collect();
     compact_order(&centroids)
 }
 
-/// The same of points.
-pub fn compact_order(points: &[Vec3]) -> Vec<u32> {
+/// The same order for points.
+pub(super) fn compact_order(points: &[Vec3]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     split(&mut order, points);
     order
@@ -27,7 +27,8 @@ pub fn compact_order(points: &[Vec3]) -> Vec<u32> {
 
 fn split(order: &mut [u32], centroids: &[Vec3]) {
     if order.len() <= CLUSTER {
-        // The selection above leaves the order inside a run to the library; the result must not depend on that.
+        // Selection leaves the order within a run unspecified. Sort it, so that the result does not depend on the
+        // library.
         order.sort_unstable();
         return;
     }

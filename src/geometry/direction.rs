@@ -1,23 +1,22 @@
-//! Directions, the two projection angles that name them, and the table index of a direction.
+//! Directions of projection, their two angles, and their index in a table.
 //!
-//! A mesh is projected along a direction `d` in its own axes: it is rotated about y by `b`, then about x by `a`, and
-//! drawn on the xy plane with its height along z. The rotation `R = Rx(a) * Ry(b)` brings
-//! `d = (-cos a * sin b, sin a, cos a * cos b)` to `+z`, so `b = atan2(-d.x, d.z)` and `a = asin(d.y)`.
-//! Aly & Elawady 2010 take an `acos` (eq. 4), which loses the sign; these formulas keep it, and baking and looking up
-//! use the same ones.
+//! To project a mesh along a direction `d` given in its own axes, it is rotated about y by `b` and then about x by `a`.
+//! It is drawn on the xy plane with its height along z. The rotation `R = Rx(a) * Ry(b)` takes `d = (-cos a * sin b,
+//! sin a, cos a * cos b)` to `+z`, so `b = atan2(-d.x, d.z)` and `a = asin(d.y)`. Aly & Elawady 2010 use an `acos` (eq.
+//! 4), which loses the sign. The formulas here keep it. Baking and lookup use the same formulas.
 //!
-//! Steps of `a` and `b` through 360 degrees name every direction twice: `(a, b)` and `(180 - a, b + 180)` look from the
-//! same side, with the picture turned upside down. A [`DirectionGrid`] therefore holds `a` in -90..=90 only, and at the
-//! poles, where `b` just turns the picture, a single direction.
+//! If both `a` and `b` run through 360 degrees, each direction occurs twice: `(a, b)` and `(180 - a, b + 180)` see the
+//! same side, with the image upside down. A [`DirectionGrid`] therefore restricts `a` to -90..=90, and has a single
+//! direction at each pole, where `b` only rotates the image.
 
 use glam::{DMat3, DVec3, Vec3};
 
-/// The projection angles of a direction, in radians.
+/// The two projection angles of a direction, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angles {
-    /// The angle about x, -pi/2..=pi/2 when it comes from [`Angles::of`].
+    /// The angle about x; -pi/2..=pi/2 in the result of [`Angles::of`].
     pub a: f32,
-    /// The angle about y, -pi..=pi when it comes from [`Angles::of`].
+    /// The angle about y; -pi..=pi in the result of [`Angles::of`].
     pub b: f32,
 }
 
@@ -31,20 +30,20 @@ impl Angles {
         }
     }
 
-    /// The unit vector that these angles bring to `+z`.
+    /// The unit vector that the rotation by these angles takes to `+z`.
     pub fn direction(self) -> Vec3 {
         let (a, b) = (f64::from(self.a).sin_cos(), f64::from(self.b).sin_cos());
         rotation_from(a, b).row(2).as_vec3()
     }
 }
 
-/// The rotation `Rx(a) * Ry(b)` that brings `direction` to `+z`; its rows are the picture's x, y and height axes.
+/// The rotation `Rx(a) * Ry(b)` that takes `direction` to `+z`. Its rows are the x, y and height axes of the image.
 ///
 /// `direction` need not have unit length. Zero and NaN count as `+z`.
 pub fn rotation(direction: Vec3) -> DMat3 {
     let d = direction.as_dvec3().normalize_or(DVec3::Z);
     let flat = d.x.hypot(d.z);
-    // At the poles b is free; 0 keeps the picture upright.
+    // At the poles b is arbitrary; 0 keeps the image upright.
     let (sb, cb) = if flat > 0.0 {
         (-d.x / flat, d.z / flat)
     } else {
@@ -53,7 +52,7 @@ pub fn rotation(direction: Vec3) -> DMat3 {
     rotation_from((d.y, flat), (sb, cb))
 }
 
-/// `Rx(a) * Ry(b)` from sine and cosine of both angles.
+/// `Rx(a) * Ry(b)` from the sine and cosine of each angle.
 fn rotation_from((sa, ca): (f64, f64), (sb, cb): (f64, f64)) -> DMat3 {
     DMat3::from_cols(
         DVec3::new(cb, sa * sb, -ca * sb),
@@ -62,16 +61,16 @@ fn rotation_from((sa, ca): (f64, f64), (sb, cb): (f64, f64)) -> DMat3 {
     )
 }
 
-/// `a` by `atan2` instead of `asin`: the same angle, but exact near the poles and for any length.
+/// The angles `(a, b)`. `a` uses `atan2` instead of `asin`, which is accurate near the poles and for any length.
 fn radians(direction: Vec3) -> (f64, f64) {
     let d = direction.as_dvec3();
     (d.y.atan2((d.x * d.x + d.z * d.z).sqrt()), (-d.x).atan2(d.z))
 }
 
-/// All directions whose angles are multiples of a whole number of degrees, each once, with a dense index.
+/// All distinct directions whose angles are multiples of a step in whole degrees, with dense indices.
 ///
-/// Index 0 is the pole `-y`, then come the rows `a = -90 + step, ..., 90 - step` with columns `b = 0, step, ...`, and
-/// last the pole `+y`. At one degree these are 64,442 directions.
+/// Index 0 is the pole `-y`. Then come the rows `a = -90 + step, ..., 90 - step` with columns `b = 0, step, ...`. The
+/// last index is the pole `+y`. A step of one degree gives 64,442 directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DirectionGrid {
     step: u32,
@@ -88,12 +87,12 @@ impl DirectionGrid {
         self.step
     }
 
-    /// How many steps make a full turn: the side of the table as the paper addresses it, 360 at one degree.
+    /// The number of steps in a full turn: the side of the table as the paper addresses it, 360 at one degree.
     pub fn turn(self) -> u32 {
         360 / self.step
     }
 
-    /// How many distinct directions there are.
+    /// The number of distinct directions.
     pub fn len(self) -> u32 {
         (self.turn() / 2 - 1) * self.turn() + 2
     }
@@ -103,13 +102,13 @@ impl DirectionGrid {
         false
     }
 
-    /// The index of the direction with angles `a_step * step` and `b_step * step` degrees, both through the full turn
-    /// and taken modulo it.
+    /// The index of the direction with angles `a_step * step` and `b_step * step` degrees, both modulo a full turn.
     pub fn index_at(self, a_step: u32, b_step: u32) -> u32 {
         let turn = self.turn();
         let (a, b) = (a_step % turn, b_step % turn);
         let quarter = turn / 4;
-        // a + 90 degrees: 0..=half is the stored half, the rest is the same directions seen upside down.
+        // a + 90 degrees: 0..=half is the stored half. The other half has the same directions with the image upside
+        // down.
         let row = (a + quarter) % turn;
         if row <= turn / 2 {
             self.index_in_half(row, b)
@@ -118,7 +117,7 @@ impl DirectionGrid {
         }
     }
 
-    /// `row` counts steps of `a` from -90 degrees, 0..=turn/2.
+    /// The index for `row` steps of `a` from -90 degrees, 0..=turn/2.
     fn index_in_half(self, row: u32, column: u32) -> u32 {
         if row == 0 {
             0
@@ -129,9 +128,9 @@ impl DirectionGrid {
         }
     }
 
-    /// The index of the grid direction whose angles are nearest to those of `direction`, each angle rounded by itself.
+    /// The index of the grid direction nearest to `direction`. Each angle is rounded separately.
     ///
-    /// `direction` need not have unit length. The zero vector counts as `+z`, a NaN as some direction.
+    /// `direction` need not have unit length. The zero vector counts as `+z`. NaN gives an unspecified valid index.
     pub fn index_of(self, direction: Vec3) -> u32 {
         let (a, b) = radians(direction);
         let per_step = f64::from(self.step).to_radians().recip();
@@ -158,15 +157,15 @@ impl DirectionGrid {
         self.rotation(index).row(2).as_vec3()
     }
 
-    /// [`rotation`] for direction `index`, exact where an angle is a multiple of 90 degrees, so that faces parallel to
-    /// the axes are seen exactly edge-on.
+    /// [`rotation`] for direction `index`. It is exact where an angle is a multiple of 90 degrees, so that axis-aligned
+    /// faces are seen exactly edge-on.
     pub fn rotation(self, index: u32) -> DMat3 {
         let (a, b) = self.degrees(index);
         rotation_from(sin_cos_degrees(a), sin_cos_degrees(b))
     }
 }
 
-/// Sine and cosine of whole degrees, with the exact symmetries of the eighths of a turn.
+/// Sine and cosine of whole degrees, exactly symmetric between the octants of a turn.
 fn sin_cos_degrees(degrees: i32) -> (f64, f64) {
     let degrees = degrees.rem_euclid(360);
     let within = degrees % 90;

@@ -1,25 +1,25 @@
-//! The edges of triangles, each once.
+//! The unique edges of a list of triangles.
 
-/// No edge: between two corners of a triangle that are one vertex.
+/// Marks the side of a collapsed triangle whose two ends are the same vertex.
 pub const NO_EDGE: u32 = u32::MAX;
 
-/// Edges in the order in which triangles first have them.
+/// Unique undirected edges, in the order of the triangles in which they first occur.
 pub struct Edges {
-    /// The vertices at both ends, in the order in which the first triangle runs past them.
+    /// The two vertices of each edge, directed as in the first triangle that has it.
     pub ends: Vec<[u32; 2]>,
-    /// Of each triangle: the edge from its first corner to its second, and so on.
+    /// The three edges of each triangle; the first leads from its first corner to its second.
     pub of_triangles: Vec<[u32; 3]>,
 }
 
 impl Edges {
-    /// Finds them. The triangles' corners are below `vertices`.
+    /// Collects the edges of `triangles`, whose vertex indices must be below `vertices`.
     pub fn of(triangles: &[[u32; 3]], vertices: usize) -> Self {
         let mut degrees = vec![0u32; vertices];
         for &v in triangles.iter().flatten() {
             degrees[v as usize] += 1;
         }
-        // Each vertex has a list of edges, and each edge is in that of the end where fewer triangles meet: no list is long,
-        // however many triangles meet at the tip of a cone.
+        // Each edge is stored in the list of the end that has fewer triangles. So all lists are short, even when many
+        // triangles meet at the tip of a cone.
         let mut first = vec![NO_EDGE; vertices];
         let mut next = Vec::new();
         let mut ends: Vec<[u32; 2]> = Vec::with_capacity(triangles.len() * 3 / 2);
@@ -52,7 +52,7 @@ impl Edges {
     }
 }
 
-/// Whether corners of a triangle are one vertex, so that it separates nothing.
+/// Whether at least two corners of a triangle are the same vertex.
 pub fn is_collapsed([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }

@@ -1,4 +1,4 @@
-//! The corners and edges of a mesh with all that lies around them: what contact points between surfaces are made of.
+//! The vertices and edges of a mesh with their neighbourhoods, from which contact points are computed.
 
 use super::edges::{Edges, NO_EDGE, is_collapsed};
 use crate::geometry::{Orientation, TriMesh};
@@ -7,66 +7,73 @@ use glam::{DMat3, DVec3, Vec3};
 /// No triangle, or no edge.
 pub const NONE: u32 = NO_EDGE;
 
-/// A neighbour that leads below a triangle's plane by less than this part of the triangle's size lies in it: rounding of the
-/// corners does that, and scales fold the edge noticeably only if their components differ by a factor of thousand.
-const LEAST_FOLD: f64 = 1.0e-6;
+/// An edge is flat if the neighbouring triangle goes less than this below the triangle's plane, relative to the
+/// triangle's size. Rounding of the corners folds flat edges by about as much. A non-uniform scale folds them
+/// noticeably only if its components differ by a factor of a thousand.
+const MIN_FOLD: f64 = 1.0e-6;
 
-/// Edges at which the surface turns further than this are creases, radians: about what a round of twelve faces has.
+/// An edge is a crease if the surface normal rotates by more than this across it, radians: about the angle between the
+/// faces of a 12-sided cylinder.
 const CREASE: f64 = 0.6;
 
-/// Where faces turn further than this at an edge, radians, they are facets and no surface that is round all ways: about what a
-/// round of 32 has.
+/// Faces are facets, and not an approximation of a surface curved in all directions, if the surface normal rotates by
+/// more than this across an edge, radians: about the angle between the faces of a 32-sided cylinder.
 const FACET: f64 = 0.2;
 
-/// Of a triangle at whose edges contacts may have any normal: no two unit vectors are farther apart.
-pub const EVERY_WAY: f32 = 2.0;
+/// The value of [`MeshFeatures::edge_normal_rotations`] that allows any contact normal: no two unit vectors are farther
+/// apart.
+pub const ANY_NORMAL: f32 = 2.0;
 
-/// Vertices and edges of a mesh, each once, in flat arrays.
+/// The unique vertices and edges of a mesh, in flat arrays.
 ///
-/// Connectivity is that of [`TriMesh`]: corners that count as one are one vertex. Every vertex and every edge is owned by one
-/// triangle, the first that has it: whoever visits pairs of triangles meets each pair of features once. Triangles of which
-/// two corners are one have collapsed: they own nothing, and are beside no edge.
+/// Connectivity is that of [`TriMesh`], on welded vertices. Each vertex and each edge is owned by the first triangle
+/// that has it, so a loop over pairs of triangles visits each pair of features once. Triangles with two corners on one
+/// vertex are collapsed: they own nothing and are not neighbours across any edge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshFeatures {
-    /// Places of the vertices, in mesh space and in the order in which the mesh's triangles first use them.
+    /// Vertex positions in mesh space, in the order in which the mesh's triangles first use them.
     pub vertices: Vec<Vec3>,
-    /// Corners of the mesh's triangles, in its order, as indices of [`MeshFeatures::vertices`].
+    /// For each triangle of the mesh, its corners as indices into [`MeshFeatures::vertices`].
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normals of the triangles by that winding, in mesh space.
+    /// Unit normals of the triangles in mesh space, according to their winding.
     pub normals: Vec<Vec3>,
-    /// Edges of each triangle: the first from its first corner to its second, and so on; [`NONE`] between corners that are one.
+    /// The three edges of each triangle; the first leads from its first corner to its second. [`NONE`] if both ends are
+    /// the same vertex.
     pub triangle_edges: Vec<[u32; 3]>,
-    /// What each triangle owns: bits 0 to 2 its corners, bits 3 to 5 its edges. Edges that can touch no other edge have no
-    /// owner: those of more than two triangles, and if [`MeshFeatures::sided`] those that are flat or concave.
+    /// What each triangle owns: its corners in bits 0 to 2, its edges in bits 3 to 5. Edges that cannot touch another
+    /// edge have no owner: those of more than two triangles and, if [`MeshFeatures::sided`], those that are flat or
+    /// concave.
     pub owned: Vec<u32>,
-    /// For each edge the other triangle than its owner; [`NONE`] at a rim.
+    /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge.
     pub across: Vec<u32>,
-    /// For each triangle how far the normal of a contact at an edge that it owns may turn from its own, radians; at most
-    /// [`EVERY_WAY`], which any normal is within, and 0 if it owns no edge.
-    pub edge_turn: Vec<f32>,
-    /// Radius of curvature of the surface around each triangle, mesh units: the least one that an edge of it shows, 0 beside
-    /// a crease or a rim, infinite if all edges are flat or concave.
-    pub roundness: Vec<f32>,
-    /// The least curvature that an edge of each triangle shows, one over mesh units: that of a ball, but 0 where the surface is
-    /// flat or concave in some direction, or cut so coarsely that faces are facets.
+    /// For each triangle, the largest rotation of a contact normal away from the triangle's own at an edge that it
+    /// owns, radians. It is 0 if the triangle owns no edge, and at most [`ANY_NORMAL`], which allows any normal.
+    pub edge_normal_rotations: Vec<f32>,
+    /// For each triangle, the smallest radius of curvature of the surface at its edges, mesh units. It is 0 beside a
+    /// crease or a boundary edge, and infinite if all edges are flat or concave.
+    pub curvature_radii: Vec<f32>,
+    /// For each triangle, the smallest curvature of the surface at its edges, one over mesh units. On a sphere it is
+    /// one over the radius. It is 0 where the surface is flat or concave in some direction, or where the faces are
+    /// facets of a coarse mesh.
     pub curvature: Vec<f32>,
-    /// Where each vertex's neighbours start in [`MeshFeatures::neighbors`], and where the last one's end.
+    /// For each vertex, the start of its neighbours in [`MeshFeatures::neighbors`]; one more entry marks the end.
     pub neighbor_starts: Vec<u32>,
-    /// The vertices to which edges lead, one vertex's after the other's.
+    /// The neighbours of all vertices along edges, grouped by vertex.
     pub neighbors: Vec<u32>,
-    /// For each vertex which of the mesh's components it belongs to, in the order of [`TriMesh::component_vertices`].
+    /// For each vertex, the index of its connected component, in the order of [`TriMesh::component_vertices`].
     pub components: Vec<u32>,
-    /// Unit normals at the vertices: each of the sphere that fits the vertex and its neighbours best, which does not depend on
-    /// how the surface is cut, and away from its centre; zero if none fits.
-    pub round_normals: Vec<Vec3>,
-    /// Radius of curvature around each vertex: the least of its triangles'.
-    pub vertex_roundness: Vec<f32>,
-    /// Whether the mesh is closed and its faces agree about where it is solid. The triangles of one that is not have two sides.
+    /// Unit vertex normals, each that of the sphere through the vertex that fits its neighbours best; they point away
+    /// from the sphere's centre. Unlike averages of face normals they do not depend on the triangulation. Zero if no
+    /// sphere fits.
+    pub vertex_normals: Vec<Vec3>,
+    /// For each vertex, the smallest radius of curvature of its triangles, mesh units.
+    pub vertex_curvature_radii: Vec<f32>,
+    /// Whether the mesh is closed and consistently wound. The triangles of any other mesh are two-sided.
     pub sided: bool,
 }
 
 impl MeshFeatures {
-    /// Finds them.
+    /// Computes the features of `mesh`.
     pub fn of(mesh: &TriMesh) -> Self {
         let mut features = Self {
             sided: matches!(mesh.orientation(), Orientation::Outward | Orientation::Inward),
@@ -74,21 +81,21 @@ impl MeshFeatures {
         };
         let numbers = features.add_triangles(mesh);
         let ends = features.add_edges();
-        features.add_edge_turns();
+        features.add_edge_normal_rotations();
         features.add_neighbors(&ends);
         features.add_components(mesh, &numbers);
-        features.add_rounds();
+        features.add_vertex_curvature();
         features
     }
 
-    /// The vertices at the other ends of a vertex's edges.
+    /// The vertices that share an edge with `vertex`.
     pub fn neighbors_of(&self, vertex: u32) -> &[u32] {
         let at = |i: u32| self.neighbor_starts[i as usize] as usize;
         &self.neighbors[at(vertex)..at(vertex + 1)]
     }
 
-    /// Triangles, vertices, normals, and who owns which corner; returns for each vertex of the mesh its number here, if
-    /// triangles use it.
+    /// Adds triangles, vertices, normals and the owners of vertices. Returns for each vertex of the mesh its index in
+    /// [`MeshFeatures::vertices`], [`NONE`] if no triangle uses it.
     fn add_triangles(&mut self, mesh: &TriMesh) -> Vec<u32> {
         let mut numbers = vec![NONE; mesh.vertices().len()];
         let mut has_owner = Vec::new();
@@ -112,7 +119,7 @@ impl MeshFeatures {
                 }
             }
             let [p, q, r] = mesh.corners(t).map(|p| p.as_dvec3());
-            // Never zero: a mesh has no triangles without area.
+            // Never zero: a valid mesh has no triangles of zero area.
             let normal = (q - p).cross(r - p).normalize_or(DVec3::Z).as_vec3();
             self.triangles.push(triangle);
             self.normals.push(normal);
@@ -121,12 +128,12 @@ impl MeshFeatures {
         mesh.welded().iter().map(|&keeper| numbers[keeper as usize]).collect()
     }
 
-    /// Edges and who owns them; returns their ends.
+    /// Adds edges, their owners and the curvature across them. Returns the ends of the edges.
     fn add_edges(&mut self) -> Vec<[u32; 2]> {
         let Edges { ends, of_triangles } = Edges::of(&self.triangles, self.vertices.len());
         self.triangle_edges = of_triangles;
         self.across = vec![NONE; ends.len()];
-        // For each edge its owner, which of the owner's edges it is, and how many triangles have it.
+        // For each edge: its owner, its position in the owner, and the number of its triangles.
         let mut owners = vec![(0, 0, 0); ends.len()];
         let collapsed: Vec<bool> = self.triangles.iter().map(|t| is_collapsed(*t)).collect();
         for (t, edges) in self.triangle_edges.iter().enumerate() {
@@ -143,76 +150,76 @@ impl MeshFeatures {
                 owner.2 += 1;
             }
         }
-        let vertex_normals = self.vertex_normals();
-        // Nothing rolls on what has collapsed.
+        let normals_at_ends = self.angle_weighted_normals();
+        // A collapsed triangle is no smooth surface.
         let flattest = |collapsed: &bool| if *collapsed { 0.0 } else { f32::INFINITY };
-        self.roundness = collapsed.iter().map(flattest).collect();
-        self.curvature = self.roundness.clone();
+        self.curvature_radii = collapsed.iter().map(flattest).collect();
+        self.curvature = self.curvature_radii.clone();
         for (edge, &(owner, k, count)) in owners.iter().enumerate() {
             if count == 0 {
                 continue;
             }
-            let (mut roundness, mut curvature) = (0.0, 0.0);
+            let (mut radius, mut curvature) = (0.0, 0.0);
             if count == 2 {
                 let triangles = [owner, self.across[edge] as usize];
                 let angle = self.angle_between(triangles);
                 if angle <= CREASE {
-                    roundness = self.roundness_along(ends[edge], &vertex_normals);
+                    radius = self.curvature_radius_along(ends[edge], &normals_at_ends);
                 }
                 if angle <= FACET {
-                    curvature = roundness.recip();
+                    curvature = radius.recip();
                 }
             }
             let beside = [Some(owner), (count == 2).then_some(self.across[edge] as usize)];
             for t in beside.into_iter().flatten() {
-                self.roundness[t] = self.roundness[t].min(roundness);
+                self.curvature_radii[t] = self.curvature_radii[t].min(radius);
                 self.curvature[t] = self.curvature[t].min(curvature);
             }
-            if count <= 2 && !(self.sided && self.is_concave(owner, self.across[edge])) {
+            if count <= 2 && !(self.sided && self.is_flat_or_concave(owner, self.across[edge])) {
                 self.owned[owner] |= 8 << k;
             }
         }
         ends
     }
 
-    /// Between the normals of both triangles lie those that a contact at their edge may have.
-    fn add_edge_turns(&mut self) {
+    /// The normal of a contact at an edge lies between the normals of the edge's two triangles.
+    fn add_edge_normal_rotations(&mut self) {
         let turn = |t: usize| {
             let owned = (0..3).filter(|k| self.owned[t] >> (3 + k) & 1 == 1);
             owned.fold(0.0, |most: f32, k| {
                 match self.across[self.triangle_edges[t][k] as usize] {
-                    other if other == NONE || !self.sided => EVERY_WAY,
-                    other => most.max(self.angle_between([t, other as usize]) as f32).min(EVERY_WAY),
+                    other if other == NONE || !self.sided => ANY_NORMAL,
+                    other => most.max(self.angle_between([t, other as usize]) as f32).min(ANY_NORMAL),
                 }
             })
         };
-        self.edge_turn = (0..self.triangles.len()).map(turn).collect();
+        self.edge_normal_rotations = (0..self.triangles.len()).map(turn).collect();
     }
 
-    /// How far the surface turns from one triangle to another, radians.
+    /// The angle between the normals of two triangles, radians.
     fn angle_between(&self, triangles: [usize; 2]) -> f64 {
         let [n, m] = triangles.map(|t| self.normals[t].as_dvec3());
         n.cross(m).length().atan2(n.dot(m))
     }
 
-    /// How round the surface is along an edge that is no crease: the radius of the circle that has the normals of both ends
-    /// there.
-    fn roundness_along(&self, [u, v]: [u32; 2], vertex_normals: &[DVec3]) -> f32 {
-        let way = self.vertices[v as usize].as_dvec3() - self.vertices[u as usize].as_dvec3();
-        let turn = vertex_normals[v as usize] - vertex_normals[u as usize];
-        let curvature = turn.dot(way) / way.length_squared();
-        // What rounding of the normals makes of a flat surface.
-        if curvature * way.length() > 1.0e-4 {
+    /// The radius of curvature along an edge that is not a crease: the radius of the circle that has the vertex normals
+    /// of both ends.
+    fn curvature_radius_along(&self, [u, v]: [u32; 2], normals_at_ends: &[DVec3]) -> f32 {
+        let edge = self.vertices[v as usize].as_dvec3() - self.vertices[u as usize].as_dvec3();
+        let change = normals_at_ends[v as usize] - normals_at_ends[u as usize];
+        let curvature = change.dot(edge) / edge.length_squared();
+        // Below this the curvature is rounding of the normals of a flat surface.
+        if curvature * edge.length() > 1.0e-4 {
             curvature.recip() as f32
         } else {
             f32::INFINITY
         }
     }
 
-    /// Unit normals at the vertices: means of those of the triangles, weighted by their angles there, so that it does not
-    /// matter how a surface is cut into triangles (Thuermer and Wuethrich, "Computing Vertex Normals from Polygonal Facets",
-    /// 1998).
-    fn vertex_normals(&self) -> Vec<DVec3> {
+    /// Unit vertex normals: means of the triangle normals, weighted by the triangle's angle at the vertex, so that they
+    /// do not depend on how flat faces are split into triangles (Thuermer and Wuethrich, "Computing Vertex Normals from
+    /// Polygonal Facets", 1998).
+    fn angle_weighted_normals(&self) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.vertices.len()];
         let triangles = self.triangles.iter().zip(&self.normals);
         for (corners, normal) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
@@ -225,14 +232,14 @@ impl MeshFeatures {
         sums.into_iter().map(DVec3::normalize_or_zero).collect()
     }
 
-    /// Whether triangle `other` does not lead below the plane of triangle `own`.
-    fn is_concave(&self, own: usize, other: u32) -> bool {
+    /// Whether triangle `other` does not go below the plane of triangle `own`.
+    fn is_flat_or_concave(&self, own: usize, other: u32) -> bool {
         let at = |v: u32| self.vertices[v as usize].as_dvec3();
         let [p, q, r] = self.triangles[own].map(at);
         let normal = (q - p).cross(r - p);
         let heights = self.triangles[other as usize].map(|v| normal.dot(at(v) - p) / normal.length());
         let size = p.distance(q).max(p.distance(r));
-        heights.iter().all(|h| *h >= -LEAST_FOLD * size)
+        heights.iter().all(|h| *h >= -MIN_FOLD * size)
     }
 
     fn add_neighbors(&mut self, ends: &[[u32; 2]]) {
@@ -254,7 +261,7 @@ impl MeshFeatures {
         self.neighbor_starts = counts;
     }
 
-    /// Which vertices hang together; `numbers` are those of the mesh's vertices here.
+    /// Adds the connected components. `numbers` maps vertices of the mesh to [`MeshFeatures::vertices`].
     fn add_components(&mut self, mesh: &TriMesh, numbers: &[u32]) {
         let mut components = vec![NONE; self.vertices.len()];
         let mut waiting = Vec::new();
@@ -274,28 +281,29 @@ impl MeshFeatures {
         self.components = components;
     }
 
-    /// Normals and roundness at the vertices.
-    fn add_rounds(&mut self) {
+    /// Adds the normals and the radii of curvature at the vertices.
+    fn add_vertex_curvature(&mut self) {
         let count = self.vertices.len() as u32;
-        self.round_normals = (0..count).map(|vertex| self.round_normal(vertex).as_vec3()).collect();
-        self.vertex_roundness = vec![f32::INFINITY; self.vertices.len()];
-        let triangles = self.triangles.iter().zip(&self.roundness);
-        for (corners, &roundness) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
+        self.vertex_normals = (0..count).map(|vertex| self.sphere_normal(vertex).as_vec3()).collect();
+        self.vertex_curvature_radii = vec![f32::INFINITY; self.vertices.len()];
+        let triangles = self.triangles.iter().zip(&self.curvature_radii);
+        for (corners, &radius) in triangles.filter(|(corners, _)| !is_collapsed(**corners)) {
             for &v in corners {
-                let least = &mut self.vertex_roundness[v as usize];
-                *least = least.min(roundness);
+                let least = &mut self.vertex_curvature_radii[v as usize];
+                *least = least.min(radius);
             }
         }
     }
 
-    fn round_normal(&self, vertex: u32) -> DVec3 {
+    /// The normal of the sphere through the vertex that fits its neighbours best, by least squares.
+    fn sphere_normal(&self, vertex: u32) -> DVec3 {
         let at = self.vertices[vertex as usize].as_dvec3();
         let (mut squares, mut sum) = (DMat3::ZERO, DVec3::ZERO);
         for &neighbor in self.neighbors_of(vertex) {
-            // From a point of a sphere to its centre `c` and another point `e`: 2 c . e = e . e.
+            // Relative to one point of a sphere, its centre `c` and any other point `e` satisfy 2 c . e = e . e.
             let edge = self.vertices[neighbor as usize].as_dvec3() - at;
-            let way = edge.normalize_or_zero();
-            squares += DMat3::from_cols(way * way.x, way * way.y, way * way.z);
+            let unit = edge.normalize_or_zero();
+            squares += DMat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z);
             sum += edge;
         }
         (squares.inverse() * -sum).normalize_or_zero()
@@ -316,7 +324,8 @@ mod tests {
         for (mesh, convex) in [
             (shapes::cube(1.0), 12),
             (shapes::ball(1.0, 2), 480),
-            // Around the tube all, around the circle those outside; those on top and below are flat, as diagonals are.
+            // All 120 edges around the tube are convex. Of those along the circle only the outer ones are: those on top
+            // and below are flat, as diagonals are.
             (shapes::torus(12, 10, 0.7, 0.3), 120 + 48),
         ] {
             let features = MeshFeatures::of(&mesh);
@@ -330,15 +339,15 @@ mod tests {
     }
 
     #[test]
-    fn a_room_keeps_its_sides_and_an_open_mesh_has_rims() {
+    fn a_room_is_sided_and_an_open_mesh_has_boundary_edges() {
         let cube = shapes::cube(1.0);
-        let room = cube.clone().turned();
+        let room = cube.clone().flipped();
         let features = MeshFeatures::of(&room);
         for (own, outward) in features.normals.iter().zip(&MeshFeatures::of(&cube).normals) {
             assert_eq!(*own, -outward);
         }
         assert!(features.sided);
-        // Its corners can touch what is inside, and its edges, all of them concave, nothing.
+        // Its vertices can touch a body inside. Its edges are all concave and can touch nothing.
         assert_eq!((owned(&features, 7), owned(&features, 56)), (8, 0));
 
         let open = TriMesh::new(cube.vertices().to_vec(), cube.triangles()[..10].to_vec()).unwrap();
@@ -348,35 +357,35 @@ mod tests {
     }
 
     #[test]
-    fn surfaces_are_as_round_as_they_look() {
+    fn radii_of_curvature_are_those_of_the_smooth_surface() {
         let range = |mesh: &TriMesh| {
-            let roundness = MeshFeatures::of(mesh).roundness;
-            let least = roundness.iter().copied().fold(f32::INFINITY, f32::min);
-            [least, roundness.into_iter().fold(0.0, f32::max)]
+            let radii = MeshFeatures::of(mesh).curvature_radii;
+            let least = radii.iter().copied().fold(f32::INFINITY, f32::min);
+            [least, radii.into_iter().fold(0.0, f32::max)]
         };
         let [least, most] = range(&shapes::ball(2.0, 4));
-        // Less where the triangles are far from equilateral.
+        // The radius comes out smaller where triangles are far from equilateral.
         assert!(least > 1.7 && most < 2.2, "{least} to {most}");
-        // Around the tube is the sharpest way.
+        // The curvature is largest around the tube.
         let [least, most] = range(&shapes::torus(96, 48, 0.7, 0.3));
         assert!(least > 0.27 && most < 0.33, "{least} to {most}");
         assert_eq!(range(&shapes::cube(1.0)), [0.0, 0.0]);
-        // A dent has nothing to roll on, and a rim nothing but itself.
-        assert_eq!(range(&shapes::ball(2.0, 4).turned()), [f32::INFINITY; 2]);
+        // Concave edges count as flat, and boundary edges as creases.
+        assert_eq!(range(&shapes::ball(2.0, 4).flipped()), [f32::INFINITY; 2]);
         let flat = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE - Vec3::Z];
         let sheet = TriMesh::new(flat.to_vec(), vec![[0, 1, 2], [1, 3, 2]]).unwrap();
         assert_eq!(range(&sheet), [0.0, 0.0]);
     }
 
     #[test]
-    fn what_is_round_all_ways_has_normals_from_its_centre() {
+    fn vertex_normals_of_a_ball_are_radial() {
         let ball = MeshFeatures::of(&shapes::ball(2.0, 4));
-        for (p, normal) in ball.vertices.iter().zip(&ball.round_normals) {
+        for (p, normal) in ball.vertices.iter().zip(&ball.vertex_normals) {
             assert!(p.normalize().distance(*normal) < 0.01, "{p} {normal}");
         }
         assert!(ball.curvature.iter().all(|c| (0.43..0.56).contains(c)));
-        assert!(ball.vertex_roundness.iter().all(|r| (1.7..2.2).contains(r)));
-        // Facets, creases, and the inside of a ring are not.
+        assert!(ball.vertex_curvature_radii.iter().all(|r| (1.7..2.2).contains(r)));
+        // Facets, creases and the inner side of a ring have no curvature in some direction.
         let none = |mesh: &TriMesh| MeshFeatures::of(mesh).curvature.iter().all(|c| *c == 0.0);
         assert!(none(&shapes::ball(2.0, 1)) && none(&shapes::cube(1.0)));
         let ring = shapes::torus(96, 48, 0.7, 0.3);
@@ -387,7 +396,7 @@ mod tests {
             assert!(curvature == 0.0 || reach.iter().all(|r| *r > 0.69), "{t}: {curvature}");
         }
         let cube = MeshFeatures::of(&shapes::cube(1.0));
-        assert!(cube.vertex_roundness.iter().all(|r| *r == 0.0));
+        assert!(cube.vertex_curvature_radii.iter().all(|r| *r == 0.0));
     }
 
     #[test]

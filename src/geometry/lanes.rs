@@ -1,56 +1,55 @@
-//! A mesh as the CPU's triangle test reads it: eight triangles, or eight boxes, at a time.
+//! The SIMD layout of a mesh for the CPU's triangle test: eight triangles or eight boxes at a time.
 
+mod points;
 mod slab;
 
+pub use points::{Points, points};
 pub use slab::SlabGroup;
 
 use super::cluster::{CLUSTER, compact_order};
 use super::features::MeshFeatures;
 use crate::geometry::{Aabb, TriMesh};
 use glam::Vec3;
-use wide::f32x8;
 
-/// Three coordinates of eight points.
-pub type Points = [f32x8; 3];
-
-/// A mesh cut into eights. Coordinates are relative to the centre of mass, but those of a cluster's corners relative to one of
-/// them: close to zero `f32` keeps the most digits.
+/// A mesh in groups of eight, with box hierarchies above them. Coordinates are relative to the centre of mass. The
+/// corners of a cluster are relative to one of them, because `f32` is most precise near zero.
 pub struct MeshLanes {
-    /// Triangles in clusters of eight.
+    /// The triangles, in clusters of eight.
     pub clusters: Vec<Cluster>,
-    /// The vertices of [`MeshFeatures`], in their order, and one bit for each lane that holds one.
+    /// The vertices of [`MeshFeatures`] in groups of eight, in their order, each with one bit per lane in use.
     pub vertices: Vec<(Points, u32)>,
-    /// Boxes of the vertices' eights, in the same kind of groups as `levels`.
+    /// The box hierarchy above the groups of vertices, in the layout of `levels`.
     pub vertex_levels: Vec<Vec<BoxGroup>>,
-    /// A vertex of each connected component of the mesh, neighbours near each other.
+    /// One vertex of each connected component of the mesh, in a spatially compact order.
     pub components: Vec<u32>,
-    /// Boxes of the components' eights, in the same kind of groups as `levels`.
+    /// The box hierarchy above groups of eight such vertices, in the layout of `levels`.
     pub component_levels: Vec<Vec<BoxGroup>>,
-    /// Boxes of clusters in groups of eight, then boxes of those groups in groups of eight, and so on up to one group.
+    /// The box hierarchy above the clusters, from the leaves up: boxes of clusters in groups of eight, then boxes of
+    /// those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
-    /// Slabs around the same, in the same places.
+    /// A slab for each box of `levels`, at the same position.
     pub slabs: Vec<Vec<SlabGroup>>,
-    /// For each level half the diagonal of its boxes, on average.
+    /// For each level, the mean half diagonal of its boxes.
     pub sizes: Vec<f32>,
-    /// Box of the whole mesh.
+    /// The bounding box of the mesh.
     pub aabb: Aabb,
-    /// The longest side of any triangle's box.
+    /// The longest edge of any triangle's bounding box.
     pub longest_side: f32,
 }
 
 /// Eight triangles.
 #[derive(Clone, Copy)]
 pub struct Cluster {
-    /// One of the corners, in the mesh's own coordinates.
+    /// One of the corners, in mesh space.
     pub origin: Vec3,
-    /// First, second and third corners, relative to the origin.
+    /// The first, second and third corners, relative to `origin`.
     pub corners: [Points; 3],
-    /// One bit for each lane that holds a triangle; the others repeat the last one.
+    /// One bit per lane that holds a triangle. The other lanes repeat the last triangle.
     pub lanes: u32,
 }
 
-/// Eight boxes, by centre and half size. A lane without a box has a half size of minus infinity, which overlaps nothing:
-/// all comparisons with what comes of it fail.
+/// Eight boxes by centre and half size. An unused lane has a half size of minus infinity: it overlaps nothing, because
+/// all comparisons with it are false.
 #[derive(Clone, Copy)]
 pub struct BoxGroup {
     /// Centres.
@@ -60,7 +59,7 @@ pub struct BoxGroup {
 }
 
 impl MeshLanes {
-    /// Cuts a mesh with these features and centre of mass up.
+    /// Builds the layout of `mesh` with its features and its centre of mass.
     pub fn new(mesh: &TriMesh, features: &MeshFeatures, center: Vec3) -> Self {
         let count = mesh.triangles().len();
         let corners: Vec<[Vec3; 3]> = (0..count).map(|t| mesh.corners(t).map(|p| p - center)).collect();
@@ -115,8 +114,8 @@ impl MeshLanes {
     }
 }
 
-/// The boxes in groups of eight, then those groups in groups of eight, up to one group; with half the diagonal of the boxes of
-/// each level, on average.
+/// The box hierarchy above `nodes` in the layout of [`MeshLanes::levels`], and the mean half diagonal of the boxes of
+/// each level.
 fn box_levels(mut nodes: Vec<Aabb>) -> (Vec<Vec<BoxGroup>>, Vec<f32>) {
     let (mut levels, mut sizes) = (Vec::new(), Vec::new());
     loop {
@@ -130,7 +129,7 @@ fn box_levels(mut nodes: Vec<Aabb>) -> (Vec<Vec<BoxGroup>>, Vec<f32>) {
     }
 }
 
-/// The boxes of runs of eight.
+/// The union of each run of eight boxes.
 fn merge(boxes: &[Aabb]) -> Vec<Aabb> {
     boxes
         .chunks(CLUSTER)
@@ -153,16 +152,6 @@ impl BoxGroup {
     }
 }
 
-/// Gathers eight points.
-#[inline(always)]
-pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
-    let (mut x, mut y, mut z) = ([0.0; CLUSTER], [0.0; CLUSTER], [0.0; CLUSTER]);
-    for (lane, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
-        [*x, *y, *z] = at(lane).to_array();
-    }
-    [x, y, z].map(f32x8::new)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,7 +160,7 @@ mod tests {
     #[test]
     fn lanes_hold_the_vertices_of_the_features() {
         let torus = shapes::torus_240();
-        for mesh in [torus.clone(), torus.turned()] {
+        for mesh in [torus.clone(), torus.flipped()] {
             let (features, center) = (MeshFeatures::of(&mesh), Vec3::new(0.1, 0.2, 0.3));
             let lanes = MeshLanes::new(&mesh, &features, center);
             let held = lanes.vertices.iter().flat_map(|(points, lanes)| {

@@ -4,39 +4,43 @@ use super::thickness::thickness;
 use crate::geometry::{Aabb, Orientation, TriMesh};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-/// What a mesh weighs and how it resists turning, at density 1 (kg per cubic mesh unit).
+/// Mass, centre of mass and inertia of a mesh at density 1 (kg per cubic mesh unit), and its thickness.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MassProperties {
-    /// Enclosed volume, equal to the mass at density 1. Always positive and finite.
+    /// The enclosed volume in cubic mesh units; equal to the mass at density 1. Always positive and finite.
     pub volume: f32,
     /// Centre of mass in mesh space.
     pub center: Vec3,
-    /// Second moments of volume about the centre, `integral of r r^T dV` (symmetric). Scale by `S` gives
-    /// `det(S) * S M S`; the inertia tensor is `trace(M) * I - M`.
+    /// Second moments of volume about the centre of mass, `M = integral of r r^T dV` (symmetric). A scale `S` turns `M`
+    /// into `det(S) * S M S`. The inertia tensor at density 1 is `trace(M) * I - M`.
     pub second_moment: Mat3,
-    /// Diameter of the thinnest part, in mesh units: the diameter of the ball that touches the surface from behind and the
-    /// surface opposite. At most 2 % of the surface is thinner, so that a sharp edge does not make a body thin.
+    /// The thickness of the thinnest part, in mesh units: the diameter of the ball inside that touches the surface and
+    /// the opposite surface. Up to 2 % of the surface may be thinner, so that sharp edges do not count.
     pub thickness: f32,
-    /// Whether the figures stand in for those of a solid: the mesh is not closed, or is a room.
+    /// Whether the values are a substitute: the mesh is not a closed solid, or the values did not fit `f32`. See
+    /// [`MassProperties::of`].
     pub approximate: bool,
 }
 
-/// An enclosed volume below this part of the cube of the box's diagonal is taken for none: what is left is rounding of the
-/// coordinates (a sheet with two sides encloses nothing, yet is closed).
-const LEAST_VOLUME: f64 = 1e-9;
-/// Edges of the box that stands in for a mesh without volume are at least this part of its longest edge.
-const LEAST_EDGE: f64 = 0.01;
+/// An enclosed volume below this fraction of the cube of the bounding box's diagonal counts as zero. It is then
+/// rounding of the coordinates: a two-sided sheet is closed but encloses no volume.
+const MIN_VOLUME: f64 = 1e-9;
+/// The minimum edge of the box that replaces a mesh without volume, relative to its longest edge.
+const MIN_EDGE: f64 = 0.01;
 
 impl MassProperties {
-    /// Integrates over the enclosed volume, exactly but for rounding in `f64`, with corners that count as one joined. A room
-    /// ([`Orientation::Inward`]) weighs what a solid of its inside would, and [`MassProperties::approximate`] is set: its walls
-    /// have no outside, and so no weight of their own.
+    /// Integrates over the volume that the welded mesh encloses; exact but for rounding in `f64`.
     ///
-    /// A mesh that is open, whose faces disagree about the outside, or that encloses next to nothing, has no mass of its
-    /// own: it gets that of its solid bounding box, no edge of which is taken for shorter than 1 % of the longest, its
-    /// thickness is the box's shortest edge, and [`MassProperties::approximate`] is set. The same flag marks meshes so huge
-    /// or tiny that the figures do not fit `f32` and were clamped. Everything returned is finite, and volume, thickness and
-    /// the diagonal of the second moment are positive.
+    /// The result is a substitute, and [`MassProperties::approximate`] is set, in these cases:
+    ///
+    /// * A room ([`Orientation::Inward`]) gets the mass of a solid that fills it. Its walls have no outer surface and
+    ///   so no mass of their own.
+    /// * An open mesh, a mesh with mixed winding, or one that encloses almost no volume gets the mass of its solid
+    ///   bounding box. Each edge of that box counts as at least 1 % of the longest, and its shortest edge is the
+    ///   thickness.
+    /// * If the mesh is so large or small that values do not fit `f32`, they are clamped.
+    ///
+    /// All values are finite. Volume, thickness and the diagonal of the second moment are positive.
     pub fn of(mesh: &TriMesh) -> Self {
         let aabb = mesh.aabb();
         let room = mesh.orientation() == Orientation::Inward;
@@ -57,8 +61,8 @@ impl MassProperties {
 }
 
 impl MassProperties {
-    /// The inertia tensor about the centre of mass of the mesh scaled by `scale` along its axes, with this mass: scaling by
-    /// `S` turns the second moment `M` into `det(S) S M S`.
+    /// The inertia tensor about the centre of mass, for the mesh scaled by `scale` along its axes and with mass `mass`.
+    /// The unit is that of `mass` times squared mesh units.
     pub fn inertia(&self, scale: DVec3, mass: f64) -> DMat3 {
         let scale = DMat3::from_diagonal(scale);
         let moment = scale * self.second_moment.as_dmat3() * scale * (mass / f64::from(self.volume));
@@ -67,7 +71,7 @@ impl MassProperties {
     }
 }
 
-/// The figures before they are rounded.
+/// The values before they are rounded to `f32`.
 struct Solid {
     volume: f64,
     center: DVec3,
@@ -102,10 +106,10 @@ impl Solid {
     }
 }
 
-/// Sums tetrahedra between an origin and the faces; `sign` is -1 if the faces look inward. `None` if what they enclose is
-/// no volume, or not one that could be a solid's (loops that enclose the outside).
+/// Sums the tetrahedra between an origin and the faces; `sign` is -1 if the faces point inward. `None` if the volume is
+/// zero, or if the moments cannot be those of a solid, as when parts of the surface enclose the outside.
 fn integrate(mesh: &TriMesh, aabb: Aabb, sign: f64) -> Option<Solid> {
-    // About the middle of the box, so that a mesh far from its origin keeps its digits.
+    // Relative to the centre of the box, so that a mesh far from its origin loses no precision.
     let origin = (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;
     let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
     for t in 0..mesh.triangles().len() {
@@ -118,7 +122,7 @@ fn integrate(mesh: &TriMesh, aabb: Aabb, sign: f64) -> Option<Solid> {
     }
     volume /= 6.0;
     let diagonal = (aabb.max.as_dvec3() - aabb.min.as_dvec3()).length();
-    if volume.is_nan() || volume <= LEAST_VOLUME * diagonal.powi(3) {
+    if volume.is_nan() || volume <= MIN_VOLUME * diagonal.powi(3) {
         return None;
     }
     let center = first / (24.0 * volume);
@@ -142,7 +146,7 @@ fn outer(v: DVec3) -> DMat3 {
 
 fn solid_box_edges(aabb: Aabb) -> DVec3 {
     let edges = aabb.max.as_dvec3() - aabb.min.as_dvec3();
-    edges.max(DVec3::splat(edges.max_element() * LEAST_EDGE))
+    edges.max(DVec3::splat(edges.max_element() * MIN_EDGE))
 }
 
 fn solid_box(aabb: Aabb) -> Solid {

@@ -1,15 +1,15 @@
-//! Triangle meshes as pure geometry: validation, triangle tests, mass, clusters.
+//! Geometry of triangle meshes: validation, connectivity, triangle-triangle tests, mass properties, clusters.
 //!
-//! Nothing here knows the ECS, the asset system or the GPU; `glam` is the only vocabulary, and `wide` for eight of its vectors
-//! at a time.
+//! This module depends only on `glam` for vectors and on `wide` for SIMD. It does not use the ECS, the asset system or
+//! the GPU.
 
 mod aabb;
 pub mod cluster;
 pub mod direction;
 mod edges;
 pub mod features;
-pub mod lanes;
-pub mod mass;
+pub(crate) mod lanes;
+mod mass;
 pub mod mesh;
 pub mod shapes;
 mod thickness;
@@ -20,5 +20,5 @@ mod weld;
 pub use aabb::Aabb;
 pub use mass::MassProperties;
 pub(crate) use mesh::MeshParts;
-pub use mesh::{MeshError, Orientation, TriMesh};
-pub use topology::Gaps;
+pub use mesh::{MeshError, TriMesh};
+pub use topology::{Gaps, Orientation};

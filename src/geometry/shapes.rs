@@ -1,26 +1,26 @@
-//! Generated meshes for examples, tests and benches: tori, knots, cubes, balls.
+//! Generated meshes for examples, tests and benchmarks: tori, knots, cubes, balls.
 //!
-//! All are closed and their faces look outward. The parametric ones keep the dimensions they are given; those named after
-//! their triangle count, and [`ring`], are centred on their bounding box and scaled so that the sphere around it has a
-//! diameter of 1.
+//! All are closed, with faces that point outward. The parametric shapes have the dimensions given. [`ring`] and the
+//! shapes named after their triangle count are centred on their bounding box and scaled to a circumscribed sphere of
+//! diameter 1.
 
 use crate::geometry::TriMesh;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
-/// The torus of 240 triangles: 12 segments by 10, radii 0.7 and 0.3 before scaling.
+/// A torus of 240 triangles: 12 by 10 segments, radii 0.7 and 0.3 before scaling.
 pub fn torus_240() -> TriMesh {
     normalised(torus_points(12, 10, 0.7, 0.3), tube_faces(12, 10))
 }
 
-/// The (2, 3) torus knot of 1120 triangles: 56 segments by 10, a tube of radius 0.42 around a curve on a torus of radii 2
+/// A (2, 3) torus knot of 1120 triangles: 56 by 10 segments, a tube of radius 0.42 around a curve on a torus of radii 2
 /// and 1 before scaling.
 pub fn knot_1120() -> TriMesh {
     normalised(knot_points(2, 3, 56, 10, 0.42), tube_faces(56, 10))
 }
 
-/// A thin torus of 384 triangles through whose hole others of its kind fit.
+/// A thin torus of 384 triangles. Other rings fit through its hole, so rings can be linked to a chain.
 pub fn ring() -> TriMesh {
     normalised(torus_points(24, 8, 0.88, 0.12), tube_faces(24, 8))
 }
@@ -31,11 +31,11 @@ pub fn ball_320() -> TriMesh {
     normalised(points, faces)
 }
 
-/// A torus about z: `major` segments around a circle of radius `major_radius`, `minor` around a tube of `minor_radius`.
-/// It has `2 * major * minor` triangles.
+/// A torus about the z axis: `major` segments around a circle of radius `major_radius`, `minor` segments around a tube
+/// of radius `minor_radius`. It has `2 * major * minor` triangles.
 ///
 /// # Panics
-/// If there are fewer than 3 segments either way.
+/// If `major` or `minor` is less than 3.
 pub fn torus(major: u32, minor: u32, major_radius: f64, minor_radius: f64) -> TriMesh {
     plain(
         torus_points(major, minor, major_radius, minor_radius),
@@ -43,11 +43,11 @@ pub fn torus(major: u32, minor: u32, major_radius: f64, minor_radius: f64) -> Tr
     )
 }
 
-/// A tube around the (p, q) torus knot on a torus of radii 2 and 1: it winds `p` times about z and `q` times about the
-/// torus's circle while it closes once. It has `2 * segments * minor` triangles.
+/// A tube around the (p, q) torus knot on a torus of radii 2 and 1. The knot winds `p` times about the z axis and `q`
+/// times about the circle of the torus. It has `2 * segments * minor` triangles.
 ///
 /// # Panics
-/// If there are fewer than 3 segments either way.
+/// If `segments` or `minor` is less than 3.
 pub fn torus_knot(p: u32, q: u32, segments: u32, minor: u32, tube_radius: f64) -> TriMesh {
     plain(
         knot_points(p, q, segments, minor, tube_radius),
@@ -55,7 +55,7 @@ pub fn torus_knot(p: u32, q: u32, segments: u32, minor: u32, tube_radius: f64) -
     )
 }
 
-/// A cube of 12 triangles about the origin.
+/// A cube of 12 triangles, centred on the origin.
 pub fn cube(edge: f64) -> TriMesh {
     let points = (0..8)
         .map(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64) * edge - edge * 0.5)
@@ -72,8 +72,8 @@ pub fn cube(edge: f64) -> TriMesh {
     plain(points, faces)
 }
 
-/// A ball about the origin: an icosahedron whose faces are cut in four `subdivisions` times, `20 * 4^subdivisions`
-/// triangles with all corners on the sphere.
+/// A ball centred on the origin: an icosahedron whose faces are split in four, `subdivisions` times. It has
+/// `20 * 4^subdivisions` triangles, and all its vertices are on the sphere.
 pub fn ball(radius: f64, subdivisions: u32) -> TriMesh {
     let (points, faces) = sphere(subdivisions);
     plain(points.into_iter().map(|p| p * radius).collect(), faces)
@@ -100,7 +100,7 @@ fn knot_points(p: u32, q: u32, segments: u32, minor: u32, tube_radius: f64) -> V
             let point = around * reach + DVec3::Z * (q * s).sin();
             let tangent =
                 (along * (p * reach) - around * (q * (q * s).sin()) + DVec3::Z * (q * (q * s).cos())).normalize();
-            // The carrier torus's normal is perpendicular to every curve on it, so the frame never flips.
+            // The normal of the torus is perpendicular to every curve on it, so the frame never flips.
             let normal = around * (q * s).cos() + DVec3::Z * (q * s).sin();
             let binormal = normal.cross(tangent);
             point + (normal * t.cos() + binormal * t.sin()) * tube_radius
@@ -108,9 +108,12 @@ fn knot_points(p: u32, q: u32, segments: u32, minor: u32, tube_radius: f64) -> V
         .collect()
 }
 
-/// Angles of the points of a tube: all around one section, then the next.
+/// The two angles of each point of a tube, section by section.
 fn grid(major: u32, minor: u32) -> impl Iterator<Item = (f64, f64)> {
-    assert!(major >= 3 && minor >= 3, "a tube needs at least 3 segments either way");
+    assert!(
+        major >= 3 && minor >= 3,
+        "a tube needs at least 3 segments in each direction"
+    );
     (0..major).flat_map(move |i| {
         (0..minor).map(move |j| {
             let at = |k: u32, n: u32| TAU * f64::from(k) / f64::from(n);
@@ -175,8 +178,8 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (points, faces)
 }
 
-/// Centres and scales; see the module's documentation. Coordinates are rounded to millionths, which keeps files short and
-/// hides the last digits, in which the sines of two systems differ.
+/// Centres and scales; see the module's documentation. Coordinates are rounded to millionths. This keeps files short,
+/// and hides the last digits, in which the sine functions of two systems may differ.
 fn normalised(points: Vec<DVec3>, faces: Vec<[u32; 3]>) -> TriMesh {
     let low = points.iter().fold(DVec3::INFINITY, |a, b| a.min(*b));
     let high = points.iter().fold(DVec3::NEG_INFINITY, |a, b| a.max(*b));

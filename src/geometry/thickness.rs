@@ -1,24 +1,26 @@
-//! How thick what lies behind a closed mesh's faces is: rays from its faces to the surface opposite.
+//! Thickness of a closed mesh, measured by rays from its faces to the opposite surface.
 
 use crate::geometry::{Aabb, Orientation, TriMesh};
 use glam::{DVec3, Vec3};
 
-/// At most this many faces send a ray.
+/// The maximum number of rays, one per face.
 const SAMPLES: usize = 4096;
-/// Rays stop after this many triangle tests in all. Meshes in cluster order need a small part of it; one whose
-/// triangles come in random order has boxes that hold everything, and must not take minutes.
+/// The maximum number of ray-triangle tests in total. Meshes in cluster order need a small part of it. If the triangles
+/// are in random order, every box contains most of the mesh, and without a limit the rays could take minutes.
 const BUDGET: u64 = 30_000_000;
-/// The part of the sampled surface that may be thinner than the result.
+/// The fraction of the sampled area that may be thinner than the result.
 const QUANTILE: f64 = 0.02;
 /// Children per node of the box hierarchy, and triangles per leaf.
 const WIDTH: usize = 8;
 
-/// The thickness of a closed mesh with consistent faces, in mesh units; `None` if no ray leaves it.
+/// The thickness of a closed, consistently wound mesh, in mesh units; `None` for other meshes, or if no ray leaves the
+/// mesh.
 ///
-/// From the middle of each face a ray runs backward to where it leaves the mesh; from a room's outer walls it never does. The
-/// ball that touches the face there and the plane of the exit measures how thick the mesh is: for parallel faces its
-/// diameter is the length of the ray, for a wedge it is smaller. Meshes of more than 4096 triangles are sampled. The result
-/// is the diameter that 98 % of the sampled area reaches.
+/// A ray runs from the centroid of each face backward through the solid to where it leaves the mesh. Rays from the
+/// outer walls of a room never leave. The thickness at the face is the diameter of the ball that touches the face at
+/// the ray's start and also touches the plane of the exit face: for parallel faces this is the length of the ray, for a
+/// wedge it is less. Meshes of more than 4096 triangles are sampled. The result is the diameter that 98 % of the
+/// sampled area reaches.
 pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
     if matches!(mesh.orientation(), Orientation::Mixed | Orientation::Open) {
         return None;
@@ -36,7 +38,7 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
         let [a, b, c] = tree.corners(t);
         let normal = (b - a).cross(c - a);
         let area = normal.length();
-        // Joined corners may leave nothing of a face.
+        // Welding may have collapsed the face.
         if area > 0.0
             && let Some(d) = tree.ball((a + b + c) / 3.0, -normal / area, &mut tests)
         {
@@ -59,12 +61,13 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
         .filter(|d| *d > 0.0 && d.is_finite())
 }
 
-/// Boxes around runs of eight triangles, runs of eight such boxes, and so on. It fits whatever order the triangles come in,
-/// and is fast if neighbours in the list are neighbours in space.
+/// A box hierarchy over the triangles in their given order: boxes around runs of eight triangles, then around runs of
+/// eight such boxes, and so on. It is correct for any order, and fast if neighbours in the list are neighbours in
+/// space.
 struct BoxTree<'a> {
     mesh: &'a TriMesh,
     origin: DVec3,
-    /// From the leaves upward; the last level has one box.
+    /// From the leaves up; the last level has one box.
     levels: Vec<Vec<Aabb>>,
 }
 
@@ -94,7 +97,8 @@ impl<'a> BoxTree<'a> {
         self.mesh.welded_corners(t).map(|v| v.as_dvec3() - self.origin)
     }
 
-    /// The diameter of the ball between the start of a ray and the plane of the face through which it leaves.
+    /// The diameter of the ball that touches the face at the start of the ray and the plane of the face through which
+    /// the ray leaves.
     fn ball(&self, start: DVec3, direction: DVec3, tests: &mut u64) -> Option<f64> {
         let mut nearest: Option<(f64, f64)> = None;
         let inverse = direction.recip();
@@ -125,7 +129,7 @@ impl<'a> BoxTree<'a> {
     fn hits_box(&self, b: &Aabb, start: DVec3, inverse: DVec3, limit: f64) -> bool {
         let at = |corner: Vec3| (corner.as_dvec3() - self.origin - start) * inverse;
         let (u, v) = (at(b.min), at(b.max));
-        // A component is NaN where the ray runs within a face of the box: min and max then drop it.
+        // A component is NaN where the ray lies in a face plane of the box. `min` and `max` ignore NaN.
         let pick = |x: f64, y: f64| (x.min(y), x.max(y));
         let ((x0, x1), (y0, y1), (z0, z1)) = (pick(u.x, v.x), pick(u.y, v.y), pick(u.z, v.z));
         let enter = x0.max(y0).max(z0).max(0.0);
@@ -133,20 +137,21 @@ impl<'a> BoxTree<'a> {
         enter <= leave * (1.0 + 1e-9) || enter.is_nan() || leave.is_nan()
     }
 
-    /// Distance along the ray, and cosine between the ray and the outward normal, if the ray leaves the mesh here.
+    /// If the ray leaves the mesh through triangle `t`: the distance along the ray, and the cosine between the ray and
+    /// the outward normal.
     fn leaves_through(&self, t: usize, start: DVec3, direction: DVec3) -> Option<(f64, f64)> {
         let [a, b, c] = self.corners(t);
         let (ab, ac) = (b - a, c - a);
         let normal = ab.cross(ac);
         let slope = direction.dot(normal);
         let cosine = slope / normal.length();
-        // A face almost along the ray says nothing about thickness across it.
+        // A face almost parallel to the ray does not bound the thickness along it.
         if cosine.is_nan() || cosine <= 1e-3 {
             return None;
         }
         let to_start = start - a;
         let cross = direction.cross(to_start);
-        // Barycentric coordinates with a little slack, so that a ray does not slip through an edge or a corner.
+        // Barycentric coordinates with a little slack, so that no ray passes between triangles at an edge or a corner.
         let v = cross.dot(ac) / slope;
         let w = -cross.dot(ab) / slope;
         let slack = -1e-9;

@@ -1,40 +1,55 @@
-//! What follows from how a mesh's triangles hang together: whether it is closed, which way its faces look, its components.
+//! Connectivity of a mesh: welded vertices, orientation, connected components, boundary edges.
 
 use super::edges::{Edges, is_collapsed};
 use super::weld::{least_distance, size, weld};
-use crate::geometry::{Aabb, Orientation};
+use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// How a mesh's triangles hang together, if corners within a tolerance are one.
+/// Whether a mesh is closed, and which way its faces point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Orientation {
+    /// Closed and consistently wound, with positive enclosed volume: faces are counter-clockwise seen from outside.
+    Outward,
+    /// Closed and consistently wound, with negative enclosed volume. This is a room: its walls are solid, its inside is
+    /// free.
+    Inward,
+    /// Closed, but some neighbouring faces have opposite winding.
+    Mixed,
+    /// Not closed: some edge has an odd number of faces.
+    Open,
+}
+
+/// The connectivity of a mesh after welding.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Topology {
-    /// Corners no farther apart than this part of the mesh's size are one.
+    /// The weld tolerance, relative to the diagonal of the mesh's bounding box.
     pub tolerance: f32,
-    /// For each vertex the one that stands for all that are one with it.
+    /// For each vertex, the representative of the vertices it is welded with.
     pub welded: Vec<u32>,
     pub orientation: Orientation,
     pub component_vertices: Vec<u32>,
 }
 
-/// Where a mesh is open.
+/// The boundary of an open mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaps {
-    /// Edges that have an odd number of faces.
+    /// The number of edges that have an odd number of faces: the boundary edges.
     pub edges: u32,
-    /// The least distance between two ends of such edges that no such edge joins, mesh units; `None` if there are no two.
+    /// The smallest distance between two boundary vertices that no boundary edge joins, in mesh units; `None` if there
+    /// is no such pair.
     pub nearest: Option<f64>,
-    /// The same as a part of the mesh's size, the diagonal of its box.
+    /// The same distance relative to the diagonal of the mesh's bounding box: a larger weld tolerance joins the two.
     pub relative: Option<f64>,
 }
 
-/// A mesh whose topology is asked for.
+/// The input of the topology: vertices and faces of a mesh.
 pub(super) struct Faces<'a> {
     pub vertices: &'a [Vec3],
     pub triangles: &'a [[u32; 3]],
-    /// The number of each triangle in the input.
+    /// The index of each triangle in the input.
     pub face_ids: &'a [u32],
-    /// Faces of zero area. They take part as long as their corners differ: a sliver that fills a T-junction keeps a mesh
+    /// Faces of zero area. They count as long as their corners differ: a sliver that fills a T-junction keeps a mesh
     /// closed.
     pub dropped: &'a [[u32; 3]],
 }
@@ -58,8 +73,10 @@ impl Faces<'_> {
         Aabb::around(corners.map(|&v| self.vertices[v as usize]))
     }
 
-    /// The edges of all faces whose corners differ; for each how many faces have it, and how many more run along it than
-    /// back. Joining corners takes away an edge's faces two at a time, one from each side: it opens no closed mesh.
+    /// The edges of all faces that do not collapse. Each edge comes with the number of its faces, and with the number
+    /// of faces that traverse it forward minus the number that traverse it backward.
+    ///
+    /// Welding two vertices removes the faces of an edge in pairs, one from each side. It never opens a closed mesh.
     fn edges(&self, welded: &[u32]) -> (Edges, Vec<(u32, i32)>) {
         let all = self.triangles.iter().chain(self.dropped);
         let faces: Vec<[u32; 3]> = all
@@ -89,10 +106,10 @@ impl Faces<'_> {
         }
     }
 
-    /// The orientation of a closed mesh whose faces agree.
+    /// The orientation of a closed, consistently wound mesh.
     pub fn outward_or_inward(&self, welded: &[u32]) -> Orientation {
         let place = |v: u32| self.vertices[welded[v as usize] as usize].as_dvec3();
-        // About the first corner, so that a distant mesh keeps its digits.
+        // Relative to the first corner, so that a mesh far from the origin loses no precision.
         let origin = place(self.triangles[0][0]);
         let at = |v: u32| place(v) - origin;
         let volumes = self.triangles.iter().map(|&[a, b, c]| at(a).dot(at(b).cross(at(c))));
@@ -103,7 +120,7 @@ impl Faces<'_> {
         }
     }
 
-    /// A vertex of each component, by the components' first faces in the input.
+    /// One vertex of each component, ordered by the components' first faces in the input.
     fn component_vertices(&self, welded: &[u32]) -> Vec<u32> {
         let mut parent: Vec<u32> = (0..welded.len() as u32).collect();
         fn root(parent: &mut [u32], mut v: u32) -> u32 {
@@ -120,7 +137,7 @@ impl Faces<'_> {
                 parent[v as usize] = low;
             }
         }
-        // For each root the component's first face, and a corner of it.
+        // For each root, the component's first face and a corner of that face.
         let mut firsts: HashMap<u32, (u32, u32)> = HashMap::new();
         for (t, &face) in self.triangles.iter().zip(self.face_ids) {
             let first = firsts
@@ -133,7 +150,7 @@ impl Faces<'_> {
         firsts.into_iter().map(|(_, vertex)| vertex).collect()
     }
 
-    /// Where it is open, if it is.
+    /// The boundary edges; `None` if there are none.
     pub fn gaps(&self, welded: &[u32]) -> Option<Gaps> {
         let (edges, counts) = self.edges(welded);
         let odd = edges.ends.iter().zip(&counts).filter(|(_, (count, _))| count % 2 == 1);

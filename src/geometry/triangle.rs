@@ -1,35 +1,35 @@
-//! Triangle against triangle, as closed sets: triangles that only touch, in a point, along an edge or face to face,
+//! Intersection of two triangles as closed sets: triangles that only touch at a point, along an edge or face to face
 //! intersect.
 //!
-//! Every sign is decided with a bound on its error, that of rounding and that of the corners' positions, and "within
-//! the error of zero" counts as zero. So the answer is the true one, except that triangles apart by no more than such
-//! errors may count as touching; touching ones are never missed.
+//! Each sign is computed with a bound on its error, which covers rounding and the given error of the corner positions.
+//! A value within its error bound counts as zero. Touching triangles are therefore never missed. Triangles whose
+//! distance is within these error bounds may be reported as touching.
 
 use glam::{DVec2, DVec3};
 
-/// Where two closed triangles meet.
+/// The intersection of two closed triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection {
-    /// One end of the common segment; equal to `end` if the triangles meet in a point.
+    /// One end of the common segment; equal to `end` if the triangles meet at a point.
     pub start: DVec3,
     /// The other end.
     pub end: DVec3,
-    /// The triangles lie in one plane. Their common part is then a polygon in general, and `start..end` its longest
-    /// diagonal.
+    /// Whether the triangles are coplanar. Their intersection is then a polygon in general, and `start..end` is its
+    /// longest diagonal.
     pub coplanar: bool,
 }
 
-/// The common points of triangles `a` and `b`, or `None` if they are apart.
+/// The intersection of triangles `a` and `b`; `None` if they are disjoint.
 ///
-/// Symmetric in its arguments and in the order of corners. Triangles of zero area get a safe answer, not always the
-/// exact one.
+/// The decision is symmetric in its arguments and in the order of corners. For triangles of zero area the answer is
+/// conservative: it may report a touch where there is none.
 pub fn intersect(a: &[DVec3; 3], b: &[DVec3; 3]) -> Option<Intersection> {
     intersect_placed(a, b, 0.0)
 }
 
-/// [`intersect`] for corners that were placed by arithmetic and are wrong by up to `placing` per coordinate: triangles
-/// that may touch within that error do.
-pub fn intersect_placed(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> Option<Intersection> {
+/// [`intersect`] for computed corners with an error of up to `placing` per coordinate: triangles that may touch within
+/// that error count as touching.
+pub(crate) fn intersect_placed(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> Option<Intersection> {
     let plane_a = Plane::of(a, placing);
     let heights_b = b.map(|p| plane_a.height(p));
     if one_side(&heights_b) {
@@ -55,8 +55,8 @@ pub fn intersect_placed(a: &[DVec3; 3], b: &[DVec3; 3], placing: f64) -> Option<
     }
 }
 
-/// Relative rounding error of a 3 x 3 determinant with respect to the product of the 1-norms of its rows: the
-/// differences, products and sums each add half a unit in the last place (Shewchuk 1997 gives `(7 + 56 e) e`).
+/// Rounding error of a 3 x 3 determinant relative to the product of the 1-norms of its rows: each difference, product
+/// and sum adds half a unit in the last place (Shewchuk 1997 gives `(7 + 56 e) e`).
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 fn norm1(v: DVec3) -> f64 {
@@ -66,13 +66,13 @@ fn norm1(v: DVec3) -> f64 {
 struct Plane {
     origin: DVec3,
     normal: DVec3,
-    /// How much of the 1-norm of a vector its product with the normal can be wrong by.
+    /// Error bound of the dot product of the normal and a vector, relative to the 1-norm of the vector.
     error: f64,
-    /// How wrong a height is for the error of the point itself.
+    /// Error bound of a height that is due to the error of the point itself.
     placing: f64,
 }
 
-/// A height over a plane, times the length of the plane's normal, and how wrong it can be.
+/// A height over a plane, times the length of the plane's normal, with its error bound.
 #[derive(Clone, Copy)]
 struct Height {
     value: f64,
@@ -89,7 +89,7 @@ impl Plane {
     fn of(t: &[DVec3; 3], placing: f64) -> Self {
         let (u, v) = (t[1] - t[0], t[2] - t[0]);
         let (normal, nu, nv) = (u.cross(v), norm1(u), norm1(v));
-        // A difference of two corners is wrong by twice what each is.
+        // The error of a difference of two corners is twice that of a corner.
         Self {
             origin: t[0],
             normal,
@@ -112,13 +112,13 @@ fn one_side(h: &[Height; 3]) -> bool {
     s == [1; 3] || s == [-1; 3]
 }
 
-/// Where a triangle crosses the other's plane, and how far off the two points can be.
+/// The segment in which a triangle crosses the other's plane, with the error bound of its two ends.
 struct Chord {
     points: [DVec3; 2],
     error: f64,
 }
 
-/// `None` unless every corner is clearly on one side.
+/// `None` unless each corner is clearly on one side of the plane.
 #[inline]
 fn chord(t: &[DVec3; 3], h: &[Height; 3]) -> Option<Chord> {
     if h.iter().any(|h| h.sign() == 0) {
@@ -145,7 +145,8 @@ fn chord(t: &[DVec3; 3], h: &[Height; 3]) -> Option<Chord> {
     })
 }
 
-/// Whether two chords on the common line of both planes overlap (Moeller 1997); `None` if that is too close to call.
+/// Whether two chords on the common line of both planes overlap (Moeller 1997); `None` if the gap is within its error
+/// bound.
 #[inline]
 fn overlap(line: DVec3, a: Chord, b: Chord, placing: f64) -> Option<Option<Intersection>> {
     let origin = a.points[0];
@@ -155,7 +156,7 @@ fn overlap(line: DVec3, a: Chord, b: Chord, placing: f64) -> Option<Option<Inter
     };
     let ([a0, a1], [b0, b1]) = (sorted(a.points), sorted(b.points));
     let gap = (b0.0 - a1.0).max(a0.0 - b1.0);
-    // Sums along the line are wrong by less than the extent of what is summed.
+    // The rounding error of positions along the line is relative to the extent of the points.
     let extent = norm1(a.points[1] - origin) + norm1(b.points[0] - origin) + norm1(b.points[1] - origin);
     let error = norm1(line) * (a.error + b.error + 4.0 * placing + ROUNDING * extent);
     if gap.is_nan() || gap.abs() <= error {
@@ -173,14 +174,15 @@ fn overlap(line: DVec3, a: Chord, b: Chord, placing: f64) -> Option<Option<Inter
     }))
 }
 
-/// The decision by signs alone, for triangles in different planes: they meet exactly if an edge of one meets the other.
+/// The decision by signs alone, for triangles in different planes: they intersect exactly if an edge of one intersects
+/// the other.
 fn by_edges(a: &[DVec3; 3], b: &[DVec3; 3], ha: &[Height; 3], hb: &[Height; 3], placing: f64) -> Option<Intersection> {
     let mut found = Farthest::default();
     for (edges_of, h, other) in [(a, ha, b), (b, hb, a)] {
         for i in 0..3 {
             let j = (i + 1) % 3;
             let (si, sj) = (h[i].sign(), h[j].sign());
-            // An edge inside the other's plane adds nothing: its ends are met through the neighbouring edges.
+            // An edge within the other's plane can be skipped: the neighbouring edges cover its ends.
             if si == sj || !line_meets(edges_of[i], edges_of[j], other, placing) {
                 continue;
             }
@@ -210,7 +212,7 @@ fn line_meets(p: DVec3, q: DVec3, t: &[DVec3; 3], placing: f64) -> bool {
     !(left && right)
 }
 
-/// Triangles in one plane: edges that cross, or a corner inside the other triangle.
+/// Coplanar triangles intersect if two edges cross or a corner is inside the other triangle.
 fn coplanar(a: &[DVec3; 3], b: &[DVec3; 3], normal: DVec3, placing: f64) -> Option<Intersection> {
     let n = normal.abs();
     let flat = |p: DVec3| {
@@ -252,13 +254,15 @@ fn side(p: DVec2, q: DVec2, r: DVec2, placing: f64) -> (i8, f64) {
     ((det > error) as i8 - (det < -error) as i8, det)
 }
 
-/// Closed. A triangle without area contains nothing here; crossing edges find its points.
+/// Whether the closed triangle contains the point. A triangle of zero area contains nothing here; the edge tests find
+/// its points.
 fn contains(t: &[DVec2; 3], p: DVec2, placing: f64) -> bool {
     let s = [0, 1, 2].map(|i| side(t[i], t[(i + 1) % 3], p, placing).0);
     s != [0; 3] && !(s.contains(&1) && s.contains(&-1))
 }
 
-/// Where along `p q` it meets `r s`, both closed. Parallel segments meet in corners of one that lie on the other.
+/// The parameter along `p q` at which it meets `r s`; both segments are closed. Collinear segments meet at the first
+/// common point along `p q`.
 fn segments_cross([p, q]: [DVec2; 2], [r, s]: [DVec2; 2], placing: f64) -> Option<f64> {
     let ((sr, _), (ss, _)) = (side(p, q, r, placing), side(p, q, s, placing));
     let ((sp, hp), (sq, hq)) = (side(r, s, p, placing), side(r, s, q, placing));
@@ -285,7 +289,7 @@ fn segments_cross([p, q]: [DVec2; 2], [r, s]: [DVec2; 2], placing: f64) -> Optio
     (lo <= hi + error).then_some(lo.min(1.0))
 }
 
-/// Keeps the two points farthest apart among those added.
+/// Keeps the two of the added points that are farthest apart.
 #[derive(Default)]
 struct Farthest {
     points: [DVec3; 2],

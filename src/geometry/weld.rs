@@ -1,4 +1,4 @@
-//! Corners that are one: at the same place, or as good as.
+//! Welding: vertices within a tolerance of each other count as one.
 
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
@@ -6,24 +6,23 @@ use std::collections::HashMap;
 
 /// The end of a list.
 const NONE: u32 = u32::MAX;
-/// Cells are this many times as wide as the distance that is asked about: few points lie so near the sides of their cell that
-/// others have to be searched.
+/// Cell width as a multiple of the search distance. With wide cells few points are near a side of their cell, so few
+/// searches visit neighbouring cells.
 const CELL: f64 = 4.0;
-/// Cells are no narrower than this part of the box.
-const LEAST_CELL: f64 = 1.0e-12;
+/// Minimum cell width relative to the diagonal of the bounding box.
+const MIN_CELL: f64 = 1.0e-12;
 
-/// The diagonal of a mesh's box: what tolerances are relative to.
+/// The diagonal of a mesh's bounding box. Tolerances are relative to it.
 pub fn size(aabb: Aabb) -> f64 {
     (aabb.max.as_dvec3() - aabb.min.as_dvec3()).length()
 }
 
-/// For each vertex the one that stands for its place; `tolerance` times the diagonal of `aabb` is the distance within which
-/// places are one.
+/// For each vertex, the index of its representative. The weld distance is `tolerance` times the diagonal of `aabb`.
 ///
-/// Places are taken in the order of their coordinates. Each joins the nearest one that stands for others within the
-/// distance, or else comes to stand for itself. So nothing moves farther than the distance, however long a chain of places
-/// is, and it does not matter in which order the vertices come. With a tolerance of 0 only equal places are one (`-0.0`
-/// equals `0.0`).
+/// Positions are visited in lexicographic order. Each is welded to the nearest representative within the weld distance,
+/// or becomes a representative itself. So no vertex is farther than the weld distance from its representative, even in
+/// a long chain of vertices, and the result does not depend on the order of the vertices. With a tolerance of 0 only
+/// equal positions are welded (`-0.0` equals `0.0`).
 pub fn weld(vertices: &[Vec3], aabb: Aabb, tolerance: f32) -> Vec<u32> {
     let distance = f64::from(tolerance) * size(aabb);
     let mut sorted: Vec<([i32; 3], u32)> = vertices.iter().map(|v| v.to_array().map(rank)).zip(0..).collect();
@@ -52,17 +51,18 @@ pub fn weld(vertices: &[Vec3], aabb: Aabb, tolerance: f32) -> Vec<u32> {
     welded
 }
 
-/// A number that orders as the coordinate does. Adding zero turns -0 into 0.
+/// An integer with the same order as the coordinate. Adding zero turns -0 into 0.
 fn rank(x: f32) -> i32 {
     let bits = (x + 0.0).to_bits() as i32;
     bits ^ ((bits >> 31) & i32::MAX)
 }
 
-/// The least distance between two of the points that are not `linked`, if there are two such points. `aabb` is around all.
+/// The smallest distance between two points that are not `linked`; `None` if there is no such pair. `aabb` must contain
+/// all points.
 pub fn least_distance(points: &[DVec3], aabb: Aabb, linked: impl Fn(usize, usize) -> bool) -> Option<f64> {
     let mut least = f64::INFINITY;
     let mut grid = Grid::new(aabb, size(aabb));
-    // In scattered order the least distance soon is nearly what it will be, and cells are made smaller a few times only.
+    // In scattered order the running minimum soon approaches the final one, so the grid is rebuilt only a few times.
     let order: Vec<usize> = scattered(points.len()).collect();
     for (done, &i) in order.iter().enumerate() {
         let before = least;
@@ -82,8 +82,8 @@ pub fn least_distance(points: &[DVec3], aabb: Aabb, linked: impl Fn(usize, usize
     least.is_finite().then_some(least)
 }
 
-/// The numbers below `count`, neighbours far from each other: multiples of a number near the golden ratio's part of it that
-/// has no factor in common with it.
+/// A permutation of the numbers below `count` in which consecutive numbers are far apart: multiples, modulo `count`, of
+/// a number that is coprime to `count` and near `count` over the golden ratio.
 fn scattered(count: usize) -> impl Iterator<Item = usize> {
     let common = |mut a: usize, mut b: usize| {
         while b > 0 {
@@ -96,13 +96,13 @@ fn scattered(count: usize) -> impl Iterator<Item = usize> {
     (0..count).map(move |i| (i as u128 * step as u128 % count as u128) as usize)
 }
 
-/// Points in cubic cells, to find those near a place.
+/// A hash grid of points, for neighbour searches.
 struct Grid {
     origin: DVec3,
     cell: f64,
-    /// For each cell the first of its points, as an index of `points`.
+    /// For each cell, its first point as an index into `points`.
     first: HashMap<[i64; 3], u32>,
-    /// Where each point is, its number, and the next one of its cell.
+    /// Linked lists: position, number, and the next point of the same cell.
     points: Vec<(DVec3, u32, u32)>,
 }
 
@@ -110,7 +110,7 @@ impl Grid {
     fn new(aabb: Aabb, cell: f64) -> Self {
         Self {
             origin: aabb.min.as_dvec3(),
-            cell: cell.max(LEAST_CELL * size(aabb)).max(f64::MIN_POSITIVE),
+            cell: cell.max(MIN_CELL * size(aabb)).max(f64::MIN_POSITIVE),
             first: HashMap::new(),
             points: Vec::new(),
         }
@@ -126,7 +126,7 @@ impl Grid {
         self.points.push((at, number, next));
     }
 
-    /// Calls `found` with the numbers and distances of all points no farther than `within` from a place.
+    /// Calls `found` with the number and distance of each point within the distance `within` of `at`.
     fn visit(&self, at: DVec3, within: f64, mut found: impl FnMut(u32, f64)) {
         let (low, high) = (self.cell_of(at - within), self.cell_of(at + within));
         for x in low[0]..=high[0] {
@@ -156,8 +156,8 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_of_places_does_not_become_one() {
-        // Steps of 0.8 of the distance within which places are one.
+    fn a_chain_of_vertices_is_not_welded_into_one() {
+        // The spacing is 0.8 of the weld distance.
         let chain: Vec<Vec3> = (0..1000).map(|i| Vec3::X * i as f32).collect();
         let tolerance = 1.25 / 999.0;
         let welded = weld(&chain, aabb(&chain), tolerance);
@@ -165,10 +165,10 @@ mod tests {
             assert!(at.distance(chain[keeper as usize]) <= 1.25);
             assert_eq!(
                 welded[keeper as usize], keeper,
-                "who stands for others stands for itself"
+                "a representative is its own representative"
             );
         }
-        // Whatever the order of the vertices, the same places stand for the same others.
+        // The representatives do not depend on the order of the vertices.
         let order: Vec<usize> = scattered(1000).collect();
         let mixed: Vec<Vec3> = order.iter().map(|&i| chain[i]).collect();
         let again = weld(&mixed, aabb(&mixed), tolerance);
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn only_equal_places_are_one_without_a_tolerance() {
+    fn without_a_tolerance_only_equal_positions_are_welded() {
         let near = Vec3::splat(1.0f32.next_up());
         let points = [
             Vec3::ONE,
@@ -203,7 +203,7 @@ mod tests {
         for count in [0, 1, 2, 3, 50, 300] {
             let points: Vec<Vec3> = (0..count).map(|_| Vec3::new(number(), number(), 0.0)).collect();
             let places: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-            // Neighbours in the list are linked.
+            // Consecutive points are linked.
             let linked = |i: usize, j: usize| i.abs_diff(j) <= 1;
             let pairs = (0..count).flat_map(|i| (0..i).map(move |j| (i, j)));
             let brute = pairs

@@ -230,7 +230,7 @@ impl Kernels {
         Ok(compiled)
     }
 
-    /// Compiles some more.
+    /// Compiles some more, unless they are compiled already.
     ///
     /// # Errors
     /// The compiler's message.
@@ -242,7 +242,9 @@ impl Kernels {
     ) -> Result<(), String> {
         let mut composer = composer(modules).map_err(|e| e.to_string())?;
         for kernel in kernels {
-            self.compiled.insert(kernel.name, kernel.compile(gpu, &mut composer)?);
+            if !self.compiled.contains_key(kernel.name) {
+                self.compiled.insert(kernel.name, kernel.compile(gpu, &mut composer)?);
+            }
         }
         Ok(())
     }

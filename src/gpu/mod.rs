@@ -23,7 +23,7 @@ pub mod scan;
 pub mod shader;
 pub mod timer;
 
-use crate::geometry::features::EVERY_WAY;
+use crate::geometry::features::ANY_NORMAL;
 use crate::projection::heights;
 use crate::state::margins;
 use shader::{Module, Shaders, module, shared_constants};
@@ -39,7 +39,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::shared", {
     u32 HEIGHT_STEPS = heights::STEPS;
     u32 MESH_HEADER = mesh_features::HEADER;
     u32 MESH_RECORD = mesh_features::RECORD;
-    f32 EVERY_WAY = EVERY_WAY;
+    f32 ANY_NORMAL = ANY_NORMAL;
     f32 SAFETY = margins::SAFETY;
     f32 BOUND = margins::BOUND;
 });

@@ -21,7 +21,7 @@ const COUNT: u32 = 2 * Stage::ALL.len() as u32;
 /// Bytes that they take.
 pub const BYTES: u32 = 8 * COUNT;
 /// The most intervals there can be.
-const LAPS: u32 = crate::types::solver_settings::MOST_DETECTIONS;
+const LAPS: u32 = crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 impl Timer {
     /// `None` if the device has no time stamps.
@@ -53,8 +53,8 @@ impl Timer {
     }
 
     /// To be recorded after the stages of so many intervals.
-    pub fn resolve(&self, encoder: &mut CommandEncoder, intervals: u32) {
-        encoder.resolve_query_set(&self.queries, 0..intervals * COUNT, &self.resolved, 0);
+    pub fn resolve(&self, encoder: &mut CommandEncoder, collision_substeps: u32) {
+        encoder.resolve_query_set(&self.queries, 0..collision_substeps * COUNT, &self.resolved, 0);
     }
 
     /// Where the stamps then are, [`BYTES`] for each interval.
@@ -66,8 +66,8 @@ impl Timer {
     pub fn times(&self, stamps: &[u64]) -> [Duration; Stage::COUNT] {
         Stage::ALL.map(|stage| {
             let at = 2 * stage as usize;
-            let intervals = stamps.chunks_exact(COUNT as usize);
-            let ticks: u64 = intervals.map(|lap| lap[at + 1].saturating_sub(lap[at])).sum();
+            let collision_substeps = stamps.chunks_exact(COUNT as usize);
+            let ticks: u64 = collision_substeps.map(|lap| lap[at + 1].saturating_sub(lap[at])).sum();
             Duration::from_nanos((ticks as f64 * self.period) as u64)
         })
     }

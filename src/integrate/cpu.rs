@@ -1,19 +1,16 @@
 //! Integrate on the CPU.
 
-use crate::state::StepState;
+use crate::ccd::stops::Stops;
+use crate::force_scan::touches::Touches;
+use crate::solver::SolverBodies;
+use crate::state::mesh_arena::MeshArena;
+use crate::state::{Bodies, Impulse, Manifolds, Plane, StepConfig};
 use crate::types::body::RigidBody;
 use glam::{DQuat, Vec3};
 use rayon::prelude::*;
 
-/// Moves every body of `state.bodies` by one step. What is derived from poses is stale afterwards.
-pub fn run(state: &mut StepState) {
-    let StepState {
-        bodies,
-        impulses,
-        config,
-        meshes,
-        ..
-    } = state;
+/// Moves every body by one step, with the sum of its impulses. What is derived from poses is stale afterwards.
+pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: &[Impulse], bodies: &mut Bodies) {
     let dt = config.dt;
     (
         &mut bodies.position,
@@ -24,7 +21,7 @@ pub fn run(state: &mut StepState) {
         &bodies.gravity_scale,
         &bodies.frame,
         &bodies.mesh,
-        &*impulses,
+        impulses,
     )
         .into_par_iter()
         .with_min_len(256)
@@ -48,4 +45,26 @@ pub fn run(state: &mut StepState) {
                 *position = (center - turned * arm).as_vec3();
             },
         );
+}
+
+/// Stops bodies with continuous collision where they first meet others, and notes which sensors they pass. `bodies` are where they
+/// were as the interval began, `moved` where the solver has taken them.
+pub(crate) fn stop_fast_bodies(
+    interval: &StepConfig,
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    planes: &[Plane],
+    sphere_pairs: &[[u32; 2]],
+    manifolds: &Manifolds,
+    stops: &mut Stops,
+    moved: &mut SolverBodies,
+    touches: &mut Touches,
+) {
+    let pass = |pair, contact| touches.pass(pair, contact);
+    stops.stop(moved, manifolds, bodies, meshes, planes, sphere_pairs, interval, pass);
+}
+
+/// Puts the bodies where the solver has moved them.
+pub(crate) fn move_bodies(moved: &SolverBodies, meshes: &MeshArena, bodies: &mut Bodies) {
+    moved.write(bodies, meshes);
 }

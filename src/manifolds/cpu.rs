@@ -2,6 +2,7 @@
 
 pub(super) mod contour;
 pub(super) mod feature;
+mod ids;
 mod inside;
 pub(super) mod near;
 pub(super) mod pair;
@@ -11,14 +12,16 @@ pub(super) mod reduce;
 pub(super) mod side;
 pub(super) mod smooth;
 
+pub(crate) use feature::Feature;
+pub(crate) use ids::ids;
+pub(crate) use pair::{Pair, Worker};
+pub(crate) use side::PlacedMesh;
+
 use super::MarginPair;
-use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::per_thread::PerThread;
-use crate::state::Bodies;
 use crate::state::mesh_arena::MeshArena;
-use pair::{Pair, Worker};
+use crate::state::{Bodies, ManifoldPoint, Manifolds};
 use rayon::prelude::*;
-use side::PlacedMesh;
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -110,24 +113,4 @@ fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2])
         })
     };
     Some(Pair::new([&placed(a)?, &placed(b)?], bodies.mesh[a] == bodies.mesh[b]))
-}
-
-impl Manifolds {
-    /// Removes all, keeping the memory.
-    pub(super) fn clear(&mut self) {
-        self.pairs.clear();
-        self.points.clear();
-    }
-
-    /// Adds the pair whose points are those from `first` on, if there are any.
-    pub(super) fn close(&mut self, bodies: [u32; 2], first: usize) {
-        let count = self.points.len() - first;
-        if count > 0 {
-            self.pairs.push(Manifold {
-                bodies,
-                first_point: first as u32,
-                point_count: count as u32,
-            });
-        }
-    }
 }

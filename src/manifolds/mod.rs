@@ -27,12 +27,10 @@
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-mod manifold;
-pub(super) mod step;
+pub(crate) mod report;
+pub(crate) mod step;
 
-pub use manifold::{Manifold, ManifoldPoint, Manifolds};
-pub(crate) use manifold::{nearest, place};
-pub(crate) use step::push_each_other;
+pub use crate::state::manifolds::{Manifold, ManifoldPoint, Manifolds};
 
 /// How many points a pair has at most. With four a stack creeps by centimetres, with eight rings get into each other by
 /// some percent of their size.

@@ -1,69 +1,67 @@
-//! Contact generation as a stage of a step.
+//! Contact generation as parts of a step.
 
+use super::MarginPair;
 use super::cpu::{self, planes};
-use super::{Manifolds, MarginPair, place};
-use crate::state::{Bodies, NearPair, StepState};
-use crate::step::touches::show_points;
-use crate::types::settings::Response;
+use crate::state::manifolds::place;
+use crate::state::mesh_arena::MeshArena;
+use crate::state::still::StillBodies;
+use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
     pairs: Vec<MarginPair>,
     found: Manifolds,
+    /// Those of the last interval.
     before: Manifolds,
     meshes: cpu::Scratch,
     planes: planes::Scratch,
 }
 
-/// Fills `state.manifolds` with those of all pairs that push each other. Pairs that sleep keep what they had.
-pub fn run(state: &mut StepState) {
-    let StepState {
-        config,
-        meshes,
-        bodies,
-        planes,
-        near_pairs,
-        manifolds,
-        contacts,
-        dynamics,
-        manifold_scratch: scratch,
-        ..
-    } = state;
-    if config.response == Response::Impulse {
-        manifolds.clear();
-        return;
-    }
-    let is_awake = |pair| !dynamics.is_still(pair);
+/// Writes into `manifolds` those of all pairs that push each other and are not still. What was there is kept for [`reuse`].
+/// `interval.dt` is how long the points must serve.
+pub(crate) fn find(
+    interval: &StepConfig,
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    planes: &[Plane],
+    near_pairs: &[NearPair],
+    still: &StillBodies,
+    scratch: &mut Scratch,
+    manifolds: &mut Manifolds,
+) {
+    let is_awake = |pair| !still.is_still(pair);
     scratch.pairs.clear();
     for &NearPair {
         bodies: pair, margin, ..
-    } in near_pairs.iter()
+    } in near_pairs
     {
-        if push_each_other(bodies, pair) && is_awake(pair) {
+        if bodies.push_each_other(pair) && is_awake(pair) {
             scratch.pairs.push(MarginPair { bodies: pair, margin });
         }
     }
-    let found = &mut scratch.found;
-    cpu::run(bodies, meshes, &scratch.pairs, &mut scratch.meshes, found);
-    let interval = dynamics.interval(config);
-    planes::find(bodies, meshes, planes, &interval, is_awake, &mut scratch.planes, found);
-    if dynamics.has_still() {
-        std::mem::swap(manifolds, &mut scratch.before);
-        let renumbered = |pair| dynamics.renumbered(pair).filter(|&pair| dynamics.is_still(pair));
-        join(&scratch.before, renumbered, found, bodies.len() as u32, manifolds);
-    } else {
-        std::mem::swap(manifolds, found);
-    }
-    if config.response == Response::None {
-        show_points(manifolds, bodies.len() as u32, contacts, |i| bodies.center[i as usize]);
-    }
+    std::mem::swap(manifolds, &mut scratch.before);
+    cpu::run(bodies, meshes, &scratch.pairs, &mut scratch.meshes, manifolds);
+    planes::find(
+        bodies,
+        meshes,
+        planes,
+        interval,
+        is_awake,
+        &mut scratch.planes,
+        manifolds,
+    );
 }
 
-/// Whether contacts between two bodies move one of them.
-pub(crate) fn push_each_other(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {
-    let (a, b) = (a as usize, b as usize);
-    (bodies.inverse_mass[a] > 0.0 || bodies.inverse_mass[b] > 0.0) && !bodies.sensor[a] && !bodies.sensor[b]
+/// Adds to `manifolds` those that pairs which are still had in the last interval. Half-spaces have the numbers from
+/// `planes_from` on.
+pub(crate) fn reuse(still: &StillBodies, planes_from: u32, scratch: &mut Scratch, manifolds: &mut Manifolds) {
+    if !still.has_sleepers {
+        return;
+    }
+    std::mem::swap(manifolds, &mut scratch.found);
+    let renumbered = |pair| still.renumbered(pair).filter(|&pair| still.is_still(pair));
+    join(&scratch.before, renumbered, &scratch.found, planes_from, manifolds);
 }
 
 /// Writes the manifolds of `before` whose pairs have numbers now, and those of `found`, into `all`, in order: by bodies, and

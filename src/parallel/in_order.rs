@@ -1,9 +1,9 @@
-//! Lists that threads fill side by side and that are joined in order.
+//! Parallel appending to a list, in the order of the items.
 
 use rayon::prelude::*;
 
-/// A list for each task; memory is kept, so that a step like the last one allocates nothing. (rayon's `par_extend` of a
-/// filtered iterator gathers new lists each time.)
+/// One list per task. The lists are reused, so that a step similar to the last one allocates nothing. (rayon's
+/// `par_extend` of a filtered iterator allocates new lists each time.)
 pub(crate) struct InOrder<T> {
     lists: Vec<Vec<T>>,
 }
@@ -15,8 +15,8 @@ impl<T> Default for InOrder<T> {
 }
 
 impl<T: Copy + Send> InOrder<T> {
-    /// Appends to `all` what `add` pushes for each of `items`, which it gets with their numbers, in their order. `task` items
-    /// go to a thread at once.
+    /// Calls `add` for each of `items` in parallel, and appends to `all` what it pushes, in the order of the items.
+    /// `add` gets the index of the item, the item, and the list to push to. Each task handles `task` items.
     pub fn extend<I: Sync>(
         &mut self,
         all: &mut Vec<T>,

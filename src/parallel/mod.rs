@@ -1,4 +1,4 @@
-//! What parallel loops need to give the same bits for any number of threads.
+//! Helpers for parallel loops whose results are bit-identical for any number of threads.
 
 pub(crate) mod in_order;
 pub(crate) mod per_thread;

@@ -1,8 +1,8 @@
-//! Memory that only one thread uses at a time.
+//! Scratch memory for each thread of a pool.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// One for each thread of rayon's pool. One for each task would be much larger than caches, and cold at every step.
+/// One value per thread of the rayon pool. One per task would take much more memory than the caches hold.
 pub(crate) struct PerThread<T> {
     all: Vec<Mutex<T>>,
 }
@@ -14,7 +14,7 @@ impl<T> Default for PerThread<T> {
 }
 
 impl<T: Default> PerThread<T> {
-    /// Makes one for each thread of the current pool.
+    /// Makes sure that there is one value for each thread of the current pool.
     pub fn ready(&mut self) -> &Self {
         let threads = rayon::current_num_threads();
         if self.all.len() < threads {
@@ -23,10 +23,10 @@ impl<T: Default> PerThread<T> {
         self
     }
 
-    /// The current thread's own.
+    /// The value of the current thread.
     pub fn lock(&self) -> MutexGuard<'_, T> {
         let own = &self.all[rayon::current_thread_index().unwrap_or(0)];
-        // Whatever a panic has left there is overwritten before it is read.
+        // A poisoned value is fine: scratch memory is overwritten before it is read.
         own.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

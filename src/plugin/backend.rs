@@ -1,61 +1,66 @@
-//! What the stages run on, how it is chosen, and what happens when it fails.
+//! The backend: whether the stages run on the CPU or on a GPU, and what happens when a device fails.
 //!
-//! With the feature `bevy_render`, and a renderer in the app that has a device, the stages run on that device and open none
-//! of their own. They begin when the renderer's plugins are finished, and with [`Reading::Auto`] results are published
-//! [two steps later](Reading::Latent).
+//! With the feature `bevy_render`, in an app whose renderer has a device, the stages share that device and open none of
+//! their own. They start when the renderer's plugins are finished. With [`Readback::Auto`] results are then published
+//! [two steps later](Readback::Latent).
 //!
-//! **If the renderer loses its device** the app ends, unless it has a `RenderErrorHandler` that recovers: so Bevy decides.
-//! With `recover_from_device_loss` of this module as that handler the bodies stand still until Bevy has a new device, and then
-//! go on from where their components say.
+//! **If the renderer loses its device**, Bevy's default handler ends the app. With `recover_from_device_loss` of this
+//! module as the app's `RenderErrorHandler`, bodies stand still until Bevy has a new device, and then continue from the
+//! state in their components.
 
 #[cfg(feature = "bevy_render")]
 pub use crate::plugin::renderer::recover_from_device_loss;
 
-use crate::plugin::settings::{Backend, Reading};
-use crate::state::StepState;
+use crate::plugin::settings::{Backend, Readback};
+use crate::state::StepInput;
+use crate::step::StepState;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use rayon::ThreadPool;
 
 #[cfg(feature = "gpu")]
 use crate::gpu::device::{self, Gpu, NoGpu};
+#[cfg(feature = "gpu")]
 use crate::gpu::readback::outlive;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
+#[cfg(feature = "gpu")]
 use crate::step::gpu::upload::Carried;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::{GpuStep, StepError};
 #[cfg(feature = "gpu")]
 use std::thread::JoinHandle;
 
-/// Where the stages run at present, and why there. Changes when a device is ready, and when it fails.
+/// Where the stages run, and why. Changes when a device is ready, and when it fails.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub enum ActiveBackend {
     /// On the CPU.
     Cpu {
-        /// Threads of the step's own pool.
+        /// Number of threads of the step's pool.
         threads: usize,
-        /// Why not on a GPU.
+        /// Why the stages do not run on a GPU.
         reason: String,
     },
     /// On a GPU.
     Gpu {
-        /// The adapter's name and driver interface.
+        /// Name and graphics API of the adapter.
         adapter: String,
         /// Whether the device is that of Bevy's renderer.
         shared: bool,
     },
-    /// Not yet: a GPU is looked for and kernels are compiled. Bodies do not move.
+    /// A device is being opened and kernels are being compiled. Bodies do not move yet.
     Opening,
-    /// The device of Bevy's renderer, on which the stages ran, is lost. Bodies do not move until the renderer has another.
+    /// The shared device of Bevy's renderer is lost. Bodies do not move until the renderer has a new one.
     Lost,
-    /// Nowhere: no collision is found and no body moves.
+    /// There is no backend: no collisions are found and no body moves.
     None {
-        /// Why, and what to do.
+        /// The reason, and what to do.
         reason: String,
     },
 }
 
 impl ActiveBackend {
-    /// `cpu`, `gpu`, `opening`, `lost` or `none`, for reports.
+    /// The name for reports: `cpu`, `gpu`, `opening`, `lost` or `none`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Cpu { .. } => "cpu",
@@ -67,84 +72,84 @@ impl ActiveBackend {
     }
 }
 
-/// The first step is about to run, or the first one on the device that Bevy's renderer has instead of a lost one: the choice
-/// is made, and what the stages need is compiled.
+/// The backend is chosen and its kernels are compiled. Written before the first step, and before the first step on a
+/// new device of Bevy's renderer.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct BackendReady {
-    /// Where they run.
+    /// The chosen backend.
     pub active: ActiveBackend,
 }
 
-/// The device on which the stages ran failed. They went on with the same step where [`ActiveBackend`] says: on the device
-/// opened anew, or on the CPU; or they wait for the renderer's next one.
+/// The device on which the stages ran has failed. [`ActiveBackend`] shows where they continue with the same step: on
+/// the reopened device or on the CPU. If it is [`ActiveBackend::Lost`], they wait for the renderer's new device.
 #[derive(Message, Clone, Debug, PartialEq, Eq)]
 pub struct BackendFailed {
     /// What happened, and what to do.
     pub reason: String,
 }
 
-/// Where a device comes from.
+/// The owner of the device.
 #[cfg(feature = "gpu")]
 #[derive(Clone)]
 enum Source {
-    /// It is not known yet whether Bevy's renderer has one.
+    /// Unknown until the renderer's plugins are finished.
     Unknown,
-    /// The stages have one of their own.
+    /// The plugin opens its own device.
     Own,
-    /// Bevy's renderer.
+    /// Bevy's renderer owns this device.
     #[cfg_attr(not(feature = "bevy_render"), expect(dead_code, reason = "there is none"))]
     Renderer(Gpu),
 }
 
-/// What runs the stages.
+/// Runs the stages on the chosen backend.
 pub(crate) struct Engine {
-    /// The threads that the CPU stages run on. A pool of their own: rayon's global one serves jobs from outside last, so
-    /// a bake on it would hold up every step.
+    /// Threads of the CPU stages. Rayon's global pool runs jobs from other threads last, so a bake on it would delay
+    /// every step.
     pub pool: ThreadPool,
     backend: Backend,
     #[cfg(feature = "gpu")]
-    reading: Reading,
+    readback: Readback,
     #[cfg(feature = "gpu")]
     source: Source,
     #[cfg(feature = "gpu")]
     gpu: Option<Box<GpuStep>>,
     #[cfg(feature = "gpu")]
     opening: Option<JoinHandle<Result<GpuStep, NoGpu>>>,
-    /// How often a lost device may still be replaced.
+    /// How many more times a lost device may be replaced.
     #[cfg(feature = "gpu")]
     retries: u32,
     active: ActiveBackend,
-    /// Whether anybody knows where the stages run.
-    told: bool,
-    /// What failed since it was last asked.
+    /// Whether `active` was returned by [`Engine::poll`].
+    announced: bool,
+    /// The failure that [`Engine::take_failure`] has not returned yet.
     failure: Option<String>,
     /// Whether steps run on the CPU although there is a device.
     on_cpu: bool,
 }
 
-/// A device that is lost once, by a driver update say, works when it is opened anew; one that is lost again and again has
-/// a reason.
+/// How many times a lost device is replaced. After a single loss, for example by a driver update, the reopened device
+/// works. Repeated losses have another cause.
 #[cfg(feature = "gpu")]
 const RETRIES: u32 = 3;
 
 impl Engine {
-    /// With nothing chosen yet.
+    /// Creates the thread pool. The backend is not chosen yet.
     ///
     /// # Errors
-    /// If there are no threads to run on.
-    pub fn new(backend: Backend, threads: usize, reading: Reading) -> Result<Self, String> {
+    /// If the threads cannot be created.
+    pub fn new(backend: Backend, threads: usize, readback: Readback) -> Result<Self, String> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .thread_name(|i| format!("faceoff step {i}"))
             .build()
-            .map_err(|error| format!("there are no threads to work on: {error}"))?;
+            .map_err(|error| format!("the threads of the step cannot be created: {error}"))?;
         #[cfg(not(feature = "gpu"))]
-        let _ = reading;
+        let _ = readback;
         Ok(Self {
             pool,
             backend,
             #[cfg(feature = "gpu")]
-            reading,
+            readback,
             #[cfg(feature = "gpu")]
             source: Source::Unknown,
             #[cfg(feature = "gpu")]
@@ -154,13 +159,13 @@ impl Engine {
             #[cfg(feature = "gpu")]
             retries: RETRIES,
             active: ActiveBackend::Opening,
-            told: false,
+            announced: false,
             failure: None,
             on_cpu: false,
         })
     }
 
-    /// Makes the choice, if it is not made yet: a device of our own, or the CPU.
+    /// Chooses the backend, if that is still to be done: our own device, or the CPU.
     #[cfg(feature = "gpu")]
     pub fn choose(&mut self) {
         if matches!(self.source, Source::Unknown) {
@@ -169,7 +174,7 @@ impl Engine {
         }
     }
 
-    /// Makes the choice, if it is not made yet.
+    /// Chooses the CPU, if that is still to be done.
     #[cfg(not(feature = "gpu"))]
     pub fn choose(&mut self) {
         match self.backend {
@@ -179,20 +184,20 @@ impl Engine {
         }
     }
 
-    /// Opens what the source has; in the background if results are not waited for.
+    /// Opens the device of `source` and compiles kernels; in the background unless the reading is `Lockstep`.
     #[cfg(feature = "gpu")]
     fn start(&mut self) {
         self.active = ActiveBackend::Opening;
-        self.told = false;
+        self.announced = false;
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
         if self.backend == Backend::Cpu {
             self.fall_back("Backend::Cpu asks for it");
-        } else if self.reading() == Reading::Lockstep {
+        } else if self.readback() == Readback::Lockstep {
             self.opened(source.open(software, false));
         } else {
             let (thread, to_open) = (std::thread::Builder::new(), source.clone());
             let opening = thread.name("faceoff kernels".into());
-            // What contacts need would hold up the first step if it were compiled then.
+            // With the kernels of contacts, whose compilation would delay the first step that needs them.
             match opening.spawn(move || to_open.open(software, true)) {
                 Ok(opening) => self.opening = Some(opening),
                 Err(_) => self.opened(source.open(software, false)),
@@ -200,7 +205,7 @@ impl Engine {
         }
     }
 
-    /// Takes what there is: a device, or the reason why there is none.
+    /// Stores the opened device, or handles the error.
     #[cfg(feature = "gpu")]
     fn opened(&mut self, opened: Result<GpuStep, NoGpu>) {
         match opened {
@@ -217,17 +222,18 @@ impl Engine {
         }
     }
 
-    /// Nobody does the work until Bevy's renderer has a new device.
+    /// Stops until Bevy's renderer has a new device.
     #[cfg(feature = "gpu")]
     fn wait_for_renderer(&mut self, error: &str) {
         self.active = ActiveBackend::Lost;
         self.failure = Some(format!(
-            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has a new \
-             one, for which the app needs a RenderErrorHandler that recovers, like backend::recover_from_device_loss: {error}"
+            "the device that the stages share with Bevy's renderer is lost: bodies stand still until the renderer has \
+             a new one. To get one, the app needs a RenderErrorHandler that recovers, like \
+             backend::recover_from_device_loss: {error}"
         ));
     }
 
-    /// The CPU does the work, unless a GPU was insisted on.
+    /// Falls back to the CPU, or to no backend with [`Backend::Gpu`].
     fn fall_back(&mut self, reason: &str) {
         let reason = reason.to_string();
         self.active = if self.backend == Backend::Gpu {
@@ -240,7 +246,7 @@ impl Engine {
         };
     }
 
-    /// Where the stages run, once that is known; only the first time.
+    /// The backend, once after it is ready.
     pub fn poll(&mut self) -> Option<ActiveBackend> {
         #[cfg(feature = "gpu")]
         if let Some(opening) = self.opening.take_if(|opening| opening.is_finished()) {
@@ -249,40 +255,42 @@ impl Engine {
                 Err(_) => self.fall_back("the driver panicked while kernels were compiled"),
             }
         }
-        if self.told || matches!(self.active, ActiveBackend::Opening | ActiveBackend::Lost) {
+        if self.announced || matches!(self.active, ActiveBackend::Opening | ActiveBackend::Lost) {
             return None;
         }
-        self.told = true;
+        self.announced = true;
         Some(self.active.clone())
     }
 
-    /// Where the stages run.
+    /// The backend.
     pub fn active(&self) -> &ActiveBackend {
         &self.active
     }
 
-    /// Whether there is something to run a step on.
+    /// Whether there is a backend to run a step on.
     pub fn runs(&self) -> bool {
         matches!(self.active, ActiveBackend::Cpu { .. } | ActiveBackend::Gpu { .. })
     }
 
-    /// Whether steps that run on the CPU from now on, or no more, although there is a device, are steps that move.
+    /// Whether this value of `on_cpu` moves the simulation from the GPU to the CPU or back.
     pub fn changes_place(&self, on_cpu: bool) -> bool {
         self.on_cpu != on_cpu && matches!(self.active, ActiveBackend::Gpu { .. })
     }
 
-    /// Whether steps run on the CPU from now on, although there may be a device.
+    /// Sets whether steps run on the CPU from now on although there may be a device.
     pub fn keep_on_cpu(&mut self, on_cpu: bool) {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
             info_once!(
-                "there are bodies with ContinuousCollision, and steps run on the CPU: a GPU does not stop fast bodies"
+                "steps run on the CPU because there are bodies with ContinuousCollision: there is no CCD on the GPU"
             );
         }
         self.on_cpu = on_cpu;
     }
 
-    /// Runs a stage. A device runs all at once, when it is asked for the first. If it fails nothing has moved: the
-    /// same step runs again on a new device, or on the CPU, or not at all if the renderer's next device has to be waited for.
+    /// Runs a stage. A device runs all stages in the call for the first one.
+    ///
+    /// If the device fails, no body has moved. The same step runs again on a new device or on the CPU. It does not run
+    /// if the renderer's new device is still to come.
     pub fn run(&mut self, stage: Stage, state: &mut StepState) {
         #[cfg(feature = "gpu")]
         while let Some(gpu) = self.gpu.as_mut().filter(|_| !self.on_cpu) {
@@ -299,7 +307,7 @@ impl Engine {
         }
     }
 
-    /// Steps whose results are on their way, and how often one was waited for.
+    /// Number of steps with pending results, and how many times a step has waited for results.
     pub fn flights(&self) -> (usize, u64) {
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &self.gpu {
@@ -308,12 +316,12 @@ impl Engine {
         (0, 0)
     }
 
-    /// Whether something failed since the last call of [`Engine::take_failure`].
+    /// Whether there was a failure since the last call of [`Engine::take_failure`].
     pub fn has_failed(&self) -> bool {
         self.failure.is_some()
     }
 
-    /// What failed since the last call.
+    /// The failure since the last call, if there was one.
     pub fn take_failure(&mut self) -> Option<String> {
         self.failure.take()
     }
@@ -321,7 +329,8 @@ impl Engine {
 
 #[cfg(feature = "gpu")]
 impl Source {
-    /// The stages on the source's device, if it suits them; ready for `contacts`, or when a step asks for them.
+    /// Opens the source's device if it is suitable, and compiles the kernels. Those of contacts are compiled now with
+    /// `contacts`, else when a step needs them.
     fn open(&self, software: bool, contacts: bool) -> Result<GpuStep, NoGpu> {
         let gpu = match self {
             Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| gpu.clone()),
@@ -336,7 +345,7 @@ impl Source {
         outlive(make).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
     }
 
-    /// Whether another device is Bevy's to open.
+    /// Whether the device is the renderer's and is lost, so that Bevy must open another one.
     fn is_lost(&self) -> bool {
         matches!(self, Self::Renderer(gpu) if device::is_lost(gpu))
     }
@@ -344,23 +353,23 @@ impl Source {
 
 #[cfg(feature = "gpu")]
 impl Engine {
-    /// The stages on a device, if they run on one.
+    /// The stages on a device, if there is one.
     pub fn gpu_step(&mut self) -> Option<&mut GpuStep> {
         self.gpu.as_deref_mut()
     }
 
-    /// The same, only to look.
+    /// The stages on a device, if there is one.
     pub fn gpu(&self) -> Option<&GpuStep> {
         self.gpu.as_deref()
     }
 
-    /// The device, if the stages run on one.
+    /// The device, if there is one.
     pub fn device(&self) -> Option<&Gpu> {
         self.gpu.as_ref().map(|step| step.gpu())
     }
 
-    /// Takes the device of Bevy's renderer, which has a new one, and tells whether anything changes: nothing is carried over
-    /// then. Who has come to the CPU stays there.
+    /// Uses the new device of Bevy's renderer. Returns whether the backend changes; then no state of earlier steps is
+    /// carried over. If the stages have fallen back to the CPU, they stay there.
     #[cfg(feature = "bevy_render")]
     pub fn share(&mut self, gpu: Gpu) -> bool {
         if self.backend == Backend::Cpu {
@@ -374,7 +383,7 @@ impl Engine {
             let name = &step.gpu().info.name;
             self.retries = self.retries.saturating_sub(1);
             self.failure = Some(format!(
-                "Bevy's renderer opened {name} anew, and the stages go on there"
+                "Bevy's renderer opened {name} again, and the stages continue there"
             ));
         }
         self.opening = None;
@@ -382,29 +391,31 @@ impl Engine {
         true
     }
 
-    /// When results are published, with the choice made that [`Reading::Auto`] leaves open.
-    fn reading(&self) -> Reading {
-        match (self.reading, &self.source) {
-            (Reading::Auto, Source::Renderer(_)) => Reading::Latent,
-            (Reading::Auto, _) => Reading::Lockstep,
-            (reading, _) => reading,
+    /// When results are published, with [`Readback::Auto`] resolved.
+    fn readback(&self) -> Readback {
+        match (self.readback, &self.source) {
+            (Readback::Auto, Source::Renderer(_)) => Readback::Latent,
+            (Readback::Auto, _) => Readback::Lockstep,
+            (readback, _) => readback,
         }
     }
 
-    /// What comes back of a step, if that is later and not at once.
+    /// What is read back of a step, if its results come later.
     pub fn latent(&self) -> Option<Detail> {
-        match (self.gpu.as_ref().filter(|_| !self.on_cpu), self.reading()) {
-            (Some(_), Reading::Latent) => Some(Detail::All),
-            (Some(_), Reading::Resident) => Some(Detail::Counts),
+        match (self.gpu.as_ref().filter(|_| !self.on_cpu), self.readback()) {
+            (Some(_), Readback::Latent) => Some(Detail::All),
+            (Some(_), Readback::Resident) => Some(Detail::Counts),
             _ => None,
         }
     }
 
-    /// Sends a step off, and waits for the one that was sent off `latency` steps before, if there is one. `None` if the
-    /// device failed: the step is to be run anew, by what [`Engine::latent`] then says, with nothing carried over.
+    /// Submits a step, and waits for the results of the one `latency` steps before, if there is one.
+    ///
+    /// `None` if the device failed. Then run the step again, according to [`Engine::latent`], with nothing carried
+    /// over.
     pub fn advance(
         &mut self,
-        state: &StepState,
+        state: &StepInput,
         carried: &[Option<Carried>],
         detail: Detail,
         latency: usize,
@@ -426,8 +437,8 @@ impl Engine {
         }
     }
 
-    /// The results of the oldest step that was sent off, for which it waits. `None` if there is none, or if the device failed:
-    /// nothing of what is on its way will come then.
+    /// Waits for the results of the oldest pending step. `None` if there is none, or if the device failed: then no
+    /// pending results will come.
     pub fn land(&mut self) -> Option<Output> {
         match self.gpu.as_mut()?.take()? {
             Ok(output) => Some(output),
@@ -438,7 +449,7 @@ impl Engine {
         }
     }
 
-    /// Drops a device that failed, and takes another one if that may help.
+    /// Drops a device that failed. Reopens it if that may help, else falls back to the CPU.
     pub fn replace(&mut self, error: &StepError) {
         let Some(failed) = self.gpu.take() else { return };
         let name = failed.gpu().info.name.clone();
@@ -451,11 +462,11 @@ impl Engine {
             }
             if let Ok(gpu) = self.source.open(self.backend == Backend::Gpu, false) {
                 self.opened(Ok(gpu));
-                self.failure = Some(format!("{name} failed and was opened anew: {error}"));
+                self.failure = Some(format!("{name} failed and was opened again: {error}"));
                 return;
             }
         }
-        let reason = format!("{name} cannot go on, and the CPU takes over: {error}");
+        let reason = format!("{name} failed, and the stages continue on the CPU: {error}");
         self.active = ActiveBackend::Cpu {
             threads: self.pool.current_num_threads(),
             reason: reason.clone(),

@@ -1,15 +1,15 @@
-//! The clock of the steps: `Time<Physics>`, which can be paused, stepped by hand, slowed down and sped up.
+//! The physics clock, `Time<Physics>`: pause it, step it by hand, slow it down or speed it up.
 //!
 //! ```
 //! use bevy::prelude::*;
 //! use bevy_faceoff::prelude::*;
 //!
-//! /// Bodies stand still, and everything else goes on.
+//! /// Bodies stop. The rest of the game continues.
 //! fn pause(mut time: ResMut<Time<Physics>>) {
 //!     time.pause();
 //! }
 //!
-//! /// Still paused, one step forward.
+//! /// One step while the clock is paused.
 //! fn step(mut time: ResMut<Time<Physics>>) {
 //!     time.step_once();
 //! }
@@ -20,29 +20,29 @@
 //! }
 //! ```
 //!
-//! Where there is a `World`, in a test or for rollback, `world.run_schedule(FaceoffStep)` does one step of the fixed timestep at
-//! once, whether a clock is paused or not.
+//! With access to the `World`, for example in a test or for rollback, `world.run_schedule(FaceoffStep)` runs one step
+//! of the fixed timestep at once, whether a clock is paused or not.
 //!
-//! `Time<Fixed>` says how long a step is, and nothing here changes it. `Time<Virtual>`, paused or at another speed, holds or
-//! drives the whole game, steps too.
+//! `Time<Fixed>` sets the length of a step; nothing here changes it. `Time<Virtual>` pauses or scales the whole game,
+//! including the steps.
 
-use crate::plugin::FaceoffStep;
+use crate::plugin::schedule::FaceoffStep;
 use crate::plugin::sync::{Step, publish};
 use bevy::prelude::*;
 use std::time::Duration;
 
-/// Makes a [`Time`] the clock of the steps: `Time<Physics>`. [`PhysicsTime`] controls it.
+/// The context of the physics clock, `Time<Physics>`. [`PhysicsTime`] controls the clock.
 ///
-/// Its `delta` is the length of the last step, and zero while it is paused; its `elapsed` is how long bodies have moved. Within
-/// [`FaceoffStep`] plain `Time` is this clock.
+/// `delta` is the length of the last step, and zero while the clock is paused. `elapsed` is the total length of all
+/// steps. Within [`FaceoffStep`] the resource `Time` is this clock.
 #[derive(Reflect, Clone, Copy, Debug)]
 #[reflect(Default, Debug)]
 pub struct Physics {
     paused: bool,
     speed: f64,
-    /// Steps that were asked for while it is paused and have not run.
-    wanted: u32,
-    /// It stands where the step that is about to run ends. If not, somebody runs the schedule by hand.
+    /// Steps that were requested while the clock is paused and have not run yet.
+    requested: u32,
+    /// Whether [`tick`] has advanced the clock for the next run of the schedule. If not, a user runs the schedule.
     advanced: bool,
 }
 
@@ -51,46 +51,49 @@ impl Default for Physics {
         Self {
             paused: false,
             speed: 1.0,
-            wanted: 0,
+            requested: 0,
             advanced: false,
         }
     }
 }
 
-/// The largest speed of a [`Time<Physics>`](Physics): a tick of fixed time must end.
+/// The largest relative speed of `Time<Physics>`. It limits the number of steps in one tick of fixed time.
 pub const MAX_SPEED: f32 = 100.0;
 
-/// What `Time<Physics>` can do beside what every clock can.
+/// Controls of `Time<Physics>`, in addition to those that every `Time` has.
 pub trait PhysicsTime {
-    /// No body moves from the next tick of fixed time on. What is written to components meanwhile holds when the clock goes on.
+    /// Pauses the clock: no body moves from the next tick of fixed time on. What you write to components in the
+    /// meantime takes effect when the clock runs again.
     ///
-    /// In that tick the results of a GPU that are on their way ([`Reading::Latent`](crate::plugin::settings::Reading)) are waited for and
-    /// published, so that components say where the bodies are.
+    /// That tick waits for the pending results of a GPU ([`Readback::Latent`](crate::plugin::settings::Readback::Latent))
+    /// and publishes them, so that components hold the current state of the bodies.
     ///
-    /// While it is paused [`PhysicsTime::step_once`] asks for a step of the fixed timestep, and `advance_by` for one of another
-    /// length; it runs in the next tick.
+    /// While the clock is paused, [`PhysicsTime::step_once`] requests a step of the fixed timestep, and `advance_by` a
+    /// step of another length. It runs in the next tick.
     fn pause(&mut self);
 
-    /// Bodies move again. Steps that were asked for and have not run are dropped.
+    /// Resumes the clock. Requested steps that have not run yet are dropped.
     fn unpause(&mut self);
 
-    /// Whether it is paused.
+    /// Whether the clock is paused.
     fn is_paused(&self) -> bool;
 
-    /// Asks for a step of the fixed timestep, whatever the speed, in the next tick of fixed time although the clock is paused;
-    /// several calls for as many. Has no effect on a clock that runs.
+    /// Requests one step of the fixed timestep in the next tick of fixed time, at any relative speed, while the clock
+    /// is paused. Several calls request several steps. Has no effect while the clock runs.
     fn step_once(&mut self);
 
-    /// How fast time passes for bodies, beside fixed time; 1 by default.
+    /// Sets how fast time passes for bodies relative to fixed time. Default 1.
     ///
-    /// A tick of fixed time is cut into as few equal steps as make none longer than the fixed timestep: at 0.25 one step of a
-    /// quarter of it, at 2 two whole ones, at 2.5 three. So slow motion is smooth, and fast motion costs more and is as exact as
-    /// ever. At whole speeds steps give the same bits as at 1.
+    /// Each tick of fixed time runs the smallest number of equal steps of which none is longer than the fixed timestep:
+    /// one step of a quarter of the timestep at 0.25, two whole steps at 2, three steps at 2.5. So slow motion is
+    /// smooth, and fast motion costs more but is as accurate. At integer speeds steps give the same results to the bit
+    /// as at 1.
     ///
-    /// A speed that is negative, not finite or more than [`MAX_SPEED`] is refused: an error in the log, and the old one stays.
+    /// A speed that is negative, not finite or above [`MAX_SPEED`] is rejected: the old speed stays, and an error is
+    /// logged.
     fn set_relative_speed(&mut self, speed: f32);
 
-    /// The speed that was set.
+    /// The relative speed.
     fn relative_speed(&self) -> f32;
 }
 
@@ -98,14 +101,14 @@ impl PhysicsTime for Time<Physics> {
     fn pause(&mut self) {
         if !self.is_paused() {
             self.context_mut().paused = true;
-            // What is left of the last step is no wish for another one.
+            // Otherwise the last step's delta would count as a request for another step.
             self.advance_by(Duration::ZERO);
         }
     }
 
     fn unpause(&mut self) {
         let clock = self.context_mut();
-        (clock.paused, clock.wanted) = (false, 0);
+        (clock.paused, clock.requested) = (false, 0);
     }
 
     fn is_paused(&self) -> bool {
@@ -115,7 +118,7 @@ impl PhysicsTime for Time<Physics> {
     fn step_once(&mut self) {
         let clock = self.context_mut();
         if clock.paused {
-            clock.wanted = clock.wanted.saturating_add(1);
+            clock.requested = clock.requested.saturating_add(1);
         }
     }
 
@@ -124,7 +127,8 @@ impl PhysicsTime for Time<Physics> {
             self.context_mut().speed = speed.into();
         } else {
             error!(
-                "the speed {speed} of Time<Physics> is refused, and the old one stays: set a number from 0 to {MAX_SPEED}"
+                "the speed {speed} of Time<Physics> is rejected, and the old one stays: set a number from 0 to \
+                 {MAX_SPEED}"
             );
         }
     }
@@ -144,13 +148,13 @@ pub(crate) fn tick(world: &mut World) {
     let (steps, length) = if !paused {
         cut(timestep, clock.speed)
     } else {
-        (std::mem::take(&mut clock.wanted), timestep)
+        (std::mem::take(&mut clock.requested), timestep)
     };
     if paused && !advanced_by.is_zero() {
         run(world);
     }
     for _ in 0..steps {
-        // The device may have been lost in the step before, and time in which no body moves does not pass.
+        // The device may be lost in an earlier step. Then bodies stop, and so does the clock.
         if !world.resource::<Step>().engine.runs() {
             break;
         }
@@ -162,7 +166,7 @@ pub(crate) fn tick(world: &mut World) {
     }
 }
 
-/// Runs a step to where the clock stands.
+/// Runs one step. The clock must have been advanced by its length.
 fn run(world: &mut World) {
     if world.resource::<Step>().engine.runs() {
         world.resource_mut::<Time<Physics>>().context_mut().advanced = true;
@@ -170,7 +174,7 @@ fn run(world: &mut World) {
     }
 }
 
-/// How many steps of what length make `speed` times a timestep. None if they would have no length.
+/// Number and length of the steps that make up `speed` times a timestep. No steps if their length would be zero.
 fn cut(timestep: Duration, speed: f64) -> (u32, Duration) {
     let steps = speed.ceil();
     let length = if speed == steps {
@@ -181,7 +185,7 @@ fn cut(timestep: Duration, speed: f64) -> (u32, Duration) {
     (if length.is_zero() { 0 } else { steps as u32 }, length)
 }
 
-/// Begins a step: makes `Time` the clock of the step, and advances that for a step by hand.
+/// Begins a step: makes `Time` the physics clock. If a user runs the schedule, it also advances that clock.
 pub(crate) fn begin(
     mut step: ResMut<Step>,
     mut physics: ResMut<Time<Physics>>,
@@ -199,7 +203,7 @@ pub(crate) fn begin(
     *time = physics.as_generic();
 }
 
-/// Ends a step: makes `Time` the clock again that it was.
+/// Ends a step: restores the resource `Time`.
 pub(crate) fn end(mut step: ResMut<Step>, mut physics: ResMut<Time<Physics>>, mut time: ResMut<Time>) {
     if let Some(outer) = step.outer_time.take() {
         *time = outer;
@@ -209,21 +213,21 @@ pub(crate) fn end(mut step: ResMut<Step>, mut physics: ResMut<Time<Physics>>, mu
     }
 }
 
-/// Whether the step that is about to run does so because somebody ran the schedule.
+/// Run condition before [`begin`]: whether a user, not [`tick`], runs the schedule.
 pub(crate) fn is_by_hand(physics: Res<Time<Physics>>) -> bool {
     !physics.context().advanced
 }
 
-/// The same at its end.
+/// Run condition after [`begin`]: whether a user ran the schedule.
 pub(crate) fn was_by_hand(step: Res<Step>) -> bool {
     step.by_hand
 }
 
-/// Waits for all results that are on their way, and publishes them.
+/// Waits for all pending results and publishes them.
 pub(crate) fn settle(world: &mut World) {
     while publish::land(world) {}
     if world.resource::<Step>().engine.has_failed()
-        && let Err(error) = world.run_system_cached(publish::tell_failure)
+        && let Err(error) = world.run_system_cached(publish::report_failure)
     {
         error!("{error}");
     }

@@ -1,27 +1,29 @@
-//! Results of the last step, to read.
+//! Results of the last step: [`Collisions`] and [`StepReport`].
 
 use crate::manifolds::{ManifoldPoint, Manifolds};
-use crate::state::{Contact, ContactPoint, Contacts, FacePair, PlaneContact, TouchingPair};
+use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use std::fmt;
 use std::time::Duration;
 
-/// All pairs that touched in the last step: bodies, and bodies with planes.
+/// All pairs that touched in the last step: pairs of bodies, and bodies with planes.
 ///
-/// Bodies touch if their surfaces meet at the beginning of the step, or one contains the other. With
-/// [`Response::Contacts`](crate::types::settings::Response) they also do if they pushed each other at some time in the step, or came
-/// nearer than the gap that bodies at rest keep
-/// ([`SolverSettings::rest_offset`](crate::types::solver_settings::SolverSettings::rest_offset)). So do a sensor and another body that touched at
-/// some time in the step, if one of the two has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). Whether they sleep
-/// does not matter.
+/// Two bodies touch if their surfaces intersect at the beginning of the step, or if one contains the other. With
+/// [`Response::Contacts`](crate::types::settings::Response::Contacts) they also touch
+/// * if they pushed each other at any time in the step,
+/// * if they came nearer than the gap between bodies at rest
+///   ([`SolverSettings::rest_offset`](crate::types::solver_settings::SolverSettings::rest_offset)),
+/// * if one is a sensor, one of the two has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision),
+///   and they met at any time in the step.
 ///
-/// "Ascending" and "smaller" are meant in the order of [`Entity`], in which a younger entity may come first.
+/// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of [`Entity`], which is not the
+/// order of spawning.
 #[derive(Resource, Debug, Default)]
 pub struct Collisions {
-    /// Ascending, so that body indices are in the order of entities.
+    /// Entity of each body, ascending, so that body indices are in the order of entities.
     pub(crate) entities: Vec<Entity>,
-    /// Ascending too; numbered after the bodies.
+    /// Entity of each plane, ascending. In manifolds, planes are numbered after the bodies.
     pub(crate) planes: Vec<Entity>,
     pub(crate) contacts: Contacts,
     pub(crate) manifolds: Manifolds,
@@ -30,38 +32,42 @@ pub struct Collisions {
 /// Two bodies that touch, or a body and a plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision<'a> {
-    /// The body of smaller [`Entity`]; the body, if the other is a [`PlaneCollider`](crate::plugin::components::PlaneCollider).
+    /// The body with the smaller [`Entity`], or the body of a body and a
+    /// [`PlaneCollider`](crate::plugin::components::PlaneCollider).
     pub entity1: Entity,
-    /// The other.
+    /// The other body, or the plane.
     pub entity2: Entity,
-    /// One is solid and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
-    /// approximate culling mode some may.
+    /// Whether one is solid and contains the other, or a connected component of it, while no intersecting faces were
+    /// found. With an approximate culling mode some faces may intersect all the same.
     pub contained: bool,
-    /// Where they push each other, in one point; the normal points from the first to the second.
+    /// The contact, reduced to one point in the world. The normal points from `entity1` to `entity2`.
     pub contact: Contact,
-    /// Intersecting faces as indices of the input meshes, the first body's as `a`, with their common segments.
-    /// Empty where the two only lie on each other, with the gap that bodies at rest keep; and for planes.
+    /// Pairs of intersecting faces with their common segments in the world. Faces are indices into the input meshes;
+    /// those of `entity1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
     pub faces: &'a [FacePair],
-    /// The points at which they pushed each other, in the world, and how strongly at each: the impulses of all add up to
-    /// [`Collision::impulse`]. Some did not push: their impulse is 0.
+    /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
+    /// that did not push have impulse 0.
     ///
-    /// A step that is cut into several detection intervals ([`StepReport::intervals`]) has the points of each one, in order, in
-    /// which the two touched; a place where they touch all the time is there once for each. Their impulses are 0 with
-    /// [`Response::None`](crate::types::settings::Response). Empty with `Response::Impulse`, and for sensors.
+    /// A step with several collision substeps ([`StepReport::collision_substeps`]) has the points of each collision substep in
+    /// which the two touched, in order. A persistent contact therefore appears once per collision substep. With
+    /// [`Response::None`](crate::types::settings::Response::None) all impulses are 0. With `Response::Impulse`, and for
+    /// sensors, there are no points.
     ///
-    /// On a GPU all of it is the same with every [`Reading`](crate::plugin::settings::Reading) that publishes `Collisions`.
+    /// On a GPU the points are the same with every [`Readback`](crate::plugin::settings::Readback) that publishes
+    /// `Collisions`.
     pub points: &'a [ContactPoint],
-    /// How strongly they pushed each other along the normals of their points, over the whole step, newton seconds: a weight at
-    /// rest gives its weight times the length of the step. 0 unless the response is
-    /// [`Response::Contacts`](crate::types::settings::Response), and for bodies asleep.
+    /// Total normal impulse over the step, in newton seconds: for a body at rest, its weight times the length of the
+    /// step. 0 for bodies asleep, and unless the response is
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
     pub impulse: f32,
-    /// They did not touch at the beginning of the step, but on their ways within it: a sensor and another body, one of them with
-    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). The contact is where they first touched.
+    /// Whether the two did not touch at the beginning of the step but met within it: a sensor and another body, one of
+    /// them with [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). The contact is where they
+    /// first touched.
     pub passing: bool,
 }
 
 impl Collisions {
-    /// All pairs that touch: bodies first, in ascending order, then bodies with planes.
+    /// All touching pairs in ascending order: first pairs of bodies, then bodies with planes.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision<'_>> {
         let Contacts { pairs, planes, .. } = &self.contacts;
         (0..self.len()).map(move |i| match pairs.get(i) {
@@ -70,17 +76,18 @@ impl Collisions {
         })
     }
 
-    /// How many pairs touch.
+    /// Number of touching pairs.
     pub fn len(&self) -> usize {
         self.contacts.pairs.len() + self.contacts.planes.len()
     }
 
-    /// Whether nothing touches.
+    /// Whether no pair touches.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The collision of two bodies, or of a body and a plane, in either order, if they touch.
+    /// The collision of two bodies, or of a body and a plane, if they touch. The order of arguments does not matter.
+    /// Takes time logarithmic in the number of bodies and pairs.
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
         let find = |entities: &[Entity], entity| entities.binary_search(&entity).ok().map(|i| i as u32);
         let body = |entity| find(&self.entities, entity);
@@ -101,12 +108,12 @@ impl Collisions {
         }
     }
 
-    /// All collisions of one body or plane.
+    /// All collisions of one body or plane. Takes time linear in the number of touching pairs.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision<'_>> {
         self.iter().filter(move |c| c.entity1 == entity || c.entity2 == entity)
     }
 
-    fn collision<'a>(&'a self, pair: &TouchingPair) -> Collision<'a> {
+    fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
         let [entity1, entity2] = pair.bodies.map(|i| self.entities[i as usize]);
         Collision {
             entity1,
@@ -136,10 +143,12 @@ impl Collisions {
         }
     }
 
-    /// The contact points of all pairs whose surfaces came nearer than the contact margin
-    /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether they touch or not: what
-    /// a solver of your own needs. Ascending, pairs of bodies first, then bodies, as the first, with planes. Sensors have
-    /// none, and there are none with [`Response::Impulse`](crate::types::settings::Response).
+    /// The contact manifolds of all pairs whose surfaces came nearer than the contact margin
+    /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether
+    /// they touch or not. This is the input for a solver of your own.
+    ///
+    /// In ascending order: first pairs of bodies, then bodies (first) with planes (second). Sensors have no manifolds,
+    /// and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {
             let bodies = self.entities.len();
@@ -158,43 +167,46 @@ impl Collisions {
     }
 }
 
-/// Times and counts of the last fixed step.
+/// Times and counts of the last published step.
 #[derive(Resource, Clone, Default)]
 pub struct StepReport {
-    /// Steps since the app began.
+    /// Number of steps since the app started.
     pub step: u64,
-    /// Bodies that took part.
+    /// Number of bodies in the step.
     pub bodies: usize,
-    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU that
-    /// has no time stamps.
+    /// Time of each stage, in the order of [`Stage::ALL`]: wall time on the CPU, device time on a GPU. Zero on a GPU
+    /// without timestamp queries.
     pub stages: [Duration; Stage::COUNT],
-    /// Wall time of the whole step, copying components in and results out included.
+    /// Wall time of the whole step, including reading components and writing results.
     pub total: Duration,
-    /// Pairs of bodies whose bounding spheres overlap, with the margin within which contact points are looked for.
+    /// Number of pairs of bodies whose bounding spheres, enlarged by the speculative margin, overlap.
     pub sphere_pairs: usize,
-    /// Pairs of bodies whose triangles were tested with some left out by an approximate
-    /// [`Culling`](crate::types::settings::Culling). With none the step was exact.
+    /// Number of pairs for which an approximate [`Culling`](crate::types::settings::Culling) left out triangles. If it
+    /// is 0, the step was exact.
     pub approximate_pairs: usize,
-    /// Meshes that run exact until the face table is baked for which
-    /// [`FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision) asks.
+    /// Number of meshes tested exactly while their face table bakes; see
+    /// [`FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision).
     pub tables_in_bake: usize,
-    /// Pairs of bodies that touch. With [`Reading::Resident`](crate::plugin::settings::Reading::Resident) and
-    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) those whose faces intersect, or those that push each other,
-    /// whichever are more: nobody compares the two lists.
+    /// Number of touching pairs of bodies.
+    ///
+    /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident) and
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) the larger one of two numbers: pairs whose
+    /// faces intersect, and pairs that push each other. The two lists are not compared on the device.
     pub touching_pairs: usize,
-    /// Contact points between bodies, and between bodies and planes, within the contact margin.
+    /// Number of contact points within the contact margin, between bodies and between bodies and planes.
     pub contact_points: usize,
-    /// Detection intervals into which the step was cut; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
-    pub intervals: u32,
-    /// Bodies asleep.
+    /// Number of collision substeps; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
+    pub collision_substeps: u32,
+    /// Number of bodies asleep.
     pub sleeping: usize,
-    /// Pairs of triangles whose boxes overlap, and which were therefore tested.
+    /// Number of pairs of triangles that were tested because their bounding boxes overlap.
     pub triangle_tests: u64,
-    /// Pairs of faces that intersect.
+    /// Number of pairs of intersecting faces.
     pub face_pairs: usize,
-    /// Steps on the GPU whose results are not published yet; see [`Reading`](crate::plugin::settings::Reading).
+    /// Number of steps on the GPU whose results are not published yet; see
+    /// [`Readback`](crate::plugin::settings::Readback).
     pub in_flight: usize,
-    /// How often a step had to wait for the results of another one.
+    /// How many times a step has waited for the results of an earlier one since the device was opened.
     pub waits: u64,
 }
 
@@ -206,9 +218,9 @@ impl StepReport {
 }
 
 impl fmt::Debug for StepReport {
-    /// As derived, but for the stages, which are named.
+    /// Like the derived implementation, but with the names of the stages.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        // Every field by name, so that a new one cannot be forgotten.
+        // Without `..`, so that the compiler reports a new field that is missing here.
         let Self {
             step,
             bodies,
@@ -219,7 +231,7 @@ impl fmt::Debug for StepReport {
             tables_in_bake,
             touching_pairs,
             contact_points,
-            intervals,
+            collision_substeps,
             sleeping,
             triangle_tests,
             face_pairs,
@@ -240,7 +252,7 @@ impl fmt::Debug for StepReport {
             .field("tables_in_bake", tables_in_bake)
             .field("touching_pairs", touching_pairs)
             .field("contact_points", contact_points)
-            .field("intervals", intervals)
+            .field("collision_substeps", collision_substeps)
             .field("sleeping", sleeping)
             .field("triangle_tests", triangle_tests)
             .field("face_pairs", face_pairs)

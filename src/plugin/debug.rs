@@ -1,4 +1,5 @@
-//! Gizmos that show what the step sees: [`FaceoffGizmosPlugin`]. Needs the feature `debug_gizmos`.
+//! Gizmos of contacts, intersections, bounding spheres and faces of collision: [`FaceoffGizmosPlugin`]. Needs the
+//! feature `debug_gizmos`.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -12,7 +13,8 @@
 //! });
 //! ```
 //!
-//! To hide all of it set `enabled` of its `GizmoConfig` to `false`; width of lines and render layers are set there, too.
+//! The `GizmoConfig` of [`FaceoffGizmos`] sets line width and render layers. Set its `enabled` to `false` to hide all
+//! gizmos.
 
 use crate::asset::CollisionMesh;
 use crate::plugin::collisions::Collisions;
@@ -20,23 +22,24 @@ use crate::plugin::components::MeshCollider;
 use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
 
-/// Draws [`FaceoffGizmos`] after every frame's steps.
+/// Draws [`FaceoffGizmos`] in every frame, after the steps.
 ///
-/// Add it after `DefaultPlugins`. Where Bevy's `GizmoPlugin` is missing, as without a renderer, it does nothing.
+/// Add it after `DefaultPlugins`. Without Bevy's `GizmoPlugin`, for example in an app without a renderer, it does
+/// nothing.
 pub struct FaceoffGizmosPlugin;
 
-/// What is drawn, each in its colour; `None` draws nothing.
+/// Which gizmos are drawn, and their colours. `None` hides a kind of gizmo.
 #[derive(GizmoConfigGroup, Reflect, Clone, Debug)]
 pub struct FaceoffGizmos {
-    /// The bounding sphere of every body, by which pairs are found. Default `None`.
+    /// The bounding sphere of every body, as the broad phase tests it. Default `None`.
     pub bounding_spheres: Option<Color>,
-    /// An arrow for every touching pair, along the contact's normal from the first body to the second. Default orange.
+    /// An arrow for every touching pair, along the contact normal from the first body to the second. Default orange.
     pub contacts: Option<Color>,
     /// Length of these arrows in metres. Default 0.5.
     pub contact_length: f32,
     /// The segments along which faces intersect. Default yellow.
     pub intersections: Option<Color>,
-    /// The edges of the faces that [`ShowFacesTowards`] asks for. Default green.
+    /// The edges of the faces that [`ShowFacesTowards`] selects. Default green.
     pub faces: Option<Color>,
 }
 
@@ -52,10 +55,11 @@ impl Default for FaceoffGizmos {
     }
 }
 
-/// Outlines the *faces of collision* that this body shows another one: those that
-/// [`Culling::FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision) would test, were the two near each other.
+/// Outlines the *faces of collision* of this body towards another one: the faces that
+/// [`Culling::FacesOfCollision`](crate::types::settings::Culling::FacesOfCollision) would test if the two were near
+/// each other.
 ///
-/// Nothing is drawn where the body's mesh has no face table.
+/// Nothing is drawn if the body's mesh has no face table.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct ShowFacesTowards(pub Entity);
@@ -64,11 +68,11 @@ impl Plugin for FaceoffGizmosPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<ShowFacesTowards>();
         if !app.is_plugin_added::<GizmoPlugin>() {
-            debug!("no gizmos of collisions are drawn: Bevy's GizmoPlugin is not there");
+            debug!("no gizmos of collisions are drawn: the app has no GizmoPlugin");
             return;
         }
         let config = GizmoConfig {
-            // In front of the surfaces that the lines lie on.
+            // Draws the lines in front of the surfaces on which they lie.
             depth_bias: -0.002,
             ..default()
         };

@@ -1,15 +1,15 @@
-//! Times and counts as Bevy diagnostics, for overlays and logs.
+//! Times and counts of the step as Bevy diagnostics, for overlays and logs.
 
 use crate::plugin::collisions::StepReport;
-use crate::plugin::{FaceoffStep, FaceoffSystems};
+use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::types::stage::Stage;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 use bevy::prelude::*;
 
-/// Registers a diagnostic for each stage's time in milliseconds and for each count of [`StepReport`].
+/// Registers a diagnostic for the time of each stage in milliseconds, and one for each of the [`COUNTS`].
 pub struct FaceoffDiagnosticsPlugin;
 
-/// Paths of the counts, in the order of their fields.
+/// Paths of the counts of [`StepReport`] that are diagnostics.
 pub const COUNTS: [DiagnosticPath; 4] = [
     DiagnosticPath::const_new("faceoff/sphere_pairs"),
     DiagnosticPath::const_new("faceoff/touching_pairs"),
@@ -17,7 +17,7 @@ pub const COUNTS: [DiagnosticPath; 4] = [
     DiagnosticPath::const_new("faceoff/face_pairs"),
 ];
 
-/// Path of a stage's time.
+/// Path of the diagnostic for the time of `stage`.
 pub const fn stage_path(stage: Stage) -> DiagnosticPath {
     DiagnosticPath::const_new(match stage {
         Stage::BroadPhase => "faceoff/broad_phase",

@@ -1,4 +1,4 @@
-//! Colliders made of what is drawn: [`MeshColliderFrom`]. Needs the feature `bevy_mesh`.
+//! Colliders from Bevy's own meshes: [`MeshColliderFrom`]. Needs the feature `bevy_mesh`.
 
 use crate::asset::CollisionMesh;
 use crate::plugin::assets::bevy_mesh::Triangles;
@@ -8,20 +8,20 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task, block_on};
 
-/// Gives its entity a [`MeshCollider`] of a Bevy mesh as soon as that mesh is loaded.
+/// Adds a [`MeshCollider`] to its entity, made from a Bevy mesh, as soon as that mesh is loaded.
 ///
-/// Baking happens in the background, once for each mesh, however many entities name it. A mesh that cannot collide is
-/// reported once in the log, and its entities stay without collider. The collider stays what it is when the mesh changes
-/// later; remove the [`MeshCollider`] to have it made anew.
+/// Each mesh is baked once in the background, however many entities use it. If a mesh is not usable, an error is logged
+/// once, and its entities get no collider. The collider does not follow later changes of the mesh; remove the
+/// [`MeshCollider`] to have a new one made.
 ///
-/// For meshes whose collisions matter a recipe is better: it loads faster, and can have a face table.
+/// A bake recipe is better where loading times matter: it loads faster, and can have a face table.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq)]
 #[require(Transform)]
 pub struct MeshColliderFrom(pub Handle<Mesh>);
 
-/// Runs [`MeshColliderFrom`]. Where there are no Bevy meshes, for want of Bevy's `MeshPlugin`, an error in the log tells of every
-/// entity with one.
+/// Runs [`MeshColliderFrom`]. In an app without Bevy's `MeshPlugin` it logs an error for each entity with this
+/// component.
 pub struct MeshColliderFromPlugin;
 
 impl Plugin for MeshColliderFromPlugin {
@@ -32,13 +32,13 @@ impl Plugin for MeshColliderFromPlugin {
                 Update,
                 (
                     make_colliders.run_if(resource_exists::<Assets<Mesh>>),
-                    tell.run_if(not(resource_exists::<Assets<Mesh>>)),
+                    report_no_meshes.run_if(not(resource_exists::<Assets<Mesh>>)),
                 ),
             );
     }
 }
 
-/// The meshes that colliders were made of, for as long as they stay as they are.
+/// The collider of each Bevy mesh. An entry is dropped when its mesh changes.
 #[derive(Resource, Default)]
 struct Bakes(HashMap<AssetId<Mesh>, Bake>);
 
@@ -48,12 +48,12 @@ enum Bake {
     Failed,
 }
 
-/// Tells of those that stay without collider.
-fn tell(waiting: Query<(Entity, Option<&Name>), (Added<MeshColliderFrom>, Without<MeshCollider>)>) {
+/// Logs an error for each entity that gets no collider because the app has no Bevy meshes.
+fn report_no_meshes(waiting: Query<(Entity, Option<&Name>), (Added<MeshColliderFrom>, Without<MeshCollider>)>) {
     for (entity, name) in &waiting {
         error!(
-            "{}: its MeshColliderFrom gives it no collider, since there is no Assets<Mesh>: add Bevy's MeshPlugin, which \
-             DefaultPlugins has, or use a MeshCollider",
+            "{}: its MeshColliderFrom has no effect because there is no Assets<Mesh>: add Bevy's MeshPlugin, which is \
+             part of DefaultPlugins, or use a MeshCollider",
             named(entity, name)
         );
     }
@@ -68,7 +68,7 @@ fn make_colliders(
     waiting: Query<(Entity, &MeshColliderFrom), Without<MeshCollider>>,
 ) {
     for change in changes.read() {
-        // Whatever was made of it is out of date. Being added is no change: the bake may have begun before Bevy says so.
+        // `Added` is no change: the bake may begin before Bevy writes that event.
         if let AssetEvent::Modified { id } | AssetEvent::Removed { id } = change {
             bakes.0.remove(id);
         }
@@ -92,7 +92,7 @@ fn make_colliders(
             };
         }
         if let Bake::Done(mesh) = bake {
-            // The entity may be despawned by then.
+            // The entity may be despawned before the command runs.
             commands.entity(entity).try_insert(MeshCollider(mesh.clone()));
         }
     }

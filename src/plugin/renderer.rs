@@ -1,14 +1,13 @@
-//! The device of Bevy's renderer, for the stages to run on.
+//! Sharing the device of Bevy's renderer.
 
 #[cfg(feature = "bevy_render")]
 pub use shared::recover_from_device_loss;
 #[cfg(feature = "bevy_render")]
-pub(crate) use shared::{follow, is_coming};
+pub(crate) use shared::{is_coming, new_device};
 
 #[cfg(feature = "bevy_render")]
 mod shared {
     use crate::gpu::device::Gpu;
-    use crate::plugin::sync::Step;
     use bevy::prelude::*;
     use bevy::render::RenderPlugin;
     use bevy::render::error_handler::{ErrorType, RenderError, RenderErrorHandler, RenderErrorPolicy};
@@ -17,45 +16,39 @@ mod shared {
     use std::sync::{Arc, Weak};
     use wgpu::Queue;
 
-    /// The renderer's queue at the time when its device was taken. Each device has one, while wgpu's devices cannot be
-    /// compared: those of two instances may be equal, and the renderer recovers with a new instance.
+    /// The renderer's queue when its device was returned last.
+    ///
+    /// It identifies the device, because each device has its own queue. Devices of wgpu do not compare reliably:
+    /// devices of two instances may be equal, and the renderer recovers with a new instance.
     #[derive(Resource)]
-    struct Taken(Weak<WgpuWrapper<Queue>>);
+    struct SharedQueue(Weak<WgpuWrapper<Queue>>);
 
-    /// Whether the renderer may have a device when all plugins are finished.
+    /// Whether the renderer may have a device once all plugins are finished.
     pub(crate) fn is_coming(app: &App) -> bool {
         app.is_plugin_added::<RenderPlugin>()
     }
 
-    /// Takes the device that the renderer has, if that is a new one.
-    pub(crate) fn follow(world: &mut World) {
-        let (Some(device), Some(queue), Some(info)) = (
-            world.get_resource::<RenderDevice>(),
-            world.get_resource::<RenderQueue>(),
-            world.get_resource::<RenderAdapterInfo>(),
-        ) else {
-            return;
-        };
+    /// The renderer's device, if it was not returned before.
+    pub(crate) fn new_device(world: &mut World) -> Option<Gpu> {
+        let device = world.get_resource::<RenderDevice>()?;
+        let queue = world.get_resource::<RenderQueue>()?;
+        let info = world.get_resource::<RenderAdapterInfo>()?;
         let now = Arc::downgrade(&queue.0);
-        let before = world.get_resource::<Taken>();
-        if before.is_some_and(|Taken(before)| before.ptr_eq(&now)) {
-            return;
+        let before = world.get_resource::<SharedQueue>();
+        if before.is_some_and(|SharedQueue(before)| before.ptr_eq(&now)) {
+            return None;
         }
         let gpu = Gpu {
             device: device.wgpu_device().clone(),
             queue: (**queue.0).clone(),
             info: (*info.0).clone(),
         };
-        world.insert_resource(Taken(now));
-        if let Some(mut step) = world.get_resource_mut::<Step>()
-            && step.engine.share(gpu)
-        {
-            step.forget();
-        }
+        world.insert_resource(SharedQueue(now));
+        Some(gpu)
     }
 
-    /// Lets the renderer, and the stages with it, begin anew with Bevy's default settings when the device is lost. All other
-    /// errors go to Bevy's default handler, which ends the app.
+    /// A `RenderErrorHandler` that recovers from a lost device with Bevy's default settings. The stages continue on the
+    /// new device. All other errors go to Bevy's default handler, which ends the app.
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -66,7 +59,7 @@ mod shared {
     /// app.insert_resource(RenderErrorHandler(recover_from_device_loss));
     /// ```
     ///
-    /// An app that asks `RenderPlugin` for settings of its own writes a handler that returns these.
+    /// If your app gives `RenderPlugin` its own settings, write a handler that returns them.
     pub fn recover_from_device_loss(
         error: &RenderError,
         main_world: &mut World,
@@ -79,12 +72,8 @@ mod shared {
     }
 }
 
-/// There is no renderer.
+/// Without the feature there is no renderer.
 #[cfg(not(feature = "bevy_render"))]
 pub(crate) fn is_coming(_: &bevy::prelude::App) -> bool {
     false
 }
-
-/// There is no renderer.
-#[cfg(not(feature = "bevy_render"))]
-pub(crate) fn follow(_: &mut bevy::prelude::World) {}

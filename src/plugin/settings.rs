@@ -1,10 +1,10 @@
-//! What a user can set.
+//! Global settings: gravity, hysteresis of collision events, and where the step runs.
 
 pub use crate::types::solver_settings::SolverSettings;
 
 use bevy::prelude::*;
 
-/// Acceleration of every dynamic body in metres per second squared. Default `(0, -9.81, 0)`.
+/// Gravitational acceleration of dynamic bodies in metres per second squared. Default `(0, -9.81, 0)`.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Debug, PartialEq)]
 pub struct Gravity(pub Vec3);
@@ -15,18 +15,20 @@ impl Default for Gravity {
     }
 }
 
-/// For how many seconds two bodies must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is told and
-/// [`CollidingEntities`](crate::plugin::components::CollidingEntities) drops them. Default 0.1.
+/// How long two bodies must not have touched before [`CollisionEnd`](crate::plugin::events::CollisionEnd) is sent and
+/// [`CollidingEntities`](crate::plugin::components::CollidingEntities) drops them. In seconds, default 0.1.
 ///
-/// What bounces or rolls in the rim of a sensor touches in one step and not in the next. Without a hysteresis each of these would be
-/// an end and a new beginning. With it, a beginning is told at once, and an end when it has lasted. An end is told at
-/// once all the same
-/// * if one of the two is despawned, loses its collider or is rejected, and
-/// * for a fast body that has passed a sensor within one step ([`Collision::passing`](crate::plugin::collisions::Collision::passing)).
+/// A body that bounces, or that rolls along the rim of a sensor, may touch in one step and not in the next. Without
+/// hysteresis each gap would be an end and a new start. With hysteresis a start is sent at once, and an end after this
+/// time. An end is sent at once
+/// * if one of the two is despawned, loses its collider or is rejected,
+/// * for a fast body that passed a sensor within one step
+///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)).
 ///
-/// `EventHysteresis(0.0)` turns it off: then beginnings and ends are exact, to the step. [`Collisions`](crate::plugin::collisions::Collisions)
-/// always holds those that touched in the last step and no others. An infinite time is one without end; a negative one
-/// counts as 0, and NaN as the default.
+/// `EventHysteresis(0.0)` turns hysteresis off: starts and ends are then exact to the step. It does not affect
+/// [`Collisions`](crate::plugin::collisions::Collisions), which always holds the pairs that touched in the last step.
+/// With an infinite time only the ends in this list are sent. A negative time counts as 0, and NaN counts as the
+/// default.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Resource, Default, Debug, PartialEq)]
 pub struct EventHysteresis(pub f32);
@@ -37,75 +39,82 @@ impl Default for EventHysteresis {
     }
 }
 
-/// Where the stages run; read when the app starts. [`ActiveBackend`](crate::plugin::backend::ActiveBackend) tells what was taken.
+/// Where the stages run. Read when the app starts; [`ActiveBackend`](crate::plugin::backend::ActiveBackend) holds the
+/// result.
 ///
-/// Both find the same pairs. Where two faces are nearer to touching than rounding can tell, the CPU decides in double
-/// precision; a GPU has none and counts them as touching, up to some millionths of the bodies' size apart.
+/// CPU and GPU find the same pairs, up to rounding. Where single precision cannot decide whether two faces touch, the
+/// CPU decides in double precision. The GPU counts them as touching; they may be some millionths of the bodies' size
+/// apart.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Resource, Default, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Backend {
-    /// A GPU if there is one that is not the CPU in disguise, else the CPU. What is taken, and why, is logged. With the
-    /// feature `bevy_render` it is the renderer's GPU or none, if the app has a renderer.
+    /// A GPU if there is one, else the CPU. Software adapters, which compute on the CPU, do not count as a GPU. The
+    /// choice and its reason are logged. With the feature `bevy_render`, in an app with a renderer, only the renderer's
+    /// GPU is considered.
     #[default]
     Auto,
-    /// The renderer's device, or the best adapter there is, even one that computes on the CPU. Without any the step does not
-    /// run, and an error says why.
+    /// The renderer's device, or the best adapter, including software adapters. If there is none, the step does not
+    /// run, and an error is logged.
     Gpu,
-    /// The CPU, on a thread pool of the plugin's own.
+    /// The CPU, on a separate thread pool.
     Cpu,
 }
 
-/// When the results of a step on a GPU reach components, [`Collisions`](crate::plugin::collisions::Collisions) and messages; read
-/// when the app starts. On the CPU they are there at once, whatever this says.
+/// When the results of a step on a GPU are published to components,
+/// [`Collisions`](crate::plugin::collisions::Collisions) and messages. Read when the app starts. On the CPU results are
+/// always published at once.
 ///
 /// # What a write means
 ///
-/// What a system writes holds from the next step on, in each reading, and no result of an older step overwrites it. With `Lockstep`
-/// a body is where its components say. With the other two it is ahead of them, and goes on from where it is in all that was not
-/// written:
+/// A value that a system writes takes effect in the next step, in each mode, and no result of an older step overwrites
+/// it. With `Lockstep` the components hold the current state of a body. With the other two modes the body on the GPU is
+/// some steps ahead of its components, and everything that was not written continues from the state on the GPU:
 ///
 /// | written | `Lockstep`, or on the CPU | `Latent` | `Resident` |
 /// |---|---|---|---|
-/// | `Transform`, `LinearVelocity` or `AngularVelocity` **inserted**, to any value | holds | holds, all of it | holds, all of it |
-/// | an axis of `Transform::translation` or of a velocity **changed** | holds | the difference is added to what the body has by then | holds along this axis |
-/// | `Transform::rotation` changed | holds | holds | holds |
+/// | `Transform`, `LinearVelocity` or `AngularVelocity` **inserted**, with any value | sets the value | sets the whole value | sets the whole value |
+/// | an axis of `Transform::translation` or of a velocity **changed** | sets the value | adds the difference to the body's current value | sets the value of this axis |
+/// | `Transform::rotation` changed | sets the value | sets the value | sets the value |
 /// | the same value assigned again | nothing | nothing | nothing |
-/// | `RigidBody` | the body goes on as that | the same | the same |
-/// | `MeshCollider` removed, or a component that cannot be used | the body stays where it is, and goes on from there when it returns | the same: its `Transform` and velocities are brought up to date | the same |
-/// | `Sleeping(false)` | wakes the body | wakes the body | inserted, it wakes the body |
+/// | `RigidBody` | changes how the body moves from now on | the same | the same |
+/// | `MeshCollider` removed, or a component made invalid | the body stops, and continues from there when it is valid again | the same; its `Transform` and velocities are brought up to date | the same |
+/// | `Sleeping(false)` | wakes the body | wakes the body | wakes the body if inserted |
 ///
-/// So, whatever the reading: **insert** what is to hold as it is, to put a body somewhere, to stop it or to hold it; **change**
-/// what is to be different, to push or to turn it. A kinematic body without velocity is where its components say: there a change
-/// holds too.
+/// So, in every mode: **insert** a component to set a state, for example to place a body, to stop it or to hold it in
+/// place. **Change** a field to modify the state, for example to push a body or to rotate it. For a kinematic body
+/// without velocity the components hold the current state, so a change sets the value too.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Reading {
-    /// [`Reading::Latent`] where the stages share the device of Bevy's renderer (feature `bevy_render`), else
-    /// [`Reading::Lockstep`].
+pub enum Readback {
+    /// [`Readback::Latent`] where the stages share the device of Bevy's renderer (feature `bevy_render`), else
+    /// [`Readback::Lockstep`].
     #[default]
     Auto,
     /// Every step waits for its results. For tests, tools and servers.
     Lockstep,
-    /// Results are published [`LATENCY`] steps later, so that the GPU works while the app goes on; the same results, to the
-    /// bit, as those of `Lockstep` for the same input (with [`Response::Contacts`] if the steps have as many detection
-    /// intervals). Steps are never skipped: if results are late the step waits, which
-    /// [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts. How many steps a slow frame makes up for is
-    /// limited by Bevy's `Time<Virtual>::max_delta`. A step by hand, and a paused `Time<Physics>`, wait for all results: see
-    /// [`clock`](crate::plugin::clock).
+    /// Results are published [`LATENCY`] steps later, so that the app and the GPU work at the same time.
     ///
-    /// While time stands still the steps that are on their way are published, one a frame.
+    /// For the same input the results are the same to the bit as those of `Lockstep`, with
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) if the steps have as many collision substeps.
+    /// No step is skipped: if results are late, the step waits, and
+    /// [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it. Bevy's `Time<Virtual>::max_delta`
+    /// limits how many steps run after a slow frame. While `Time<Physics>` is paused, and in a step that you run with
+    /// `run_schedule`, all results are waited for: see [`clock`](crate::plugin::clock). While `Time<Virtual>` stands
+    /// still, the results of one pending step are published per frame.
     ///
-    /// Until the kernels are compiled no step runs; then [`BackendReady`](crate::plugin::backend::BackendReady) is written. If the
-    /// device is lost the bodies go on from where their components say, once there is something to go on with.
+    /// No step runs until the kernels are compiled; then [`BackendReady`](crate::plugin::backend::BackendReady) is
+    /// written. If the device is lost, bodies continue from the state in their components as soon as there is a backend
+    /// again.
     Latent,
-    /// As `Latent`, but the bodies stay on the GPU: neither their components nor `Collisions` are written, and no message
-    /// tells of collisions. [`StepReport`](crate::plugin::collisions::StepReport) has the counts; draw from
-    /// [`poses`](crate::plugin::poses), and ask [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take) where the bodies are and how
-    /// they move. Components hold what users wrote last.
+    /// Like `Latent`, but the bodies stay on the GPU: components and `Collisions` are not written, and no messages of
+    /// collisions are sent. Components hold what users wrote last.
+    ///
+    /// [`StepReport`](crate::plugin::collisions::StepReport) has the counts. Draw from [`poses`](crate::plugin::poses).
+    /// To read poses and velocities back, use [`Snapshot::take`](crate::plugin::snapshot::Snapshot::take).
     Resident,
 }
 
-/// Steps between the one that runs and the one whose results are published, with [`Reading::Latent`].
+/// With [`Readback::Latent`], the number of steps between a step and the publication of its results.
 pub const LATENCY: usize = 2;

@@ -1,39 +1,40 @@
-//! The state of a simulation, to go back to.
+//! [`Snapshot`]: saves and restores the state of a simulation.
 
 use crate::manifolds::Manifolds;
 use crate::plugin::components::MeshCollider;
 use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
-use crate::step::dynamics::Memory;
+use crate::step::StepMemory;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::memory::DeviceMemory;
 use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
-/// Where all bodies were and how they moved after some step, and which of them were told to touch.
+/// The state of the simulation after a step: poses and velocities of all bodies, reported collisions, sleep states, and
+/// the solver's memory.
 ///
-/// With what users decide, components like [`RigidBody`](crate::types::body::RigidBody) or resources like
-/// [`Gravity`](crate::plugin::settings::Gravity), unchanged, steps after [`Snapshot::restore`] repeat those after
-/// [`Snapshot::take`] to the bit on the same machine. What users decide is not part of it, nor is the clock. On a GPU whose
-/// results come later, steps with contacts may have other numbers of detection intervals while these come again.
+/// Steps after [`Snapshot::restore`] repeat those after [`Snapshot::take`] to the bit on the same machine if everything
+/// that users set is unchanged: components like [`RigidBody`](crate::types::body::RigidBody) and resources like
+/// [`Gravity`](crate::plugin::settings::Gravity). A snapshot contains neither these nor the clock. On a GPU with
+/// results that come later, the first steps with contacts after `restore` may have other numbers of collision substeps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
-    /// What the solver keeps from step to step.
-    memory: Memory,
+    /// The solver's memory from step to step.
+    memory: StepMemory,
     manifolds: Manifolds,
-    /// Those that slept, ascending.
+    /// Bodies asleep, ascending.
     asleep: Vec<Entity>,
-    /// What a GPU keeps.
+    /// The memory of a GPU.
     #[cfg(feature = "gpu")]
     device: DeviceMemory,
 }
 
 impl Snapshot {
-    /// The state after the last step. If results of steps on a GPU are on their way this waits for them: with
-    /// [`Reading::Latent`](crate::plugin::settings::Reading::Latent) the snapshot is ahead of the components.
+    /// The state after the last step. It waits for pending results of a GPU: with
+    /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) the snapshot is ahead of the components.
     pub fn take(world: &mut World) -> Self {
         let mut bodies: BTreeMap<Entity, Motion> = world
             .query_filtered::<(
@@ -60,8 +61,8 @@ impl Snapshot {
         let snapshot = Self {
             bodies,
             touching: step.touching.clone(),
-            memory: step.state.dynamics.memory.clone(),
-            manifolds: step.state.manifolds.clone(),
+            memory: step.state.memory.clone(),
+            manifolds: step.state.results.manifolds.clone(),
             asleep: Vec::new(),
             #[cfg(feature = "gpu")]
             device: step.device_memory(),
@@ -74,8 +75,8 @@ impl Snapshot {
         Self { asleep, ..snapshot }
     }
 
-    /// Puts all bodies where they were. What is on its way of later steps is dropped. Bodies that were spawned since stay
-    /// as they are; those that are gone are returned.
+    /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since
+    /// then keep their state. Returns the bodies that no longer exist.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         let mut gone = Vec::new();
         for (&entity, motion) in &self.bodies {
@@ -93,7 +94,7 @@ impl Snapshot {
                 angular.0 = motion.angular_velocity;
             }
             if let Some(mut sleeping) = body.get_mut::<Sleeping>() {
-                // One that says otherwise than the memory is taken as woken.
+                // A component that disagrees with the solver would wake the body.
                 sleeping.0 = self.asleep.binary_search(&entity).is_ok();
             }
         }
@@ -103,13 +104,13 @@ impl Snapshot {
             #[cfg(not(feature = "gpu"))]
             step.forget();
             step.touching.clone_from(&self.touching);
-            step.state.dynamics.memory.clone_from(&self.memory);
-            step.state.manifolds.copy(&self.manifolds);
+            step.state.memory.clone_from(&self.memory);
+            step.state.results.manifolds.copy(&self.manifolds);
         }
         gone
     }
 
-    /// The bodies, in the order of entities.
+    /// The bodies with pose and velocities, in the order of entities.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &Motion)> {
         self.bodies.iter().map(|(&entity, motion)| (entity, motion))
     }

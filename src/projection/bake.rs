@@ -1,4 +1,4 @@
-//! Baking a [`FaceTable`]: all directions of half the table, in parallel.
+//! Baking a [`FaceTable`]: draws all directions in parallel.
 
 use super::groups::{Interner, pack_bits};
 use super::raster::{Raster, Scratch};
@@ -7,25 +7,29 @@ use crate::geometry::TriMesh;
 use crate::geometry::direction::DirectionGrid;
 use rayon::prelude::*;
 
-/// Directions that one task draws: some milliseconds of work for a small mesh.
+/// Directions per task: a few milliseconds of work for a small mesh.
 const TASK: u32 = 128;
 
-/// The groups of consecutive directions, run-length coded at once so that the raw form never exists as a whole.
+/// The groups of consecutive directions. They are run-length encoded at once, so that the raw form never exists as a
+/// whole.
 #[derive(Default)]
 struct Runs {
-    /// Length of each run, and where its group ends in `data`.
+    /// The length of each run, and the end of its group in `data`.
     runs: Vec<(u32, usize)>,
     data: Vec<u8>,
 }
 
 impl FaceTable {
-    /// Draws the mesh from every direction.
+    /// Draws the mesh along all directions and collects the visible triangles.
     ///
-    /// All work is done by `pool`. The table does not depend on its number of threads. `progress` counts directions and
-    /// is asked after each whether to stop.
+    /// All work runs on `pool`. The table does not depend on the number of threads. `progress` counts the directions
+    /// done, and the bake checks after each direction whether it was cancelled.
     ///
-    /// Settings should be [valid](BakeSettings::validate). Others are brought into range: the image is clamped, and the
-    /// angular step becomes the next smaller divisor of 90.
+    /// Settings should be [valid](BakeSettings::validate). Invalid ones are adjusted: the image size is clamped, and
+    /// the angular step becomes the next smaller divisor of 90.
+    ///
+    /// # Errors
+    /// [`Cancelled`] if the bake was cancelled through `progress`.
     pub fn bake(
         mesh: &TriMesh,
         settings: &BakeSettings,
@@ -35,7 +39,7 @@ impl FaceTable {
         let step = (1..=settings.degrees.clamp(1, 90)).rev().find(|s| 90 % s == 0);
         let grid = step.and_then(DirectionGrid::new).expect("1 divides 90");
         progress.begin(grid.len());
-        // Whoever cancelled while the bake was still queued should not wait for the preparation.
+        // A bake that was cancelled while it was queued should not do the preparation.
         progress.advance(0)?;
         pool.install(|| {
             let raster = Raster::new(mesh, settings.image);

@@ -1,22 +1,23 @@
-//! The file form of a [`FaceTable`]: what it is, and how it is written. [`decode`](super::decode) reads it.
+//! The file format of a [`FaceTable`], and its writer. [`decode`](super::decode) is the reader.
 //!
-//! As in Aly & Elawady 2010 the directions are walked in order, and a group that equals the one before only raises a
-//! counter. A group that was met before is named by its number, so that a reader need not look for equal ones. A new
-//! group is written in the shortest of three ways: as bits, as a list, or as the list of triangles in which it differs
-//! from the group before, which is short because one step of an angle shows or hides few of them.
+//! As in Aly & Elawady 2010 the groups are stored in the order of the directions, with run-length encoding. A group
+//! that occurred earlier is a back reference, so that the reader need not search for equal groups. A new group is
+//! written in the shortest of three encodings: as bits, as a list, or as the list of triangles in which it differs from
+//! the previous group. That list is short, because one angular step shows or hides only a few triangles.
 //!
-//! All numbers are LEB128. The header is the number of triangles, the angular step, the number of distinct groups and
-//! the bytes that they take in memory together. Each run is `counter * 4 + way`, where the counter starts at 0, followed
-//! by one of
+//! All numbers are LEB128. The header is the number of triangles, the angular step, the number of distinct groups, and
+//! the bytes that all groups together take in memory. Each run starts with `(length - 1) * 4 + encoding`, followed by
+//! one of:
 //!
-//! | way | content |
+//! | encoding | content |
 //! |---|---|
 //! | [`BITS`] | one bit per triangle: `triangles / 8` bytes, rounded up |
-//! | [`LIST`] | a length and that many triangles, the first as it is, the others as the gap to the one before, less 1 |
-//! | [`DIFFERENCE`] | a list as above: the triangles that are in this group or in the one before, but not in both |
-//! | [`KNOWN`] | how many new groups lie between the group meant and here; 0 for the latest |
+//! | [`LIST`] | the number of triangles; the first; for each other, the difference from the one before, less 1 |
+//! | [`DIFFERENCE`] | a list as above: the triangles that are in exactly one of this group and the previous one |
+//! | [`KNOWN`] | a back reference: the number of new groups since the one meant; 0 is the latest |
 //!
-//! Differences let a short input describe much memory, so their use is rationed: see [`affordable`].
+//! With differences a short input can describe a large table, so the writer and the reader limit them: see
+//! [`affordable`].
 
 use super::FaceTable;
 use super::groups::bits_len;
@@ -26,10 +27,10 @@ pub(super) const LIST: u64 = 1;
 pub(super) const DIFFERENCE: u64 = 2;
 pub(super) const KNOWN: u64 = 3;
 
-/// How many bytes of memory `input` bytes of a file may describe: 64 for each, and one MiB.
+/// The maximum size in memory, in bytes, of a table whose file form has `input` bytes: 64 per byte, plus 1 MiB.
 ///
-/// The writer falls back on bits or a list where a difference would exceed this, so that the reader can refuse whatever
-/// does, and no input makes it allocate out of proportion.
+/// The writer falls back to bits or a list where a difference would exceed this. The reader rejects any table that
+/// exceeds it, so no input causes an allocation out of proportion to its length.
 pub(super) fn affordable(input: usize) -> u64 {
     input as u64 * 64 + (1 << 20)
 }
@@ -51,7 +52,7 @@ fn write_list(list: &[u32], out: &mut Vec<u8>) {
     }
 }
 
-/// The triangles that are in one of two ascending lists but not in both.
+/// Writes to `out` the triangles that are in exactly one of two ascending lists.
 fn difference(a: &[u32], b: &[u32], out: &mut Vec<u32>) {
     out.clear();
     let (mut i, mut j) = (0, 0);
@@ -76,14 +77,14 @@ fn difference(a: &[u32], b: &[u32], out: &mut Vec<u32>) {
 }
 
 impl FaceTable {
-    /// The run-length form for files. Equal tables give equal bytes.
+    /// The table in its file format. Equal tables give equal bytes.
     pub fn encode(&self) -> Vec<u8> {
         let mut out = Vec::new();
         write_number(u64::from(self.triangles), &mut out);
         write_number(u64::from(self.grid.step()), &mut out);
         write_number(self.distinct_len() as u64, &mut out);
         write_number(self.store.data_bytes() as u64, &mut out);
-        // Groups written so far, and the bytes of memory that they take.
+        // The number of groups written so far, and their size in memory.
         let (mut next, mut used) = (0, 0);
         let (mut previous, mut group) = (Vec::new(), Vec::new());
         let (mut changes, mut payload, mut list) = (Vec::new(), Vec::new(), Vec::new());
@@ -108,15 +109,15 @@ impl FaceTable {
 
             payload.clear();
             write_list(&changes, &mut payload);
-            let mut way = DIFFERENCE;
-            // The shortest head is one byte.
+            let mut encoding = DIFFERENCE;
+            // The shortest run header is one byte.
             used += stored as u64;
             let affordable = used <= affordable(out.len() + 1 + payload.len());
             list.clear();
             write_list(&group, &mut list);
             if list.len() < payload.len() || !affordable {
                 std::mem::swap(&mut payload, &mut list);
-                way = LIST;
+                encoding = LIST;
             }
             let bits = bits_len(self.triangles);
             if bits < payload.len() {
@@ -125,9 +126,9 @@ impl FaceTable {
                 for &t in &group {
                     payload[t as usize / 8] |= 1 << (t % 8);
                 }
-                way = BITS;
+                encoding = BITS;
             }
-            write_number(u64::from(count - 1) * 4 + way, &mut out);
+            write_number(u64::from(count - 1) * 4 + encoding, &mut out);
             out.extend_from_slice(&payload);
             std::mem::swap(&mut previous, &mut group);
         }

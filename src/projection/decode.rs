@@ -1,8 +1,8 @@
-//! Reading the file form of a [`FaceTable`], which [`codec`](super::codec) describes.
+//! The reader for the file format of a [`FaceTable`], which [`codec`](super::codec) describes.
 //!
-//! A table has tens of thousands of groups, each a few triangles away from the one before. So there is one group at hand,
-//! changes are made to it in place and in the form in which it is stored, and it is copied once, into memory that was
-//! allocated once: the header says how much there will be.
+//! A table has tens of thousands of groups, each only a few triangles different from the previous one. The reader keeps
+//! one current group in its stored form and changes it in place. Each group is copied once, into memory that was
+//! allocated once from the sizes in the header.
 
 use super::codec::{BITS, DIFFERENCE, KNOWN, LIST, affordable};
 use super::groups::{Group, GroupStore, bits_len, is_list, pack_list};
@@ -10,14 +10,14 @@ use super::{BakeSettings, FaceTable, faces::TableError};
 use crate::geometry::direction::DirectionGrid;
 
 impl FaceTable {
-    /// Reads [`FaceTable::encode`]'s bytes for a mesh of `triangles` triangles, baked with `settings`.
+    /// Reads the bytes of [`FaceTable::encode`] for a mesh of `triangles` triangles, baked with `settings`.
     ///
-    /// Any bytes are safe to read: every index is checked, and memory is bounded by 64 times the length of the input and
-    /// a constant. Whether the groups are right for the mesh cannot be seen from them.
+    /// Safe for untrusted input: all indices are checked, and memory is at most 64 times the length of the input plus a
+    /// constant. The content of the groups is not checked against the mesh.
     ///
     /// # Errors
     ///
-    /// If the bytes are not a table, or that of another mesh or other settings.
+    /// If the bytes are not a valid table, or do not match `triangles` or `settings`.
     pub fn decode(bytes: &[u8], triangles: u32, settings: &BakeSettings) -> Result<Self, TableError> {
         let grid = DirectionGrid::new(settings.degrees).ok_or(TableError::Damaged("its settings are out of range"))?;
         let mut reader = Reader { rest: bytes };
@@ -29,15 +29,15 @@ impl FaceTable {
         }
         let groups = reader.number()?;
         let memory = reader.number()?;
-        // Every group takes a byte at least.
+        // Each group takes at least one byte.
         if groups > u64::from(grid.len()) || groups > reader.rest.len() as u64 {
             return Err(TableError::Damaged("it has too many groups"));
         }
         if memory > affordable(bytes.len()) {
-            return Err(TableError::Damaged("it describes more than its length can"));
+            return Err(TableError::Damaged("it claims more memory than its length allows"));
         }
         let mut store = GroupStore::with_capacity(groups as usize, memory)
-            .ok_or(TableError::Damaged("there is no memory for it"))?;
+            .ok_or(TableError::Damaged("there is not enough memory for it"))?;
         let mut current = Current::new(triangles);
         let mut directions = Vec::with_capacity(grid.len() as usize);
         let mut left = grid.len();
@@ -53,7 +53,7 @@ impl FaceTable {
                 let id = (store.len() as u64)
                     .checked_sub(1)
                     .and_then(|last| last.checked_sub(back));
-                let id = id.ok_or(TableError::Damaged("a run names a group that is not there yet"))? as u32;
+                let id = id.ok_or(TableError::Damaged("a run refers to a group that does not exist yet"))? as u32;
                 current.known = Some(id);
                 id
             } else {
@@ -68,17 +68,17 @@ impl FaceTable {
                 }
                 current.known = None;
                 current.store(&mut store).ok_or(TableError::Damaged(
-                    "its groups are not as many and as long as announced",
+                    "its groups do not match the number and size in its header",
                 ))?
             };
             directions.extend(std::iter::repeat_n(id, count as usize));
         }
         if !reader.rest.is_empty() {
-            return Err(TableError::Damaged("bytes are left over"));
+            return Err(TableError::Damaged("there are bytes after its end"));
         }
         if store.len() as u64 != groups || store.data_bytes() as u64 != memory {
             return Err(TableError::Damaged(
-                "its groups are not as many and as long as announced",
+                "its groups do not match the number and size in its header",
             ));
         }
         Ok(Self {
@@ -90,27 +90,28 @@ impl FaceTable {
     }
 }
 
-/// The group at hand, in the form in which it is stored: bits, or a list if that is shorter.
+/// The current group in its stored form: bits, or a list if that is shorter.
 struct Current {
     triangles: u32,
-    /// The number of the group, if it is still to be fetched. Most never are: a run that names a large group has two
-    /// bytes, which must not make us copy it.
+    /// The number of a known group that has not been copied here yet. Most are never copied: a back reference to a
+    /// large group takes two bytes, and so must not cost a copy.
     known: Option<u32>,
     list: bool,
-    /// Only of use if `list` is false.
+    /// Valid if `list` is false.
     bits: Vec<u8>,
-    /// How many triangles `bits` has.
+    /// The number of set bits in `bits`.
     count: usize,
-    /// Ascending; only of use if `list` is true.
+    /// Ascending; valid if `list` is true.
     indices: Vec<u32>,
-    /// Reused memory.
+    /// Scratch memory.
     changes: Vec<u32>,
     previous: Vec<u32>,
     packed: Vec<u8>,
 }
 
 impl Current {
-    /// The empty group. Memory for bits is taken when there are some: the number of triangles may be a lie.
+    /// The empty group. Memory for bits is allocated only when there are some, because the number of triangles may be
+    /// wrong.
     fn new(triangles: u32) -> Self {
         Self {
             triangles,
@@ -125,7 +126,7 @@ impl Current {
         }
     }
 
-    /// Copies the known group, if it is one.
+    /// Copies the known group, if there is one.
     fn fetch(&mut self, store: &GroupStore) {
         let Some(id) = self.known.take() else { return };
         let group = Group::new(store.bytes(id), self.triangles);
@@ -144,7 +145,7 @@ impl Current {
         let bits = reader.take(bits_len(self.triangles))?;
         let used = self.triangles % 8;
         if used > 0 && bits.last().is_some_and(|last| last >> used != 0) {
-            return Err(TableError::Damaged("a bit stands for no triangle"));
+            return Err(TableError::Damaged("a bit is set beyond the last triangle"));
         }
         self.bits.clear();
         self.bits.extend_from_slice(bits);
@@ -184,9 +185,10 @@ impl Current {
         Ok(())
     }
 
-    /// Goes over to the other form where that is the one to be stored. This takes no more memory or time than the group
-    /// that was there, or what was read, justifies: bits become a list only if they were read or stored as bits, and a
-    /// list becomes bits only if it is not shorter.
+    /// Converts the group to the form in which it is stored.
+    ///
+    /// The cost is bounded by the size of the previous group or of the input: bits become a list only if they were read
+    /// or stored as bits, and a list becomes bits only if it is not shorter.
     fn choose_form(&mut self) {
         if self.list && !is_list(self.indices.len(), self.triangles) {
             self.bits.clear();
@@ -200,7 +202,7 @@ impl Current {
         }
     }
 
-    /// Adds the group under a new number; `None` if it is one more, or longer, than what was allocated.
+    /// Stores the group and returns its number; `None` if it exceeds the allocated number or size of groups.
     fn store(&mut self, store: &mut GroupStore) -> Option<u32> {
         if self.list {
             self.packed.clear();
@@ -212,7 +214,8 @@ impl Current {
     }
 }
 
-/// `previous` with the membership of `changes` turned over; all ascending. Stretches between changes are copied whole.
+/// Writes to `out` the symmetric difference of `previous` and `changes`; all lists are ascending. Runs between changes
+/// are copied as a whole.
 fn apply(previous: &[u32], changes: &[u32], out: &mut Vec<u32>) {
     out.clear();
     let mut rest = previous;
@@ -230,7 +233,7 @@ fn apply(previous: &[u32], changes: &[u32], out: &mut Vec<u32>) {
     out.extend_from_slice(rest);
 }
 
-/// What is left to read.
+/// The rest of the input.
 struct Reader<'b> {
     rest: &'b [u8],
 }
@@ -240,12 +243,12 @@ impl<'b> Reader<'b> {
         let (taken, rest) = self
             .rest
             .split_at_checked(len)
-            .ok_or(TableError::Damaged("it ends early"))?;
+            .ok_or(TableError::Damaged("it ends too early"))?;
         self.rest = rest;
         Ok(taken)
     }
 
-    /// Nearly all numbers have one byte.
+    /// Reads a number. Nearly all numbers have one byte.
     #[inline]
     fn number(&mut self) -> Result<u64, TableError> {
         match self.rest {
@@ -270,20 +273,20 @@ impl<'b> Reader<'b> {
         Err(TableError::Damaged("a number is too long"))
     }
 
-    /// Calls `each` with the triangles of a list, ascending and below `triangles`.
+    /// Reads a list and calls `each` with its triangles, which are ascending and below `triangles`.
     #[inline]
     fn list(&mut self, triangles: u32, mut each: impl FnMut(u32)) -> Result<(), TableError> {
         let len = self.number()?;
-        // Every index takes a byte at least, so this bounds the memory as well.
+        // Each index takes at least one byte, so this bounds the memory as well.
         if len > self.rest.len() as u64 {
-            return Err(TableError::Damaged("it ends early"));
+            return Err(TableError::Damaged("it ends too early"));
         }
         let mut next = 0;
         for _ in 0..len {
             // A number has at most 63 bits and `next` 32: this cannot overflow.
             let t = self.number()? + next;
             if t >= u64::from(triangles) {
-                return Err(TableError::Damaged("an index stands for no triangle"));
+                return Err(TableError::Damaged("a triangle index is out of range"));
             }
             each(t as u32);
             next = t + 1;

@@ -1,8 +1,9 @@
-//! The table of faces of collision: which triangles can be seen from each direction.
+//! The table of faces of collision: the triangles that are visible from each direction.
 //!
-//! Directions are those of a [`DirectionGrid`]; what is seen is defined in [`raster`](super::raster). Neighbouring
-//! directions often see the same triangles, and so do directions far apart, so in memory every distinct group is kept
-//! once and each direction holds a group's number. Files keep the run-length form of Aly & Elawady 2010.
+//! The directions are those of a [`DirectionGrid`], and [`raster`](super::raster) defines which triangles are visible.
+//! The visible triangles of a direction are a *group*. Many directions have the same group, so in memory each distinct
+//! group is stored once, and each direction holds the number of its group. Files use the run-length encoding of Aly &
+//! Elawady 2010.
 
 pub use super::groups::{Group, GroupIter};
 
@@ -11,28 +12,28 @@ use crate::geometry::direction::DirectionGrid;
 use glam::Vec3;
 use thiserror::Error;
 
-/// Why bytes are not a table.
+/// Why a face table cannot be read.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum TableError {
-    /// The bytes end early or hold impossible values.
+    /// The bytes end too early or hold invalid values.
     #[error("the face table is damaged: {0}")]
     Damaged(&'static str),
 }
 
-/// The deduplicated table in memory.
+/// The face table of a mesh: for each direction the triangles that are visible from there, without duplicate groups.
 ///
-/// Made by [`FaceTable::bake`] or [`FaceTable::decode`]; triangles are indices into
+/// [`FaceTable::bake`] or [`FaceTable::decode`] makes one. Triangles are indices into
 /// [`TriMesh::triangles`](crate::geometry::TriMesh::triangles).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceTable {
     pub(super) grid: DirectionGrid,
     pub(super) triangles: u32,
-    /// For each direction of the grid the number of its group.
+    /// For each direction of the grid, the number of its group.
     pub(super) directions: Vec<u32>,
     pub(super) store: GroupStore,
 }
 
-/// Sizes of a table, for people who choose settings.
+/// Counts and sizes of a face table, to help choose bake settings.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct TableStats {
     /// Distinct directions.
@@ -43,22 +44,22 @@ pub struct TableStats {
     pub runs: usize,
     /// Triangles in the smallest group.
     pub min_visible: usize,
-    /// Triangles per direction on average.
+    /// The mean number of triangles per direction.
     pub mean_visible: f64,
     /// Triangles in the largest group.
     pub max_visible: usize,
-    /// Bytes if every direction had its own list of indices, and a 4-byte offset to it.
+    /// Size in bytes if each direction had its own list of indices and a 4-byte offset to it.
     pub raw_bytes: u64,
-    /// Bytes if every run had its own list of indices and a 4-byte counter, as in Aly & Elawady 2010.
+    /// Size in bytes if each run had its own list of indices and a 4-byte counter, as in Aly & Elawady 2010.
     pub run_length_bytes: u64,
-    /// Bytes of [`FaceTable::encode`].
+    /// Size in bytes of [`FaceTable::encode`].
     pub encoded_bytes: u64,
-    /// Bytes of this table in memory.
+    /// Size in bytes of this table in memory.
     pub memory_bytes: u64,
 }
 
 impl FaceTable {
-    /// Collects the groups of a grid's directions, in order.
+    /// Builds the table from the runs of groups, in the order of the grid's directions.
     pub(super) fn collect(
         grid: DirectionGrid,
         triangles: u32,
@@ -78,10 +79,11 @@ impl FaceTable {
         }
     }
 
-    /// The faces of collision seen against `direction`, in the mesh's own axes; any length but zero.
+    /// The triangles visible from far out in `direction`, which is given in the mesh's own axes with any non-zero
+    /// length.
     ///
-    /// The zero vector and NaN get some direction's group. Two bodies whose centres coincide have no direction: use
-    /// all triangles there.
+    /// The zero vector and NaN give the group of an unspecified direction. If the centres of two bodies coincide there
+    /// is no direction; use all triangles instead.
     pub fn group(&self, direction: Vec3) -> Group<'_> {
         self.distinct(self.group_id(direction))
     }
@@ -91,8 +93,8 @@ impl FaceTable {
         self.directions[self.grid.index_of(direction) as usize]
     }
 
-    /// The group for the angles `a_step` and `b_step`, in steps through the full turn and modulo it: the table as
-    /// Aly & Elawady 2010 address it, 360 x 360 at one degree.
+    /// The group at the angles `a_step` and `b_step`, in steps and modulo a full turn. Aly & Elawady 2010 address the
+    /// table like this, as 360 x 360 entries at one degree.
     pub fn at(&self, a_step: u32, b_step: u32) -> Group<'_> {
         self.of_direction(self.grid.index_at(a_step, b_step))
     }
@@ -111,17 +113,17 @@ impl FaceTable {
         self.grid
     }
 
-    /// How many triangles the mesh has.
+    /// The number of triangles of the mesh.
     pub fn triangles(&self) -> u32 {
         self.triangles
     }
 
-    /// For each direction of [`FaceTable::grid`] the number of its group, below [`FaceTable::distinct_len`].
+    /// For each direction of [`FaceTable::grid`], the number of its group, below [`FaceTable::distinct_len`].
     pub fn directions(&self) -> &[u32] {
         &self.directions
     }
 
-    /// How many distinct groups there are.
+    /// The number of distinct groups.
     pub fn distinct_len(&self) -> usize {
         self.store.len()
     }
@@ -135,19 +137,19 @@ impl FaceTable {
         Group::new(self.store.bytes(id), self.triangles)
     }
 
-    /// Bytes that this table occupies in memory.
+    /// The size of this table in memory, in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of::<Self>() + self.directions.capacity() * size_of::<u32>() + self.store.memory_bytes()
     }
 
-    /// Runs of equal groups in the order of the directions: group number and length.
+    /// The runs of equal groups, in the order of the directions: group number and length.
     pub(super) fn runs(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         self.directions
             .chunk_by(|a, b| a == b)
             .map(|run| (run[0], run.len() as u32))
     }
 
-    /// Counts and sizes. Encodes the table to know the size in a file, so it takes a while.
+    /// Counts and sizes. This encodes the whole table to measure its size in a file.
     pub fn stats(&self) -> TableStats {
         let lens: Vec<usize> = (0..self.distinct_len())
             .map(|id| self.distinct(id as u32).len())

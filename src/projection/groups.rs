@@ -1,23 +1,24 @@
-//! Storage of groups: sets of triangles, each distinct one once, as bits or as a list, whichever is smaller.
+//! Storage of groups: distinct sets of triangles, each as bits or as a list, whichever is smaller.
 
 use crate::geometry::cluster::CLUSTER;
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
 
-/// A set of triangles: the faces of collision of a direction.
+/// A set of triangles: the faces of collision for a direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Group<'t> {
-    /// One bit per triangle if it has [`bits_len`] bytes; else an ascending list of [`index_width`] bytes each.
+    /// One bit per triangle if the length is [`bits_len`]; otherwise an ascending list of indices of [`index_width`]
+    /// bytes.
     bytes: &'t [u8],
     triangles: u32,
 }
 
-/// Bytes of a set as bits.
+/// The size in bytes of a set stored as bits.
 pub(super) fn bits_len(triangles: u32) -> usize {
     triangles.div_ceil(8) as usize
 }
 
-/// Bytes that hold any index below `triangles`.
+/// The number of bytes that can hold any index below `triangles`.
 pub(super) fn index_width(triangles: u32) -> usize {
     match triangles {
         0..=0x100 => 1,
@@ -26,8 +27,8 @@ pub(super) fn index_width(triangles: u32) -> usize {
     }
 }
 
-/// Whether a set of `len` triangles is stored as a list. A list is stored only if it is shorter, so the length of the
-/// bytes tells the forms apart.
+/// Whether a set of `len` triangles is stored as a list. It is only if the list is shorter than the bits, so the length
+/// in bytes tells the two forms apart.
 pub(super) fn is_list(len: usize, triangles: u32) -> bool {
     len.saturating_mul(index_width(triangles)) < bits_len(triangles)
 }
@@ -50,7 +51,7 @@ impl<'t> Group<'t> {
         self.bytes.len() == bits_len(self.triangles)
     }
 
-    /// How many triangles there are.
+    /// The number of triangles in the set.
     pub fn len(&self) -> usize {
         if self.is_bits() {
             self.bytes.iter().map(|b| b.count_ones() as usize).sum()
@@ -59,12 +60,12 @@ impl<'t> Group<'t> {
         }
     }
 
-    /// Whether there is no triangle.
+    /// Whether the set is empty.
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
     }
 
-    /// Whether triangle `t` is among them.
+    /// Whether triangle `t` is in the set.
     pub fn contains(&self, t: u32) -> bool {
         if t >= self.triangles {
             false
@@ -85,10 +86,10 @@ impl<'t> Group<'t> {
         }
     }
 
-    /// The set as one bit per triangle, eight to a byte, the lowest triangle in the lowest bit. Triangles of a baked mesh
-    /// stand in the order of its clusters, so byte `c` says which of cluster `c`'s triangles are in the set.
+    /// The set as one bit per triangle, eight to a byte, with the lowest triangle in the lowest bit. The triangles of a
+    /// baked mesh are in cluster order, so byte `c` is the lane mask of cluster `c`.
     ///
-    /// `scratch` is written only if the set is stored as a list.
+    /// Uses `scratch` only if the set is stored as a list.
     pub fn lane_masks<'a>(self, scratch: &'a mut Vec<u8>) -> &'a [u8]
     where
         't: 'a,
@@ -125,7 +126,7 @@ impl<'t> IntoIterator for Group<'t> {
 }
 
 impl PartialEq for Group<'_> {
-    /// Equal sets of triangles, also between tables.
+    /// Whether both sets contain the same triangles. The groups may belong to different tables.
     fn eq(&self, other: &Self) -> bool {
         if self.triangles == other.triangles {
             self.bytes == other.bytes
@@ -176,7 +177,7 @@ impl Iterator for GroupIter<'_> {
     }
 }
 
-/// Appends the stored form of the set given as bits (those from `triangles` on are 0).
+/// Appends the stored form of a set given as bits. Bits from `triangles` on must be 0.
 pub(super) fn pack_bits(words: &[u64], triangles: u32, out: &mut Vec<u8>) {
     let len = words.iter().map(|w| w.count_ones() as usize).sum();
     if is_list(len, triangles) {
@@ -196,7 +197,7 @@ pub(super) fn pack_bits(words: &[u64], triangles: u32, out: &mut Vec<u8>) {
     }
 }
 
-/// Appends the stored form of the set given as an ascending list.
+/// Appends the stored form of a set given as an ascending list.
 pub(super) fn pack_list(list: &[u32], triangles: u32, out: &mut Vec<u8>) {
     if is_list(list.len(), triangles) {
         match index_width(triangles) {
@@ -213,16 +214,16 @@ pub(super) fn pack_list(list: &[u32], triangles: u32, out: &mut Vec<u8>) {
     }
 }
 
-/// Distinct groups, numbered in the order in which they were first added.
+/// Distinct groups, numbered in the order in which they were added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct GroupStore {
-    /// Where each group ends in `data`.
+    /// The end of each group in `data`.
     ends: Vec<u64>,
     data: Vec<u8>,
 }
 
 impl GroupStore {
-    /// An empty store with room for so many groups and their bytes, and no more; `None` if there is no memory.
+    /// An empty store with exactly this capacity, in groups and in bytes; `None` if the allocation fails.
     pub fn with_capacity(groups: usize, bytes: u64) -> Option<Self> {
         let mut store = Self::default();
         store.ends.try_reserve_exact(groups).ok()?;
@@ -230,7 +231,7 @@ impl GroupStore {
         Some(store)
     }
 
-    /// Adds a group, equal to another or not, and returns its number; `None` if there is no room.
+    /// Adds a group without a search for an equal one, and returns its number; `None` if the capacity is exhausted.
     pub fn push_within_capacity(&mut self, bytes: &[u8]) -> Option<u32> {
         if self.ends.len() == self.ends.capacity() || bytes.len() > self.data.capacity() - self.data.len() {
             return None;
@@ -240,7 +241,7 @@ impl GroupStore {
         Some(self.ends.len() as u32 - 1)
     }
 
-    /// Bytes of all groups together.
+    /// The size of all groups together, in bytes.
     pub fn data_bytes(&self) -> usize {
         self.data.len()
     }
@@ -261,12 +262,13 @@ impl GroupStore {
     }
 }
 
-/// Builds a [`GroupStore`].
+/// Builds a [`GroupStore`] without duplicates.
 pub(super) struct Interner {
     store: GroupStore,
     hasher: RandomState,
-    /// The last group added for a hash, and for each group the one before it with the same hash.
+    /// The group added last for each hash.
     last: HashMap<u64, u32>,
+    /// For each group, the previous group with the same hash, or `u32::MAX`.
     before: Vec<u32>,
 }
 
@@ -280,7 +282,7 @@ impl Interner {
         }
     }
 
-    /// The number of the group with this stored form, new or not.
+    /// The number of the group with this stored form; adds it if it is new.
     pub fn intern(&mut self, bytes: &[u8]) -> u32 {
         let hash = self.hasher.hash_one(bytes);
         let mut candidate = self.last.get(&hash).copied();

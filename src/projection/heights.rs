@@ -1,36 +1,39 @@
-//! Support heights: how far a mesh reaches in any direction, as a rigorous upper bound.
+//! Support heights: a rigorous upper bound on the extent of a mesh in any direction.
 //!
-//! The height of a point set in direction `u` is `h(u) = max over its points v of v . u`. It is convex and positively
-//! homogeneous, so for `u = sum(l_i * u_i)` with `l_i >= 0`: `h(u) <= sum(l_i * h(u_i))`. Inside the triangle spanned by
-//! three baked directions, interpolating their heights is therefore an upper bound with nothing added.
+//! The support height of a point set in direction `u` is `h(u) = max over its points v of v . u`. It is convex and
+//! positively homogeneous, so `h(u) <= sum(l_i * h(u_i))` for `u = sum(l_i * u_i)` with `l_i >= 0`. Within the triangle
+//! of three baked directions, interpolation of their heights therefore gives an upper bound without any margin.
 //!
-//! The interpolated height is linear in `u`, so it is `p . u` for one point `p` per triangle: the common point of the
-//! three planes `p . u_i = h(u_i)`. These *virtual support points* are computed beforehand, and a query only finds the
-//! triangle. The directions are the points with integer coordinates on the octahedron `|x| + |y| + |z| = 8`: straight
-//! lines on its faces become great circles, so the flat triangle that holds `u` is the spherical one exactly, and finding
-//! it takes a division and a few roundings.
+//! The interpolated height is linear in `u`: it is `p . u` for one point `p` per triangle, the common point of the
+//! three planes `p . u_i = h(u_i)`. These *virtual support points* are precomputed, so a query only has to find the
+//! triangle.
+//!
+//! The directions are the points with integer coordinates on the octahedron `|x| + |y| + |z| = 8`. Straight lines on
+//! its faces project to great circles, so the flat triangle that contains `u` is exactly the spherical one. Finding it
+//! takes one division and a few roundings.
 
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::OnceLock;
 
 /// Steps along an edge of the octahedron.
 pub(crate) const STEPS: usize = 8;
-/// Directions: the octahedron's points with integer coordinates.
+/// The number of directions: the points of the octahedron with integer coordinates.
 const DIRECTIONS: usize = 4 * STEPS * STEPS + 2;
 /// Triangles per octant.
 const PER_OCTANT: usize = STEPS * STEPS;
 
-/// Added to every height, as a share of the points' largest distance from the origin. Rounding `p`, evaluating `p . u`
-/// in `f32`, and choosing a neighbouring triangle because `u` was rounded together stay below a third of it.
+/// Added to each height, relative to the largest distance of a point from the origin. The errors from rounding `p`,
+/// from evaluating `p . u` in `f32`, and from choosing a neighbouring triangle because `u` was rounded add up to less
+/// than a third of it.
 const PADDING: f64 = 2.0e-6;
-/// Added as well, so that the padding does not vanish where `f32` has no digits left.
-const SMALLEST_PADDING: f64 = 1.0e-36;
+/// Added to each height as well, so that the padding does not underflow for tiny meshes.
+const MIN_PADDING: f64 = 1.0e-36;
 
-/// Support heights of a point set in a few hundred baked directions.
+/// The support heights of a point set in a few hundred baked directions; an upper bound in all other directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SupportHeights {
     heights: Vec<f32>,
-    /// Per octant and triangle the virtual support point; see [`triangle_of`].
+    /// The virtual support point of each triangle, by octant; see [`triangle_of`].
     points: Vec<Vec3>,
 }
 
@@ -40,7 +43,7 @@ struct Lattice {
     directions: Vec<DVec3>,
     /// Three directions each.
     triangles: Vec<[usize; 3]>,
-    /// Per triangle the matrix that takes three heights to the virtual support point.
+    /// For each triangle, the matrix that maps its three heights to the virtual support point.
     solvers: Vec<DMat3>,
 }
 
@@ -95,17 +98,18 @@ impl Lattice {
     }
 }
 
-/// The triangle whose cone holds `u`: octant, then row `i` of `2 * (STEPS - i) - 1` triangles, pointing up and down in turn.
+/// The index of the triangle whose cone contains `u`. Triangles are ordered by octant, then by row: row `i` has
+/// `2 * (STEPS - i) - 1` triangles that alternately point up and down.
 ///
-/// On a border either side will do, since the heights agree there; next to it rounding may choose the wrong one, which
-/// the padding covers.
+/// On a border both triangles are right, because their heights agree there. Near a border rounding may choose the wrong
+/// one; the padding covers that.
 #[inline]
 fn triangle_of(u: Vec3) -> usize {
     const N: f32 = STEPS as f32;
     let (x, y, z) = (u.x.abs(), u.y.abs(), u.z.abs());
     let mut scale = N / (x + y + z);
     let (mut x, mut y) = (x, y);
-    // The sum has overflowed, or is so small that its reciprocal would.
+    // The sum overflowed, or its reciprocal would overflow.
     if !(scale > 1.0e-37 && scale < 1.0e37) {
         (x, y, scale) = rescaled(u);
     }
@@ -117,7 +121,7 @@ fn triangle_of(u: Vec3) -> usize {
     octant * PER_OCTANT + (i * (2 * STEPS as i32 - i) + 2 * j) as usize + usize::from(down)
 }
 
-/// Absolute x and y with a scale that fits, for vectors whose components' sum is not an ordinary number. Zero and NaN
+/// Absolute x and y, and a scale for them, for vectors whose sum of components overflows or underflows. Zero and NaN
 /// get a scale of 0.
 #[cold]
 fn rescaled(u: Vec3) -> (f32, f32, f32) {
@@ -132,7 +136,8 @@ fn rescaled(u: Vec3) -> (f32, f32, f32) {
 }
 
 impl SupportHeights {
-    /// Bakes the heights of `points`, measured from the origin. Without points they are those of the origin.
+    /// Bakes the support heights of `points`, relative to the origin. Without points they are those of the origin
+    /// alone.
     pub fn of(points: impl Iterator<Item = Vec3>) -> Self {
         let directions = &lattice().directions;
         let mut heights = vec![f64::NEG_INFINITY; DIRECTIONS];
@@ -144,7 +149,7 @@ impl SupportHeights {
                 *height = height.max(d.dot(p));
             }
         }
-        let padding = radius * PADDING + SMALLEST_PADDING;
+        let padding = radius * PADDING + MIN_PADDING;
         let heights = heights
             .into_iter()
             .map(|h| round_up(if h == f64::NEG_INFINITY { padding } else { h + padding }))
@@ -163,40 +168,43 @@ impl SupportHeights {
         Self { heights, points }
     }
 
-    /// The stored heights, one per baked direction: upper bounds of `v . d` for unit vectors `d`, in the points' units.
+    /// The stored heights, one per baked direction: upper bounds of `v . d` for the unit vectors `d`, in the unit of
+    /// the points.
     pub fn heights(&self) -> &[f32] {
         &self.heights
     }
 
-    /// The virtual support points, 64 triangles an octant; see [`SupportHeights::support`].
+    /// The virtual support points, 64 per octant; see [`SupportHeights::support`].
     pub fn points(&self) -> &[Vec3] {
         &self.points
     }
 
-    /// Heights read from a file; `None` if there are not exactly as many as directions, or one is not finite.
+    /// Support heights from stored [`SupportHeights::heights`]; `None` if their number is wrong or a value is not
+    /// finite.
     pub fn from_heights(heights: Vec<f32>) -> Option<Self> {
         if heights.len() != DIRECTIONS || !heights.iter().all(|h| h.is_finite()) {
             return None;
         }
         let baked = Self::with(heights);
-        // Heights near the end of f32's range could put a virtual point beyond it.
+        // Heights near the limit of f32 can make a virtual support point overflow.
         baked.points.iter().all(|p| p.is_finite()).then_some(baked)
     }
 
-    /// A point `p` with `p . u >= max over the baked points of v . u`. `u` need not have unit length.
+    /// The virtual support point for `u`: a point `p` with `p . u >= v . u` for all baked points `v`. `u` need not have
+    /// unit length.
     ///
-    /// `p` is where the planes at the baked heights of the three directions around `u` meet, and `p . u` is the
-    /// interpolated height. It stands in for a support point in Gilbert's iteration: every bound found with it is valid,
-    /// but other planes may cut `p` off, so the iteration need not converge to the polyhedron's true distance.
+    /// `p` is the intersection of the planes at the baked heights of the three directions around `u`, and `p . u` is
+    /// the interpolated height. It replaces a support point in Gilbert's iteration. All bounds found with it are valid,
+    /// but `p` may be outside other planes of the polyhedron, so the iteration need not converge to the true distance.
     ///
-    /// The bound holds for every finite `u`, and also for `p . u` and `v . u` evaluated in `f32`, as long as the
-    /// products are not so small or large that `f32` loses digits. For zero and NaN `p` is the point of some triangle.
+    /// The bound holds for every finite `u`. It also holds if `p . u` and `v . u` are evaluated in `f32`, unless the
+    /// products overflow or underflow. For zero and NaN `p` belongs to an unspecified triangle.
     #[inline]
     pub fn support(&self, u: Vec3) -> Vec3 {
         self.points[triangle_of(u)]
     }
 
-    /// Bytes that the heights occupy in memory.
+    /// The size in memory, in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of::<Self>() + self.heights.capacity() * size_of::<f32>() + self.points.capacity() * size_of::<Vec3>()
     }

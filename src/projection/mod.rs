@@ -1,30 +1,31 @@
-//! The offline stage of the method: what can be seen of a mesh from every direction, and how far it reaches.
+//! The offline stage of the method: the visible triangles and the support heights of a mesh in each direction.
 //!
-//! * [`raster`] draws a mesh from a direction as an image of heights (Aly & Elawady 2010, section "height projection"),
-//!   and finds the triangles that can be seen in it.
-//! * [`faces`] keeps these triangles for every direction: the *faces of collision*.
-//! * [`heights`] keeps how far the mesh reaches in a few hundred directions, for culls that can miss nothing.
+//! * [`HeightImage`] is a mesh drawn along a direction as an image of heights (Aly & Elawady 2010, section "height
+//!   projection"). [`raster`] finds the triangles that are visible in it.
+//! * [`FaceTable`] stores the visible triangles for all directions: the *faces of collision*.
+//! * [`SupportHeights`] stores the extent of the mesh in a few hundred directions. The culls that use it are
+//!   conservative.
 //!
-//! Everything here is pure: no ECS, no GPU, and no thread but those of the pool that the caller hands in.
+//! This module uses neither the ECS nor the GPU, and no threads but those of the pool passed by the caller.
 
 mod bake;
 mod codec;
 mod decode;
 pub mod faces;
+mod facing;
 mod groups;
-pub mod heights;
-mod picture;
+mod height_image;
+pub(crate) mod heights;
 mod pool;
-pub mod progress;
+mod progress;
 pub mod raster;
-mod skin;
 mod spans;
 
 pub use faces::{FaceTable, Group};
+pub use height_image::HeightImage;
 pub use heights::SupportHeights;
 pub use pool::bake_pool;
 pub use progress::{Cancelled, Progress};
-pub use raster::HeightImage;
 
 use crate::geometry::direction::DirectionGrid;
 use crate::geometry::mesh::WELD_TOLERANCE;
@@ -40,23 +41,25 @@ pub struct BakeSettings {
     pub degrees: u32,
     /// Side of the square height image in pixels, 16 to 4096.
     pub image: u32,
-    /// Corners no farther apart than this part of the mesh's size, the diagonal of its box, count as one; 0 to 0.01. It
-    /// decides whether the mesh is closed, what it weighs, which faces are neighbours, and whether something is inside. The
-    /// triangles that are tested stay what they are, and so do the numbers of the faces. With 0 only corners at the same place
-    /// are one.
+    /// The weld tolerance, relative to the diagonal of the mesh's bounding box; 0 to 0.01.
+    ///
+    /// Vertices within this distance count as one when the bake decides whether the mesh is closed, which faces are
+    /// neighbours, its mass, and whether something is inside. The tested triangles and the face indices do not change.
+    /// With 0 only vertices at exactly the same position count as one.
     pub weld_tolerance: f32,
-    /// What a closed mesh is whose faces look inward.
+    /// How to treat a closed mesh whose faces point inward.
     pub inward: Inward,
 }
 
-/// What a closed mesh is whose faces look inward.
+/// How to treat a closed mesh whose faces point inward.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Inward {
-    /// A room. Bodies inside are free, and its walls push to the side to which their faces look. Nothing is ever reported as
-    /// wholly inside it. It has no mass of its own: it gets that of a solid of its inside, marked as approximate.
+    /// As a room. Bodies inside are free, and its walls push in the direction in which their faces point. Nothing is
+    /// ever reported as wholly inside. It has no mass of its own. It gets that of a solid that fills it, marked as
+    /// approximate.
     #[default]
     Room,
-    /// A solid whose faces are wound the wrong way: they are turned.
+    /// As a solid with reversed winding: its faces are flipped.
     Solid,
 }
 
@@ -72,7 +75,7 @@ impl Default for BakeSettings {
     }
 }
 
-/// Why settings cannot be used.
+/// Why bake settings are invalid.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SettingsError {
     /// [`BakeSettings::degrees`] does not divide 90.
@@ -82,7 +85,7 @@ pub enum SettingsError {
     #[error("image is {0}, but the side of the height image must be 16 to 4096 pixels")]
     Image(u32),
     /// [`BakeSettings::weld_tolerance`] is out of range.
-    #[error("weld_tolerance is {0}, but the part of a mesh's size within which corners are one must be 0 to 0.01")]
+    #[error("weld_tolerance is {0}, but must be 0 to 0.01 of the mesh's size")]
     WeldTolerance(f32),
 }
 
@@ -91,10 +94,13 @@ impl BakeSettings {
     pub const MIN_IMAGE: u32 = 16;
     /// The largest height image, in pixels.
     pub const MAX_IMAGE: u32 = 4096;
-    /// The largest tolerance within which corners are one, as a part of the mesh's size.
+    /// The largest weld tolerance, relative to the diagonal of the mesh's bounding box.
     pub const MAX_WELD_TOLERANCE: f32 = 0.01;
 
-    /// Checks the ranges that the fields document.
+    /// Checks that all fields are in their documented ranges.
+    ///
+    /// # Errors
+    /// For the first field that is out of range.
     pub fn validate(&self) -> Result<(), SettingsError> {
         if DirectionGrid::new(self.degrees).is_none() {
             return Err(SettingsError::Degrees(self.degrees));

@@ -1,16 +1,17 @@
-//! The thread pool for bakes in the background.
+//! The thread pool for background bakes.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::OnceLock;
 
-/// The shared pool on which background bakes run: half of the cores, at least one.
+/// The shared thread pool for background bakes. It has half as many threads as there are cores, but at least one.
 ///
-/// It is not rayon's global pool, and the simulation has another one: a pool serves injected jobs last, so a step that
-/// shared a pool with a bake would wait for the bake. It is made when first asked for and lives as long as the process.
+/// It is neither rayon's global pool nor the pool of the simulation: a pool runs injected jobs last, so a step that
+/// shared a pool with a bake would wait for the bake. The pool is created at the first call and lives as long as the
+/// process.
 ///
 /// # Panics
 ///
-/// If the system starts no thread and the calling thread already works for another pool.
+/// If the system cannot start a thread and the calling thread already belongs to another pool.
 pub fn bake_pool() -> &'static ThreadPool {
     static POOL: OnceLock<ThreadPool> = OnceLock::new();
     POOL.get_or_init(|| {
@@ -23,10 +24,10 @@ pub fn bake_pool() -> &'static ThreadPool {
         builder((cores / 2).max(1))
             .build()
             .or_else(|error| {
-                tracing::warn!("no full pool for background bakes, one thread instead: {error}");
+                tracing::warn!("background bakes use one thread, because the thread pool could not be built: {error}");
                 builder(1).build()
             })
-            // Where no thread can be started there is only the calling one, so it can be the pool's worker.
+            // Where no thread can be started, as on some platforms, the calling thread becomes the pool's worker.
             .or_else(|_| builder(1).use_current_thread().build())
             .expect("a pool with one thread")
     })

@@ -1,4 +1,4 @@
-//! Progress and cancellation of a bake, shared between the thread that bakes and the one that waits.
+//! Progress and cancellation of a bake, shared between the baking thread and the waiting thread.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use thiserror::Error;
@@ -8,7 +8,7 @@ use thiserror::Error;
 #[error("the bake was cancelled")]
 pub struct Cancelled;
 
-/// How far a bake has come, and whether anyone still wants it.
+/// The progress of a bake, and a way to cancel it.
 #[derive(Debug, Default)]
 pub struct Progress {
     done: AtomicU32,
@@ -17,12 +17,12 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Directions drawn so far, and in all (0 before the bake has begun).
+    /// The number of directions drawn so far, and the total number, which is 0 before the bake has begun.
     pub fn get(&self) -> (u32, u32) {
         (self.done.load(Ordering::Relaxed), self.total.load(Ordering::Relaxed))
     }
 
-    /// Makes the bake stop soon and return [`Cancelled`].
+    /// Cancels the bake. It stops soon and returns [`Cancelled`].
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }

@@ -1,66 +1,64 @@
-//! Drawing a mesh from a direction, and the triangles that can be seen from there.
+//! Rasterization of a mesh along a direction, and the triangles that are visible there.
 //!
-//! Aly & Elawady 2010 draw every triangle into an image of its own, heights interpolated along scan lines, and keep the
-//! highest value per pixel; the faces left over are the faces of collision of that direction. What is seen is the same
-//! here, found with less work: no image of face indices is kept and none is searched afterwards.
+//! Aly & Elawady 2010 draw each triangle into its own image, with heights interpolated along scan lines, and keep the
+//! highest value of each pixel. The faces that remain in the image are the faces of collision for that direction. This
+//! module finds the same triangles with less work: it neither stores nor searches an image of face indices.
 //!
-//! # What counts as visible
+//! # Definition of visibility
 //!
-//! The image is square, `size` pixels wide, centred on the middle `c` of the mesh's box. The ball about `c` through the
-//! farthest vertex fills it up to a border of 1.5 pixels, the same for every direction.
+//! The image is square, `size` pixels wide, and centred on the centre `c` of the mesh's bounding box. The sphere about
+//! `c` through the farthest vertex fills the image up to a border of 1.5 pixels, in every direction.
 //!
-//! * A triangle *covers* the pixel centres inside it or on its edges. It is visible if at one of them no other triangle
-//!   is higher. At equal height all of the equally high ones are visible: the set then depends neither on the order of
-//!   the triangles nor on the pixel at which a tie happens to fall. (The picture has to choose and shows the lowest
-//!   index.)
-//! * A triangle that covers no centre at all, a *sliver*, competes at the pixels it touches: it is visible if one of
-//!   its sample points, at most a pixel apart, is as high as the lowest of the four surrounding pixel centres. That
-//!   errs towards visible, because a triangle missing from a group is a missed collision and one too many a little work.
-//!   A sliver never hides another triangle, which would make it visible at the other's expense.
-//! * A triangle seen edge-on (cosine below 1e-6) is not visible, so a box seen along an axis shows one side.
-//! * Of a closed surface whose faces all look outwards only those that look at the viewer are drawn: the highest point
-//!   on a line is where the line enters. This is done only where `skin::facing` has proved it for the mesh; else
-//!   all triangles are drawn from both sides.
+//! * A triangle *covers* the pixel centres inside it and on its edges. It is visible if at one of these centres no
+//!   other triangle is higher. Triangles of equal height are all visible, so the set depends neither on the order of
+//!   the triangles nor on the pixel at which a tie occurs. (A [`HeightImage`](super::HeightImage) shows only one
+//!   triangle per pixel: that with the lowest index.)
+//! * A triangle that covers no pixel centre is a *sliver*. It is visible if one of its sample points, which are at most
+//!   a pixel apart, is at least as high as the lowest of the four surrounding pixel centres. This rule is conservative:
+//!   a triangle missing from a group means a missed collision, an extra one only a little work. A sliver never hides
+//!   another triangle.
+//! * A triangle seen edge-on (cosine below 1e-6) is not visible. So a box seen along an axis shows only one side.
+//! * For a closed surface whose faces all point outward, only front faces are drawn: the highest point on a line of
+//!   sight is where the line enters the surface. This applies only where `facing::prove` succeeds for the mesh.
+//!   Otherwise all triangles are drawn from both sides.
 
-use super::skin::{self, Facing};
+use super::facing::{self, Facing};
 use super::spans::{Pixel, SpanHeights, Spans};
 use crate::geometry::TriMesh;
 use crate::projection::BakeSettings;
 use glam::{DMat3, DVec3, Vec3};
 use wide::f32x4;
 
-pub use super::picture::HeightImage;
-
-/// The height of pixels that show nothing. Drawn heights are at least 1.
+/// The height of background pixels. Drawn heights are at least 1.
 pub(super) const BACKGROUND: f32 = 0.0;
 
-/// Triangles whose normal has a smaller cosine to the direction than this are edge-on. 4096 pixels high, one would be
-/// 0.004 pixels wide.
+/// Triangles are edge-on if the cosine between normal and direction is smaller than this. Such a triangle, 4096 pixels
+/// high, is 0.004 pixels wide.
 const EDGE_ON: f32 = 1.0e-6;
 
-/// How much lower than its surroundings a sliver still counts as equally high, in pixels: rounding, with some room.
+/// The rounding allowance in pixels with which a sliver counts as equally high as its surroundings.
 const SLIVER_SLACK: f32 = 1.0 / 1024.0;
 
-/// A mesh made ready to be drawn from any direction.
+/// A mesh prepared to be drawn along any direction.
 #[derive(Clone, Debug)]
 pub struct Raster {
-    /// Side of the image.
+    /// Side of the image in pixels.
     pub(super) size: u32,
     /// Pixels per radius.
     scale: f64,
-    /// Radius of the ball about the box's middle, in mesh units.
+    /// Radius of the bounding sphere about the centre of the box, in mesh units.
     radius: f64,
-    /// The vertices that triangles use, from the middle of the box, in radii.
+    /// The vertices that triangles use, relative to the centre of the box and in radii.
     points: Vec<Vec3>,
-    /// Three indices into `points` each, turned so that the normal looks outwards if that is known.
+    /// Three indices into `points` each, wound so that the normal points outward if the outside is known.
     triangles: Vec<[u32; 3]>,
     /// Unit normals of `triangles`.
     normals: Vec<Vec3>,
-    /// Whether triangles that look away are drawn.
+    /// Whether back faces are drawn.
     two_sided: bool,
 }
 
-/// The buffers of one thread that draws; reused from direction to direction.
+/// The buffers of one drawing thread, reused from direction to direction.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     projected: Vec<Pixel>,
@@ -70,7 +68,7 @@ pub struct Scratch {
     visible: Vec<u64>,
 }
 
-/// The affine map from `Raster::points` to pixels, a column per lane-wise multiplication.
+/// The affine map from `Raster::points` to pixels; each column is one SIMD vector.
 struct View {
     columns: [f32x4; 3],
     origin: f32x4,
@@ -78,20 +76,20 @@ struct View {
 }
 
 impl Raster {
-    /// Prepares `mesh` for images of `size` pixels, clamped to what [`BakeSettings::image`] allows.
+    /// Prepares `mesh` for images of `size` pixels, clamped to the range of [`BakeSettings::image`].
     pub fn new(mesh: &TriMesh, size: u32) -> Self {
         let size = size.clamp(BakeSettings::MIN_IMAGE, BakeSettings::MAX_IMAGE);
         let bounds = mesh.aabb();
         let center = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
         let used = || mesh.used_positions().map(|p| p.as_dvec3() - center);
-        // A mesh has a triangle of non-zero area, so the radius is not 0.
+        // Never 0: a mesh has a triangle of non-zero area.
         let radius = used().map(DVec3::length_squared).fold(0.0, f64::max).sqrt();
 
         let mut index = vec![u32::MAX; mesh.vertices().len()];
         let mut points = Vec::new();
         let mut triangles = Vec::with_capacity(mesh.triangles().len());
         let mut normals = Vec::with_capacity(mesh.triangles().len());
-        let facing = skin::facing(mesh);
+        let facing = facing::prove(mesh);
         for (t, corners) in mesh.triangles().iter().enumerate() {
             let [a, b, c] = mesh.corners(t).map(Vec3::as_dvec3);
             let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
@@ -120,7 +118,7 @@ impl Raster {
 
     /// The triangles that are visible after `rotation`, seen from `+z`, in ascending order.
     ///
-    /// [`rotation`](crate::geometry::direction::rotation) makes the rotation of a direction.
+    /// [`rotation`](crate::geometry::direction::rotation) gives the rotation of a direction.
     pub fn visible(&self, rotation: &DMat3) -> Vec<u32> {
         let mut scratch = Scratch::default();
         let words = self.visible_bits(rotation, &mut scratch);
@@ -129,11 +127,11 @@ impl Raster {
             .collect()
     }
 
-    /// [`Raster::visible`] as a set of bits, in buffers that are reused.
+    /// [`Raster::visible`] as a set of bits, in reused buffers.
     ///
-    /// The first pass writes heights only, which leaves `max` as its inner loop. The second asks every drawn triangle
-    /// whether it is the highest anywhere and leaves it at the first pixel where it is, so for most of the visible ones
-    /// it looks at a few pixels; only the hidden ones are walked through once more.
+    /// The first pass writes only heights, so its inner loop is a `max`. The second pass tests for each drawn triangle
+    /// whether it is the highest at any pixel, and stops at the first such pixel. For most visible triangles that takes
+    /// a few pixels; only hidden ones are traversed completely.
     pub(super) fn visible_bits<'s>(&self, rotation: &DMat3, scratch: &'s mut Scratch) -> &'s [u64] {
         let view = self.view(rotation);
         self.project(&view, &mut scratch.projected);
@@ -185,7 +183,7 @@ impl Raster {
                 column(rotation.y_axis),
                 column(rotation.z_axis),
             ],
-            // The lowest point of the ball is at height 2, safely above the background.
+            // The lowest point of the bounding sphere is at height 2, above the background.
             origin: f32x4::new([middle as f32, middle as f32, (self.scale + 2.0) as f32, 0.0]),
             axes: [0, 1, 2].map(|i| rotation.row(i).as_vec3()),
         }
@@ -206,7 +204,7 @@ impl Raster {
         self.triangles[t].map(|v| projected[v as usize])
     }
 
-    /// The normal of triangle `t` in the picture's axes, if the triangle is to be drawn.
+    /// The normal of triangle `t` in the axes of the image, if the triangle is to be drawn.
     #[inline]
     fn faces_viewer(&self, view: &View, t: usize) -> Option<[f32; 3]> {
         let normal = self.normals[t];
@@ -215,7 +213,7 @@ impl Raster {
         (toward > EDGE_ON).then(|| [normal.dot(view.axes[0]), normal.dot(view.axes[1]), z])
     }
 
-    /// What [`HeightImage`] needs: every drawn triangle with its corners and, unless no row meets it, its spans.
+    /// Calls `draw` for each triangle to draw, with its projected corners, and with its spans if any row meets it.
     pub(super) fn for_each_drawn(&self, rotation: &DMat3, mut draw: impl FnMut(u32, [Pixel; 3], Option<Spans>)) {
         let view = self.view(rotation);
         let mut projected = Vec::new();
@@ -228,7 +226,7 @@ impl Raster {
         }
     }
 
-    /// The lowest projected point in pixels, and mesh units per pixel.
+    /// The height of the lowest projected point in pixels, and the mesh units per pixel.
     pub(super) fn height_scale(&self, rotation: &DMat3) -> (f32, f64) {
         let mut projected = Vec::new();
         self.project(&self.view(rotation), &mut projected);
@@ -237,7 +235,7 @@ impl Raster {
     }
 }
 
-/// Empties the part of the depth image that drawing and sampling can reach.
+/// Clears the part of the depth image that drawing and sampling can reach.
 fn clear(depth: &mut Vec<f32>, projected: &[Pixel], stride: usize, size: usize) {
     depth.resize(stride * size, BACKGROUND);
     let (low, high) = projected.iter().fold(
@@ -245,14 +243,14 @@ fn clear(depth: &mut Vec<f32>, projected: &[Pixel], stride: usize, size: usize) 
         |(low, high), &p| (low.fast_min(f32x4::new(p)), high.fast_max(f32x4::new(p))),
     );
     let (low, high) = (low.to_array(), high.to_array());
-    // Samples look one pixel further than centres. Blocks reach further still, but leave the rest as it is.
+    // Samples read one pixel beyond the centres. Blocks extend further, but write only background there.
     let (x0, x1) = (low[0] as usize, (high[0] as usize + 2).min(stride));
     for y in low[1] as usize..(high[1] as usize + 2).min(size) {
         depth[y * stride + x0..y * stride + x1].fill(BACKGROUND);
     }
 }
 
-/// Raises the depth image to the triangle's height; whether it covers any pixel centre.
+/// Raises the depth image to the triangle's height. Returns whether the triangle covers any pixel centre.
 #[inline]
 fn raise(depth: &mut [f32], stride: usize, spans: &Spans) -> bool {
     let (low, high) = spans.rows;
@@ -283,11 +281,11 @@ fn raise(depth: &mut [f32], stride: usize, spans: &Spans) -> bool {
     covers
 }
 
-/// Whether the triangle is as high as the finished depth image at one of its pixels.
+/// Whether the triangle is at least as high as the finished depth image at one of its pixels.
 #[inline]
 fn is_highest_somewhere(depth: &[f32], stride: usize, spans: &Spans) -> bool {
     let (low, high) = spans.rows;
-    // From the middle outwards and around: the ends of a partly hidden triangle are hidden more often.
+    // Start in the middle and wrap around: the ends of a partly hidden triangle are hidden more often.
     let groups = (high - low) / 4 + 1;
     (0..groups).map(|g| (g + groups / 2) % groups).any(|g| {
         let y = low + 4 * g;
@@ -313,18 +311,18 @@ fn is_highest_somewhere(depth: &[f32], stride: usize, spans: &Spans) -> bool {
     })
 }
 
-/// Pixels handled at a time. Small triangles have spans of about as many, so the loop over blocks mostly ends after one or
-/// two; what the idle lanes cost is less than a branch mispredicted at the end of every span (measured against 4 and 16).
+/// Pixels per block. The spans of small triangles are about as long, so the loop over blocks mostly ends after one or
+/// two. The unused lanes cost less than a branch misprediction at the end of each span (measured against 4 and 16).
 const BLOCK: usize = 8;
 
-/// The blocks that hold pixels `start..=start + extent`.
+/// The blocks that contain the pixels `start..=start + extent`.
 #[inline]
 fn blocks(depth: &[f32], start: usize, extent: i32) -> &[[f32; BLOCK]] {
     let len = (extent as usize / BLOCK + 1) * BLOCK;
     depth[start..start + len].as_chunks().0
 }
 
-/// [`blocks`] to write to.
+/// Mutable [`blocks`].
 #[inline]
 fn blocks_mut(depth: &mut [f32], start: usize, extent: i32) -> &mut [[f32; BLOCK]] {
     let len = (extent as usize / BLOCK + 1) * BLOCK;
@@ -343,16 +341,16 @@ pub(super) fn sliver_shows(depth: &[f32], stride: usize, corners: [Pixel; 3]) ->
     })
 }
 
-/// Points inside a triangle, less than a pixel apart: the centroid and, towards each corner, as many as fit.
+/// Points inside a triangle, less than a pixel apart: the centroid, and points on the lines from it to the corners.
 ///
-/// A sliver is short or thin, so these three lines pass through every pixel it touches but for clipped corners.
+/// A sliver is short or thin, so these three lines pass through all pixels it touches, except pixels it barely clips.
 pub(super) fn sliver_samples(corners: [Pixel; 3]) -> impl Iterator<Item = [f32; 3]> {
     let [a, b, c] = corners.map(|p| Vec3::new(p[0], p[1], p[2]));
     let center = (a + b + c) / 3.0;
     let toward = move |corner: Vec3| {
-        let way = corner - center;
-        let steps = way.x.hypot(way.y) as u32 + 1;
-        (1..steps).map(move |i| (center + way * (i as f32 / steps as f32)).to_array())
+        let offset = corner - center;
+        let steps = offset.x.hypot(offset.y) as u32 + 1;
+        (1..steps).map(move |i| (center + offset * (i as f32 / steps as f32)).to_array())
     };
     std::iter::once(center.to_array())
         .chain(toward(a))

@@ -1,20 +1,21 @@
-//! Scan conversion: which pixel centres a projected triangle covers, and its height there, four rows at a time.
+//! Scan conversion: the pixel centres that a projected triangle covers, and its heights there, four rows at a time.
 //!
-//! All drawing goes through [`Spans`], so that the depth pass, the visibility pass and the picture evaluate the very
-//! same arithmetic and can compare heights with `>=`. Rounding is kept harmless by construction:
-//! * an edge is evaluated from its lower end whichever triangle it belongs to, so neighbours agree bit for bit on where
-//!   it crosses a row, and no pixel falls between them;
-//! * heights come from the plane's exact normal, relative to a corner, and are clamped to the corners' range.
+//! All drawing uses [`Spans`]. The depth pass, the visibility pass and the height image therefore use the same
+//! arithmetic and can compare heights with `>=`. Rounding does no harm:
+//! * an edge is always evaluated from its lower end, whichever triangle it belongs to, so neighbours agree bit for bit
+//!   on where it crosses a row, and no pixel is left between them;
+//! * heights are computed from the plane's exact normal, relative to a corner, and are clamped to the range of the
+//!   corners.
 //!
-//! The loops are written for SSE2, x86-64's baseline: conversions to integer instead of `floor` and `ceil`, which are
-//! function calls there, and one division per edge instead of one per row.
+//! The loops are written for SSE2, the baseline of x86-64. They convert to integers, because `floor` and `ceil` are
+//! function calls there, and they need one division per edge instead of one per row.
 
 use wide::f32x4;
 
-/// A point in pixels: x to the right, y up, height; centres of pixels are whole numbers. The fourth lane is unused.
+/// A point in pixels: x to the right, y up, height. Pixel centres have integer coordinates. The fourth lane is unused.
 pub(super) type Pixel = [f32; 4];
 
-/// A line that bounds the spans on one side: `x + slope * (row - y)`.
+/// A line that bounds the spans on one side, at `x + slope * (row - y)`.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     x: f32,
@@ -29,8 +30,8 @@ impl Bound {
     }
 }
 
-/// Four rows of a triangle: in row `y + k` the pixels `first[k]..=last[k]`, none if `first[k] > last[k]`, and the height
-/// `height[k] + x_slope * i` at the i-th of them.
+/// Four rows of a triangle. Row `y + k` has the pixels `first[k]..=last[k]`, none if `first[k] > last[k]`. The i-th of
+/// them has the height `height[k] + x_slope * i`.
 pub(super) struct FourRows {
     pub first: [i32; 4],
     pub last: [i32; 4],
@@ -40,7 +41,7 @@ pub(super) struct FourRows {
 /// A projected triangle, ready to be drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spans {
-    /// First and last row that may hold a centre.
+    /// The first and the last row that may have a covered pixel centre.
     pub rows: (i32, i32),
     /// Change of height per pixel to the right.
     pub x_slope: f32,
@@ -52,7 +53,7 @@ pub(super) struct Spans {
     right: [Bound; 2],
 }
 
-/// The smallest whole number that is not below `x`, for `x` that an `i32` can hold.
+/// The smallest integer not below `x`; `x` must be in the range of `i32`.
 #[inline]
 fn ceil(x: f32) -> i32 {
     let t = x as i32;
@@ -60,9 +61,9 @@ fn ceil(x: f32) -> i32 {
 }
 
 impl Spans {
-    /// Prepares the triangle `corners` with the unit normal `normal` in the picture's axes.
+    /// Prepares a triangle from its corners and its unit normal in the axes of the image.
     ///
-    /// `None` if no row of pixel centres meets it. Coordinates must be at least 0, and `normal.z` not 0.
+    /// `None` if no row of pixel centres meets it. Coordinates must not be negative, and `normal.z` must not be 0.
     #[inline]
     pub fn new(corners: [Pixel; 3], normal: [f32; 3]) -> Option<Self> {
         let [a, b, c] = corners;
@@ -77,7 +78,8 @@ impl Spans {
         }
         let z_range = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
 
-        // Around a triangle counter-clockwise, edges that run up have it on their left and end the spans.
+        // With counter-clockwise winding an upward edge has the triangle on its left, so it bounds the spans on the
+        // right.
         let (p, q) = if normal[2] > 0.0 { (b, c) } else { (c, b) };
         let beside = |x| Bound { x, y: 0.0, slope: 0.0 };
         let mut left = [beside(x_low); 2];
@@ -116,12 +118,13 @@ impl Spans {
         }
     }
 
-    /// Rows `y..y + 4`. Those beyond `self.rows` are meaningless.
+    /// Rows `y..y + 4`. Values for rows outside `self.rows` are meaningless.
     #[inline]
     pub fn four(&self, y: i32) -> FourRows {
         let rows = f32x4::splat(y as f32) + f32x4::new([0.0, 1.0, 2.0, 3.0]);
         let one = f32x4::splat(1.0);
-        // Kept within reach of i32, and `first` right of `last` if the bounds are.
+        // Clamped to the range of i32, so that `first > last` still holds if the left bound is right of the right
+        // bound.
         let left = self.left[0]
             .at(rows)
             .fast_max(self.left[1].at(rows))
@@ -137,7 +140,7 @@ impl Spans {
         let height = f32x4::splat(self.anchor[2])
             + f32x4::splat(self.x_slope) * (first - f32x4::splat(self.anchor[0]))
             + f32x4::splat(self.y_slope) * (rows - f32x4::splat(self.anchor[1]));
-        // Seen almost edge-on the slopes are huge and the terms cancel badly; the corners bound what can come out.
+        // For a triangle almost edge-on the slopes are huge and the terms cancel badly. The corners bound the result.
         let height = height
             .fast_max(f32x4::splat(self.z_range.0))
             .fast_min(f32x4::splat(self.z_range.1));
@@ -149,11 +152,11 @@ impl Spans {
     }
 }
 
-/// The heights along a span, four pixels at a time: `first + x_slope * i` for `i` = 0, 1, 2, ..., and `i` itself.
+/// The heights along a span, four pixels at a time: `first + x_slope * i` for `i` = 0, 1, 2, ..., together with `i`.
 pub(super) struct SpanHeights {
     first: f32x4,
     x_slope: f32x4,
-    /// Small whole numbers, so counting on is exact.
+    /// Small integers, so the increments are exact.
     i: f32x4,
 }
 

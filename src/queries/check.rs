@@ -1,15 +1,16 @@
-//! Which of some placed meshes touch.
+//! Which of many placed meshes touch.
 
-use crate::asset::{BakedMesh, CollisionMesh};
-use crate::state::bodies::BodyFault;
-use crate::state::{Body, NearPair, StepState, TouchingPair as StagePair};
+use super::placed::Placed;
+use crate::asset::CollisionMesh;
+use crate::state::fault::BodyFault;
+use crate::state::mesh_arena::MeshArena;
+use crate::state::{Body, NearPair, PairContact};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::{GpuStep, StepError};
-use crate::triangle_test;
+use crate::step::{self, StepState};
 use crate::types::settings::Culling;
 use crate::types::stage::Stage;
 use glam::{Quat, Vec3};
-use std::collections::HashMap;
 use std::mem;
 use thiserror::Error;
 
@@ -24,6 +25,17 @@ pub struct Placement {
     pub rotation: Quat,
     /// How it is scaled along its own axes; no component may be zero.
     pub scale: Vec3,
+}
+
+impl Placement {
+    /// The same for a [`ContactWorker`](super::ContactWorker).
+    ///
+    /// # Errors
+    /// If it cannot be used.
+    pub fn placed(&self) -> Result<Placed<'_>, BodyFault> {
+        let (translation, rotation) = (self.translation.as_dvec3(), self.rotation.as_dquat());
+        Placed::new(&self.mesh, translation, rotation, self.scale)
+    }
 }
 
 /// A placement that cannot be used.
@@ -101,10 +113,10 @@ impl Check {
     pub fn new(placements: &[Placement], options: &CheckOptions) -> Result<Self, PlacementError> {
         let mut state = placed(placements, options)?;
         for stage in [Stage::BroadPhase, Stage::Angles] {
-            crate::step::cpu::run(stage, &mut state);
+            step::cpu::run(stage, &mut state);
         }
         Ok(Self {
-            pairs: mem::take(&mut state.near_pairs),
+            pairs: mem::take(&mut state.results.near_pairs),
             state,
             done: 0,
             batch: Self::BATCH[0],
@@ -123,11 +135,11 @@ impl Iterator for Check {
     fn next(&mut self) -> Option<Vec<TouchingPair>> {
         let rest = self.pairs.get(self.done..).filter(|rest| !rest.is_empty())?;
         let batch = &rest[..self.batch.min(rest.len())];
-        self.state.near_pairs.clear();
-        self.state.near_pairs.extend_from_slice(batch);
+        self.state.results.near_pairs.clear();
+        self.state.results.near_pairs.extend_from_slice(batch);
         self.done += batch.len();
-        crate::step::cpu::run(Stage::TriangleTest, &mut self.state);
-        self.batch = if self.state.contacts.faces.len() < Self::FACES {
+        step::cpu::run(Stage::TriangleTest, &mut self.state);
+        self.batch = if self.state.results.contacts.faces.len() < Self::FACES {
             (self.batch * 2).min(Self::BATCH[1])
         } else {
             (self.batch / 2).max(1)
@@ -154,9 +166,9 @@ pub fn touching(placements: &[Placement]) -> Result<Vec<[u32; 2]>, PlacementErro
 pub fn touching_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<[u32; 2]>, PlacementError> {
     let mut state = placed(placements, options)?;
     for stage in [Stage::BroadPhase, Stage::Angles] {
-        crate::step::cpu::run(stage, &mut state);
+        step::cpu::run(stage, &mut state);
     }
-    Ok(triangle_test::cpu::touching(&mut state))
+    Ok(step::cpu::touching(&mut state))
 }
 
 /// Why a check on a GPU failed.
@@ -189,28 +201,32 @@ pub fn check_on_gpu(
 /// The stages' input for a scene.
 fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
     let mut state = StepState::default();
-    let mut slots: HashMap<*const BakedMesh, u32> = HashMap::new();
     for (body, placement) in placements.iter().enumerate() {
-        let key: *const BakedMesh = &raw const *placement.mesh;
-        let slot = *slots
-            .entry(key)
-            .or_insert_with(|| state.meshes.add(placement.mesh.clone()));
+        let slot = slot_of(&placement.mesh, &mut state.input.meshes);
         let entry = Body {
             culling: options.culling,
             ..Body::at_rest(slot, placement.translation, placement.rotation, placement.scale)
         };
         state
+            .input
             .bodies
-            .push(&entry, &state.meshes)
+            .push(&entry, &state.input.meshes)
             .map_err(|fault| PlacementError { body, fault })?;
     }
     Ok(state)
 }
 
+/// The slot that has this mesh, or a new one. Scenes have few meshes.
+fn slot_of(mesh: &CollisionMesh, meshes: &mut MeshArena) -> u32 {
+    let has_it = |slot: &u32| meshes.get(*slot).is_some_and(|other| other.mesh.is_same(mesh));
+    let slot = (0..meshes.len() as u32).find(has_it);
+    slot.unwrap_or_else(|| meshes.add(mesh.clone()))
+}
+
 fn touching_pairs(state: &StepState) -> Vec<TouchingPair> {
-    let contacts = &state.contacts;
-    let touching = |pair: &StagePair| {
-        let StagePair { bodies, contained, .. } = *pair;
+    let contacts = &state.results.contacts;
+    let touching = |pair: &PairContact| {
+        let PairContact { bodies, contained, .. } = *pair;
         let mut faces: Vec<[u32; 2]> = contacts.faces_of(pair).iter().map(|f| [f.a, f.b]).collect();
         faces.sort_unstable();
         TouchingPair {

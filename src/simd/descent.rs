@@ -1,28 +1,29 @@
-//! Down the trees of both meshes at once, to the pairs of clusters that may touch.
+//! Simultaneous traversal of the trees of two meshes, to find the pairs of clusters that may touch.
 //!
-//! Level by level, and on whichever side the nodes are larger: for each node of the first tree a list of nodes of the
-//! second that it may touch. What is visited grows with the contact, and with the height of the trees.
+//! The traversal goes level by level, and each time descends in the tree with the larger nodes. It keeps, for each node
+//! of the first tree, a list of the nodes of the second tree that may touch it. The number of visited nodes grows with
+//! the size of the contact and with the height of the trees.
 
 use super::lanes::bits;
 use super::tree::{Group, Node, Tree};
 
-/// Memory kept between pairs, and the result.
+/// The result of a traversal. It is reused from pair to pair to avoid allocations.
 #[derive(Default)]
 pub struct Descent {
-    /// Nodes of the first tree, ascending, each with its part of `list`.
+    /// Nodes of the first tree, ascending, each with a range of `list`.
     entries: Vec<Entry>,
-    /// Places in `nodes`; those of an entry ascend by the node's number.
+    /// Indices into `nodes`. Those of an entry are in ascending order of the node's number.
     list: Vec<u32>,
-    /// Nodes of the second tree, each once.
+    /// The unique nodes of the second tree.
     nodes: Vec<Node>,
-    // The same one level below.
+    // The same for the level below.
     next_entries: Vec<Entry>,
     next_list: Vec<u32>,
     next_nodes: Vec<Node>,
     masks: Vec<u32>,
-    /// For each of `nodes` its place in `groups`.
-    placed: Vec<u32>,
-    /// Children, and where each lies in `next_nodes`.
+    /// For each of `nodes`, its index in `groups`.
+    group_of_node: Vec<u32>,
+    /// The children of a node, and the index of each child in `next_nodes`.
     groups: Vec<(Group, [u32; 8])>,
 }
 
@@ -32,11 +33,11 @@ struct Entry {
     end: u32,
 }
 
-/// No place.
+/// No index.
 const NONE: u32 = u32::MAX;
 
 impl Descent {
-    /// Fills the lists, and tells how often a node was compared with eight others.
+    /// Traverses both trees. Returns the number of tests of one node against eight others.
     pub fn run(&mut self, a: &Tree, b: &Tree) -> u64 {
         self.entries.clear();
         self.entries.push(Entry {
@@ -68,15 +69,15 @@ impl Descent {
         tests
     }
 
-    /// The clusters of the first mesh, ascending, each with the places in [`Self::second`] of those of the second mesh that
-    /// it may touch.
+    /// The clusters of the first mesh, ascending. Each comes with the clusters of the second mesh that may touch it, as
+    /// indices into [`Self::second`].
     pub fn pairs(&self) -> impl Iterator<Item = (u32, &[u32])> {
         self.entries
             .iter()
             .map(|entry| (entry.node.number, &self.list[entry.first as usize..entry.end as usize]))
     }
 
-    /// Clusters of the second mesh, each once.
+    /// The clusters of the second mesh that occur in [`Self::pairs`].
     pub fn second(&self) -> impl Iterator<Item = u32> {
         self.nodes.iter().map(|node| node.number)
     }
@@ -105,18 +106,18 @@ impl Descent {
     fn open_second(&mut self, tree: &Tree, level: usize) {
         self.next_nodes.clear();
         self.groups.clear();
-        self.placed.clear();
-        self.placed.resize(self.nodes.len(), NONE);
+        self.group_of_node.clear();
+        self.group_of_node.resize(self.nodes.len(), NONE);
         for entry in &self.entries {
             let first = self.next_list.len() as u32;
             for &at in &self.list[entry.first as usize..entry.end as usize] {
                 let number = self.nodes[at as usize].number;
-                let place = &mut self.placed[at as usize];
-                if *place == NONE {
-                    *place = self.groups.len() as u32;
+                let index = &mut self.group_of_node[at as usize];
+                if *index == NONE {
+                    *index = self.groups.len() as u32;
                     self.groups.push((tree.children(level, number), [NONE; 8]));
                 }
-                let (group, children) = &mut self.groups[*place as usize];
+                let (group, children) = &mut self.groups[*index as usize];
                 for lane in bits(entry.node.meets(group)) {
                     let child = &mut children[lane];
                     if *child == NONE {
@@ -140,14 +141,15 @@ impl Descent {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tree::Way;
+    use super::super::tree::RelativePose;
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
     use glam::{Mat3, Quat, Vec3};
 
-    /// Tests of nodes, and pairs of clusters left, of two bodies `apart` from centre to centre, summed over some poses.
-    fn cost(mesh: &TriMesh, apart: f32, slabs: bool) -> [u64; 2] {
+    /// The number of node tests and the number of remaining cluster pairs, summed over 20 poses of two copies of a
+    /// mesh. `distance` is that of their centres.
+    fn cost(mesh: &TriMesh, distance: f32, slabs: bool) -> [u64; 2] {
         let baked = CollisionMesh::new(mesh);
         let lanes = baked.lanes();
         let mut descent = Descent::default();
@@ -155,17 +157,17 @@ mod tests {
         for pose in 0..20 {
             let angle = pose as f32;
             let rotation = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.8, 0.0), angle));
-            let way = Quat::from_axis_angle(Vec3::new(0.0, 0.6, 0.8), 2.0 * angle) * Vec3::X * apart;
+            let offset = Quat::from_axis_angle(Vec3::new(0.0, 0.6, 0.8), 2.0 * angle) * Vec3::X * distance;
             let back = rotation.transpose();
             let [a, b] =
-                [(false, back, -(back * way)), (true, rotation, way)].map(|(second, rotation, translation)| {
-                    let way = Way {
+                [(false, back, -(back * offset)), (true, rotation, offset)].map(|(second, rotation, translation)| {
+                    let relative = RelativePose {
                         rotation,
                         translation,
                         axis: Vec3::ZERO,
-                        least: 0.0,
+                        min_height: 0.0,
                     };
-                    Tree::new(lanes, second, Vec3::ONE, way, 4.0e-6, slabs)
+                    Tree::new(lanes, second, Vec3::ONE, relative, 4.0e-6, slabs)
                 });
             cost[0] += descent.run(&a, &b);
             cost[1] += descent.pairs().map(|(_, others)| others.len() as u64).sum::<u64>();
@@ -173,7 +175,8 @@ mod tests {
         cost
     }
 
-    /// Balls of radius 0.5 that overlap by a height at which the rim is as many triangles long, whatever their size.
+    /// The cost of two balls of radius 0.5. Their overlap is such that the contact is the same number of triangles long
+    /// for any subdivision.
     fn cost_of_balls(subdivisions: u32, slabs: bool) -> [u64; 2] {
         let overlap = 0.03 * 4f32.powi(4 - subdivisions as i32);
         cost(&shapes::ball(0.5, subdivisions), 1.0 - overlap, slabs)

@@ -1,11 +1,11 @@
 //! Vector arithmetic on eight points at a time.
 
-use crate::state::mesh_arena::Points;
+use crate::geometry::lanes::Points;
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 
-/// `[f(0), f(1), f(2)]`. An array's `map` means the same, but is not always inlined, and vectors that pass through calls
-/// pass through memory: that cost a third of the stage.
+/// `[f(0), f(1), f(2)]`. An array's `map` is not always inlined, and SIMD vectors pass through memory in a call. That
+/// took a third of the triangle test's time.
 #[inline(always)]
 pub fn each<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
@@ -40,7 +40,7 @@ pub fn cross(a: Points, b: Points) -> Points {
     ]
 }
 
-/// Sum of absolute coordinates.
+/// The sum of the absolute coordinates.
 #[inline(always)]
 pub fn norm1(a: Points) -> f32x8 {
     a[0].abs() + a[1].abs() + a[2].abs()
@@ -56,7 +56,7 @@ pub fn max(a: Points, b: Points) -> Points {
     [a[0].fast_max(b[0]), a[1].fast_max(b[1]), a[2].fast_max(b[2])]
 }
 
-/// Per lane the first where the mask is set, else the second.
+/// In each lane, `a` where the mask is set, else `b`.
 #[inline(always)]
 pub fn pick(mask: f32x8, a: Points, b: Points) -> Points {
     [
@@ -66,7 +66,7 @@ pub fn pick(mask: f32x8, a: Points, b: Points) -> Points {
     ]
 }
 
-/// Rows of a matrix, each entry in all lanes.
+/// The rows of a matrix, with each entry broadcast to all lanes.
 pub struct Rows([Points; 3]);
 
 impl Rows {
@@ -80,7 +80,7 @@ impl Rows {
     }
 }
 
-/// Lanes in which box `min_a..max_a` meets box `min_b..max_b`.
+/// A mask of the lanes in which the box `min_a..max_a` overlaps the box `min_b..max_b`.
 #[inline(always)]
 pub fn boxes_meet(min_a: Points, max_a: Points, min_b: Points, max_b: Points) -> f32x8 {
     let meet = |i: usize| min_a[i].simd_le(max_b[i]) & min_b[i].simd_le(max_a[i]);
@@ -93,7 +93,7 @@ pub fn lane_of(p: &Points, lane: usize) -> Vec3 {
     Vec3::new(p[0].as_array()[lane], p[1].as_array()[lane], p[2].as_array()[lane])
 }
 
-/// The numbers of the bits that are set, in ascending order.
+/// The indices of the set bits, in ascending order.
 pub fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {

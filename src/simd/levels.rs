@@ -1,10 +1,13 @@
-//! Down a single tree of boxes.
+//! Traversal of a single box tree.
 
 use super::lanes::bits;
-use crate::state::mesh_arena::BoxGroup;
+use crate::geometry::lanes::BoxGroup;
 
-/// Calls `found` for the numbers of all boxes of the lowest level, ascending, that `survivors` keeps with all boxes above
-/// them; `survivors` gets eight boxes and has a bit for each that it keeps. Stops once `found` says no.
+/// Visits a box tree from the root down.
+///
+/// `survivors` gets eight boxes and returns one bit for each box to descend into. `found` is called with the number of
+/// each surviving box of the lowest level, in ascending order. The traversal stops when `found` returns `false`; the
+/// result is then `false`.
 pub fn visit(
     levels: &[Vec<BoxGroup>],
     survivors: &impl Fn(&BoxGroup) -> u32,

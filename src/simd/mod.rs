@@ -1,6 +1,7 @@
-//! Eight boxes, triangles or points at a time: vector arithmetic, and the descent of two trees of boxes.
+//! SIMD for eight boxes, triangles or points at a time: vector arithmetic, and traversal of box trees.
 
 pub mod descent;
 pub mod lanes;
 pub mod levels;
+pub mod rounding;
 pub mod tree;

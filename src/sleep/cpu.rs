@@ -1,8 +1,9 @@
 //! Which bodies are frozen: islands of bodies at rest.
 
-use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::solver::Interval;
 use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
+use crate::state::still::StillBodies;
+use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
@@ -16,7 +17,7 @@ pub(crate) const OVERLAP: f32 = 1.0;
 /// Puts bodies at rest to sleep and wakes them. Holds nothing but memory; what it knows of bodies is in
 /// [`SolverBodies::sleep`].
 ///
-/// Around every detection interval: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
+/// Around every collision substep: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
 /// [`Sleeper::settle`] after it. The manifolds must hold the pairs of sleeping bodies too; as these do not move, those of
 /// the last interval do (see [`Sleeper::is_still`]).
 #[derive(Clone, Debug, Default)]
@@ -213,6 +214,17 @@ impl Sleeper {
             i = above;
         }
         i
+    }
+}
+
+/// Wakes bodies that touch something fixed which is not as it was.
+pub(crate) fn wake_on_new_ground(bodies: &mut SolverBodies, still: &StillBodies, manifolds: &Manifolds) {
+    for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies.map(|i| i as usize)) {
+        for (sleeper, ground) in [(a, b), (b, a)] {
+            if bodies.sleep[sleeper].asleep && bodies.bodies[ground].kind == RigidBody::Static && !still.still[ground] {
+                bodies.sleep[sleeper] = Default::default();
+            }
+        }
     }
 }
 

@@ -21,7 +21,7 @@ impl SolverBodies {
         self.clear();
         for (i, &key) in keys[..bodies.len()].iter().enumerate() {
             let frame = &bodies.frame[i];
-            let handling = &bodies.handling[i];
+            let params = &bodies.params[i];
             let body = SolverBody {
                 kind: bodies.kind[i],
                 inverse_mass: bodies.inverse_mass[i],
@@ -29,17 +29,17 @@ impl SolverBodies {
                 radius: bodies.own_radius[i],
                 thickness: bodies.thickness[i],
                 restitution: bodies.restitution[i],
-                restitution_combine: handling.restitution_combine,
-                friction: handling.friction.coefficient,
-                friction_combine: handling.friction.combine,
+                restitution_combine: params.restitution_combine,
+                friction: params.friction.coefficient,
+                friction_combine: params.friction.combine,
                 gravity_scale: bodies.gravity_scale[i],
-                linear_damping: handling.linear_damping,
-                angular_damping: handling.angular_damping,
-                max_linear_speed: handling.max_linear_speed,
-                max_angular_speed: handling.max_angular_speed,
-                locked_axes: handling.locked_axes,
+                linear_damping: params.linear_damping,
+                angular_damping: params.angular_damping,
+                max_linear_speed: params.max_linear_speed,
+                max_angular_speed: params.max_angular_speed,
+                locked_axes: params.locked_axes,
                 solid: !bodies.sensor[i],
-                continuous: handling.continuous,
+                continuous: params.continuous,
             };
             let motion = SolverMotion {
                 center: frame.center,
@@ -48,7 +48,7 @@ impl SolverBodies {
                 angular_velocity: bodies.angular_velocity[i],
             };
             let number = self.push(key, body, motion);
-            self.forces[number as usize] = handling.forces;
+            self.forces[number as usize] = params.forces;
         }
         for (i, plane) in planes.iter().enumerate() {
             let body = SolverBody {

@@ -5,7 +5,7 @@ use super::motion::Movers;
 use super::overlap::{self, Overlap};
 use super::pairs::{self, Pass};
 use super::warm_start::{Match, WarmStart};
-use crate::manifolds::{ManifoldPoint, Manifolds};
+use crate::state::{ManifoldPoint, Manifolds};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
 use glam::{DVec3, Vec3, Vec3A};
@@ -46,7 +46,7 @@ pub(super) struct Pair {
     /// Some point pushes, or may, in this substep.
     pub active: bool,
     /// Pushed apart along the line of centres, at its first point, until nothing overlaps.
-    pub untangling: bool,
+    pub depenetrating: bool,
     /// The way out of an overlap whose points disagree, in the world; zero for other pairs.
     pub direction: Vec3,
 }
@@ -303,7 +303,7 @@ impl Point {
     }
 
     /// The one point of a pair that is being untangled: pushes the centres themselves apart.
-    fn untangling(normal: Vec3, separation: f32) -> Self {
+    fn depenetrating(normal: Vec3, separation: f32) -> Self {
         Self {
             rows: rows(normal),
             first_separation: separation,
@@ -390,14 +390,14 @@ impl Source<'_> {
             has_mass: [a, b].map(|i| self.movers.has_mass(i)),
         };
         let overlap = overlap::judge(manifold, kept.as_ref(), diameter, &ends, settings);
-        pair.untangling = false;
+        pair.depenetrating = false;
         pair.direction = Vec3::ZERO;
         match overlap {
             Overlap::Tangled(normal) if pushed => {
-                pair.untangling = true;
+                pair.depenetrating = true;
                 points.fill(Point::NONE);
                 let deepest = manifold.iter().map(|p| p.separation).fold(0.0, f32::min);
-                points[0] = Point::untangling(normal, deepest - pair.rest_offset);
+                points[0] = Point::depenetrating(normal, deepest - pair.rest_offset);
                 return;
             }
             Overlap::Disputed(direction) => pair.direction = direction,

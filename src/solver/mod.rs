@@ -12,12 +12,8 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`step`] | the solver as stages of a step, and what it keeps between steps |
-//! | `stops` | where fast bodies are stopped |
-//! | `touches` | who touched whom in a step |
 //! | `adapter` | the way from a step's bodies to these and back |
 //! | [`bodies`] | what bodies are, how they move, what acts on them |
-//! | [`settings`] | what can be set |
 //! | [`speeds`] | how fast bodies move against each other |
 //! | `constraints` | a pair's points as the solver works on them, and how they are made |
 //! | `pairs` | what a pair does in a pass |
@@ -25,10 +21,9 @@
 //! | `ends` | which ends of pairs a body has |
 //! | `overlap` | what is made of points that disagree |
 //! | [`warm_start`] | what is kept from one interval to the next |
-//! | [`sleep`] | which bodies are frozen |
 //! | `gpu` | the same on a device, with the feature `gpu` |
 //!
-//! Nothing here knows of the ECS. Half-spaces take part as static bodies.
+//! What can be set is in [`SolverSettings`]. Half-spaces take part as static bodies.
 
 mod adapter;
 pub mod bodies;
@@ -46,7 +41,7 @@ pub mod warm_start;
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
 pub use warm_start::WarmStart;
 
-use crate::manifolds::Manifolds;
+use crate::state::{Manifolds, StepConfig};
 use crate::types::solver_settings::SolverSettings;
 use constraints::Constraints;
 use ends::Ends;
@@ -59,10 +54,21 @@ use pairs::Pass;
 pub struct Interval {
     /// Its length, seconds.
     pub dt: f32,
-    /// Into how many substeps it is cut; see [`SolverSettings::substeps_per_detection`].
+    /// Into how many substeps it is cut; see [`SolverSettings::substeps_per_collision_substep`].
     pub substeps: u32,
     /// Acceleration of bodies, m/s^2.
     pub gravity: Vec3,
+}
+
+impl Interval {
+    /// One of `collision_substeps` collision substeps of a step.
+    pub fn of(config: &StepConfig, collision_substeps: u32) -> Self {
+        Self {
+            dt: config.of_interval(collision_substeps).dt,
+            substeps: config.solver.substeps_per_collision_substep(collision_substeps),
+            gravity: config.gravity,
+        }
+    }
 }
 
 /// Moves bodies that touch. Holds nothing but memory, so that a solver can serve several worlds in turn.
@@ -74,7 +80,7 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Moves `bodies` over one detection interval, on rayon's current thread pool.
+    /// Moves `bodies` over one collision substep, on rayon's current thread pool.
     ///
     /// `manifolds` are the contact points at its start, `warm` what the last interval left behind; an empty one works, and
     /// costs some sinking. Impulses in [`SolverBodies::forces`] are used up.

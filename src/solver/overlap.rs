@@ -1,7 +1,7 @@
 //! What is made of overlaps whose contact points may disagree about the way out.
 
 use super::warm_start::Kept;
-use crate::manifolds::ManifoldPoint;
+use crate::state::ManifoldPoint;
 use crate::state::margins::SAFETY;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
@@ -63,10 +63,10 @@ pub(super) fn judge(
         return Overlap::Usual;
     }
     let tangled = match kept {
-        Some(kept) => kept.pair.untangling,
+        Some(kept) => kept.pair.depenetrating,
         None => {
             let explained = |p: &ManifoldPoint| -p.separation <= SAFETY * (closing.dot(p.normal).max(0.0) + swing);
-            let deep = |p: &&ManifoldPoint| p.separation < -settings.untangle_depth * diameter;
+            let deep = |p: &&ManifoldPoint| p.separation < -settings.deep_penetration * diameter;
             points.iter().filter(deep).any(|p| !explained(p)) || opposed(points, 0.0)
         }
     };

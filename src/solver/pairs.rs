@@ -20,8 +20,8 @@ pub(super) struct Pass {
     /// Part of a correction applied at once.
     relaxation: f32,
     sweeps: u32,
-    push_speed: f32,
-    untangle_speed: f32,
+    max_depenetration_speed: f32,
+    deep_depenetration_speed: f32,
     /// Pushes overlapping bodies apart.
     biased: bool,
 }
@@ -33,8 +33,8 @@ impl Pass {
             softness: Softness::new(settings, h),
             relaxation: settings.relaxation,
             sweeps: settings.sweeps,
-            push_speed: settings.push_speed,
-            untangle_speed: settings.untangle_speed,
+            max_depenetration_speed: settings.max_depenetration_speed,
+            deep_depenetration_speed: settings.deep_depenetration_speed,
             biased: true,
         }
     }
@@ -50,12 +50,12 @@ impl Pass {
             (separation / self.h, 1.0, 0.0)
         } else if !self.biased {
             (0.0, 1.0, 0.0)
-        } else if pair.untangling {
+        } else if pair.depenetrating {
             // Slower towards the end, where the spring of other pairs is as fast.
-            let speed = (self.softness.bias_rate * separation).max(-self.untangle_speed);
+            let speed = (self.softness.bias_rate * separation).max(-self.deep_depenetration_speed);
             (speed, 1.0, 0.0)
         } else {
-            let speed = (self.softness.bias_rate * separation).max(-self.push_speed);
+            let speed = (self.softness.bias_rate * separation).max(-self.max_depenetration_speed);
             (speed, self.softness.mass_scale, self.softness.impulse_scale)
         }
     }
@@ -71,7 +71,7 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
     let moved = b.moved - a.moved;
     for point in points.iter_mut().filter(|p| p.usable) {
         let mut levers = [Vec3A::ZERO; 2];
-        if pair.untangling {
+        if pair.depenetrating {
             point.separation = point.first_separation + point.normal().dot(moved);
         } else {
             let turns = [change(a.turned, point.rounds[0]), change(b.turned, point.rounds[1])];
@@ -217,7 +217,11 @@ pub(super) fn solve(pair: &Pair, points: &mut [Point], movers: &Movers, pass: &P
             point.impulse = impulse;
             point.largest = point.largest.max(impulse);
 
-            let limit = if pair.untangling { 0.0 } else { pair.friction * impulse };
+            let limit = if pair.depenetrating {
+                0.0
+            } else {
+                pair.friction * impulse
+            };
             let friction = slide(&local, point, give[1], point.friction, pass.relaxation, limit);
             local.push(&point.rows[1], friction[0] - point.friction[0]);
             local.push(&point.rows[2], friction[1] - point.friction[1]);
@@ -244,7 +248,7 @@ fn slide(local: &Local, point: &Point, give: f32, so_far: [f32; 2], part: f32, l
 /// Makes a pair active if some of its points met fast enough to bounce.
 pub(super) fn begin_bounce(pair: &mut Pair, points: &mut [Point], threshold: f32) {
     pair.active = false;
-    if pair.frozen || pair.untangling || pair.restitution <= 0.0 {
+    if pair.frozen || pair.depenetrating || pair.restitution <= 0.0 {
         return;
     }
     for point in points {

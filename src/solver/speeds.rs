@@ -1,7 +1,7 @@
-//! How fast bodies move against each other: what decides into how many detection intervals a step is cut.
+//! How fast bodies move against each other: what decides into how many collision substeps a step is cut.
 
 use super::bodies::SolverBodies;
-use crate::types::solver_settings::{MOST_DETECTIONS, SolverSettings};
+use crate::types::solver_settings::{MAX_COLLISION_SUBSTEPS, SolverSettings};
 use glam::{BVec3, Vec3};
 
 /// Bounds on the velocities of some bodies. Only differences between velocities count, so that bodies which all move alike are
@@ -120,14 +120,14 @@ impl Speeds {
         }
     }
 
-    /// Into how many detection intervals a step of `dt` seconds must be cut so that no two surfaces of bodies with these speeds
-    /// move further against each other in one than [`SolverSettings::detection_travel`] of the thinnest body; 1 to
-    /// [`SolverSettings::max_detections`].
-    pub fn detections(&self, settings: &SolverSettings, bodies: &SolverBodies, dt: f32) -> u32 {
+    /// Into how many collision substeps a step of `dt` seconds must be cut so that no two surfaces of bodies with these speeds
+    /// move further against each other in one than [`SolverSettings::collision_substep_travel`] of the thinnest body; 1 to
+    /// [`SolverSettings::max_collision_substeps`].
+    pub fn collision_substeps(&self, settings: &SolverSettings, bodies: &SolverBodies, dt: f32) -> u32 {
         let solid = bodies.bodies.iter().filter(|body| body.solid);
         let thinnest = solid.map(|body| body.thickness).fold(f32::INFINITY, f32::min);
-        let wanted = (self.relative() * dt / (settings.detection_travel * thinnest)).ceil();
+        let wanted = (self.relative() * dt / (settings.collision_substep_travel * thinnest)).ceil();
         // A float becomes the nearest integer, and NaN zero.
-        (wanted as u32).clamp(1, settings.max_detections.clamp(1, MOST_DETECTIONS))
+        (wanted as u32).clamp(1, settings.max_collision_substeps.clamp(1, MAX_COLLISION_SUBSTEPS))
     }
 }

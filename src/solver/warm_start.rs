@@ -3,7 +3,7 @@
 use super::bodies::SolverBodies;
 use super::constraints::{Constraints, Point};
 use super::motion::Movers;
-use crate::manifolds::ManifoldPoint;
+use crate::state::ManifoldPoint;
 use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ pub(super) const MOST_MATCHED: usize = 64;
 /// What holds up a weight is proportional to the length of a substep, up to this factor.
 pub(super) const MOST_GROWTH: f32 = 2.0;
 
-/// The impulses of the last detection interval, by the keys of bodies: bodies may come, go, and be numbered anew.
+/// The impulses of the last collision substep, by the keys of bodies: bodies may come, go, and be numbered anew.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
     /// Ascending by keys.
@@ -32,7 +32,7 @@ pub(super) struct KeptPair {
     count: u32,
     /// The order of numbers was not that of keys.
     flipped: bool,
-    pub untangling: bool,
+    pub depenetrating: bool,
     direction: Vec3,
     /// From each body's axes to the world's.
     rotations: [Quat; 2],
@@ -111,7 +111,7 @@ impl WarmStart {
                 first: pair.first,
                 count: pair.count,
                 flipped: sorted(keys) != keys,
-                untangling: pair.untangling,
+                depenetrating: pair.depenetrating,
                 direction: pair.direction,
                 rotations: [a, b].map(|i| movers.rotation(i)),
             });
@@ -180,7 +180,7 @@ impl<'a> Match<'a> {
         diameter: f32,
         growth: f32,
     ) -> Self {
-        let kept = kept.filter(|kept| !kept.pair.untangling);
+        let kept = kept.filter(|kept| !kept.pair.depenetrating);
         let back = kept.map_or([Quat::IDENTITY; 2], |kept| {
             let [one, other] = kept.pair.rotations;
             let before = if kept.swapped { [other, one] } else { [one, other] };

@@ -1,76 +1,74 @@
-//! How bodies enter a step: what is checked, and what is derived from pose and mesh.
+//! All bodies as structures of arrays: what is checked when one enters a step, and what is derived from its pose and mesh.
 
+use super::body::{Body, BodyParams, Motion};
+use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
-use super::{Bodies, Body, Frame, Motion};
+use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
-use crate::types::body::{ExternalForces, RigidBody};
-use glam::{DMat3, DQuat, Mat3, Quat, Vec3};
-#[cfg(feature = "bevy")]
-use std::mem::discriminant;
-use thiserror::Error;
+use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
+use crate::types::settings::Culling;
+use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
-/// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
-pub const MIN_RADIUS: f32 = 1.0e-9;
+/// One entry per body in every array.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies {
+    /// Slot in the [`MeshArena`].
+    pub mesh: Vec<u32>,
+    /// How the body moves.
+    pub kind: Vec<RigidBody>,
+    /// Where the mesh's origin lies.
+    pub position: Vec<Vec3>,
+    /// Unit quaternion.
+    pub rotation: Vec<Quat>,
+    /// Scale along the mesh's own axes; no component is zero.
+    pub scale: Vec<Vec3>,
+    /// Velocity of the centre of mass, m/s.
+    pub linear_velocity: Vec<Vec3>,
+    /// World axes, rad/s.
+    pub angular_velocity: Vec<Vec3>,
+    /// The pose in double precision, from the three above.
+    pub frame: Vec<Frame>,
+    /// Centre of the bounding sphere: the centre of mass in the world.
+    pub center: Vec<Vec3>,
+    /// Radius of the bounding sphere, rounded up.
+    pub radius: Vec<f32>,
+    /// The same without what rounding its centre may cost: it does not depend on where the body is.
+    pub own_radius: Vec<f32>,
+    /// Of the thinnest part, metres.
+    pub thickness: Vec<f32>,
+    /// The radius and how far from it the body looks for others: what the broad phase goes by.
+    pub reach: Vec<f32>,
+    /// 0 for what cannot be pushed.
+    pub inverse_mass: Vec<f32>,
+    /// In the body's own axes; zero for what cannot be turned.
+    pub own_inverse_inertia: Vec<Mat3>,
+    /// The same in world axes.
+    pub inverse_inertia: Vec<Mat3>,
+    /// Bounciness.
+    pub restitution: Vec<f32>,
+    /// Factor on gravity.
+    pub gravity_scale: Vec<f32>,
+    /// Who collides with whom.
+    pub layers: Vec<CollisionLayers>,
+    /// Whether the body only reports.
+    pub sensor: Vec<bool>,
+    /// Which of its triangles take part in tests.
+    pub culling: Vec<Culling>,
+    /// How the body answers.
+    pub params: Vec<BodyParams>,
+}
 
-/// The largest component a velocity may have, in m/s or rad/s: its square stays far from overflow.
-pub const MAX_SPEED: f32 = 1.0e9;
-
-/// Why a body cannot take part in a step.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum BodyFault {
-    /// Some number of its pose is NaN or infinite.
-    #[error("its Transform is not finite: set it to finite numbers")]
-    NonFinitePose,
-    /// Some number of the component of this name is NaN or infinite.
-    #[error("its {0} is not finite: set it to finite numbers")]
-    NonFinite(&'static str),
-    /// Its [`Mass`](crate::plugin::components::Mass) or [`Density`](crate::plugin::components::Density) is infinite.
-    #[error(
-        "its {0} is infinite: for what nothing can push use RigidBody::Static, or RigidBody::Kinematic if it moves by itself"
-    )]
-    Infinite(&'static str),
-    /// Its rotation is the zero quaternion.
-    #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
-    ZeroRotation,
-    /// Its scale makes it flat or smaller than [`MIN_RADIUS`].
-    #[error("its scale {0} makes it flat or vanishingly small: no component may be (nearly) zero")]
-    ZeroScale(Vec3),
-    /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
-    #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
-    TooFar,
-    /// Its mass is not positive, or so small that its inverse is not finite.
-    #[error("its mass {0} is not positive or vanishingly small: set a mass of at least 1e-38, or a positive density")]
-    Mass(f32),
-    /// Its inertia is not finite, not symmetric or not positive definite.
-    #[error("its AngularInertia is not symmetric and positive definite: use AngularInertia::principal")]
-    Inertia,
-    /// It is faster than [`MAX_SPEED`].
-    #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
-    TooFast(f32),
-    /// The normal of a plane has no length.
-    #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
-    PlaneNormal(Vec3),
-    /// It is a child of another entity.
-    #[error(
-        "it is a child of another entity, so that its Transform is no pose in the world: remove its ChildOf. Parts that stay \
-         together are one body: put them into one mesh; what follows another body is a RigidBody::Kinematic of its own, whose \
-         pose a system writes. What is only drawn may be a child"
-    )]
-    Child,
-    /// Its mesh is nowhere, and is not on its way either.
-    #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
-    MeshMissing,
-    /// It is a body and a plane at once. The body goes on; the plane is left out.
-    #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
-    PlaneOnBody,
-    /// The distance of a plane is NaN or infinite.
-    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
-    PlaneDistance(f32),
-    /// Its mesh could not be loaded.
-    #[error(
-        "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
-    )]
-    MeshFailed,
+/// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// Where the mesh's origin lies.
+    pub position: DVec3,
+    /// Orthonormal.
+    pub rotation: DMat3,
+    /// Along the mesh's own axes.
+    pub scale: DVec3,
+    /// The centre of mass in the world.
+    pub center: DVec3,
 }
 
 impl Bodies {
@@ -109,7 +107,7 @@ impl Bodies {
             layers,
             sensor,
             culling,
-            handling,
+            params,
         } = self;
         mesh.clear();
         kind.clear();
@@ -132,7 +130,13 @@ impl Bodies {
         layers.clear();
         sensor.clear();
         culling.clear();
-        handling.clear();
+        params.clear();
+    }
+
+    /// Whether contacts between two bodies move one of them.
+    pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
+        let (a, b) = (a as usize, b as usize);
+        (self.inverse_mass[a] > 0.0 || self.inverse_mass[b] > 0.0) && !self.sensor[a] && !self.sensor[b]
     }
 
     /// Where body `i` is after a step and how it moves. What follows from the pose is that of before.
@@ -174,16 +178,8 @@ impl Bodies {
         if speed > MAX_SPEED {
             return Err(BodyFault::TooFast(speed));
         }
-        let rotation = body.rotation.as_dquat();
-        if rotation.length_squared() < 1.0e-12 {
-            return Err(BodyFault::ZeroRotation);
-        }
         let slot = &meshes[body.mesh];
-        let own_radius = slot.mesh.radius * body.scale.abs().max_element();
-        let thinnest = slot.mesh.radius * body.scale.abs().min_element();
-        if thinnest < MIN_RADIUS || own_radius > 1.0e6 * thinnest {
-            return Err(BodyFault::ZeroScale(body.scale));
-        }
+        let (rotation, own_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
         if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
             return Err(BodyFault::Mass(mass));
         }
@@ -191,14 +187,18 @@ impl Bodies {
             return Err(BodyFault::Inertia);
         }
 
-        let frame = Frame::new(body, rotation.normalize(), slot.mesh.mass.center);
+        let frame = Frame::new(
+            body.position.as_dvec3(),
+            rotation,
+            body.scale.as_dvec3(),
+            slot.mesh.mass.center,
+        );
         let center = frame.center.as_vec3();
         let reach = center.abs().max(body.position.abs()).max_element() + own_radius;
         if reach.is_nan() || reach > MAX_COORDINATE {
             return Err(BodyFault::TooFar);
         }
-        // Scaling and rotating the centre rounds it; the sphere grows by what that can cost.
-        let radius = own_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element();
+        let radius = bounding_radius(own_radius, center);
         let (inverse_mass, own_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
         let inverse_inertia = frame.rotation * own_inertia * frame.rotation.transpose();
         if !inverse_mass.is_finite() {
@@ -208,7 +208,7 @@ impl Bodies {
         self.mesh.push(body.mesh);
         self.kind.push(body.kind);
         self.position.push(body.position);
-        self.rotation.push(unit(body.rotation, rotation.length_squared()));
+        self.rotation.push(unit(body.rotation));
         self.scale.push(body.scale);
         self.linear_velocity.push(body.linear_velocity);
         self.angular_velocity.push(body.angular_velocity);
@@ -227,24 +227,42 @@ impl Bodies {
         self.layers.push(body.layers);
         self.sensor.push(body.sensor);
         self.culling.push(body.culling);
-        self.handling.push(body.handling);
+        self.params.push(body.params);
         Ok(())
     }
 }
 
-/// The unit quaternion along one of this squared length. What has unit length but for rounding stays as it is: a rotation
+/// The unit quaternion along this one. What has unit length but for rounding stays as it is: a rotation
 /// that a step wrote comes back unchanged.
-fn unit(rotation: Quat, length_squared: f64) -> Quat {
-    if (length_squared - 1.0).abs() < 1.0e-6 {
+fn unit(rotation: Quat) -> Quat {
+    if (rotation.as_dquat().length_squared() - 1.0).abs() < 1.0e-6 {
         rotation
     } else {
         rotation.normalize()
     }
 }
 
+/// The unit rotation of a mesh of this radius, and its radius at this scale, if a body can have them.
+pub(crate) fn check_pose(mesh_radius: f32, rotation: DQuat, scale: Vec3) -> Result<(DQuat, f32), BodyFault> {
+    if rotation.length_squared() < 1.0e-12 {
+        return Err(BodyFault::ZeroRotation);
+    }
+    let radius = mesh_radius * scale.abs().max_element();
+    let thinnest = mesh_radius * scale.abs().min_element();
+    if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
+        return Err(BodyFault::ZeroScale(scale));
+    }
+    Ok((rotation.normalize(), radius))
+}
+
+/// The radius of a body's bounding sphere. Scaling and rotating its centre rounds it; the sphere grows by what that can cost.
+pub(crate) fn bounding_radius(own_radius: f32, center: Vec3) -> f32 {
+    own_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element()
+}
+
 impl Frame {
-    fn new(body: &Body, rotation: DQuat, mesh_center: Vec3) -> Self {
-        let (position, scale) = (body.position.as_dvec3(), body.scale.as_dvec3());
+    /// `rotation` has unit length; `mesh_center` is the centre of mass in the mesh.
+    pub(crate) fn new(position: DVec3, rotation: DQuat, scale: DVec3, mesh_center: Vec3) -> Self {
         let rotation = DMat3::from_quat(rotation);
         Self {
             position,
@@ -266,25 +284,25 @@ fn is_inertia(tensor: &Mat3) -> bool {
 
 /// The component in which a number is NaN, or infinite though it is no limit.
 fn not_finite(body: &Body) -> Option<&'static str> {
-    let handling = &body.handling;
+    let params = &body.params;
     let ExternalForces {
         force,
         torque,
         impulse,
         angular_impulse,
-    } = handling.forces;
+    } = params.forces;
     let finite = [
         ("LinearVelocity", body.linear_velocity.is_finite()),
         ("AngularVelocity", body.angular_velocity.is_finite()),
         ("Mass", body.mass.is_none_or(f32::is_finite)),
         ("Density", body.density.is_finite()),
         ("Restitution", body.restitution.is_finite()),
-        ("Friction", handling.friction.coefficient.is_finite()),
+        ("Friction", params.friction.coefficient.is_finite()),
         ("GravityScale", body.gravity_scale.is_finite()),
-        ("LinearDamping", handling.linear_damping.is_finite()),
-        ("AngularDamping", handling.angular_damping.is_finite()),
-        ("MaxLinearSpeed", !handling.max_linear_speed.is_nan()),
-        ("MaxAngularSpeed", !handling.max_angular_speed.is_nan()),
+        ("LinearDamping", params.linear_damping.is_finite()),
+        ("AngularDamping", params.angular_damping.is_finite()),
+        ("MaxLinearSpeed", !params.max_linear_speed.is_nan()),
+        ("MaxAngularSpeed", !params.max_angular_speed.is_nan()),
         (
             "ExternalForces",
             [force, torque, impulse, angular_impulse].iter().all(|v| v.is_finite()),
@@ -293,21 +311,8 @@ fn not_finite(body: &Body) -> Option<&'static str> {
     finite.into_iter().find_map(|(name, finite)| (!finite).then_some(name))
 }
 
-impl BodyFault {
-    #[cfg(feature = "bevy")]
-    /// Whether it is the same fault, whatever its numbers: told before, it is not news.
-    pub(crate) fn is_like(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::NonFinite(this), Self::NonFinite(that)) | (Self::Infinite(this), Self::Infinite(that)) => {
-                this == that
-            }
-            _ => discriminant(self) == discriminant(other),
-        }
-    }
-}
-
 /// Inverse mass and inverse inertia in the body's own axes.
-fn inverse_mass(body: &Body, frame: &Frame, mesh: &crate::geometry::MassProperties) -> (f32, DMat3) {
+fn inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> (f32, DMat3) {
     if body.kind != RigidBody::Dynamic {
         return (0.0, DMat3::ZERO);
     }

@@ -1,7 +1,7 @@
 //! Speculative margins: how far apart surfaces get contact points, because they may meet before the next detection.
 //!
 //! A pair's margin follows how its two bodies move against each other, so that bodies that fly alike have none. Beyond
-//! twice the thickness of the thinner one it does not grow: fast bodies get more detection intervals instead. What happens
+//! twice the thickness of the thinner one it does not grow: fast bodies get more collision substeps instead. What happens
 //! between two bodies because a third one stops or pushes one of them is seen in the next interval.
 
 use crate::state::{Bodies, StepConfig};
@@ -37,7 +37,7 @@ impl Margins {
         let mut reach = std::mem::take(&mut bodies.reach);
         reach.clear();
         // All that a body may meet on its way must be known to stop it there: what is stopped, and what comes towards it.
-        let stops = bodies.handling.iter().any(|handling| handling.continuous);
+        let stops = bodies.params.iter().any(|params| params.continuous);
         reach.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
             let travel = match self {
                 Self::Moving { interval, drift } if bodies.kind[i] != RigidBody::Static => {

@@ -1,44 +1,192 @@
-//! The step on the CPU.
+//! The step on the CPU: one function for each part, on rayon's current thread pool.
 
-use super::dynamics;
-use crate::state::StepState;
+use super::StepState;
+use super::begin::begin;
+use super::order::{Part, Place, parts_of};
+use crate::manifolds::report::report_points;
+use crate::solver::Interval;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, triangle_test};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// Runs a stage on rayon's current thread pool, and notes how long it took.
-///
-/// A step begins with the first stage and ends with the last one, which goes on with all stages for the other detection
-/// intervals, if there are any.
-pub fn run(stage: Stage, state: &mut StepState) {
-    if stage == Stage::BroadPhase {
-        dynamics::begin(state);
-    }
-    state.times[stage as usize] = run_once(stage, state);
-    if stage == Stage::Integrate {
-        for _ in 1..state.dynamics.intervals() {
-            // What the triangle test reports is meant for the beginning of the step.
-            for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::TriangleTest) {
-                let time = run_once(stage, state);
-                state.times[stage as usize] += time;
-            }
-        }
-        dynamics::end(state);
+/// Runs a whole step.
+pub fn run_all(step: &mut StepState) {
+    for stage in Stage::ALL {
+        run(stage, step);
     }
 }
 
-fn run_once(stage: Stage, state: &mut StepState) -> Duration {
-    let start = Instant::now();
-    match stage {
-        Stage::BroadPhase => broad_phase::cpu::run(state),
-        Stage::Angles => angles::cpu::run(state),
-        Stage::TriangleTest => triangle_test::cpu::run(state),
-        Stage::Manifolds => manifolds::step::run(state),
-        Stage::ForceScan if state.config.response == Response::Contacts => dynamics::solve(state),
-        Stage::ForceScan => force_scan::cpu::run(state),
-        Stage::Integrate if state.config.response == Response::Contacts => dynamics::move_bodies(state),
-        Stage::Integrate => integrate::cpu::run(state),
+/// Runs a stage of the first collision substep, and notes how long it took.
+///
+/// The last stage goes on with all stages for the other intervals, if there are any: a step is whole when all stages have run,
+/// in order.
+pub fn run(stage: Stage, step: &mut StepState) {
+    step.results.times[stage as usize] = Default::default();
+    run_stage(stage, 0, step);
+    if stage == Stage::Integrate {
+        for interval in 1..step.results.collision_substeps {
+            for stage in Stage::ALL {
+                run_stage(stage, interval, step);
+            }
+        }
     }
-    start.elapsed()
+}
+
+/// Which near pairs touch, without faces and contacts: the test of a pair ends at its first hit. Takes the place of the triangle
+/// test, after the stages before it.
+pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
+    let StepState {
+        input,
+        results,
+        scratch,
+        ..
+    } = step;
+    triangle_test::cpu::touching(
+        &input.bodies,
+        &input.meshes,
+        &results.near_pairs,
+        &mut scratch.triangle_test,
+    )
+}
+
+/// Runs the parts of a stage in one interval, and adds how long they took.
+fn run_stage(stage: Stage, interval: u32, step: &mut StepState) {
+    let start = Instant::now();
+    // How many intervals there are is known after the first part. It matters to the last stage only.
+    let place = Place::of(interval, step.results.collision_substeps);
+    for part in parts_of(stage, step.input.config.response, place) {
+        run_part(part, step);
+    }
+    step.results.times[stage as usize] += start.elapsed();
+}
+
+fn run_part(part: Part, step: &mut StepState) {
+    let StepState {
+        input,
+        results,
+        memory,
+        scratch,
+    } = step;
+    let config = input.config;
+    let planes_from = input.bodies.len() as u32;
+    let interval = config.of_interval(results.collision_substeps);
+    match part {
+        Part::Begin => begin(input, memory, results, scratch),
+        Part::FindSpherePairs => {
+            broad_phase::cpu::run(&input.bodies, &mut scratch.broad_phase, &mut results.sphere_pairs);
+        }
+        Part::FindNearPairs => {
+            results.approximate_pairs = angles::cpu::run(
+                &config,
+                &input.bodies,
+                &input.meshes,
+                scratch.margins,
+                &results.sphere_pairs,
+                &mut scratch.angles,
+                &mut results.near_pairs,
+            );
+        }
+        Part::TestTriangles => triangle_test::cpu::run(
+            &input.bodies,
+            &input.meshes,
+            &input.planes,
+            &results.near_pairs,
+            &results.manifolds,
+            &scratch.still,
+            &mut scratch.triangle_test,
+            &mut results.contacts,
+        ),
+        Part::FindContactPoints => manifolds::step::find(
+            &interval,
+            &input.bodies,
+            &input.meshes,
+            &input.planes,
+            &results.near_pairs,
+            &scratch.still,
+            &mut scratch.manifolds,
+            &mut results.manifolds,
+        ),
+        Part::ReuseContactPoints => {
+            manifolds::step::reuse(
+                &scratch.still,
+                planes_from,
+                &mut scratch.manifolds,
+                &mut results.manifolds,
+            );
+        }
+        Part::ReportContactPoints => {
+            let center_of = |body: u32| input.bodies.center[body as usize];
+            report_points(&results.manifolds, planes_from, &mut results.contacts, center_of);
+        }
+        Part::SumImpulses => force_scan::cpu::sum_impulses(
+            &config,
+            &input.bodies,
+            &input.planes,
+            &results.contacts,
+            &mut scratch.force_scan,
+            &mut results.impulses,
+        ),
+        Part::ApplyImpulses => {
+            integrate::cpu::apply_impulses(&config, &input.meshes, &results.impulses, &mut input.bodies);
+        }
+        Part::Wake => force_scan::cpu::wake(
+            &config.solver,
+            &Interval::of(&config, results.collision_substeps),
+            &results.manifolds,
+            &scratch.still,
+            &mut scratch.sleeper,
+            &mut scratch.solver_bodies,
+        ),
+        Part::Solve => force_scan::cpu::solve(
+            &config.solver,
+            &Interval::of(&config, results.collision_substeps),
+            &results.manifolds,
+            &mut scratch.solver,
+            &mut memory.warm,
+            &mut scratch.solver_bodies,
+        ),
+        Part::NoteTouches => scratch.touches.note(
+            &input.bodies,
+            &scratch.solver_bodies,
+            &results.manifolds,
+            &config.solver,
+            &scratch.solver,
+        ),
+        Part::FallAsleep => force_scan::cpu::fall_asleep(
+            &config.solver,
+            interval.dt,
+            &results.manifolds,
+            &mut scratch.sleeper,
+            &mut scratch.solver_bodies,
+            &mut scratch.still,
+        ),
+        Part::StopFastBodies => integrate::cpu::stop_fast_bodies(
+            &interval,
+            &input.bodies,
+            &input.meshes,
+            &input.planes,
+            &results.sphere_pairs,
+            &results.manifolds,
+            &mut scratch.stops,
+            &mut scratch.solver_bodies,
+            &mut scratch.touches,
+        ),
+        Part::MoveBodies => {
+            integrate::cpu::move_bodies(&scratch.solver_bodies, &input.meshes, &mut input.bodies);
+            scratch.margins.set_reach(&mut input.bodies, &config);
+        }
+        Part::ReportTouches => {
+            let sleep = &scratch.solver_bodies.sleep[..input.bodies.len()];
+            results.asleep.extend(sleep.iter().map(|sleep| sleep.asleep));
+            scratch.touches.report(planes_from, &mut results.contacts);
+        }
+        Part::Remember if config.response == Response::Contacts => {
+            memory.keep(input, &scratch.solver_bodies, &scratch.stops);
+        }
+        Part::Remember => {
+            memory.forget();
+            scratch.solver_bodies.clear();
+        }
+    }
 }

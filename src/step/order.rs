@@ -1,4 +1,4 @@
-//! The order of a step: its parts, for every [`Response`] and every detection interval. Both backends run this list.
+//! The order of a step: its parts, for every [`Response`] and every collision substep. Both backends run this list.
 //!
 //! `step::cpu` calls one function for each part. `step::gpu` records the kernels of each part; a part that the device does
 //! without has none.
@@ -47,7 +47,7 @@ pub enum Part {
     Remember,
 }
 
-/// Where a detection interval lies in its step. Without [`Response::Contacts`] the only one is the first and the last.
+/// Where a collision substep lies in its step. Without [`Response::Contacts`] the only one is the first and the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Place {
     /// The step begins with it.
@@ -110,7 +110,7 @@ const ORDER: [(Part, When, With); 17] = [
     (Part::Remember, When::Last, ANY),
 ];
 
-/// The parts of one detection interval, in order.
+/// The parts of one collision substep, in order.
 pub fn parts(response: Response, place: Place) -> impl Iterator<Item = Part> {
     ORDER
         .iter()

@@ -11,11 +11,11 @@ use crate::gpu::layout::{
 use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::{read_words, scoped};
 use crate::manifolds::gpu::record::{record_lists, record_points};
-use crate::manifolds::gpu::{ContactBuffers, ContactSizes, SHADERS};
+use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, SHADERS};
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
-use crate::state::StepState;
+use crate::state::StepInput;
 use crate::step::gpu::StepError;
-use crate::step::gpu::record::ALL_SHADERS;
+use crate::step::gpu::record::all_modules;
 use crate::step::gpu::upload::Input;
 use crate::types::stage::Stage;
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -27,13 +27,13 @@ use wgpu::{Buffer, BufferUsages};
 pub struct GpuManifolds {
     gpu: Gpu,
     kernels: Kernels,
-    sizes: ContactSizes,
+    sizes: ContactCapacity,
     /// How often lists had to be made longer.
     repeats: usize,
 }
 
 /// Lists start with room for this many things, and grow.
-const START: ContactSizes = ContactSizes {
+const START: ContactCapacity = ContactCapacity {
     margin_pairs: 256,
     slots: 1024,
     near_triangles: 1 << 16,
@@ -60,10 +60,9 @@ impl GpuManifolds {
     ///
     /// # Errors
     /// If the device cannot run the kernels.
-    pub fn with_room(gpu: &Gpu, sizes: ContactSizes) -> Result<Self, NoGpu> {
+    pub fn with_room(gpu: &Gpu, sizes: ContactCapacity) -> Result<Self, NoGpu> {
         let kernels = crate::gpu::SHADERS.kernels.iter().chain(SHADERS.kernels).copied();
-        let modules = ALL_SHADERS.iter().flat_map(|shaders| shaders.modules);
-        let compiled = scoped(gpu, || Kernels::new(gpu, modules, kernels)).and_then(|kernels| kernels);
+        let compiled = scoped(gpu, || Kernels::new(gpu, all_modules(), kernels)).and_then(|kernels| kernels);
         match compiled {
             Ok(kernels) => Ok(Self {
                 gpu: gpu.clone(),
@@ -79,7 +78,7 @@ impl GpuManifolds {
     }
 
     /// What fits at present.
-    pub fn sizes(&self) -> ContactSizes {
+    pub fn sizes(&self) -> ContactCapacity {
         self.sizes
     }
 
@@ -94,7 +93,7 @@ impl GpuManifolds {
     ///
     /// # Errors
     /// If the device cannot hold the lists, or fails.
-    pub fn run(&mut self, state: &StepState, pairs: &[MarginPair]) -> Result<Manifolds, StepError> {
+    pub fn run(&mut self, state: &StepInput, pairs: &[MarginPair]) -> Result<Manifolds, StepError> {
         let scene = self.upload(state)?;
         let own = |pair: &MarginPair| layout::MarginPair {
             a: pair.bodies[0],
@@ -105,10 +104,10 @@ impl GpuManifolds {
         let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
         let count = pairs.len() as u32;
         let slots = scene.bodies.saturating_mul(scene.planes).saturating_add(count);
-        self.sizes = self.sizes.grown(ContactSizes {
+        self.sizes = self.sizes.grown(ContactCapacity {
             margin_pairs: count,
             slots,
-            ..ContactSizes::default()
+            ..ContactCapacity::default()
         });
         for _ in 0..REPEATS {
             let buffers = self.scoped(|gpu| ContactBuffers::new(gpu, self.sizes))??;
@@ -119,7 +118,7 @@ impl GpuManifolds {
             if counters[CONTACTS_SKIPPED as usize] == 0 {
                 return self.read(&buffers, &counters);
             }
-            self.sizes = self.sizes.grown(ContactSizes::needed(&counters));
+            self.sizes = self.sizes.grown(ContactCapacity::needed(&counters));
             self.repeats += 1;
         }
         Err(StepError::Device(
@@ -131,7 +130,7 @@ impl GpuManifolds {
         scoped(&self.gpu, || work(&self.gpu)).map_err(StepError::Device)
     }
 
-    fn upload(&self, state: &StepState) -> Result<Scene, StepError> {
+    fn upload(&self, state: &StepInput) -> Result<Scene, StepError> {
         let input = Input::new(state, &[]);
         let mut arena = Arena::with_features();
         let (mut headers, mut words) = (vec![layout::Mesh::default(); state.meshes.len().max(1)], Vec::new());

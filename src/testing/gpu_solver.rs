@@ -14,7 +14,7 @@ use crate::solver::gpu::record::{record, record_arguments};
 use crate::solver::gpu::{Passes, Room, SolverBuffers, upload};
 use crate::solver::{Interval, SleepState, SolverBodies, SolverMotion};
 use crate::step::gpu::StepError;
-use crate::step::gpu::record::ALL_SHADERS;
+use crate::step::gpu::record::all_modules;
 use crate::types::solver_settings::SolverSettings;
 use crate::types::stage::Stage;
 use bytemuck::{Pod, cast_slice};
@@ -75,8 +75,7 @@ impl GpuSolver {
     pub fn with_room(gpu: &Gpu, room: Room) -> Result<Self, StepError> {
         let shaders = [&crate::gpu::SHADERS, &solver::SHADERS, &sleep::gpu::SHADERS];
         let all = shaders.into_iter().flat_map(|shaders| shaders.kernels.iter().copied());
-        let modules = ALL_SHADERS.iter().flat_map(|shaders| shaders.modules);
-        let kernels = device(scoped(gpu, || Kernels::new(gpu, modules, all)).and_then(|kernels| kernels))?;
+        let kernels = device(scoped(gpu, || Kernels::new(gpu, all_modules(), all)).and_then(|kernels| kernels))?;
         let made = scoped(gpu, || {
             Ok::<_, TooLarge>((Handed::new(gpu, room)?, SolverBuffers::new(gpu, room)?))
         });
@@ -165,7 +164,7 @@ impl GpuSolver {
         ])
     }
 
-    /// Moves the bodies over one detection interval. If the solver's own lists are too small for the contacts, nothing
+    /// Moves the bodies over one collision substep. If the solver's own lists are too small for the contacts, nothing
     /// moves; they are made larger and the interval runs again.
     ///
     /// # Errors

@@ -11,11 +11,11 @@ mod planes;
 mod product;
 mod setting;
 
-use crate::manifolds::{Manifolds, nearest, push_each_other};
 use crate::parallel::per_thread::PerThread;
+use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, Contacts, FacePair, NearPair, StepState, TouchingPair};
-use crate::step::dynamics::Dynamics;
+use crate::state::still::StillBodies;
+use crate::state::{Bodies, Contacts, FacePair, Manifolds, NearPair, PairContact, Plane};
 use rayon::prelude::*;
 use setting::Setting;
 
@@ -57,25 +57,25 @@ impl Scratch {
 /// Pairs per task: small enough to balance, large enough to keep the scratch warm.
 const TASK: usize = 16;
 
-/// Fills `state.contacts`.
-pub fn run(state: &mut StepState) {
-    let StepState {
-        bodies,
-        meshes,
-        near_pairs,
-        contacts,
-        manifolds,
-        dynamics,
-        triangle_scratch,
-        ..
-    } = state;
-    let mut overlapping = std::mem::take(&mut triangle_scratch.overlapping);
-    find_overlapping(manifolds, dynamics, &mut overlapping);
+/// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies reach into `planes`.
+/// `manifolds` are those of the last interval: pairs that are still touch as they did then.
+pub(crate) fn run(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    planes: &[Plane],
+    near_pairs: &[NearPair],
+    manifolds: &Manifolds,
+    still: &StillBodies,
+    scratch: &mut Scratch,
+    contacts: &mut Contacts,
+) {
+    let mut overlapping = std::mem::take(&mut scratch.overlapping);
+    find_overlapping(manifolds, still, &mut overlapping);
     // What pushes and sleeps has the points it had, and these tell that it touches. Its surfaces do not meet if they say so.
     let is_known = |pair: [u32; 2]| {
-        dynamics.is_still(pair) && push_each_other(bodies, pair) && overlapping.binary_search(&pair).is_err()
+        still.is_still(pair) && bodies.push_each_other(pair) && overlapping.binary_search(&pair).is_err()
     };
-    let (tasks, workers) = triangle_scratch.ready(near_pairs.len());
+    let (tasks, workers) = scratch.ready(near_pairs.len());
     tasks
         .par_iter_mut()
         .zip(near_pairs.par_chunks(TASK))
@@ -91,43 +91,40 @@ pub fn run(state: &mut StepState) {
     for Task { found, .. } in tasks.iter() {
         let base = contacts.faces.len() as u32;
         contacts.faces.extend_from_slice(&found.faces);
-        contacts.pairs.extend(found.pairs.iter().map(|pair| TouchingPair {
+        contacts.pairs.extend(found.pairs.iter().map(|pair| PairContact {
             first_face: base + pair.first_face,
             ..*pair
         }));
         contacts.triangle_tests += found.triangle_tests;
     }
-    triangle_scratch.overlapping = overlapping;
-    let scratch = &mut triangle_scratch.planes;
-    planes::find(bodies, meshes, &state.planes, scratch, &mut contacts.planes);
+    scratch.overlapping = overlapping;
+    planes::find(bodies, meshes, planes, &mut scratch.planes, &mut contacts.planes);
 }
 
 /// Finds the pairs that sleep and whose surfaces cross, by the points they have from the last interval.
-fn find_overlapping(manifolds: &Manifolds, dynamics: &Dynamics, overlapping: &mut Vec<[u32; 2]>) {
+fn find_overlapping(manifolds: &Manifolds, still: &StillBodies, overlapping: &mut Vec<[u32; 2]>) {
     overlapping.clear();
-    if !dynamics.has_still() {
+    if !still.has_sleepers {
         return;
     }
     let crossing = manifolds.pairs.iter().filter(|pair| {
         let nearest = nearest(manifolds.points_of(pair));
         nearest.is_some_and(|point| point.separation <= 0.0)
     });
-    let now = crossing.filter_map(|pair| dynamics.renumbered(pair.bodies));
-    overlapping.extend(now.filter(|&pair| dynamics.is_still(pair)));
+    let now = crossing.filter_map(|pair| still.renumbered(pair.bodies));
+    overlapping.extend(now.filter(|&pair| still.is_still(pair)));
     overlapping.sort_unstable();
 }
 
-/// Which of `state.near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at
-/// the first hit.
-pub fn touching(state: &mut StepState) -> Vec<[u32; 2]> {
-    let StepState {
-        bodies,
-        meshes,
-        near_pairs,
-        triangle_scratch,
-        ..
-    } = state;
-    let (tasks, workers) = triangle_scratch.ready(near_pairs.len());
+/// Which of `near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at the first
+/// hit.
+pub(crate) fn touching(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    near_pairs: &[NearPair],
+    scratch: &mut Scratch,
+) -> Vec<[u32; 2]> {
+    let (tasks, workers) = scratch.ready(near_pairs.len());
     tasks
         .par_iter_mut()
         .zip(near_pairs.par_chunks(TASK))
@@ -186,7 +183,7 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
     let face_count = found.faces.len() as u32 - first_face;
     let contained = face_count == 0 && containment::either_inside(bodies, meshes, pair);
     if face_count > 0 || contained {
-        found.pairs.push(TouchingPair {
+        found.pairs.push(PairContact {
             bodies: pair.bodies,
             contained,
             first_face,
@@ -197,15 +194,5 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
             impulse: 0.0,
             passing: false,
         });
-    }
-}
-
-impl Contacts {
-    fn clear(&mut self) {
-        self.pairs.clear();
-        self.faces.clear();
-        self.planes.clear();
-        self.points.clear();
-        self.triangle_tests = 0;
     }
 }

@@ -1,13 +1,16 @@
-//! What a body is and how it moves, in the words that users spawn and the stages read.
+//! Components of a body: its kind, velocities, forces, locked axes and collision layers.
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
 use glam::Vec3;
 
-/// How a body moves. Pairs are tested if one of the two is dynamic, or one a [`Sensor`] and one kinematic.
+/// How a body moves.
 ///
-/// A body is an entity with a [`MeshCollider`] and a `RigidBody`; its pose is its [`Transform`], taken as a pose in the
-/// world (spawn bodies as root entities), scale included.
+/// A body is an entity with a [`MeshCollider`](crate::plugin::components::MeshCollider) and a `RigidBody`. Its pose is
+/// its `Transform`, scale included. The `Transform` is read as a pose in the world: spawn bodies as root entities.
+///
+/// A pair of bodies is tested if at least one of them is dynamic, or if one is a
+/// [`Sensor`](crate::plugin::components::Sensor) and the other is kinematic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -19,10 +22,12 @@ pub enum RigidBody {
     /// Moved by forces and collisions.
     #[default]
     Dynamic,
-    /// Moved by its velocity alone; pushes dynamic bodies and is never pushed. It turns about its centre of mass, as all bodies
-    /// do: give a door that turns about a hinge the [`LinearVelocity`] that its centre has, or set its `Transform` in every step.
+    /// Moved by its velocity alone. It pushes dynamic bodies and is never pushed.
+    ///
+    /// Like every body it rotates about its centre of mass. For a door that rotates about a hinge, set the
+    /// [`LinearVelocity`] of the door's centre too, or set its `Transform` in every step.
     Kinematic,
-    /// Does not move by itself.
+    /// Never moved by the step.
     Static,
 }
 
@@ -44,8 +49,10 @@ pub struct LinearVelocity(pub Vec3);
 )]
 pub struct AngularVelocity(pub Vec3);
 
-/// Where a body's centre of mass is, in the space of its mesh: unscaled, unrotated, not moved. A [`RigidBody`](super::RigidBody)
-/// brings it; on a static collider without one, insert it yourself. The step writes it once the mesh is loaded.
+/// The centre of mass of a body in the coordinates of its mesh, before the body's `Transform` is applied. In metres.
+///
+/// The step writes it once the mesh is loaded. [`RigidBody`] requires it; insert it yourself on a static collider
+/// without a `RigidBody`.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -68,18 +75,23 @@ pub struct CenterOfMass(pub(crate) Vec3);
 
 #[cfg(feature = "bevy")]
 impl CenterOfMass {
-    /// Where it is in the world, with the body there.
+    /// The centre of mass in the world, for a body placed at `transform`.
     pub fn in_world(&self, transform: &Transform) -> Vec3 {
         transform.transform_point(self.0)
     }
 }
 
-/// Whether a dynamic body is frozen because all it touches has been at rest for a while (see
-/// [`SolverSettings::sleeping`](crate::types::solver_settings::SolverSettings)). Written by the step.
+/// Whether a dynamic body sleeps. The step writes it.
 ///
-/// A body wakes, with all that lies on it or under it, when it is moved, given a velocity, a force or an impulse, or
-/// touched; when what it touches moves or is gone; when its shape or [`Gravity`](crate::plugin::settings::Gravity) changes; and
-/// when this is set to false. To set it to true has no effect.
+/// An island of bodies in contact falls asleep when all of them have been at rest for a while; see
+/// [`SolverSettings::sleeping`](crate::types::solver_settings::SolverSettings::sleeping). Bodies asleep are not
+/// simulated.
+///
+/// A body wakes, together with its island, when
+/// * it is moved, touched, or given a velocity, a force or an impulse,
+/// * a body that it touches moves or is removed,
+/// * its shape or [`Gravity`](crate::plugin::settings::Gravity) changes,
+/// * this component is set to false. Setting it to true has no effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -88,10 +100,9 @@ impl CenterOfMass {
 )]
 pub struct Sleeping(pub bool);
 
-/// What acts on a body from outside, beside gravity.
+/// External forces and impulses on a body, in addition to gravity.
 ///
-/// Forces hold until they are changed; impulses are used up by the next step, which sets them to zero. As a component:
-/// add to it, or set it anew, in every step in which something else acts.
+/// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -99,38 +110,40 @@ pub struct Sleeping(pub bool);
     reflect(Component, Default, Debug, PartialEq)
 )]
 pub struct ExternalForces {
-    /// At the centre of mass, newtons.
+    /// Force at the centre of mass in newtons, in world axes.
     pub force: Vec3,
-    /// Newton metres.
+    /// Torque in newton metres, in world axes.
     pub torque: Vec3,
-    /// At the centre of mass, newton seconds.
+    /// Impulse at the centre of mass in newton seconds, in world axes.
     pub impulse: Vec3,
-    /// Newton metre seconds.
+    /// Angular impulse in newton metre seconds, in world axes.
     pub angular_impulse: Vec3,
 }
 
 impl ExternalForces {
-    /// Adds a force, in newtons, that acts at `point` of the world on a body whose centre of mass is at `center` of the world:
-    /// [`CenterOfMass::in_world`](crate::types::body::CenterOfMass::in_world).
+    /// Adds a force in newtons that acts at `point`. `center` is the body's centre of mass,
+    /// [`CenterOfMass::in_world`](crate::types::body::CenterOfMass::in_world). Both are in world coordinates.
     pub fn add_force_at(&mut self, force: Vec3, point: Vec3, center: Vec3) {
         self.force += force;
         self.torque += (point - center).cross(force);
     }
 
-    /// Adds an impulse, in newton seconds, in the same way.
+    /// Adds an impulse in newton seconds that acts at `point`, like [`ExternalForces::add_force_at`].
     pub fn add_impulse_at(&mut self, impulse: Vec3, point: Vec3, center: Vec3) {
         self.impulse += impulse;
         self.angular_impulse += (point - center).cross(impulse);
     }
 
-    /// Whether nothing acts.
+    /// Whether all forces and impulses are zero.
     pub fn is_zero(&self) -> bool {
         *self == Self::default()
     }
 }
 
-/// World axes along which a body does not move, and about which it does not turn: `LockedAxes::ROTATION |
-/// LockedAxes::TRANSLATION_Z` for example. Contacts and forces see the body as infinitely heavy there.
+/// World axes along which a body does not translate, and about which it does not rotate.
+///
+/// Combine them with `|`: `LockedAxes::ROTATION | LockedAxes::TRANSLATION_Z`. For contacts and forces the body has
+/// infinite mass along a locked axis, or infinite inertia about it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -140,41 +153,41 @@ impl ExternalForces {
 pub struct LockedAxes(u8);
 
 impl LockedAxes {
-    /// Free.
+    /// No axis is locked.
     pub const NONE: Self = Self(0);
-    /// Does not move along x.
+    /// No translation along x.
     pub const TRANSLATION_X: Self = Self(1);
-    /// Does not move along y.
+    /// No translation along y.
     pub const TRANSLATION_Y: Self = Self(2);
-    /// Does not move along z.
+    /// No translation along z.
     pub const TRANSLATION_Z: Self = Self(4);
-    /// Does not turn about x.
+    /// No rotation about x.
     pub const ROTATION_X: Self = Self(8);
-    /// Does not turn about y.
+    /// No rotation about y.
     pub const ROTATION_Y: Self = Self(16);
-    /// Does not turn about z.
+    /// No rotation about z.
     pub const ROTATION_Z: Self = Self(32);
-    /// Does not move.
+    /// No translation.
     pub const TRANSLATION: Self = Self(7);
-    /// Does not turn.
+    /// No rotation.
     pub const ROTATION: Self = Self(56);
 
-    /// The locks as bits: x, y, z of translation from the lowest, then those of rotation. Other bits are dropped.
+    /// Locks from bits 0 to 5: translation along x, y, z, then rotation about x, y, z. Other bits are ignored.
     pub fn from_bits(bits: u8) -> Self {
         Self(bits & 63)
     }
 
-    /// See [`LockedAxes::from_bits`].
+    /// The bits that [`LockedAxes::from_bits`] takes.
     pub fn bits(self) -> u8 {
         self.0
     }
 
-    /// 1 for each axis along which the body may move, else 0.
+    /// 1 for each axis along which the body may translate, else 0.
     pub fn free_translation(self) -> Vec3 {
         self.free(0)
     }
 
-    /// 1 for each axis about which the body may turn, else 0.
+    /// 1 for each axis about which the body may rotate, else 0.
     pub fn free_rotation(self) -> Vec3 {
         self.free(3)
     }
@@ -192,7 +205,9 @@ impl std::ops::BitOr for LockedAxes {
     }
 }
 
-/// Which bodies may collide: `a` and `b` do if each is in a layer that the other's filter names.
+/// Which bodies may collide. Two bodies collide if each is in a layer that the other one's filter contains.
+///
+/// By default a body is in layer 0 and collides with all layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -200,9 +215,9 @@ impl std::ops::BitOr for LockedAxes {
     reflect(Component, Default, Debug, PartialEq)
 )]
 pub struct CollisionLayers {
-    /// One bit for each layer the body is in.
+    /// One bit for each layer that contains the body. Default 1.
     pub memberships: u32,
-    /// One bit for each layer it collides with.
+    /// One bit for each layer that the body collides with. Default all.
     pub filters: u32,
 }
 
@@ -216,7 +231,7 @@ impl Default for CollisionLayers {
 }
 
 impl CollisionLayers {
-    /// Whether two bodies in these layers collide.
+    /// Whether a body with these layers may collide with one with the `other` layers.
     pub fn interacts_with(self, other: Self) -> bool {
         self.memberships & other.filters != 0 && other.memberships & self.filters != 0
     }

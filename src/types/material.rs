@@ -1,9 +1,9 @@
-//! How surfaces rub and bounce.
+//! Materials: friction, restitution, and how the values of two bodies combine.
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
 
-/// Coulomb friction, the same for sticking and sliding. Default 0.5, of which two bodies take the mean.
+/// Coulomb friction of a body or plane. Static and dynamic friction are the same. Default 0.5, combined by the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -11,9 +11,10 @@ use bevy::prelude::*;
     reflect(Component, Default, Debug, PartialEq)
 )]
 pub struct Friction {
-    /// Largest friction over normal force: the tangent of the slope on which a body just holds. A negative one counts as 0.
+    /// Ratio of the largest friction force to the normal force; the tangent of the steepest slope on which a body stays
+    /// at rest. Negative values count as 0.
     pub coefficient: f32,
-    /// How that of a pair follows from both bodies'.
+    /// How the coefficients of two bodies combine.
     pub combine: CombineRule,
 }
 
@@ -24,7 +25,7 @@ impl Default for Friction {
 }
 
 impl Friction {
-    /// A friction of `coefficient`, 0 or more, of which two bodies take the mean.
+    /// Friction with a `coefficient` of 0 or more, combined by the mean.
     pub fn new(coefficient: f32) -> Self {
         Self {
             coefficient,
@@ -32,14 +33,16 @@ impl Friction {
         }
     }
 
-    /// The same with another rule.
+    /// The same coefficient with another rule.
     pub fn with_combine(self, combine: CombineRule) -> Self {
         Self { combine, ..self }
     }
 }
 
-/// Bounciness: 0 does not bounce, 1 keeps all speed. Default 0. Bodies that meet slower than
-/// [`SolverSettings::restitution_threshold`](crate::types::solver_settings::SolverSettings) do not bounce.
+/// Restitution of a body or plane: 0 does not bounce, 1 keeps all speed. Default 0, combined by the mean.
+///
+/// Bodies do not bounce if they meet more slowly than
+/// [`SolverSettings::restitution_threshold`](crate::types::solver_settings::SolverSettings::restitution_threshold).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -47,15 +50,15 @@ impl Friction {
     reflect(Component, Default, Debug, PartialEq)
 )]
 pub struct Restitution {
-    /// Outgoing speed over incoming speed, 0 to 1; what is beyond counts as the nearest of the two.
+    /// Ratio of outgoing to incoming normal speed, from 0 to 1. Other values are clamped to this range.
     pub coefficient: f32,
-    /// How that of a pair follows from both bodies'. With [`Response::Impulse`](crate::types::settings::Response) always their
-    /// mean.
+    /// How the coefficients of two bodies combine. [`Response::Impulse`](crate::types::settings::Response::Impulse)
+    /// always takes the mean.
     pub combine: CombineRule,
 }
 
 impl Restitution {
-    /// A restitution of `coefficient`, 0 to 1, of which two bodies take the mean.
+    /// Restitution with a `coefficient` from 0 to 1, combined by the mean.
     pub fn new(coefficient: f32) -> Self {
         Self {
             coefficient,
@@ -63,32 +66,33 @@ impl Restitution {
         }
     }
 
-    /// The same with another rule.
+    /// The same coefficient with another rule.
     pub fn with_combine(self, combine: CombineRule) -> Self {
         Self { combine, ..self }
     }
 }
 
-/// How one coefficient of a pair follows from those of both bodies. If the bodies name different rules, the one that
-/// stands later in this list holds.
+/// How the coefficients of two bodies combine into the coefficient of the pair.
+///
+/// If the bodies have different rules, the later one in this list applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Debug, PartialEq))]
 pub enum CombineRule {
-    /// Their mean.
+    /// The arithmetic mean.
     #[default]
     Average,
-    /// The root of their product.
+    /// The square root of the product.
     GeometricMean,
-    /// The smaller one.
+    /// The smaller coefficient.
     Min,
-    /// Their product.
+    /// The product.
     Multiply,
-    /// The larger one.
+    /// The larger coefficient.
     Max,
 }
 
 impl CombineRule {
-    /// The pair's coefficient; negative or NaN ones count as 0.
+    /// The coefficient of the pair. Negative coefficients and NaN count as 0.
     pub fn combine(rules: [Self; 2], coefficients: [f32; 2]) -> f32 {
         // `max` returns the other operand for NaN.
         let [a, b] = coefficients.map(|c| c.max(0.0));

@@ -1,7 +1,9 @@
-//! The words that users and stages share: kinds of bodies, materials, settings. Plain data, without an engine; with the
-//! feature `bevy` they are components and resources.
+//! Types that users and stages share: kinds of bodies, materials, settings.
+//!
+//! They are plain data. With the feature `bevy` they are also components and resources.
 
 pub mod body;
+pub mod feature_id;
 pub mod material;
 pub mod settings;
 pub mod solver_settings;

@@ -1,9 +1,9 @@
-//! What can be chosen for all bodies: how they respond, and which triangles are tested.
+//! Settings of the whole simulation: the response to collisions, and culling of triangles.
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
 
-/// What happens to bodies that touch.
+/// How bodies respond to collisions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -12,35 +12,39 @@ use bevy::prelude::*;
 )]
 #[non_exhaustive]
 pub enum Response {
-    /// Collisions are found and reported, with contact points; nothing is pushed. Bodies move by their velocities and
-    /// gravity.
+    /// Collisions are detected and reported, with contact points, but bodies do not push each other. They move by their
+    /// velocities and gravity.
     None,
-    /// One impulse per touching pair and step, against the closing speed, with the mean
-    /// [`Restitution`](crate::types::material::Restitution): for swarms of thousands that bounce off each other, on CPU and GPU.
-    /// Without friction; nothing rests, and bodies that overlap are not pushed apart.
+    /// Each touching pair gets one impulse per step against its closing velocity, with the mean
+    /// [`Restitution`](crate::types::material::Restitution). For swarms of thousands of bodies that bounce off each
+    /// other. There is no friction, nothing comes to rest, and overlapping bodies are not pushed apart.
     Impulse,
-    /// Several points per pair, with friction, restitution, resting, stacking, interlocking and sleeping: see
-    /// [`stages::solver`](crate::solver), and [`SolverSettings`] for what can be set. All triangles take part, whatever the [`Culling`].
+    /// Each pair gets several contact points, and a solver with friction, restitution, stacking, interlocking and
+    /// sleeping: see [`SolverSettings`](crate::types::solver_settings::SolverSettings). All triangles take part,
+    /// whatever the [`Culling`].
     ///
-    /// On a GPU too, but for steps with a [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) body in the world,
-    /// which run on the CPU. With [`Reading::Latent`] and [`Reading::Resident`] the number of detection intervals of a step
-    /// follows from speeds of [`LATENCY`] steps before.
+    /// It runs on the GPU too. Steps with a body that has
+    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) run on the CPU. With
+    /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
+    /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) the number of collision substeps of a step
+    /// follows from the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.
     #[default]
     Contacts,
 }
 
-/// How the triangles of a pair are chosen that are tested against each other.
+/// Which triangles of a pair of bodies are tested against each other.
 ///
-/// As a resource it holds for all bodies; [`BodyCulling`](crate::plugin::components::BodyCulling) on a body overrules it there.
-/// The two ends of a pair need not agree: each body's mode chooses among that body's own triangles, as they are seen
+/// The resource applies to all bodies. [`BodyCulling`](crate::plugin::components::BodyCulling) overrides it for one
+/// body. The two bodies of a pair may have different modes: the mode of each body chooses among its own triangles, seen
 /// from the other body.
 ///
-/// All modes share the conservative culls, so the approximate ones find exactly those of `Exact`'s intersecting pairs of
-/// faces in which both faces are in view, and never one that does not intersect. What they miss lies behind other
-/// faces, seen along the line of centres; no finer table finds it.
+/// All modes use the same conservative culls. An approximate mode finds exactly those intersecting pairs of faces of
+/// `Exact` in which both faces are in view, and never a pair that does not intersect. What it misses lies behind other
+/// faces, seen along the line between the centres. A finer table would not find it.
 ///
-/// Measured recall (`cargo bench --bench recall`): of the pairs of bodies that touch, the share of which any intersecting
-/// faces are found, and the share of their intersecting pairs of faces. Scenes are random, diameters 0.25 to 2.
+/// Measured recall (`cargo bench --bench recall`). The first figure is the share of touching pairs of bodies for which
+/// any intersecting faces are found. The second is the share of their intersecting pairs of faces that are found.
+/// Scenes are random, with diameters from 0.25 to 2.
 ///
 /// | 240-triangle torus | `FacesOfCollision` | `FrontFacing` |
 /// |---|---|---|
@@ -60,8 +64,8 @@ pub enum Response {
 /// | centres nearer than half the radii | 98.9 % / 25.1 % | 99.6 % / 31.3 % |
 /// | linked through the holes | 44.4 % / 38.6 % | 45.6 % / 50.8 % |
 ///
-/// A pair none of whose faces are found is neither reported nor pushed apart, unless the test for one body inside the other
-/// finds it; of a pair found in part, the contact is that of the part.
+/// If none of a pair's intersecting faces are found, the pair is neither reported nor pushed apart, unless the test for
+/// one body inside the other finds it. If some are found, the contact is computed from these.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -70,19 +74,21 @@ pub enum Response {
 )]
 #[non_exhaustive]
 pub enum Culling {
-    /// Conservative culls only: every intersecting pair of faces is found.
+    /// Only conservative culls: every intersecting pair of faces is found.
     #[default]
     Exact,
-    /// **Approximate**, see the recall above. Only the *faces of collision*: triangles that can be seen from the other
-    /// body's direction, read from the mesh's baked [`FaceTable`](crate::projection::FaceTable) (Aly & Elawady 2010).
+    /// **Approximate**, see the recall above. Tests only the *faces of collision*: triangles that are visible from the
+    /// direction of the other body. They are read from the mesh's baked [`FaceTable`](crate::projection::FaceTable)
+    /// (Aly & Elawady 2010).
     ///
-    /// A mesh without a table is logged once and gets one baked in the background with the
-    /// [`BakeSettings`](crate::projection::BakeSettings) it was made with; until then its bodies run `Exact`. Bake the
-    /// table beforehand (`faces: true`, or `faceoff bake --faces`) for results that do not depend on when that is done.
+    /// If a mesh has no table, a warning is logged once, and a table is baked in the background with the mesh's own
+    /// [`BakeSettings`](crate::projection::BakeSettings). Until it is ready, bodies with this mesh use `Exact`. Bake
+    /// the table ahead of time (`faces: true`, or `faceoff bake --faces`) if results must not depend on the time that
+    /// the bake takes.
     FacesOfCollision,
-    /// **Approximate**, see the recall above. Only triangles whose outer side faces the other body: `n . u > 0` with the
-    /// normal `n` and the direction `u` from centre to centre. Nothing is baked.
+    /// **Approximate**, see the recall above. Tests only triangles whose outer side faces the other body: `n . u > 0`,
+    /// where `n` is the normal and `u` is the direction from centre to centre. Nothing is baked.
     ///
-    /// A mesh that is open, whose faces disagree about the outside, or that is a room, has no front and runs `Exact`.
+    /// A mesh that is open, inconsistently oriented, or a room has no front. Bodies with such a mesh use `Exact`.
     FrontFacing,
 }

@@ -1,28 +1,29 @@
-//! [`Stage`]: the stages of a step by name.
+//! [`Stage`]: the stages of a step, in order.
 
-/// The stages in the order they run.
+/// A stage of the step. The stages run in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Finds pairs of bodies whose bounding spheres overlap.
     BroadPhase,
-    /// Computes each pair's relative pose, rejects what a support plane separates, and looks up what the ends see.
+    /// Computes each pair's relative pose, rejects pairs that a support plane separates, and looks up the visible
+    /// faces.
     Angles,
     /// Tests triangles against triangles.
     TriangleTest,
-    /// Finds the points at which bodies push each other.
+    /// Computes contact manifolds: the points at which bodies push each other.
     Manifolds,
-    /// Sums impulses per body; with [`Response::Contacts`](crate::types::settings::Response) in many passes, between which bodies
-    /// move.
+    /// Sums the impulses of each body. With [`Response::Contacts`](crate::types::settings::Response::Contacts) it runs
+    /// the solver's substeps, in which bodies move.
     ForceScan,
     /// Moves the bodies.
     Integrate,
 }
 
 impl Stage {
-    /// How many there are.
+    /// Number of stages.
     pub const COUNT: usize = 6;
 
-    /// All of them, in order.
+    /// All stages, in order.
     pub const ALL: [Self; Self::COUNT] = [
         Self::BroadPhase,
         Self::Angles,
@@ -32,7 +33,7 @@ impl Stage {
         Self::Integrate,
     ];
 
-    /// Its name in reports and JSON.
+    /// The stage's name in reports and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::BroadPhase => "broad_phase",

@@ -29,16 +29,16 @@ fn every_field_may_be_wrong() {
     refused(|j| j["asset"]["version"] = json!("1.0"), "glTF \"1.0\"");
     refused(|j| j["asset"]["minVersion"] = json!("3.0"), "glTF \"3.0\"");
     refused(|j| j["asset"] = json!({}), "missing field `version`");
-    refused(|j| j["scene"] = json!(7), "scene 7: it is not there");
-    refused(|j| j["scenes"][0]["nodes"] = json!([7]), "node 7: it is not there");
-    refused(|j| j["scenes"][0]["nodes"] = json!([0, 0]), "node 0: it comes twice");
+    refused(|j| j["scene"] = json!(7), "scene 7: it does not exist");
+    refused(|j| j["scenes"][0]["nodes"] = json!([7]), "node 7: it does not exist");
+    refused(|j| j["scenes"][0]["nodes"] = json!([0, 0]), "node 0: it occurs twice");
     refused(|j| j["scenes"][0]["nodes"] = json!([]), "no triangles in the scene");
-    refused(|j| j["nodes"][0]["children"] = json!([0]), "node 0: it comes twice");
-    refused(|j| j["nodes"][0]["mesh"] = json!(1), "node 0: its mesh is not there");
+    refused(|j| j["nodes"][0]["children"] = json!([0]), "node 0: it occurs twice");
+    refused(|j| j["nodes"][0]["mesh"] = json!(1), "node 0: its mesh does not exist");
     refused(|j| j["nodes"][0]["mesh"] = json!(-1), "invalid value: integer `-1`");
     refused(
         |j| j["nodes"][0]["mesh"] = json!(1u64 << 32),
-        "node 0: its mesh is not there",
+        "node 0: its mesh does not exist",
     );
     refused(
         |j| j["nodes"][0]["rotation"] = json!([0, 0, 0, 0]),
@@ -61,7 +61,7 @@ fn every_field_may_be_wrong() {
     );
     refused(
         |j| j["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(99),
-        &format!("{here}, accessor 99: it is not there, there are 2"),
+        &format!("{here}, accessor 99: it does not exist, there are 2"),
     );
     refused(
         |j| j["meshes"][0]["primitives"][0]["indices"] = json!(0),
@@ -81,7 +81,7 @@ fn every_field_may_be_wrong() {
     );
     refused(
         |j| j["accessors"][0]["bufferView"] = json!(9),
-        "accessor 0: its buffer view 9 is not there",
+        "accessor 0: its buffer view 9 does not exist",
     );
     refused(
         |j| j["accessors"][0]["bufferView"] = json!(null),
@@ -103,19 +103,19 @@ fn every_field_may_be_wrong() {
     refused(|j| j["accessors"][0]["count"] = json!(0), "there are 0 positions");
     refused(
         |j| j["bufferViews"][0]["buffer"] = json!(3),
-        "lies in buffer 3, there are 1",
+        "is in buffer 3, but there are 1",
     );
     refused(
         |j| j["bufferViews"][0]["byteOffset"] = json!(u64::MAX),
-        "buffer view 0 is 96 bytes from",
+        "buffer view 0 has 96 bytes from",
     );
     refused(
         |j| j["bufferViews"][0]["byteLength"] = json!(u64::MAX),
-        "buffer view 0 is",
+        "buffer view 0 has",
     );
     refused(
         |j| j["bufferViews"][0]["byteStride"] = json!(3),
-        "12 bytes, but stand 3 bytes apart",
+        "12 bytes, but its stride is 3 bytes",
     );
     refused(|j| j["bufferViews"][0]["byteStride"] = json!(u64::MAX), "do not fit");
     refused(|j| j["buffers"] = json!([]), "there are 0");
@@ -143,7 +143,7 @@ fn every_field_may_be_wrong() {
             j["buffers"].as_array_mut().unwrap().push(json!({"byteLength": 1000}));
             j["bufferViews"][1]["buffer"] = json!(1);
         },
-        "accessor 1: buffer view 1 lies in buffer 1, which has no data",
+        "accessor 1: buffer view 1 is in buffer 1, which has no data",
     );
     refused(|j| j["nodes"] = json!({}), "line 1");
     refused(|j| *j = json!(7), "line 1");
@@ -192,7 +192,7 @@ fn huge_counts_allocate_nothing() {
                 "count": 1, "indices": {"bufferView": 0, "componentType": U8, "byteOffset": 3}, "values": {"bufferView": 0},
             });
         },
-        "a sparse value stands at",
+        "a sparse value has index",
     );
 }
 
@@ -202,10 +202,10 @@ fn instances_do_not_multiply_without_end() {
     let mut gltf = cube();
     gltf.json["nodes"] = (0..64).map(|i| json!({"children": [i + 1, i + 1]})).collect();
     gltf.node(json!({"mesh": 0}));
-    assert!(message(&gltf).contains("it comes twice"));
+    assert!(message(&gltf).contains("it occurs twice"));
     // Nodes in a ring.
     gltf.json["nodes"] = (0..64).map(|i| json!({"children": [(i + 1) % 64]})).collect();
-    assert!(message(&gltf).contains("node 0: it comes twice"));
+    assert!(message(&gltf).contains("node 0: it occurs twice"));
     // A hundred thousand nodes below each other are no trouble.
     let mut gltf = cube();
     gltf.json["nodes"] = (0..100_000).map(|i| json!({"children": [i + 1]})).collect();
@@ -238,11 +238,11 @@ fn containers_are_checked() {
     let message = |bytes: &[u8]| import_bytes("x.glb", bytes).unwrap_err().to_string();
     for (at, word, expected) in [
         (4, 1u32, "glTF \"1\""),
-        (8, 0, "first chunk is no document"),
+        (8, 0, "first chunk is not JSON"),
         (8, u32::MAX, "cut off"),
         (12, u32::MAX, "longer than the file"),
         (12, 0, "longer than the file"),
-        (16, 0, "first chunk is no document"),
+        (16, 0, "first chunk is not JSON"),
     ] {
         let mut bytes = glb.clone();
         bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());

@@ -173,7 +173,7 @@ fn formats_are_recognised_or_refused_by_name_and_content() {
     assert!(matches!(import_bytes("x.txt", b"hello"), Err(ImportError::Unknown)));
     assert!(matches!(
         import_bytes("x.bake.ron", b"()"),
-        Err(ImportError::RecipeIsNoMesh)
+        Err(ImportError::RecipeNotMesh)
     ));
     let binary: Vec<u8> = (0..100_000u32)
         .map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8)

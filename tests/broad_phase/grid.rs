@@ -1,6 +1,7 @@
 //! The broad phase against all pairs of spheres, tested one by one.
 
-use bevy_faceoff::state::{Bodies, StepState};
+use bevy_faceoff::state::Bodies;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::body::{CollisionLayers, RigidBody};
 use bevy_faceoff::types::stage::Stage;
 use fastrand::Rng;
@@ -27,7 +28,7 @@ fn all_pairs(bodies: &Bodies) -> Vec<[u32; 2]> {
 }
 
 fn push(state: &mut StepState, center: Vec3, radius: f32) {
-    let bodies = &mut state.bodies;
+    let bodies = &mut state.input.bodies;
     bodies.center.push(center);
     bodies.radius.push(radius);
     bodies.kind.push(RigidBody::Dynamic);
@@ -41,7 +42,7 @@ fn somewhere(random: &mut Rng, side: f32) -> Vec3 {
 
 /// Some of every kind, in several layers.
 fn mix(state: &mut StepState, random: &mut Rng) {
-    let bodies = &mut state.bodies;
+    let bodies = &mut state.input.bodies;
     for i in 0..bodies.center.len() {
         bodies.kind[i] = [RigidBody::Static, RigidBody::Kinematic, RigidBody::Dynamic][random.usize(..3)];
         bodies.sensor[i] = random.u8(..4) == 0;
@@ -54,13 +55,13 @@ fn mix(state: &mut StepState, random: &mut Rng) {
 
 /// All that moves moves, and every time one thing about one static body changes, or nothing.
 fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&mut StepState) -> usize) {
-    let all = 0..state.bodies.center.len();
-    let (still, moving): (Vec<usize>, Vec<usize>) = all.partition(|&i| state.bodies.kind[i] == RigidBody::Static);
+    let all = 0..state.input.bodies.center.len();
+    let (still, moving): (Vec<usize>, Vec<usize>) = all.partition(|&i| state.input.bodies.kind[i] == RigidBody::Static);
     let (Some(&one), Some(&other)) = (still.last(), moving.first()) else {
         return;
     };
     for change in 0..6 {
-        let bodies = &mut state.bodies;
+        let bodies = &mut state.input.bodies;
         for &i in &moving {
             let step = 0.5 * bodies.radius[i];
             bodies.center[i] += somewhere(random, step);
@@ -88,19 +89,24 @@ fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&
 fn check(state: &mut StepState, random: &mut Rng, what: &str) -> usize {
     let compare = |state: &mut StepState| {
         bevy_faceoff::step::cpu::run(Stage::BroadPhase, state);
-        let expected = all_pairs(&state.bodies);
-        let missing = expected.iter().find(|p| state.sphere_pairs.binary_search(p).is_err());
+        let expected = all_pairs(&state.input.bodies);
+        let missing = expected
+            .iter()
+            .find(|p| state.results.sphere_pairs.binary_search(p).is_err());
         assert!(missing.is_none(), "{what}: {missing:?} is missing");
-        assert!(state.sphere_pairs == expected, "{what}: too many, or out of order");
+        assert!(
+            state.results.sphere_pairs == expected,
+            "{what}: too many, or out of order"
+        );
         expected.len()
     };
     let pairs = compare(state);
     mix(state, random);
     compare(state);
-    for i in 0..state.bodies.center.len() {
-        if state.bodies.kind[i] != RigidBody::Static || random.u8(..50) == 0 {
-            let step = 0.5 * state.bodies.radius[i];
-            state.bodies.center[i] += somewhere(random, step);
+    for i in 0..state.input.bodies.center.len() {
+        if state.input.bodies.kind[i] != RigidBody::Static || random.u8(..50) == 0 {
+            let step = 0.5 * state.input.bodies.radius[i];
+            state.input.bodies.center[i] += somewhere(random, step);
         }
     }
     compare(state);
@@ -150,7 +156,7 @@ fn few_moving_giants_among_small_static_bodies() {
     for i in 0..2500 {
         let radius = if i % 500 == 0 { 9.0 } else { 0.3 };
         push(&mut state, somewhere(&mut random, 30.0), radius);
-        state.bodies.kind[i] = if i % 500 == 0 {
+        state.input.bodies.kind[i] = if i % 500 == 0 {
             RigidBody::Dynamic
         } else {
             RigidBody::Static
@@ -226,7 +232,7 @@ fn bodies_come_and_go() {
     let mut random = Rng::with_seed(8);
     let mut state = StepState::default();
     for n in [0, 500, 3, 0, 2500, 1] {
-        state.bodies = Bodies::default();
+        state.input.bodies = Bodies::default();
         for _ in 0..n {
             push(&mut state, somewhere(&mut random, 8.0), 0.5);
         }
@@ -241,7 +247,7 @@ fn bodies_spread_out_and_come_together() {
     for i in 0..2000 {
         let radius = if i % 10 == 0 { 3.0 } else { 0.5 };
         push(&mut state, Vec3::ZERO, radius);
-        state.bodies.kind[i] = if i % 3 == 0 {
+        state.input.bodies.kind[i] = if i % 3 == 0 {
             RigidBody::Static
         } else {
             RigidBody::Dynamic
@@ -251,12 +257,12 @@ fn bodies_spread_out_and_come_together() {
     for side in [4000.0, 20.0, 4000.0, 200.0, 60.0] {
         // Cells grow or shrink step by step.
         for _ in 0..12 {
-            for center in &mut state.bodies.center {
+            for center in &mut state.input.bodies.center {
                 *center = somewhere(&mut random, side);
             }
             bevy_faceoff::step::cpu::run(Stage::BroadPhase, &mut state);
-            assert!(state.sphere_pairs == all_pairs(&state.bodies), "{side} m");
-            pairs.push(state.sphere_pairs.len());
+            assert!(state.results.sphere_pairs == all_pairs(&state.input.bodies), "{side} m");
+            pairs.push(state.results.sphere_pairs.len());
         }
     }
     let (fewest, most) = (pairs.iter().min(), pairs.iter().max());

@@ -105,7 +105,7 @@ fn a_recipe_and_a_baked_file_keep_their_settings() {
 fn a_room_is_told_and_may_be_made_a_solid() {
     let folder = torus();
     let cube = shapes::cube(1.0);
-    folder.write("room.obj", to_obj(&cube.turned()));
+    folder.write("room.obj", to_obj(&cube.flipped()));
     let inspected =
         |file: &str| -> serde_json::Value { serde_json::from_str(&folder.good(&["inspect", file, "--json"])).unwrap() };
     let run = folder.run(&["bake", "room.obj", "-o", "out"]);

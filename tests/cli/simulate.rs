@@ -17,7 +17,7 @@ const STAGES: [&str; 6] = [
 /// What is counted of contacts and bodies, and measured.
 const MECHANICS: [&str; 7] = [
     "contact_points",
-    "intervals",
+    "collision_substeps",
     "sleeping",
     "kinetic_energy",
     "momentum",

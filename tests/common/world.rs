@@ -2,12 +2,17 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, StepConfig, StepState};
+#[cfg(feature = "gpu")]
+use bevy_faceoff::state::StepInput;
+use bevy_faceoff::state::{Body, BodyParams, StepConfig};
+use bevy_faceoff::step::StepState;
+use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DVec3, Quat, Vec3};
+use std::collections::HashMap;
 
 /// Where worlds move, if not on the CPU: a device for all of them in turn.
 #[cfg(feature = "gpu")]
@@ -16,6 +21,7 @@ pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::step::gpu::GpuStep>> = 
 pub struct World {
     pub state: StepState,
     /// Whether it moves on the CPU, also if there is a device.
+    #[cfg(feature = "gpu")]
     pub on_cpu: bool,
 }
 
@@ -23,31 +29,63 @@ impl World {
     /// Under gravity, without sleep.
     pub fn new() -> Self {
         let mut state = StepState::default();
-        state.config = StepConfig {
+        state.input.config = StepConfig {
             gravity: Vec3::NEG_Y * 9.81,
             response: Response::Contacts,
             solver: SolverSettings {
                 sleeping: false,
                 ..SolverSettings::default()
             },
-            ..state.config
+            ..state.input.config
         };
         #[cfg(feature = "gpu")]
         if let Some(device) = DEVICE.lock().unwrap().as_mut() {
             device.forget();
         }
-        Self { state, on_cpu: false }
+        Self {
+            state,
+            #[cfg(feature = "gpu")]
+            on_cpu: false,
+        }
+    }
+
+    /// With the gravity and the bodies of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let mut world = Self::new();
+        world.state.input.config.gravity = scene.gravity;
+        let mut slots = HashMap::new();
+        for body in &scene.bodies {
+            let mut add = || world.state.input.meshes.add(body.shape.mesh().clone());
+            let mesh = *slots.entry(body.shape).or_insert_with(&mut add);
+            world.put(&Body {
+                kind: if body.fixed {
+                    RigidBody::Static
+                } else {
+                    RigidBody::Dynamic
+                },
+                linear_velocity: body.velocity,
+                angular_velocity: body.spin,
+                restitution: body.restitution,
+                density: body.density,
+                params: BodyParams {
+                    friction: body.friction,
+                    ..BodyParams::default()
+                },
+                ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
+            });
+        }
+        world
     }
 
     /// The same without gravity.
     pub fn weightless() -> Self {
         let mut world = Self::new();
-        world.state.config.gravity = Vec3::ZERO;
+        world.state.input.config.gravity = Vec3::ZERO;
         world
     }
 
     pub fn mesh(&mut self, mesh: &TriMesh) -> u32 {
-        self.state.meshes.add(CollisionMesh::new(mesh))
+        self.state.input.meshes.add(CollisionMesh::new(mesh))
     }
 
     pub fn add(&mut self, kind: RigidBody, mesh: u32, scale: Vec3, position: Vec3, rotation: Quat) -> usize {
@@ -58,8 +96,8 @@ impl World {
     }
 
     pub fn put(&mut self, body: &Body) -> usize {
-        self.state.bodies.push(body, &self.state.meshes).unwrap();
-        self.state.bodies.len() - 1
+        self.state.input.bodies.push(body, &self.state.input.meshes).unwrap();
+        self.state.input.bodies.len() - 1
     }
 
     pub fn step(&mut self) {
@@ -77,7 +115,7 @@ impl World {
     /// What the plugin does between steps: poses in double precision follow from those in single.
     #[cfg(feature = "gpu")]
     pub fn place_frames(&mut self) {
-        let StepState { bodies, meshes, .. } = &mut self.state;
+        let StepInput { bodies, meshes, .. } = &mut self.state.input;
         for i in 0..bodies.len() {
             let arm = (bodies.scale[i] * meshes[bodies.mesh[i]].mesh.mass.center).as_dvec3();
             let frame = &mut bodies.frame[i];
@@ -89,16 +127,17 @@ impl World {
     }
 
     pub fn center(&self, i: usize) -> DVec3 {
-        self.state.bodies.frame[i].center
+        self.state.input.bodies.frame[i].center
     }
 
     pub fn velocity(&self, i: usize) -> Vec3 {
-        self.state.bodies.linear_velocity[i]
+        self.state.input.bodies.linear_velocity[i]
     }
 
     pub fn deepest(&self) -> f32 {
         -self
             .state
+            .results
             .manifolds
             .points
             .iter()
@@ -107,7 +146,7 @@ impl World {
     }
 
     pub fn fastest(&self) -> f32 {
-        let velocities = self.state.bodies.linear_velocity.iter();
+        let velocities = self.state.input.bodies.linear_velocity.iter();
         velocities.map(|v| v.length()).fold(0.0, f32::max)
     }
 
@@ -129,21 +168,9 @@ impl World {
     }
 }
 
-/// A rotation, all alike likely.
+/// A rotation, all equally likely.
 pub fn any_turn(random: &mut fastrand::Rng) -> Quat {
-    loop {
-        let [x, y, z, w] = std::array::from_fn(|_| 2.0 * random.f32() - 1.0);
-        let turn = Quat::from_xyzw(x, y, z, w);
-        // Inside the ball, so that the cube's corners do not come up more often; away from zero, to have a direction.
-        if (0.1..1.0).contains(&turn.length()) {
-            return turn.normalize();
-        }
-    }
-}
-
-/// A vector in the cube from -1 to 1.
-pub fn any_vector(random: &mut fastrand::Rng) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|_| 2.0 * random.f32() - 1.0))
+    scenes::any_turn(&mut || random.f32())
 }
 
 /// What a cube of edge 1 keeps between itself and others.

@@ -1,34 +1,11 @@
 //! Impacts of balls of 5,120 faces: outgoing speeds by Newton's law, averaged over how the balls are turned.
 
-use crate::world::{World, any_turn};
-use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::state::{Body, Handling};
-use bevy_faceoff::types::body::RigidBody;
-use bevy_faceoff::types::material::Friction;
+use crate::world::World;
+use bevy_faceoff::testing::scenes::flight;
 use bevy_faceoff::types::solver_settings::SolverSettings;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
 const RADIUS: f32 = 0.5;
-
-fn ball() -> CollisionMesh {
-    let ball = shapes::ball(f64::from(RADIUS), 4);
-    assert_eq!(ball.triangles().len(), 5120);
-    CollisionMesh::new(&ball)
-}
-
-/// A body without friction.
-fn smooth(mesh: u32, scale: Vec3, position: Vec3, rotation: Quat, velocity: Vec3, restitution: f32) -> Body {
-    Body {
-        linear_velocity: velocity,
-        restitution,
-        handling: Handling {
-            friction: Friction::new(0.0),
-            ..Handling::default()
-        },
-        ..Body::at_rest(mesh, position, rotation, scale)
-    }
-}
 
 /// Speeds along a normal and across it, in the plane of all motion. What a facet throws out of the plane is as much to one
 /// side as to the other.
@@ -64,7 +41,6 @@ fn balls_leave_each_other_by_their_restitution() {
 
 /// A ball that meets another, `sideways` off the line of their centres, turned in so many ways.
 pub fn ball_on_ball(restitution: f32, sideways: f32, turns: usize, random: &mut fastrand::Rng) {
-    let mesh = ball();
     let gap = SolverSettings::default().rest_offset * 2.0 * RADIUS;
     let speeds = [Vec3::X * 2.0, Vec3::X * -1.0];
     // Where the balls are when they touch, a rest offset apart.
@@ -74,15 +50,9 @@ pub fn ball_on_ball(restitution: f32, sideways: f32, turns: usize, random: &mut 
     let incoming = split((speeds[1] - speeds[0]).as_dvec3(), normal);
     let outgoing: Vec<[f64; 2]> = (0..turns)
         .map(|_| {
-            let mut world = World::weightless();
-            let ball = world.state.meshes.add(mesh.clone());
-            for (k, velocity) in speeds.into_iter().enumerate() {
-                // Not always at the same moment of a step.
-                let at = [-1.0 - 0.05 * random.f32(), 1.0][k];
-                let at = Vec3::new(at, [0.0, sideways][k], 0.0);
-                let turn = any_turn(random);
-                world.put(&smooth(ball, Vec3::ONE, at, turn, velocity, restitution));
-            }
+            let mut world = World::of(&flight::ball_on_ball(speeds, sideways, restitution, &mut || {
+                random.f32()
+            }));
             world.seconds(1);
             split((world.velocity(1) - world.velocity(0)).as_dvec3(), normal)
         })
@@ -103,21 +73,10 @@ fn balls_leave_a_wall_by_their_restitution() {
 
 /// A ball that meets a wall at so many degrees from its normal, turned in so many ways.
 pub fn ball_on_wall(restitution: f32, angle: f32, turns: usize, random: &mut fastrand::Rng) {
-    let mesh = ball();
     let velocity = 3.0 * Vec3::new(angle.to_radians().sin(), -angle.to_radians().cos(), 0.0);
     let outgoing: Vec<[f64; 2]> = (0..turns)
         .map(|_| {
-            let mut world = World::weightless();
-            let ball = world.state.meshes.add(mesh.clone());
-            let cube = world.mesh(&shapes::cube(1.0));
-            let at = Vec3::Y * (1.0 + 0.05 * random.f32());
-            let turn = any_turn(random);
-            world.put(&smooth(ball, Vec3::ONE, at, turn, velocity, restitution));
-            let (size, at) = (Vec3::new(20.0, 1.0, 20.0), Vec3::Y * -0.5);
-            world.put(&Body {
-                kind: RigidBody::Static,
-                ..smooth(cube, size, at, Quat::IDENTITY, Vec3::ZERO, restitution)
-            });
+            let mut world = World::of(&flight::ball_on_wall(velocity, restitution, &mut || random.f32()));
             world.seconds(1);
             split(world.velocity(0).as_dvec3(), DVec3::Y)
         })

@@ -2,7 +2,7 @@
 
 use crate::world::World;
 use bevy_faceoff::geometry::{TriMesh, shapes};
-use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::state::{Body, BodyParams};
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
@@ -22,7 +22,7 @@ fn unit(random: &mut fastrand::Rng) -> Vec3 {
 fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: bool) -> usize {
     let mut random = fastrand::Rng::with_seed(sizes as u64);
     let mut world = World::new();
-    world.state.config.gravity = Vec3::ZERO;
+    world.state.input.config.gravity = Vec3::ZERO;
     let (mesh, cube) = (world.mesh(bullet), world.mesh(&shapes::cube(1.0)));
     let mut bullets = Vec::new();
     for try_ in 0..tries {
@@ -39,14 +39,14 @@ fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: boo
         let body = Body {
             linear_velocity: way * speed,
             angular_velocity: unit(&mut random) * spin * random.f32() / DT,
-            handling: Handling {
+            params: BodyParams {
                 continuous,
-                ..Handling::default()
+                ..BodyParams::default()
             },
             ..Body::at_rest(mesh, start, Quat::from_scaled_axis(unit(&mut random) * 3.0), Vec3::ONE)
         };
-        world.state.bodies.push(&body, &world.state.meshes).unwrap();
-        bullets.push(world.state.bodies.len() - 1);
+        world.state.input.bodies.push(&body, &world.state.input.meshes).unwrap();
+        bullets.push(world.state.input.bodies.len() - 1);
     }
     for _ in 0..4 {
         world.step();
@@ -108,11 +108,11 @@ fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [V
         angular_velocity: spin,
         ..Body::at_rest(bullet, Vec3::new(2.0, 0.6, 0.2), Quat::IDENTITY, Vec3::ONE)
     };
-    body.handling.continuous = true;
-    body.handling.friction.coefficient = 0.0;
+    body.params.continuous = true;
+    body.params.friction.coefficient = 0.0;
     let bullet = world.put(&body);
     let seen_from_plate = |world: &World| {
-        let turned = world.state.bodies.rotation[plate].as_dquat();
+        let turned = world.state.input.bodies.rotation[plate].as_dquat();
         turned.inverse() * (world.center(bullet) - world.center(plate))
     };
     let mut before = seen_from_plate(&world);
@@ -214,7 +214,7 @@ fn a_bullet_between_a_door_and_a_wall_stays_there_until_it_is_crushed() {
             restitution: 1.0,
             ..Body::at_rest(ball, Vec3::X * 0.05, Quat::IDENTITY, Vec3::ONE)
         };
-        bullet.handling.continuous = true;
+        bullet.params.continuous = true;
         let bullet = world.put(&bullet);
         for _ in 0..40 {
             world.step();

@@ -1,38 +1,26 @@
 //! Knots that fly into each other, with nothing outside: what they keep.
 
 use super::motion::Motion;
-use crate::world::{World, any_turn, any_vector};
-use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::state::{Body, Handling};
+use crate::world::World;
+use bevy_faceoff::testing::scenes::flight;
 use bevy_faceoff::types::material::Friction;
 use glam::Vec3;
 
 /// `count` knots that fly inward and past each other, of restitution 1 or, if `mixed`, of any restitution, friction, size
 /// and density.
 fn cloud(count: usize, mixed: bool) -> World {
-    let mut world = World::weightless();
-    let knot = world.mesh(&shapes::knot_1120());
     let mut random = fastrand::Rng::with_seed(11);
-    let side = (count as f32).cbrt().ceil() as usize;
-    for i in 0..count {
-        let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
-        let at = 1.05 * (cell - 0.5 * (side - 1) as f32);
-        // All differ: identical ones in a lattice would meet in ways that cancel out.
-        let turn = any_turn(&mut random);
-        let [bounce, slip, size, weight] = std::array::from_fn(|_| random.f32());
-        world.put(&Body {
-            linear_velocity: -0.5 * at + any_vector(&mut random) * 1.5,
-            angular_velocity: any_vector(&mut random) * 3.0,
-            restitution: if mixed { bounce } else { 1.0 },
-            density: if mixed { 0.5 + 4.0 * weight } else { 1.0 },
-            handling: Handling {
-                friction: Friction::new(if mixed { slip } else { 0.5 }),
-                ..Handling::default()
-            },
-            ..Body::at_rest(knot, at, turn, Vec3::splat(if mixed { 0.5 + 0.5 * size } else { 1.0 }))
-        });
-    }
-    world
+    let scene = flight::cloud(count, &mut || random.f32(), |knot, random| {
+        let [bounce, slip, size, weight] = std::array::from_fn(|_| random());
+        knot.restitution = 1.0;
+        if mixed {
+            knot.restitution = bounce;
+            knot.friction = Friction::new(slip);
+            knot.scale = Vec3::splat(0.5 + 0.5 * size);
+            knot.density = 0.5 + 4.0 * weight;
+        }
+    });
+    World::of(&scene)
 }
 
 pub fn keeps_momentum(count: usize, steps: usize, mixed: bool) {
@@ -47,6 +35,7 @@ pub fn keeps_momentum(count: usize, steps: usize, mixed: bool) {
         kinetic = kinetic.max(now.kinetic / before.kinetic);
         pairs += world
             .state
+            .results
             .contacts
             .pairs
             .iter()
@@ -77,7 +66,7 @@ fn sixty_mixed_knots_keep_momentum_and_gain_no_energy() {
     keeps_momentum(60, 300, true);
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture five_hundred`
+/// `cargo test --release --test stages -- --ignored --nocapture five_hundred`
 /// (momentum drifts by 3e-8 and 5e-8 at most, energy never grows; 6 minutes on a busy pair of cores).
 #[test]
 #[ignore = "takes minutes"]

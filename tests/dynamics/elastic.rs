@@ -3,7 +3,7 @@
 use crate::world::World;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::state::{Body, BodyParams};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::material::Friction;
 use glam::{Quat, Vec3};
@@ -13,9 +13,9 @@ fn elastic(mesh: u32, position: Vec3, velocity: Vec3) -> Body {
     Body {
         linear_velocity: velocity,
         restitution: 1.0,
-        handling: Handling {
+        params: BodyParams {
             friction: Friction::new(0.0),
-            ..Handling::default()
+            ..BodyParams::default()
         },
         ..Body::at_rest(mesh, position, Quat::IDENTITY, Vec3::ONE)
     }
@@ -34,7 +34,7 @@ fn equal_balls_that_are_not_turned_bounce_without_loss_at_any_speed() {
     for speed in [2.0, 5.0, 10.0, 20.0, 40.0] {
         for k in 0..10 {
             let mut world = World::weightless();
-            let ball = world.state.meshes.add(mesh.clone());
+            let ball = world.state.input.meshes.add(mesh.clone());
             let aside = Vec3::new(0.02, 0.04, 0.0) * k as f32;
             world.put(&elastic(ball, Vec3::ZERO, Vec3::ZERO));
             world.put(&elastic(ball, Vec3::Y * 2.0 + aside, Vec3::NEG_Y * speed));

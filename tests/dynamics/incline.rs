@@ -4,6 +4,7 @@ use crate::world::{GAP, World, any_turn};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::Plane;
+use bevy_faceoff::testing::scenes::incline::slope;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 
@@ -11,7 +12,7 @@ const GRAVITY: f64 = 9.81;
 /// That of all bodies, if nothing else is said.
 const FRICTION: f64 = 0.5;
 
-/// A big static box whose top leads down along x by `angle` radians, through the origin.
+/// A slope that leads down along x by `angle` radians.
 struct Slope {
     world: World,
     turn: Quat,
@@ -20,11 +21,8 @@ struct Slope {
 
 impl Slope {
     fn new(angle: f64) -> Self {
-        let mut world = World::new();
-        let turn = Quat::from_rotation_z(-angle as f32);
-        let cube = world.mesh(&shapes::cube(1.0));
-        let size = Vec3::new(80.0, 1.0, 20.0);
-        world.add(RigidBody::Static, cube, size, turn * (Vec3::NEG_Y * 0.5), turn);
+        let (scene, turn) = slope(angle);
+        let world = World::of(&scene);
         Self {
             world,
             turn,
@@ -99,13 +97,13 @@ pub fn rolling_error(degrees: f64, half_space: bool, runs: u32) -> f64 {
         let mut slope = Slope::new(angle);
         let state = &mut slope.world.state;
         if half_space {
-            state.bodies.clear();
-            state.planes.push(Plane {
+            state.input.bodies.clear();
+            state.input.planes.push(Plane {
                 normal: slope.turn * Vec3::Y,
                 ..Plane::default()
             });
         }
-        let mesh = state.meshes.add(mesh.clone());
+        let mesh = state.input.meshes.add(mesh.clone());
         // A rest offset above the slope.
         let at = slope.turn * (Vec3::Y * 0.505);
         let turn = any_turn(&mut random);

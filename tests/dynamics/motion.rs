@@ -20,7 +20,7 @@ pub struct Motion {
 
 impl Motion {
     pub fn of(world: &World) -> Self {
-        let bodies = &world.state.bodies;
+        let bodies = &world.state.input.bodies;
         let mut sum = Self::default();
         for i in (0..bodies.len()).filter(|&i| bodies.inverse_mass[i] > 0.0) {
             let momentum = bodies.linear_velocity[i].as_dvec3() / f64::from(bodies.inverse_mass[i]);
@@ -39,6 +39,6 @@ impl Motion {
 
 /// The inertia tensor of body `i` in world axes, kg m^2.
 pub fn inertia(world: &World, i: usize) -> DMat3 {
-    let axes = world.state.bodies.frame[i].rotation;
-    axes * world.state.bodies.own_inverse_inertia[i].as_dmat3().inverse() * axes.transpose()
+    let axes = world.state.input.bodies.frame[i].rotation;
+    axes * world.state.input.bodies.own_inverse_inertia[i].as_dmat3().inverse() * axes.transpose()
 }

@@ -9,7 +9,7 @@ use glam::{Quat, Vec3};
 
 fn on_the_ground() -> World {
     let mut world = World::new();
-    world.state.planes.push(Plane::default());
+    world.state.input.planes.push(Plane::default());
     world
 }
 
@@ -20,18 +20,18 @@ fn a_cube_lies_on_four_corners() {
     let at = Vec3::new(3.0, 0.51, 1.0);
     let body = world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, Quat::from_rotation_y(0.3));
     world.step();
-    assert_eq!(world.state.manifolds.pairs[0].bodies, [0, 1]);
-    assert_eq!(world.state.manifolds.points.len(), 4);
+    assert_eq!(world.state.results.manifolds.pairs[0].bodies, [0, 1]);
+    assert_eq!(world.state.results.manifolds.points.len(), 4);
     world.seconds(10);
-    let position = world.state.bodies.position[body];
+    let position = world.state.input.bodies.position[body];
     assert!((position.y - 0.5 - GAP).abs() < 0.001, "{position}");
     assert!((position.x - 3.0).hypot(position.z - 1.0) < 0.001, "{position}");
-    for point in &world.state.manifolds.points {
+    for point in &world.state.results.manifolds.points {
         assert_eq!(point.normal, Vec3::NEG_Y);
         assert!((point.arms[0].y + 0.5).abs() < 0.002);
         assert!(point.arms[1].y.abs() < 1.0e-5);
     }
-    let contact = world.state.contacts.planes[0];
+    let contact = world.state.results.contacts.planes[0];
     assert_eq!((contact.body, contact.plane), (0, 0));
 }
 
@@ -51,6 +51,6 @@ fn meshes_dropped_on_a_plane_come_to_rest() {
         let (speed, deepest) = (world.fastest(), world.deepest());
         assert!(speed < *slowest, "mesh {k} moves with {speed} m/s");
         assert!(deepest < 0.001, "mesh {k} is {deepest} m deep");
-        assert!(world.state.manifolds.points.len() <= MAX_POINTS);
+        assert!(world.state.results.manifolds.points.len() <= MAX_POINTS);
     }
 }

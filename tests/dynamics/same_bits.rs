@@ -8,7 +8,7 @@ use glam::Vec3;
 /// Twenty bodies that fall onto each other.
 pub fn pile() -> World {
     let mut world = World::new();
-    world.state.config.solver.sleeping = true;
+    world.state.input.config.solver.sleeping = true;
     let cube = world.mesh(&shapes::cube(1.0));
     let meshes = [
         cube,
@@ -23,7 +23,7 @@ pub fn pile() -> World {
         let scale = Vec3::splat(if i % 5 == 0 { 0.6 } else { 0.8 + 0.4 * random.f32() });
         let at = Vec3::new(0.6 * (i % 2) as f32, 0.8 + 0.8 * i as f32, 0.6 * (i / 2 % 2) as f32);
         let body = world.add(RigidBody::Dynamic, meshes[i % 5], scale, at, any_turn(&mut random));
-        world.state.bodies.restitution[body] = 0.3;
+        world.state.input.bodies.restitution[body] = 0.3;
     }
     world
 }
@@ -35,7 +35,7 @@ pub fn bits(threads: usize, steps: usize, least_pairs: usize) -> Vec<u32> {
     let (mut bits, mut pairs) = (vec![], 0);
     for _ in 0..steps {
         pool.install(|| world.step());
-        let bodies = &world.state.bodies;
+        let bodies = &world.state.input.bodies;
         for i in 0..bodies.len() {
             let vectors = [
                 bodies.position[i],
@@ -45,7 +45,7 @@ pub fn bits(threads: usize, steps: usize, least_pairs: usize) -> Vec<u32> {
             bits.extend(vectors.iter().flat_map(Vec3::to_array).map(f32::to_bits));
             bits.extend(bodies.rotation[i].to_array().map(f32::to_bits));
         }
-        pairs = pairs.max(world.state.manifolds.pairs.len());
+        pairs = pairs.max(world.state.results.manifolds.pairs.len());
     }
     assert!(pairs > least_pairs, "{pairs} pairs at most: no pile");
     bits

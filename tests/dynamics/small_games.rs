@@ -12,10 +12,10 @@ type Work = [usize; 4];
 fn work(world: &World) -> Work {
     let state = &world.state;
     [
-        state.sphere_pairs.len(),
-        state.near_pairs.len(),
-        state.manifolds.points.len(),
-        state.intervals as usize,
+        state.results.sphere_pairs.len(),
+        state.results.near_pairs.len(),
+        state.results.manifolds.points.len(),
+        state.results.collision_substeps as usize,
     ]
 }
 
@@ -52,8 +52,8 @@ pub fn formation(mesh: &TriMesh, side: usize, gap: f32, steps: usize) {
             work(&world)
         });
         let works = works.collect();
-        let time = steps as f32 * world.state.config.dt;
-        let places = (0..world.state.bodies.len()).map(|i| world.center(i).as_vec3() - velocity * time);
+        let time = steps as f32 * world.state.input.config.dt;
+        let places = (0..world.state.input.bodies.len()).map(|i| world.center(i).as_vec3() - velocity * time);
         (works, places.collect())
     };
     let (works, places) = fly(Vec3::ZERO);
@@ -92,14 +92,19 @@ pub fn swarm(side: usize, height: f32) {
     for _ in 0..64 * 2 {
         world.step();
         let state = &world.state;
-        for pair in &state.near_pairs {
+        for pair in &state.results.near_pairs {
             // A quarter of a ball, with safety, and the contact margin.
-            let most = if state.intervals < 8 {
+            let most = if state.results.collision_substeps < 8 {
                 0.5 * 0.25 * 1.5 + 0.006
             } else {
                 0.5
             };
-            assert!(pair.margin <= most, "{} in {} intervals", pair.margin, state.intervals);
+            assert!(
+                pair.margin <= most,
+                "{} in {} collision_substeps",
+                pair.margin,
+                state.results.collision_substeps
+            );
         }
     }
     for i in 0..count {
@@ -124,7 +129,7 @@ fn what_is_pushed_out_does_not_sleep_before_it_is_out() {
 /// A body of half a metre's radius, so deep in the top of a block.
 pub fn pushed_out(shape: &TriMesh, depth: f32) {
     let mut world = World::new();
-    world.state.config.solver.sleeping = true;
+    world.state.input.config.solver.sleeping = true;
     let (mesh, cube) = (world.mesh(shape), world.mesh(&shapes::cube(4.0)));
     world.add(
         RigidBody::Dynamic,
@@ -140,9 +145,9 @@ pub fn pushed_out(shape: &TriMesh, depth: f32) {
         world.step();
         let height = world.center(0).y;
         speeds.push(64.0 * (height - before));
-        assert!(!world.state.asleep[0] || height > 0.495, "asleep at {height}");
+        assert!(!world.state.results.asleep[0] || height > 0.495, "asleep at {height}");
     }
-    assert!(world.state.asleep[0], "it is out, and at rest");
+    assert!(world.state.results.asleep[0], "it is out, and at rest");
     assert!((world.center(0).y - 0.5).abs() < 0.01, "{}", world.center(0));
     // The speed of the push falls with the depth and never rises: like a damped spring's, by less than half in a step.
     for (k, pair) in speeds.windows(2).enumerate() {
@@ -177,7 +182,7 @@ fn bodies_in_the_same_place_part() {
 /// So many bodies of one mesh, each so far from the one before, without gravity.
 pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
     let mut world = World::weightless();
-    world.state.config.solver.sleeping = true;
+    world.state.input.config.solver.sleeping = true;
     let mesh = world.mesh(mesh);
     let turn = any_turn(&mut fastrand::Rng::with_seed(5));
     for i in 0..count {
@@ -192,12 +197,12 @@ pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
     for step in 0..64 * 4 {
         world.step();
         let state = &world.state;
-        let gap = 2.0 * state.bodies.radius[0] * state.config.solver.rest_offset;
+        let gap = 2.0 * state.input.bodies.radius[0] * state.input.config.solver.rest_offset;
         let deepest = world.deepest();
-        let all_sleep = state.asleep.iter().all(|asleep| *asleep);
+        let all_sleep = state.results.asleep.iter().all(|asleep| *asleep);
         assert!(!all_sleep || deepest <= gap, "asleep {deepest} m deep at step {step}");
         if step == 0 {
-            assert_eq!(state.contacts.pairs.len(), count * (count - 1) / 2);
+            assert_eq!(state.results.contacts.pairs.len(), count * (count - 1) / 2);
         }
     }
     assert!(world.deepest() < 1.0e-3, "{} m deep in the end", world.deepest());
@@ -213,7 +218,7 @@ pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
 fn few_bodies_are_little_work() {
     for count in [1, 10] {
         let mut world = World::new();
-        world.state.planes.push(Default::default());
+        world.state.input.planes.push(Default::default());
         let cube = world.mesh(&shapes::cube(1.0));
         for i in 0..count {
             world.add(
@@ -226,10 +231,10 @@ fn few_bodies_are_little_work() {
         }
         for _ in 0..64 {
             world.step();
-            let [spheres, near, points, intervals] = work(&world);
+            let [spheres, near, points, collision_substeps] = work(&world);
             // Neighbours' spheres overlap; the cubes are half a metre apart, and have a plane point for each corner below.
             assert!(
-                spheres < count && near == 0 && points <= 4 * count && intervals == 1,
+                spheres < count && near == 0 && points <= 4 * count && collision_substeps == 1,
                 "{:?}",
                 work(&world)
             );
@@ -263,7 +268,7 @@ fn what_is_far_and_fast_adds_no_pair_and_no_point() {
         let works = (0..64).map(|_| {
             world.step();
             let [spheres, near, ..] = work(&world);
-            assert!(world.state.intervals == if with_bullet { 8 } else { 1 });
+            assert!(world.state.results.collision_substeps == if with_bullet { 8 } else { 1 });
             [spheres, near]
         });
         works.collect()

@@ -2,24 +2,17 @@
 
 use super::motion::{Motion, inertia};
 use crate::world::World;
-use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::types::body::RigidBody;
-use glam::{DMat3, DVec3, Quat, Vec3};
+use bevy_faceoff::testing::scenes::flight::squeezed_knot;
+use glam::{DMat3, DVec3, Vec3};
 
-/// A knot, squeezed, that turns with `spin` in its own axes.
+/// A knot that turns with `spin` in its own axes.
 fn knot(spin: Vec3) -> (World, usize) {
-    let mut world = World::weightless();
-    let knot = world.mesh(&shapes::knot_1120());
-    let turn = Quat::from_scaled_axis(Vec3::new(0.5, 0.2, 0.9));
-    let at = Vec3::new(1.0, 2.0, 3.0);
-    let body = world.add(RigidBody::Dynamic, knot, Vec3::new(0.5, 1.0, 1.7), at, turn);
-    world.state.bodies.angular_velocity[body] = turn * spin;
-    (world, body)
+    (World::of(&squeezed_knot(spin)), 0)
 }
 
 /// Moments of inertia about the body's own axes, which the squeezed knot's symmetry makes principal.
 fn moments(world: &World, body: usize) -> DVec3 {
-    let axes = world.state.bodies.frame[body].rotation;
+    let axes = world.state.input.bodies.frame[body].rotation;
     let own = axes.transpose() * inertia(world, body) * axes;
     let diagonal = own.to_cols_array();
     let moments = DVec3::new(diagonal[0], diagonal[4], diagonal[8]);
@@ -89,7 +82,7 @@ pub fn flips(axis: usize, seconds: usize) -> usize {
     let (mut flips, mut up) = (0, true);
     for _ in 0..64 * seconds {
         world.step();
-        let bodies = &world.state.bodies;
+        let bodies = &world.state.input.bodies;
         let spin = bodies.rotation[body].conjugate() * bodies.angular_velocity[body];
         if spin[axis].abs() > 2.5 && up != (spin[axis] > 0.0) {
             (flips, up) = (flips + 1, spin[axis] > 0.0);

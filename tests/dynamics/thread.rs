@@ -4,7 +4,7 @@
 
 use crate::world::World;
 use bevy_faceoff::asset::{CollisionMesh, import_file};
-use bevy_faceoff::state::{Body, Handling};
+use bevy_faceoff::state::{Body, BodyParams};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::material::Friction;
 use bevy_faceoff::types::solver_settings::SolverSettings;
@@ -32,9 +32,9 @@ fn mesh(name: &str) -> Option<CollisionMesh> {
 fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
     let meshes = [mesh("bolt_m16_loose")?, mesh("nut_m16_loose_subdiv_3x")?];
     let mut world = World::new();
-    world.state.config.gravity = Vec3::NEG_Z * 9.81;
-    world.state.config.solver.rest_offset = rest_offset;
-    let [bolt, nut] = meshes.map(|mesh| world.state.meshes.add(mesh));
+    world.state.input.config.gravity = Vec3::NEG_Z * 9.81;
+    world.state.input.config.solver.rest_offset = rest_offset;
+    let [bolt, nut] = meshes.map(|mesh| world.state.input.meshes.add(mesh));
     for (kind, mesh, at) in [
         (RigidBody::Static, bolt, Vec3::ZERO),
         // Five turns above the bottom of the thread.
@@ -43,9 +43,9 @@ fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
         world.put(&Body {
             kind,
             density: 7800.0,
-            handling: Handling {
+            params: BodyParams {
                 friction: Friction::new(friction),
-                ..Handling::default()
+                ..BodyParams::default()
             },
             ..Body::at_rest(mesh, at, Quat::IDENTITY, Vec3::ONE)
         });
@@ -62,13 +62,13 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
     let mut start = None;
     let mut farthest_off = 0.0f64;
     let travel = loop {
-        let bodies = &mut world.state.bodies;
+        let bodies = &mut world.state.input.bodies;
         let inertia = bodies.own_inverse_inertia[nut].z_axis.z.recip();
         let missing = SPEED - bodies.angular_velocity[nut].z;
-        bodies.handling[nut].forces.torque = Vec3::Z * (0.5 * 64.0 * inertia * missing);
+        bodies.params[nut].forces.torque = Vec3::Z * (0.5 * 64.0 * inertia * missing);
         let before = bodies.rotation[nut];
         world.step();
-        let change = world.state.bodies.rotation[nut] * before.conjugate();
+        let change = world.state.input.bodies.rotation[nut] * before.conjugate();
         turned += 2.0 * f64::from(change.z).atan2(f64::from(change.w)) / TAU;
         step += 1;
         if step % 8 == 0 {
@@ -101,7 +101,7 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
     assert!(farthest_off < 0.1 * PITCH, "{farthest_off}");
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture smooth_nut`
+/// `cargo test --release --test stages -- --ignored --nocapture smooth_nut`
 /// (2.01 mm per turn over 0.4 turns, never farther than 0.015 mm from the thread's line).
 #[test]
 #[ignore = "takes minutes"]

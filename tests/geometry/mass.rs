@@ -127,7 +127,7 @@ fn a_room_weighs_what_a_solid_of_its_inside_does() {
         assert!(own.thickness > 0.0 && own.thickness.is_finite());
         let figures = |m: MassProperties| (m.volume, m.center, m.second_moment);
         assert_eq!(figures(own), figures(solid));
-        assert_eq!(MassProperties::of(&room.turned()), solid);
+        assert_eq!(MassProperties::of(&room.flipped()), solid);
     }
 }
 

@@ -97,8 +97,8 @@ fn slivers_that_collapse_leave_no_hole() {
         let [a, b, c] = *triangle;
         assert!(*owned == 0 || (a != b && b != c && c != a));
     }
-    assert!(features.round_normals.iter().all(|n| n.is_finite()));
-    assert!(features.vertex_roundness.iter().all(|r| *r == 0.0));
+    assert!(features.vertex_normals.iter().all(|n| n.is_finite()));
+    assert!(features.vertex_curvature_radii.iter().all(|r| *r == 0.0));
 }
 
 /// Joining corners takes faces from an edge two at a time.
@@ -117,12 +117,12 @@ fn what_is_closed_stays_closed_at_any_tolerance() {
             let features = baked.features();
             assert!(
                 features
-                    .roundness
+                    .curvature_radii
                     .iter()
                     .chain(&features.curvature)
                     .all(|r| !r.is_nan())
             );
-            assert!(features.round_normals.iter().all(|n| n.is_finite()));
+            assert!(features.vertex_normals.iter().all(|n| n.is_finite()));
             assert!(features.components.iter().all(|c| *c == 0));
         }
     }
@@ -182,7 +182,7 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
     };
     let baked = CollisionMesh::without_faces(&room, solid);
     assert_eq!(
-        (baked.mesh.orientation(), baked.mesh.is_turned()),
+        (baked.mesh.orientation(), baked.mesh.is_flipped()),
         (Orientation::Outward, true)
     );
     assert!(baked.warnings().is_empty());
@@ -195,11 +195,11 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
         .unwrap();
     assert!(again == CollisionMesh::new(&room));
     assert_eq!(
-        (again.mesh.orientation(), again.mesh.is_turned()),
+        (again.mesh.orientation(), again.mesh.is_flipped()),
         (Orientation::Inward, false)
     );
     assert!(again.warnings()[0].contains("room") && again.warnings()[0].contains("inward: Solid"));
     assert!(again.rebake(solid, &pool, &Progress::default()).unwrap() == baked);
     // The other way round nothing looks inward.
-    assert!(!CollisionMesh::without_faces(&cube, solid).mesh.is_turned());
+    assert!(!CollisionMesh::without_faces(&cube, solid).mesh.is_flipped());
 }

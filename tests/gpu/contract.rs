@@ -6,12 +6,12 @@ use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, bindings, own_name, typ
 use bevy_faceoff::gpu::layout::{self, Struct};
 use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
 use bevy_faceoff::gpu::scan;
-use bevy_faceoff::gpu::shader::{self, Module, Shaders, Value};
-use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactSizes};
+use bevy_faceoff::gpu::shader::{self, Shaders, Value};
+use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
 use bevy_faceoff::solver::Interval;
 use bevy_faceoff::solver::gpu::{self as solver, Passes, SolverBuffers};
-use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepRoom};
-use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder};
+use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
+use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
 use bevy_faceoff::step::order::Place;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
@@ -59,22 +59,13 @@ const MAX_WORKGROUP: u32 = 16 << 10;
 /// Threads of a workgroup that every device has.
 const MAX_THREADS: u32 = 256;
 
-/// Every kernel of a step.
-fn kernels() -> impl Iterator<Item = &'static Kernel> {
-    ALL_SHADERS.iter().flat_map(|shaders| shaders.kernels.iter().copied())
-}
-
-fn modules() -> impl Iterator<Item = &'static Module> {
-    ALL_SHADERS.iter().flat_map(|shaders| shaders.modules)
-}
-
 /// Every struct that passes between host and kernels.
 fn structs() -> impl Iterator<Item = &'static Struct> {
     layout::STRUCTS.iter().chain(solver::layout::STRUCTS)
 }
 
 fn compose(kernel: &Kernel) -> Result<naga::Module, String> {
-    let mut composer = shader::composer(modules()).map_err(|error| error.to_string())?;
+    let mut composer = shader::composer(all_modules()).map_err(|error| error.to_string())?;
     kernel
         .compose(&mut composer)
         .map_err(|error| error.emit_to_string(&composer))
@@ -141,7 +132,7 @@ fn structs_of(module: &naga::Module) -> impl Iterator<Item = (&str, Layout)> {
 }
 
 fn every_kernel_runs_on_any_device() {
-    let wrong: Vec<String> = kernels()
+    let wrong: Vec<String> = all_kernels()
         .flat_map(|kernel| {
             let wrong = complaints(kernel).into_iter();
             wrong.map(|what| format!("{}: {what}", kernel.name))
@@ -153,7 +144,7 @@ fn every_kernel_runs_on_any_device() {
 fn names_of_kernels_are_their_own() {
     // Compiled kernels are found by name.
     let mut names = HashSet::new();
-    for kernel in kernels() {
+    for kernel in all_kernels() {
         assert!(names.insert(kernel.name), "{} twice", kernel.name);
     }
     assert!(names.len() >= 50);
@@ -175,7 +166,7 @@ fn shaders_import_from_stages_before_theirs() {
 
 fn every_struct_is_laid_out_as_in_wgsl() {
     let mut seen = BTreeSet::new();
-    for kernel in kernels() {
+    for kernel in all_kernels() {
         let module = compose(kernel).unwrap();
         for (name, found) in structs_of(&module) {
             if let Some(expected) = structs().find(|s| s.name == name) {
@@ -199,7 +190,7 @@ fn every_struct_is_laid_out_as_in_wgsl() {
 
 fn elements_of_buffers_have_no_gaps_between_them() {
     // Rust's arrays have none; WGSL's are padded to the alignment of the element.
-    for kernel in kernels() {
+    for kernel in all_kernels() {
         let module = compose(kernel).unwrap();
         for (_, variable) in module.global_variables.iter().filter(|(_, v)| v.binding.is_some()) {
             if let TypeInner::Array { base, stride, .. } = module.types[variable.ty].inner {
@@ -233,11 +224,11 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             pairs: 4 * bodies,
             ..Sizes::default()
         };
-        let room = StepRoom {
-            contacts: ContactSizes {
+        let room = StepCapacity {
+            contacts: ContactCapacity {
                 pairs: bodies,
                 points: 4 * bodies,
-                ..ContactSizes::default()
+                ..ContactCapacity::default()
             },
             bodies,
             touches: bodies,
@@ -334,7 +325,7 @@ fn every_call_finds_its_buffers() {
 
 fn every_kernel_is_called() {
     let called: BTreeSet<&str> = all_calls().iter().map(|(call, _)| call.kernel.name).collect();
-    let declared: BTreeSet<&str> = kernels().map(|kernel| kernel.name).collect();
+    let declared: BTreeSet<&str> = all_kernels().map(|kernel| kernel.name).collect();
     assert_eq!(called, declared);
 }
 
@@ -418,7 +409,7 @@ fn a_wrong_kernel_is_reported() {
 
 fn shared_constants_arrive_to_the_bit() {
     let mut count = 0;
-    for module in modules() {
+    for module in all_modules() {
         // What is not constant may use imports: only the lines of constants are read.
         let wgsl = module.wgsl();
         let lines: Vec<&str> = wgsl.lines().filter(|line| line.starts_with("const ")).collect();
@@ -500,7 +491,7 @@ fn no_constant_stands_in_both_languages() {
         let digits = text.split('e').next().unwrap_or_default();
         !["0", "1", "2", "2.5", "4", "5", "8"].contains(&digits)
     };
-    let shared: Vec<(&str, f64)> = modules()
+    let shared: Vec<(&str, f64)> = all_modules()
         .flat_map(|module| module.constants)
         .flat_map(|(name, value)| {
             let values = match value {

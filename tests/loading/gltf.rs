@@ -76,8 +76,8 @@ fn scenes_parts_and_buffers_elsewhere() {
         ("meshes/up.gltf", ["meshes/up.gltf", "outside the asset folder"]),
         ("up.bake.ron", ["meshes/up.gltf", "outside the asset folder"]),
         ("gone.bake.ron", ["gone.bake.ron", "meshes/gone.bin"]),
-        ("root.bake.ron", ["meshes/root.gltf", "no relative path"]),
-        ("net.bake.ron", ["meshes/net.gltf", "no relative path"]),
+        ("root.bake.ron", ["meshes/root.gltf", "is not a relative path"]),
+        ("net.bake.ron", ["meshes/net.gltf", "is not a relative path"]),
     ] {
         let message = loaded(&mut app, name).unwrap_err();
         assert!(words.iter().all(|w| message.contains(w)), "{message}");

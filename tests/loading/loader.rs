@@ -1,6 +1,6 @@
 //! Collision meshes through Bevy's asset server, in an app without window or renderer.
 
-use crate::asset_app::alone;
+use crate::asset_app::{alone, app, finish, plain, server, write};
 use crate::log;
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::{AssetLoader, LoadContext, LoadState, io::Reader};
@@ -9,7 +9,6 @@ use bevy_faceoff::asset::{CollisionMesh, format, to_obj};
 use bevy_faceoff::geometry::{Orientation, shapes};
 use bevy_faceoff::plugin::assets::{CollisionMeshSettings, register};
 use bevy_faceoff::projection::BakeSettings;
-use std::path::Path;
 use std::sync::RwLockWriteGuard;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -53,18 +52,10 @@ impl Stage {
         for (name, bytes) in files {
             write(folder.path(), name, bytes);
         }
-        let mut app = App::new();
-        app.add_plugins((
-            MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
-            AssetPlugin {
-                file_path: folder.path().to_string_lossy().into_owned(),
-                ..default()
-            },
-        ));
+        let mut app = app(plain(folder.path()));
         assert!(register(&mut app));
         app.init_asset::<Text>().register_asset_loader(TextLoader);
-        app.finish();
-        app.cleanup();
+        finish(&mut app);
         Self {
             app,
             folder,
@@ -81,7 +72,7 @@ impl Stage {
     }
 
     fn server(&self) -> AssetServer {
-        self.app.world().resource::<AssetServer>().clone()
+        server(&self.app)
     }
 
     fn load(&self, path: &str) -> Handle<CollisionMesh> {
@@ -131,12 +122,6 @@ impl Stage {
             _ => panic!("{path} loaded"),
         }
     }
-}
-
-fn write(folder: &Path, name: &str, bytes: &[u8]) {
-    let path = folder.join(name);
-    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-    std::fs::write(path, bytes).unwrap();
 }
 
 fn torus_obj() -> String {

@@ -154,6 +154,9 @@ fn numbers_of_no_bodies_have_no_points() {
     let state = state(&product, &[&body, &body]);
     for bodies in [[0, 0], [0, 2], [7, 9]] {
         let pair = MarginPair { bodies, margin: 0.1 };
-        assert_eq!(cpu::of_pair(&state.bodies, &state.meshes, pair), Manifolds::default());
+        assert_eq!(
+            cpu::of_pair(&state.input.bodies, &state.input.meshes, pair),
+            Manifolds::default()
+        );
     }
 }

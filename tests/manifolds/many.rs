@@ -5,19 +5,20 @@ use crate::oracle::rng::Rng;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
-use bevy_faceoff::state::{Body as StageBody, StepState};
+use bevy_faceoff::state::Body as StageBody;
+use bevy_faceoff::step::StepState;
 use glam::Vec3;
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let mut state = StepState::default();
     let slots = [shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]
-        .map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
+        .map(|mesh| state.input.meshes.add(CollisionMesh::new(&mesh)));
     let mut rng = Rng::new(16, 0);
     for i in 0..80 {
         let at = rng.in_ball(1.6).as_vec3();
         let body = StageBody::at_rest(slots[i % 3], at, rng.rotation(), Vec3::ONE);
-        state.bodies.push(&body, &state.meshes).unwrap();
+        state.input.bodies.push(&body, &state.input.meshes).unwrap();
     }
     let pairs: Vec<MarginPair> = (0..80)
         .flat_map(|a| (a + 1..80).map(move |b| [a, b]))
@@ -27,7 +28,15 @@ fn any_number_of_threads_gives_the_same_bits() {
     let mut runs = [1, 1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut manifolds = Manifolds::default();
-        pool.install(|| cpu::run(&state.bodies, &state.meshes, &pairs, &mut scratch, &mut manifolds));
+        pool.install(|| {
+            cpu::run(
+                &state.input.bodies,
+                &state.input.meshes,
+                &pairs,
+                &mut scratch,
+                &mut manifolds,
+            )
+        });
         require_sane(&manifolds);
         manifolds
     });
@@ -40,8 +49,8 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
     let pair = runs[0].pairs[100];
     let alone = cpu::of_pair(
-        &state.bodies,
-        &state.meshes,
+        &state.input.bodies,
+        &state.input.meshes,
         MarginPair {
             bodies: pair.bodies,
             margin: 0.01,

@@ -5,5 +5,6 @@ mod bad;
 mod concave;
 mod convex;
 mod many;
+mod reduce;
 mod same;
 mod scene;

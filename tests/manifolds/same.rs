@@ -123,7 +123,7 @@ fn the_order_of_bodies_only_turns_normals() {
 fn points_lie_on_the_faces_they_name() {
     let product = Product::default();
     for [a, b] in some_pairs(24, 10) {
-        let frames = state(&product, &[&a, &b]).bodies.frame;
+        let frames = state(&product, &[&a, &b]).input.bodies.frame;
         for point in points(&product, &a, &b, 0.005) {
             for (i, body) in [&a, &b].into_iter().enumerate() {
                 let world = body.world();

@@ -7,7 +7,8 @@ use crate::oracle::shapes::Shapes;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::manifolds::{ManifoldPoint, Manifolds, MarginPair, cpu};
 use bevy_faceoff::queries::Placement;
-use bevy_faceoff::state::{Body as StageBody, StepState};
+use bevy_faceoff::state::Body as StageBody;
+use bevy_faceoff::step::StepState;
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 
@@ -31,9 +32,13 @@ pub fn state(product: &Product, bodies: &[&Body]) -> StepState {
             rotation,
             scale,
         } = product.placement(body);
-        let slot = state.meshes.add(mesh);
+        let slot = state.input.meshes.add(mesh);
         let body = StageBody::at_rest(slot, translation, rotation, scale);
-        state.bodies.push(&body, &state.meshes).expect("a usable body");
+        state
+            .input
+            .bodies
+            .push(&body, &state.input.meshes)
+            .expect("a usable body");
     }
     state
 }
@@ -45,7 +50,7 @@ pub fn points(product: &Product, a: &Body, b: &Body, margin: f64) -> Vec<Manifol
         bodies: [0, 1],
         margin: margin as f32,
     };
-    let manifolds = cpu::of_pair(&state.bodies, &state.meshes, pair);
+    let manifolds = cpu::of_pair(&state.input.bodies, &state.input.meshes, pair);
     require_sane(&manifolds);
     manifolds.points
 }

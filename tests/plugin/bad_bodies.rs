@@ -4,7 +4,7 @@ use crate::app::{DT, Sim, assert_near, ball_like, resting};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::state::bodies::BodyFault;
+use bevy_faceoff::state::fault::BodyFault;
 use std::time::{Duration, Instant};
 
 const NAN: f32 = f32::NAN;

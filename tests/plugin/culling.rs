@@ -1,8 +1,8 @@
 //! The modes in an app: who bakes when, and whose choice counts.
 
+use crate::app::Sim;
 use crate::log;
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::direction::DirectionGrid;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
@@ -10,17 +10,13 @@ use bevy_faceoff::projection::{Progress, bake_pool};
 use std::time::{Duration, Instant};
 use tracing::Level;
 
-const STEP: Duration = Duration::from_millis(10);
-
-/// An app whose bodies stand still, with two tori that touch.
-fn app(culling: Culling) -> (App, [Entity; 2], Handle<CollisionMesh>) {
+/// Bodies that stand still: two tori that touch.
+fn tori(culling: Culling) -> (Sim, [Entity; 2], Handle<CollisionMesh>) {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()))
-        .insert_resource(Time::<Fixed>::from_duration(STEP))
-        .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
         .insert_resource(Response::None)
-        .insert_resource(Gravity(Vec3::ZERO))
         .insert_resource(culling);
+    let mut sim = Sim::of(app);
     let settings = BakeSettings {
         faces: false,
         degrees: 15,
@@ -28,23 +24,17 @@ fn app(culling: Culling) -> (App, [Entity; 2], Handle<CollisionMesh>) {
         ..BakeSettings::default()
     };
     let mesh = CollisionMesh::bake(&shapes::torus_240(), settings, bake_pool(), &Progress::default()).unwrap();
-    let handle = app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(mesh);
+    let handle = sim.world().resource_mut::<Assets<CollisionMesh>>().add(mesh);
     let bodies = [(0.0, 0.0), (0.8, 1.0)].map(|(x, angle)| {
         let pose = Transform::from_xyz(x, 0.1 * x, 0.0).with_rotation(Quat::from_rotation_x(angle));
-        app.world_mut()
-            .spawn((RigidBody::Dynamic, MeshCollider(handle.clone()), pose))
-            .id()
+        sim.spawn((RigidBody::Dynamic, MeshCollider(handle.clone()), pose))
     });
-    app.finish();
-    app.cleanup();
-    // Bevy's first update has no time behind it and runs no step.
-    app.update();
-    (app, bodies, handle)
+    (sim, bodies, handle)
 }
 
-fn step(app: &mut App) -> StepReport {
-    app.update();
-    app.world().resource::<StepReport>().clone()
+fn step(sim: &mut Sim) -> StepReport {
+    sim.step(1);
+    sim.report().clone()
 }
 
 #[test]
@@ -53,8 +43,8 @@ fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
         return;
     }
     log::keep(&[Level::WARN, Level::ERROR]);
-    let (mut app, _, handle) = app(Culling::Exact);
-    let exact = step(&mut app);
+    let (mut sim, _, handle) = tori(Culling::Exact);
+    let exact = step(&mut sim);
     assert!(exact.face_pairs > 0 && exact.approximate_pairs == 0 && exact.tables_in_bake == 0);
 
     // Nothing is baked while every thread of the pool is busy.
@@ -65,9 +55,9 @@ fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
             release
         })
         .collect();
-    app.insert_resource(Culling::FacesOfCollision);
+    sim.world().insert_resource(Culling::FacesOfCollision);
     for _ in 0..5 {
-        let waiting = step(&mut app);
+        let waiting = step(&mut sim);
         assert_eq!((waiting.face_pairs, waiting.approximate_pairs), (exact.face_pairs, 0));
         assert_eq!(waiting.tables_in_bake, 1);
     }
@@ -75,7 +65,7 @@ fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
     drop(hold);
     let start = Instant::now();
     let switched = loop {
-        let report = step(&mut app);
+        let report = step(&mut sim);
         if report.tables_in_bake == 0 {
             break report;
         }
@@ -87,11 +77,11 @@ fn a_mesh_without_a_table_is_exact_until_one_is_baked() {
     assert!((1..exact.face_pairs).contains(&switched.face_pairs), "{switched:?}");
 
     // Back and forth: no second bake, no second warning. The asset itself stays as it was loaded.
-    app.insert_resource(Culling::Exact);
-    assert_eq!(step(&mut app).face_pairs, exact.face_pairs);
-    app.insert_resource(Culling::FacesOfCollision);
-    assert_eq!(step(&mut app).face_pairs, switched.face_pairs);
-    let assets = app.world().resource::<Assets<CollisionMesh>>();
+    sim.world().insert_resource(Culling::Exact);
+    assert_eq!(step(&mut sim).face_pairs, exact.face_pairs);
+    sim.world().insert_resource(Culling::FacesOfCollision);
+    assert_eq!(step(&mut sim).face_pairs, switched.face_pairs);
+    let assets = sim.app.world().resource::<Assets<CollisionMesh>>();
     assert!(assets.get(&handle).unwrap().faces.is_none());
     let warnings = log::lines();
     let about_tables: Vec<_> = warnings.iter().filter(|w| w.contains("no table")).collect();
@@ -143,8 +133,8 @@ fn without_table_or_direction_nothing_is_known_of_what_is_seen() {
 
 #[test]
 fn a_bodys_choice_overrules_the_worlds_at_its_own_end() {
-    let (mut app, [a, b], _) = app(Culling::Exact);
-    let exact = step(&mut app);
+    let (mut sim, [a, b], _) = tori(Culling::Exact);
+    let exact = step(&mut sim);
     let mut faces = [0; 4];
     for (choice, faces) in faces.iter_mut().enumerate() {
         for (entity, bit) in [(a, 1), (b, 2)] {
@@ -153,9 +143,9 @@ fn a_bodys_choice_overrules_the_worlds_at_its_own_end() {
             } else {
                 Culling::FrontFacing
             };
-            app.world_mut().entity_mut(entity).insert(BodyCulling(culling));
+            sim.world().entity_mut(entity).insert(BodyCulling(culling));
         }
-        let report = step(&mut app);
+        let report = step(&mut sim);
         assert_eq!(report.approximate_pairs, usize::from(choice > 0));
         *faces = report.face_pairs;
     }
@@ -164,8 +154,8 @@ fn a_bodys_choice_overrules_the_worlds_at_its_own_end() {
     assert!(first < neither && second < neither, "{faces:?}");
     assert!(both <= first.min(second), "{faces:?}");
     // And the world's choice holds where a body has none.
-    app.world_mut().entity_mut(a).remove::<BodyCulling>();
-    app.world_mut().entity_mut(b).insert(BodyCulling(Culling::Exact));
-    app.insert_resource(Culling::FrontFacing);
-    assert_eq!(step(&mut app).face_pairs, first);
+    sim.world().entity_mut(a).remove::<BodyCulling>();
+    sim.world().entity_mut(b).insert(BodyCulling(Culling::Exact));
+    sim.world().insert_resource(Culling::FrontFacing);
+    assert_eq!(step(&mut sim).face_pairs, first);
 }

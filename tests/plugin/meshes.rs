@@ -4,7 +4,7 @@ use crate::app::{Sim, assert_near, resting};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::state::bodies::BodyFault;
+use bevy_faceoff::state::fault::BodyFault;
 use std::time::{Duration, Instant};
 
 fn assets(sim: &mut Sim) -> Mut<'_, Assets<CollisionMesh>> {

@@ -183,7 +183,7 @@ fn few_bytes_describe_little_memory() {
     let bytes = by_hand(triangles, 1, 64_442, 64_442 << 16, &runs);
     assert_eq!(
         FaceTable::decode(&bytes, triangles, &settings(1)),
-        Err(TableError::Damaged("it describes more than its length can"))
+        Err(TableError::Damaged("it claims more memory than its length allows"))
     );
     // Told as if it were less, it is refused where the lie shows.
     let bytes = by_hand(triangles, 1, 64_442, 1 << 20, &runs);

@@ -45,7 +45,7 @@ fn against_oracle(name: &str, mesh: &TriMesh, size: u32, stride: usize) -> Tally
         oracle.check(&visible, &mut tally);
         assert_eq!(
             visible,
-            raster.visible_plainly(&grid.rotation(index)),
+            raster.visible_by_definition(&grid.rotation(index)),
             "{name}: slow and fast form"
         );
     }

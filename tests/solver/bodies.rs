@@ -262,7 +262,7 @@ fn faster_and_thinner_bodies_are_looked_at_more_often() {
     let settings = world.settings;
     world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
     let detections =
-        |world: &World| Speeds::of(&world.bodies, |_| false).detections(&settings, &world.bodies, world.dt);
+        |world: &World| Speeds::of(&world.bodies, |_| false).collision_substeps(&settings, &world.bodies, world.dt);
     assert_eq!(detections(&world), 1, "at rest");
     world.motion(0).linear_velocity = Vec3::X * 1000.0;
     assert_eq!(detections(&world), 1, "nothing moves against it");
@@ -277,5 +277,8 @@ fn faster_and_thinner_bodies_are_looked_at_more_often() {
     assert_eq!(detections(&world), 8, "a thin wall counts, and there is a limit");
     world.motion(0).linear_velocity = Vec3::NAN;
     assert!((1..=8).contains(&detections(&world)));
-    assert_eq!([1, 2, 3, 8].map(|n| settings.substeps_per_detection(n)), [8, 4, 3, 1]);
+    assert_eq!(
+        [1, 2, 3, 8].map(|n| settings.substeps_per_collision_substep(n)),
+        [8, 4, 3, 1]
+    );
 }

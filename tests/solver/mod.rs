@@ -9,4 +9,5 @@ mod restitution;
 mod same_bits;
 pub mod shapes;
 mod spin;
+mod warm_start;
 pub mod world;

@@ -98,11 +98,11 @@ impl World {
     pub fn step(&mut self, count: usize) {
         for _ in 0..count {
             let detections = self.detections.unwrap_or_else(|| {
-                Speeds::of(&self.bodies, |_| false).detections(&self.settings, &self.bodies, self.dt)
+                Speeds::of(&self.bodies, |_| false).collision_substeps(&self.settings, &self.bodies, self.dt)
             });
             let interval = Interval {
                 dt: self.dt / detections as f32,
-                substeps: self.settings.substeps_per_detection(detections),
+                substeps: self.settings.substeps_per_collision_substep(detections),
                 gravity: self.gravity,
             };
             for _ in 0..detections {

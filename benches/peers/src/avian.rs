@@ -9,8 +9,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use std::collections::HashMap;
 
-/// The scene in avian, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and
-/// never sleep, steps as long as ours.
+/// The scene in avian with default settings, except those of the scene: no gravity, no friction, elastic bodies that
+/// never sleep, and the same step length.
 pub struct Avian {
     app: App,
     indices: HashMap<Entity, u32>,
@@ -21,7 +21,7 @@ impl Avian {
     pub fn new(scene: &Scene) -> Self {
         let mut app = App::new();
         let mut threads = TaskPoolOptions::with_num_threads(THREADS);
-        // The thread that calls `update` works too.
+        // The thread that calls `update` is a worker too.
         threads.compute.min_threads = THREADS - 1;
         threads.compute.max_threads = THREADS - 1;
         app.add_plugins((
@@ -56,7 +56,7 @@ impl Avian {
         }
         app.finish();
         app.cleanup();
-        // Bevy's first update has no time behind it and runs no step.
+        // In Bevy's first update no time has passed, so it runs no step.
         app.update();
         Self { app, indices }
     }

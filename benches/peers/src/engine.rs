@@ -1,7 +1,7 @@
 //! An engine that runs whole steps, and the process it runs in.
 //!
-//! Each engine has a process of its own, which does one step whenever it reads a line: so steps of different engines
-//! take turns, and an engine that panics, hangs or eats all time ends without ending the others.
+//! Each engine runs in its own process, which does one step for each line it reads. So the steps of different engines
+//! alternate, and an engine that panics, hangs or takes too long does not stop the others.
 
 use crate::scene::{Scene, Shape};
 use crate::{avian, ours, rapier};
@@ -14,15 +14,15 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How many threads each engine has.
+/// The number of threads of each engine.
 pub const THREADS: usize = 2;
 
-/// Whole steps of a simulation.
+/// A simulation that runs whole steps.
 pub trait Engine {
-    /// Does one step and tells how many seconds it took.
+    /// Runs one step and returns its time in seconds.
     fn step(&mut self) -> f64;
 
-    /// Pairs of bodies that touched in the last step, in the engine's own sense of the word, walls left out.
+    /// The pairs of bodies that touched in the last step, by the engine's own definition, without walls.
     fn touching(&mut self) -> Vec<[u32; 2]>;
 }
 
@@ -32,7 +32,7 @@ pub trait Engine {
 pub enum Kind {
     /// bevy_faceoff, with one impulse per pair.
     Ours,
-    /// bevy_faceoff, with contacts: what the others do.
+    /// bevy_faceoff, with contact manifolds, as the others do.
     Contacts,
     /// rapier3d.
     Rapier,
@@ -40,12 +40,12 @@ pub enum Kind {
     Avian,
 }
 
-/// What a step took and found.
+/// The time and result of a step.
 #[derive(Serialize, Deserialize)]
 pub struct Step {
-    /// How long it took.
+    /// Time of the step in seconds.
     pub seconds: f64,
-    /// Which bodies touched; the smaller index first, ascending.
+    /// The pairs of bodies that touched, ascending, each with the smaller index first.
     pub touching: Vec<[u32; 2]>,
 }
 
@@ -73,7 +73,7 @@ pub fn serve(kind: Kind, scene: &Scene) {
     }
 }
 
-/// An engine in a process of its own.
+/// An engine in its own process.
 pub struct Process {
     child: Child,
     orders: Option<ChildStdin>,
@@ -83,7 +83,7 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts an engine, which may take `limit` in all.
+    /// Starts an engine that may take `limit` in total.
     pub fn start(kind: Kind, shape: Shape, bodies: usize, seed: u64, limit: Duration) -> std::io::Result<Self> {
         let mut child = Command::new(std::env::current_exe()?)
             .args(["--serve", name(kind), "--shape", shape.name()])
@@ -104,7 +104,7 @@ impl Process {
         let mut errors = child.stderr.take().expect("it is piped");
         let complaints = std::thread::spawn(move || {
             let mut text = Vec::new();
-            // What cannot be read is not said.
+            // A failure to read leaves the text incomplete.
             let _ = errors.read_to_end(&mut text);
             String::from_utf8_lossy(&text).into_owned()
         });
@@ -117,13 +117,13 @@ impl Process {
         })
     }
 
-    /// Has one step done.
+    /// Runs one step.
     ///
     /// # Errors
-    /// How the engine failed, in words.
+    /// A description of how the engine failed.
     pub fn step(&mut self) -> Result<Step, String> {
         let start = Instant::now();
-        // A process that is gone is noticed by its silence.
+        // If the process has ended, this fails, and so does the read below.
         let _ = self.orders.as_mut().map(|orders| orders.write_all(b"step\n"));
         let answer = self.answers.recv_timeout(self.left);
         self.left = self.left.saturating_sub(start.elapsed());
@@ -149,7 +149,7 @@ impl Process {
 impl Drop for Process {
     fn drop(&mut self) {
         self.orders = None;
-        // It has no state worth an orderly end.
+        // The process has no state to save, so it can be killed.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

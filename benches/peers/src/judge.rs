@@ -1,29 +1,29 @@
-//! The slow truth about a pair on which two libraries differ: all triangles of one body against all of the other, in
-//! double precision, from the scene alone. It shares no code with either.
+//! An independent test for pairs on which two libraries disagree: all triangles of one body against all of the other,
+//! in double precision, computed from the scene. It shares no code with either library.
 
 use crate::scene::Scene;
 use bevy::math::{DMat3, DVec3};
 use serde::Serialize;
 
-/// By how much of the pair's size single precision can be wrong about where a body is, here: ten units in the last
-/// place of a coordinate at the border of the box.
+/// The error of a position in single precision relative to the pair's size: ten units in the last place of a coordinate
+/// at the border of the box.
 pub const ROUNDING: f64 = 1.0e-5;
 
-/// A pair on which a peer and we differ.
+/// A pair on which a peer and bevy_faceoff disagree.
 #[derive(Serialize)]
 pub struct Dispute {
     /// The two bodies.
     pub pair: [u32; 2],
-    /// Whether ours says that they touch; the peer says the opposite.
+    /// Whether bevy_faceoff reports a touch; the peer reports the opposite.
     pub ours: bool,
-    /// How far apart the surfaces are, in metres; 0 if they intersect.
+    /// The distance of the surfaces in metres; 0 if they intersect.
     pub distance: f64,
-    /// Whether a displacement by [`ROUNDING`] makes the difference.
+    /// Whether a displacement by [`ROUNDING`] changes the answer.
     pub rounding: bool,
 }
 
 impl Dispute {
-    /// Settles who is right.
+    /// Decides who is right.
     pub fn new(scene: &Scene, pair: [u32; 2], ours: bool) -> Self {
         let [a, b] = pair.map(|i| triangles(scene, i as usize));
         let reach = ROUNDING
@@ -45,13 +45,13 @@ impl Dispute {
         }
     }
 
-    /// Whether ours is wrong, and not by rounding.
+    /// Whether bevy_faceoff is wrong by more than rounding.
     pub fn is_our_fault(&self) -> bool {
         !self.rounding && self.ours != (self.distance == 0.0)
     }
 }
 
-/// Its corners.
+/// The corners of a triangle.
 pub type Triangle = [DVec3; 3];
 
 fn triangles(scene: &Scene, body: usize) -> Vec<Triangle> {
@@ -66,7 +66,7 @@ fn triangles(scene: &Scene, body: usize) -> Vec<Triangle> {
         .collect()
 }
 
-/// Whether an edge of one triangle pierces another, with `b` moved by `offset`.
+/// Whether the surfaces intersect with `b` moved by `offset`: whether an edge of one pierces a triangle of the other.
 pub fn intersect(a: &[Triangle], b: &[Triangle], offset: DVec3) -> bool {
     let bounds = |t: &Triangle| (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
     let a: Vec<_> = a.iter().map(|t| (*t, bounds(t))).collect();
@@ -78,7 +78,7 @@ pub fn intersect(a: &[Triangle], b: &[Triangle], offset: DVec3) -> bool {
     })
 }
 
-/// Whether an edge of `s` meets `t`.
+/// Whether an edge of `s` intersects `t`.
 fn pierces(s: &Triangle, t: &Triangle) -> bool {
     let volume = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
     edges(s).any(|[p, q]| {
@@ -88,7 +88,7 @@ fn pierces(s: &Triangle, t: &Triangle) -> bool {
     })
 }
 
-/// The least distance of two surfaces that do not intersect.
+/// The distance between two surfaces that do not intersect.
 fn distance(a: &[Triangle], b: &[Triangle]) -> f64 {
     let pairs = a.iter().flat_map(|s| b.iter().map(move |t| (s, t)));
     pairs.fold(f64::INFINITY, |least, (s, t)| {
@@ -98,7 +98,7 @@ fn distance(a: &[Triangle], b: &[Triangle]) -> f64 {
     })
 }
 
-/// The distance of a point from the inside of a triangle; infinite beside it.
+/// The height of a point above a triangle; infinite if its projection is outside.
 pub fn above(p: DVec3, t: &Triangle) -> f64 {
     let normal = (t[1] - t[0]).cross(t[2] - t[0]);
     let inside = edges(t).all(|[u, v]| (v - u).cross(p - u).dot(normal) >= 0.0);
@@ -109,7 +109,7 @@ pub fn above(p: DVec3, t: &Triangle) -> f64 {
     }
 }
 
-/// The distance of two segments (Ericson 2005, 5.1.9).
+/// The distance between two segments (Ericson 2005, 5.1.9).
 fn between([p, q]: [DVec3; 2], [u, v]: [DVec3; 2]) -> f64 {
     let (d, e, r) = (q - p, v - u, p - u);
     let (dd, ee, de, dr, er) = (d.dot(d), e.dot(e), d.dot(e), d.dot(r), e.dot(r));
@@ -128,7 +128,7 @@ fn between([p, q]: [DVec3; 2], [u, v]: [DVec3; 2]) -> f64 {
     (p + d * s).distance(u + e * t)
 }
 
-/// From each corner to the next.
+/// The edges of a triangle, from each corner to the next.
 pub fn edges(t: &Triangle) -> impl Iterator<Item = [DVec3; 2]> + use<> {
     let t = *t;
     (0..3).map(move |k| [t[k], t[(k + 1) % 3]])
@@ -156,7 +156,7 @@ mod tests {
         assert!(intersect(&at(0.0), &upright, DVec3::ZERO));
         assert!(!intersect(&at(0.0), &upright, DVec3::X));
         assert!((distance(&at(0.0), &at(0.25)) - 0.25).abs() < 1e-12);
-        // The upright edge stands 0.2 beyond the long edge's middle.
+        // The vertical edge is 0.2 beyond the middle of the long edge.
         let beside =
             upright.map(|t| t.map(|p| p + DVec3::new(0.3, 0.3, 0.0) + DVec3::new(0.2, 0.2, 0.0) / 2f64.sqrt()));
         assert!((distance(&at(0.0), &beside) - 0.2).abs() < 1e-12);

@@ -1,10 +1,10 @@
-//! bevy_faceoff beside parry3d, rapier3d and avian3d, on the paper's scenes:
+//! Compares the speed of bevy_faceoff, parry3d, rapier3d and avian3d on the scenes of the paper:
 //! `cargo run --release --manifest-path benches/peers/Cargo.toml`.
 //!
-//! With `--physics` it compares how well bodies behave, in bevy_faceoff and in rapier3d.
+//! With `--physics` it compares the accuracy of the motion in bevy_faceoff and rapier3d instead.
 //!
-//! No first hit's time is printed unless the answers are the same, or a slow and independent test finds ours right
-//! where they differ; each difference is printed.
+//! Times of first hits are printed only if the answers agree, or if a slow independent test confirms bevy_faceoff where
+//! they disagree. Each disagreement is printed.
 
 mod avian;
 mod engine;
@@ -27,31 +27,31 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Times bevy_faceoff beside parry3d, rapier3d and avian3d, and prints tables in Markdown.
+/// Measure bevy_faceoff, parry3d, rapier3d and avian3d, and print tables in Markdown.
 #[derive(Parser)]
 struct Options {
-    /// Compare with these only.
+    /// Compare only with these.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "parry,rapier,avian")]
     only: Vec<Peer>,
-    /// Of these scenes only.
+    /// Run only these scenes.
     #[arg(long, value_enum, value_delimiter = ',', default_value = "torus,knot")]
     shape: Vec<Shape>,
-    /// How many bodies; the box grows with them.
+    /// Number of bodies; the box grows with it.
     #[arg(long, default_value_t = 2200)]
     bodies: usize,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Rounds of the narrow phase [default: 15, or 3 with --quick].
+    /// Number of rounds of the narrow phase [default: 15, or 3 with --quick].
     #[arg(long)]
     rounds: Option<usize>,
-    /// Whole steps [default: 64, or 8 with --quick].
+    /// Number of whole steps [default: 64, or 8 with --quick].
     #[arg(long)]
     steps: Option<usize>,
-    /// Seconds that an engine may take for all its steps of a scene [default: 180, or 20 with --quick].
+    /// Time limit in seconds for all steps of an engine in a scene [default: 180, or 20 with --quick].
     #[arg(long)]
     limit: Option<u64>,
-    /// A few rounds and steps, in about a minute.
+    /// Run only a few rounds and steps, in about a minute.
     #[arg(long)]
     quick: bool,
     /// Write all times and counts as JSON to this file.
@@ -59,12 +59,12 @@ struct Options {
     json: Option<PathBuf>,
     #[command(flatten)]
     physics: physics::Options,
-    /// Be the process of an engine.
+    /// Run as the process of an engine.
     #[arg(long, value_enum, hide = true)]
     serve: Option<Kind>,
 }
 
-/// What to compare with.
+/// The libraries to compare with, by what is compared.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Peer {
     /// Narrow and broad phase.

@@ -1,4 +1,5 @@
-//! The narrow phase of the first step, and the broad phase before it: the same pairs for all, taking turns.
+//! The narrow phase of the first step and the broad phase before it, interleaved, with the same pairs for all
+//! libraries.
 
 use crate::judge::Dispute;
 use crate::ours::Stages;
@@ -8,64 +9,64 @@ use crate::timing::{control, pool, time};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// What was measured of one scene.
+/// The measurements of one scene.
 #[derive(Serialize)]
 pub struct Narrow {
-    /// Its mesh.
+    /// The mesh.
     pub shape: Shape,
-    /// Triangles of the mesh.
+    /// The number of triangles of the mesh.
     pub triangles: usize,
-    /// Pairs whose bounding spheres overlap: the work of all but the broad phases.
+    /// The number of pairs whose bounding spheres overlap. They are the input of all but the broad phases.
     pub sphere_pairs: usize,
-    /// Pairs whose surfaces intersect, by ours.
+    /// The number of pairs whose surfaces intersect, according to bevy_faceoff.
     pub touching: usize,
-    /// Pairs of which one is wholly inside the other, by ours.
+    /// The number of pairs of which one body is wholly inside the other, according to bevy_faceoff.
     pub contained: usize,
-    /// Pairs of faces that intersect, by ours.
+    /// The number of pairs of faces that intersect, according to bevy_faceoff.
     pub face_pairs: usize,
-    /// Seconds of each round.
+    /// Seconds of each round of bevy_faceoff's narrow phase.
     pub ours: Vec<f64>,
-    /// The same of our first hits, which have to name the same pairs.
+    /// Seconds of each round of its first hits, which must find the same pairs.
     pub ours_first: Vec<f64>,
-    /// All hits on one thread and on two.
+    /// Seconds of each round of all hits, on one thread and on two.
     pub ours_threads: [Vec<f64>; 2],
-    /// The arithmetic loop on one thread and on two.
+    /// Seconds of each round of the control loop, on one thread and on two.
     pub control: [Vec<f64>; 2],
-    /// Our broad phase.
+    /// Seconds of each round of bevy_faceoff's broad phase.
     pub ours_broad: Vec<f64>,
-    /// The same by parry3d.
+    /// The measurements of parry3d.
     pub parry: ParryNarrow,
 }
 
 /// parry3d on the same scene.
 #[derive(Serialize, Default)]
 pub struct ParryNarrow {
-    /// First hits of the pairs as they come.
+    /// First hits of the pairs in the given order of bodies.
     pub first_hits: FirstHits,
-    /// First hits of the same pairs, the larger body first.
+    /// First hits of the same pairs with the larger body first.
     pub larger_first: FirstHits,
-    /// Seconds of each round, for each of [`PREDICTIONS`].
+    /// Seconds of each round of contact manifolds, for each of [`PREDICTIONS`].
     pub manifolds: [Vec<f64>; 2],
-    /// What they found.
+    /// The manifolds found, for each of [`PREDICTIONS`].
     pub manifold_pairs: [Manifolds; 2],
-    /// Seconds of each round with the tree built anew.
+    /// Seconds of each round of the broad phase with a rebuilt tree.
     pub broad_rebuilt: Vec<f64>,
-    /// Seconds of each round with the tree fitted to moved boxes.
+    /// Seconds of each round of the broad phase with a tree refitted to moved boxes.
     pub broad_refitted: Vec<f64>,
-    /// Pairs of overlapping boxes.
+    /// The number of pairs of overlapping boxes.
     pub box_pairs: usize,
-    /// Pairs that touch but whose boxes do not overlap: there should be none.
+    /// The number of pairs that touch although their boxes do not overlap. It should be 0.
     pub boxes_miss: usize,
 }
 
-/// Which pairs touch, by a peer's first hits.
+/// The first hits of a peer compared with those of bevy_faceoff.
 #[derive(Serialize, Default)]
 pub struct FirstHits {
     /// Seconds of each round.
     pub seconds: Vec<f64>,
-    /// How many pairs both it and ours name.
+    /// The number of pairs that both report.
     pub both: usize,
-    /// Pairs that only one of the two names, with the truth.
+    /// The pairs that only one of the two reports, with the answer of the independent test.
     pub disputes: Vec<Dispute>,
 }
 
@@ -138,7 +139,7 @@ pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
         tree.misfit();
         peer.broad_refitted.push(time(|| tree.refitted()).0);
         for (threads, pool) in [&one, &two].into_iter().enumerate() {
-            // The second of two, as in a game, where threads meet what they worked on a step before.
+            // Time the second of two runs: in a game the caches of each thread hold data of the step before.
             pool.install(|| stages.narrow_phase());
             narrow.ours_threads[threads].push(pool.install(|| time(|| stages.narrow_phase()).0));
             narrow.control[threads].push(pool.install(|| time(control).0));

@@ -1,14 +1,14 @@
-//! bevy_faceoff: its narrow phase alone, as `benches/narrow_phase` runs it, and a whole headless app.
+//! bevy_faceoff: the narrow phase alone, as in `benches/narrow_phase`, and a whole headless app.
 
 use crate::engine::{Engine, THREADS};
-use crate::scene::{STEP, Scene, paper};
+use crate::scene::{STEP, Scene};
 use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
-use bevy_faceoff::triangle_test;
 use std::collections::HashMap;
 
 /// The stages without an app.
@@ -17,10 +17,10 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// Holds the bodies of `scene`.
+    /// Adds the bodies of `scene`.
     pub fn new(scene: &Scene) -> Self {
         let mut state = StepState::default();
-        let mesh = state.meshes.add(scene.mesh.clone());
+        let mesh = state.input.meshes.add(scene.mesh.clone());
         for body in &scene.bodies {
             let Transform {
                 translation,
@@ -28,7 +28,7 @@ impl Stages {
                 scale,
             } = body.pose;
             let body = Body::at_rest(mesh, translation, rotation, scale);
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state.input.bodies.push(&body, &state.input.meshes).expect("a usable body");
         }
         Self { state }
     }
@@ -38,9 +38,9 @@ impl Stages {
         bevy_faceoff::step::cpu::run(Stage::BroadPhase, &mut self.state);
     }
 
-    /// What [`Self::broad_phase`] found.
+    /// The pairs found by [`Self::broad_phase`].
     pub fn sphere_pairs(&self) -> &[[u32; 2]] {
-        &self.state.sphere_pairs
+        &self.state.results.sphere_pairs
     }
 
     /// Finds all intersecting faces of those pairs, with their segments, and the contacts.
@@ -49,31 +49,31 @@ impl Stages {
         bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut self.state);
     }
 
-    /// Finds which of those pairs touch, whether or not their surfaces intersect.
+    /// Finds which of those pairs touch, including those of which one body is inside the other.
     pub fn first_hits(&mut self) -> Vec<[u32; 2]> {
         bevy_faceoff::step::cpu::run(Stage::Angles, &mut self.state);
-        triangle_test::cpu::touching(&mut self.state)
+        bevy_faceoff::step::cpu::touching(&mut self.state)
     }
 
-    /// The pairs that [`Self::narrow_phase`] found.
+    /// The pairs found by [`Self::narrow_phase`].
     pub fn all_touching(&self) -> Vec<[u32; 2]> {
-        self.state.contacts.pairs.iter().map(|p| p.bodies).collect()
+        self.state.results.contacts.pairs.iter().map(|p| p.bodies).collect()
     }
 
-    /// Pairs whose surfaces intersect.
+    /// The pairs whose surfaces intersect.
     pub fn touching(&self) -> Vec<[u32; 2]> {
-        let pairs = self.state.contacts.pairs.iter();
+        let pairs = self.state.results.contacts.pairs.iter();
         pairs.filter(|p| p.face_count > 0).map(|p| p.bodies).collect()
     }
 
-    /// How many pairs touch only in that one body is wholly inside the other.
+    /// The number of pairs of which one body is wholly inside the other.
     pub fn contained(&self) -> usize {
-        self.state.contacts.pairs.iter().filter(|p| p.face_count == 0).count()
+        self.state.results.contacts.pairs.iter().filter(|p| p.face_count == 0).count()
     }
 
-    /// How many pairs of faces intersect.
+    /// The number of pairs of faces that intersect.
     pub fn face_pairs(&self) -> usize {
-        self.state.contacts.faces.len()
+        self.state.results.contacts.faces.len()
     }
 }
 
@@ -105,10 +105,22 @@ impl Faceoff {
             .world_mut()
             .resource_mut::<Assets<CollisionMesh>>()
             .add(scene.mesh.clone());
-        paper::spawn(app.world_mut(), &scene.paper, &scene.mesh, &mesh);
+        for (point, normal) in scene.paper.walls() {
+            app.world_mut()
+                .spawn((PlaneCollider::through(point, normal), Restitution::new(1.0)));
+        }
+        for body in &scene.bodies {
+            app.world_mut().spawn((
+                RigidBody::Dynamic,
+                MeshCollider(mesh.clone()),
+                body.pose,
+                LinearVelocity(body.velocity),
+                Restitution::new(1.0),
+            ));
+        }
         app.finish();
         app.cleanup();
-        // Bevy's first update has no time behind it and runs no step.
+        // In Bevy's first update no time has passed, so it runs no step.
         app.update();
         let indices = app
             .world_mut()
@@ -126,7 +138,7 @@ impl Engine for Faceoff {
     }
 
     fn touching(&mut self) -> Vec<[u32; 2]> {
-        // The walls are planes, which have none.
+        // The walls are planes and have no index.
         let index = |entity| self.indices.get(&entity).copied();
         let collisions = self.app.world().resource::<Collisions>();
         collisions

@@ -1,5 +1,5 @@
-//! parry3d: first hits and contact manifolds of pairs of triangle meshes, and pairs of overlapping boxes by its
-//! hierarchy.
+//! parry3d: first hits and contact manifolds of pairs of triangle meshes, and pairs of overlapping boxes from its
+//! bounding volume hierarchy.
 
 use crate::scene::{STEP, Scene};
 use parry3d::bounding_volume::Aabb;
@@ -10,29 +10,29 @@ use parry3d::query::{self, ContactManifold, DefaultQueryDispatcher, PersistentQu
 use parry3d::shape::{Shape, TriMesh};
 use serde::Serialize;
 
-/// Within how many metres contacts are reported: nothing that gapes, and rapier3d's default.
+/// The distances in metres within which contacts are reported: 0, and the default of rapier3d.
 pub const PREDICTIONS: [f32; 2] = [0.0, 0.02];
 
-/// The bodies. Each has a mesh of its own, scaled beforehand: parry has no scaled view of a mesh.
+/// The bodies. Each has its own mesh, scaled in advance, because parry has no scaled view of a mesh.
 pub struct Parry {
     meshes: Vec<TriMesh>,
     poses: Vec<Pose>,
     boxes: Vec<Aabb>,
-    /// The boxes as they are one step later.
+    /// The boxes one step later.
     later: Vec<Aabb>,
 }
 
-/// What the contact manifolds say.
+/// The result of contact manifolds.
 #[derive(Clone, Copy, Default, Serialize)]
 pub struct Manifolds {
-    /// Pairs with contacts within the prediction distance.
+    /// The number of pairs with contacts within the prediction distance.
     pub near: usize,
-    /// Pairs with contacts that do not gape.
+    /// The number of pairs with contacts whose distance is not positive.
     pub touching: usize,
 }
 
 impl Parry {
-    /// Holds the bodies of `scene`.
+    /// Adds the bodies of `scene`.
     pub fn new(scene: &Scene) -> Self {
         let mesh = |body| {
             let (vertices, triangles) = scene.scaled_mesh(body);
@@ -53,15 +53,15 @@ impl Parry {
         }
     }
 
-    /// The same pairs, each with the body of the larger box first: parry goes through all of the first mesh's triangles
-    /// near the second, so the order matters, and it sorts pairs in this way itself for contact manifolds only.
+    /// The same pairs, each with the body of the larger box first. The order matters, because parry visits all
+    /// triangles of the first mesh near the second. It sorts pairs in this way itself, but only for contact manifolds.
     pub fn larger_first(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let size = |i: u32| self.boxes[i as usize].half_extents().length_squared();
         let sorted = |&[a, b]: &[u32; 2]| if size(a) < size(b) { [b, a] } else { [a, b] };
         pairs.iter().map(sorted).collect()
     }
 
-    /// Those of `pairs` whose surfaces intersect; a pair's test ends at the first hit.
+    /// The pairs whose surfaces intersect. The test of a pair ends at the first hit.
     pub fn first_hits(&self, pairs: &[[u32; 2]]) -> Vec<[u32; 2]> {
         let hit = |pair: &&[u32; 2]| {
             let [a, b] = pair.map(|i| i as usize);
@@ -72,7 +72,7 @@ impl Parry {
         pairs.iter().filter(hit).copied().collect()
     }
 
-    /// Contact manifolds of all of `pairs`, from nothing: none is kept from an earlier round.
+    /// The contact manifolds of all `pairs`, computed from scratch without those of an earlier round.
     pub fn manifolds(&self, pairs: &[[u32; 2]], prediction: f32) -> Manifolds {
         let mut found = Manifolds::default();
         for pair in pairs {
@@ -97,7 +97,7 @@ impl Parry {
     }
 }
 
-/// The broad phase. Boxes are computed beforehand, as our bounding spheres are.
+/// The broad phase. Boxes are computed in advance, as are the bounding spheres of bevy_faceoff.
 pub struct BroadPhase<'a> {
     parry: &'a Parry,
     tree: Bvh,
@@ -114,18 +114,18 @@ impl<'a> BroadPhase<'a> {
         }
     }
 
-    /// Builds the tree anew, then finds all pairs of overlapping boxes.
+    /// Rebuilds the tree, then finds all pairs of overlapping boxes.
     pub fn rebuilt(&mut self) -> Vec<[u32; 2]> {
         self.tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &self.parry.boxes);
         self.pairs()
     }
 
-    /// Fits the tree to where the bodies are one step later, so that [`Self::refitted`] has something to do.
+    /// Refits the tree to the boxes one step later, so that [`Self::refitted`] has work to do.
     pub fn misfit(&mut self) {
         self.fit(&self.parry.later);
     }
 
-    /// Fits the tree to bodies that have all moved by one step, then finds all pairs of overlapping boxes.
+    /// Refits the tree to bodies that have all moved by one step, then finds all pairs of overlapping boxes.
     pub fn refitted(&mut self) -> Vec<[u32; 2]> {
         self.fit(&self.parry.boxes);
         self.pairs()

@@ -8,8 +8,8 @@ use rapier3d::math::{Pose, Rotation, Vector};
 use rapier3d::prelude::{ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder};
 use std::collections::HashMap;
 
-/// The scene in rapier, with its defaults but for what the scene asks: no gravity, no friction, bodies that bounce and
-/// never sleep, steps as long as ours.
+/// The scene in rapier with default settings, except those of the scene: no gravity, no friction, elastic bodies that
+/// never sleep, and the same step length.
 pub struct Rapier {
     world: PhysicsWorld,
     indices: HashMap<ColliderHandle, u32>,
@@ -49,7 +49,7 @@ impl Engine for Rapier {
         time(|| self.world.step()).0
     }
 
-    /// Pairs with contacts that its solver works on, gaping ones within its prediction distance included.
+    /// The pairs with contacts that rapier's solver uses, including separated ones within its prediction distance.
     fn touching(&mut self) -> Vec<[u32; 2]> {
         let pairs = self.world.contact_pairs().filter(|pair| pair.has_any_active_contact());
         pairs
@@ -58,7 +58,7 @@ impl Engine for Rapier {
     }
 }
 
-/// The same in rapier's own kind.
+/// The same vector in rapier's type.
 pub fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())
 }

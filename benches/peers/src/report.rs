@@ -1,4 +1,4 @@
-//! The tables on standard output, and the same as JSON.
+//! The report: tables on standard output, and the same data as JSON.
 
 use crate::engine::{Kind, THREADS};
 use crate::judge::Dispute;
@@ -10,36 +10,36 @@ use crate::timing::{median, ratio};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Everything that was measured.
+/// All measurements.
 #[derive(Serialize)]
 pub struct Report {
-    /// What it was measured on.
+    /// The machine.
     pub machine: Machine,
-    /// Version of each library that takes part.
+    /// The version of each library.
     pub versions: Vec<(&'static str, String)>,
-    /// How many bodies.
+    /// The number of bodies.
     pub bodies: usize,
-    /// Of the random numbers.
+    /// The seed of the random numbers.
     pub seed: u64,
-    /// One per shape.
+    /// The narrow phase of each shape.
     pub narrow: Vec<Narrow>,
-    /// One list of engines per shape.
+    /// The runs of all engines for each shape.
     pub steps: Vec<(Shape, Vec<Run>)>,
 }
 
-/// What the operating system says of the machine.
+/// The machine as described by the operating system.
 #[derive(Serialize)]
 pub struct Machine {
     /// The processor.
     pub cpu: String,
-    /// How many cores this process may use.
+    /// The number of cores that this process may use.
     pub cores: usize,
-    /// Processes that wanted a core in the last minute: before and after.
+    /// The one-minute load average, before and after.
     pub load: [String; 2],
 }
 
 impl Machine {
-    /// This one.
+    /// The current machine.
     pub fn here() -> Self {
         let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let model = text.lines().find_map(|line| line.strip_prefix("model name"));
@@ -50,7 +50,7 @@ impl Machine {
         }
     }
 
-    /// Notes the load at the end.
+    /// Records the load at the end.
     pub fn finish(&mut self) {
         self.load[1] = load();
     }
@@ -61,7 +61,7 @@ fn load() -> String {
     text.split(' ').next().unwrap_or_default().into()
 }
 
-/// Versions as the lock file has them. avian3d brings an older parry3d of its own; the newest is the one measured.
+/// The versions in the lock file. avian3d depends on an older parry3d; the newest is the one measured.
 pub fn versions() -> Vec<(&'static str, String)> {
     let lock = include_str!("../Cargo.lock");
     let version = |name: &str| {
@@ -75,13 +75,13 @@ pub fn versions() -> Vec<(&'static str, String)> {
         .collect()
 }
 
-/// Cut off, not rounded up: no ratio looks better than it is.
+/// Formats a ratio, truncated so that it never looks better than it is.
 fn cut(x: f64) -> String {
     format!("{:.2}", (x * 100.0).floor() / 100.0)
 }
 
 impl Report {
-    /// Whether a dispute was settled against ours.
+    /// Whether the independent test found bevy_faceoff wrong in a disagreement.
     pub fn is_our_fault(&self) -> bool {
         let hits = self
             .narrow
@@ -183,7 +183,7 @@ impl Report {
                 larger_first,
                 ..
             } = &narrow.parry;
-            // Most disputes do not hang on the order.
+            // Most disagreements occur in both orders.
             let disputes = first_hits.disputes.iter().chain(&larger_first.disputes);
             let disputes: BTreeMap<[u32; 2], &Dispute> = disputes.map(|d| (d.pair, d)).collect();
             for dispute in disputes.values() {
@@ -276,7 +276,7 @@ impl Report {
                     ms(&run.seconds),
                     ms(same),
                     cut(ratio(&run.seconds, same)),
-                    // Later, the engines differ in how many pairs still touch.
+                    // In later steps the engines differ in the number of pairs that still touch.
                     early.map_or(String::new(), |(run, ours)| cut(ratio(run, ours))),
                     median(run.touching.iter().map(|&n| n as f64))
                 );

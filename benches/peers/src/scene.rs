@@ -3,13 +3,10 @@
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::testing::scenes::paper::{self, Paper};
 use clap::ValueEnum;
 use serde::Serialize;
 use std::time::Duration;
-
-// The generator itself is that of `faceoff simulate`, not a copy of it.
-#[path = "../../../src/bin/faceoff/scene.rs"]
-pub mod paper;
 
 /// Length of a step.
 pub const STEP: Duration = Duration::from_nanos(15_625_000);
@@ -30,7 +27,7 @@ pub enum Shape {
 /// All that an engine needs.
 pub struct Scene {
     /// What was asked for.
-    pub paper: paper::Scene,
+    pub paper: Paper,
     /// The mesh of all bodies.
     pub mesh: CollisionMesh,
     /// In the order of their indices.
@@ -70,19 +67,23 @@ impl Scene {
             Shape::Torus => shapes::torus_240(),
             Shape::Knot => shapes::knot_1120(),
         });
-        let paper = paper::Scene {
+        let paper = Paper {
             bodies,
             side: paper::default_side(bodies),
             speed: shape.speed(),
             seed,
         };
-        let mut world = World::new();
-        paper::spawn(&mut world, &paper, &mesh, &Handle::default());
-        // Entities of one kind lie in the order in which they were spawned.
-        let bodies = world
-            .query::<(&Transform, &LinearVelocity)>()
-            .iter(&world)
-            .map(|(&pose, &LinearVelocity(velocity))| Body { pose, velocity })
+        let mut random = fastrand::Rng::with_seed(seed);
+        let bodies = paper
+            .flyers(&mesh, || random.f32())
+            .map(|body| Body {
+                pose: Transform {
+                    translation: body.position,
+                    rotation: body.rotation,
+                    scale: Vec3::splat(body.scale),
+                },
+                velocity: body.velocity,
+            })
             .collect();
         Self { paper, mesh, bodies }
     }

@@ -1,4 +1,4 @@
-//! Whole steps: each engine in a process of its own, one step each in turn.
+//! Time of whole steps: each engine runs in its own process, and their steps alternate.
 
 use crate::engine::{Kind, Process, Step};
 use crate::scene::Shape;
@@ -6,25 +6,25 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-/// What one engine did.
+/// The run of one engine.
 #[derive(Serialize)]
 pub struct Run {
-    /// Which engine.
+    /// The engine.
     pub engine: Kind,
     /// Seconds of each step.
     pub seconds: Vec<f64>,
-    /// How many pairs of bodies touched in each step.
+    /// The number of pairs of bodies that touched in each step.
     pub touching: Vec<usize>,
-    /// In the first step, at the poses that all share: pairs that it names and that ours names, that only ours names,
-    /// that only it names.
+    /// Pairs in the first step, in which all engines have the same poses: those that both it and bevy_faceoff report,
+    /// those that only bevy_faceoff reports, and those that only it reports.
     pub first: [usize; 3],
-    /// Why it did not do all steps.
+    /// Why it did not complete all steps, if so.
     pub failure: Option<String>,
     #[serde(skip)]
     first_pairs: BTreeSet<[u32; 2]>,
 }
 
-/// Runs ours and `peers` for `steps` steps.
+/// Runs bevy_faceoff and `peers` for `steps` steps.
 pub fn measure(
     peers: &[Kind],
     (shape, bodies, seed): (Shape, usize, u64),

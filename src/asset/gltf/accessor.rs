@@ -1,17 +1,17 @@
-//! Accessors: numbers in buffers. Every length is checked before anything is allocated or read.
+//! Accessors: arrays of numbers in buffers. All lengths are checked before memory is allocated or read.
 
 use super::schema::{Accessor, Root};
 use glam::Vec3;
 
-/// The document with the bytes of its buffers, where they have any.
+/// The document with the bytes of its buffers; `None` for a buffer without data.
 pub(super) struct Data<'a> {
     pub(super) root: &'a Root,
     pub(super) buffers: Vec<Option<&'a [u8]>>,
-    /// Length of the file and all others that it names.
+    /// The total length of the file and the other files it refers to, in bytes.
     pub(super) length: u64,
 }
 
-/// The type of a number, by the constants of OpenGL that glTF uses.
+/// The component type of an accessor.
 #[derive(Clone, Copy, PartialEq)]
 enum Component {
     I8,
@@ -23,6 +23,7 @@ enum Component {
 }
 
 impl Component {
+    /// The type for one of the OpenGL constants that glTF uses.
     fn of(constant: u32) -> Result<Self, String> {
         Ok(match constant {
             5120 => Self::I8,
@@ -52,7 +53,7 @@ impl Component {
         }
     }
 
-    /// Quantised positions are whole numbers, or fractions of the largest if they are normalised.
+    /// Decodes a coordinate. Quantized coordinates are integers; normalized ones are divided by the largest integer.
     fn coordinate(self, bytes: &[u8], normalized: bool) -> f32 {
         let (number, largest) = match (self, bytes) {
             (Self::I8, &[a]) => (f32::from(a as i8), 127.0),
@@ -71,7 +72,7 @@ impl Component {
 }
 
 impl<'a> Data<'a> {
-    /// How many elements an accessor has; as many as it says, which may be more than are there.
+    /// The number of elements that an accessor claims to have. The data may be shorter.
     pub(super) fn count(&self, accessor: usize) -> Result<u64, String> {
         Ok(self.accessor(accessor)?.count)
     }
@@ -102,10 +103,10 @@ impl<'a> Data<'a> {
     fn accessor(&self, accessor: usize) -> Result<&'a Accessor, String> {
         let all = &self.root.accessors;
         all.get(accessor)
-            .ok_or_else(|| format!("it is not there, there are {}", all.len()))
+            .ok_or_else(|| format!("it does not exist, there are {}", all.len()))
     }
 
-    /// All elements of an accessor, sparse ones in their places.
+    /// All elements of an accessor, with sparse values applied.
     fn all<T: Clone>(
         &self,
         accessor: &Accessor,
@@ -120,7 +121,7 @@ impl<'a> Data<'a> {
                 .elements(view, accessor.byte_offset, accessor.count, size)?
                 .map(&read)
                 .collect(),
-            // Zeros, of which an honest file has no more than it has bytes.
+            // All zeros. A valid file has no more of them than it has bytes.
             None if accessor.count <= self.length => vec![zero; accessor.count as usize],
             None => return Err(format!("it has {} elements, but no buffer view", accessor.count)),
         };
@@ -151,7 +152,7 @@ impl<'a> Data<'a> {
             let place = kind.index(place);
             *elements.get_mut(place as usize).ok_or_else(|| {
                 format!(
-                    "a sparse value stands at {place}, but it has {} elements",
+                    "a sparse value has index {place}, but there are {} elements",
                     accessor.count
                 )
             })? = read(value);
@@ -170,32 +171,32 @@ impl<'a> Data<'a> {
         let views = &self.root.buffer_views;
         let described = views
             .get(view)
-            .ok_or_else(|| format!("its buffer view {view} is not there, there are {}", views.len()))?;
+            .ok_or_else(|| format!("its buffer view {view} does not exist, there are {}", views.len()))?;
         let buffer = self.buffers.get(described.buffer).ok_or_else(|| {
             let count = self.buffers.len();
             format!(
-                "buffer view {view} lies in buffer {}, there are {count}",
+                "buffer view {view} is in buffer {}, but there are {count}",
                 described.buffer
             )
         })?;
         let buffer = buffer.ok_or_else(|| {
             let buffer = described.buffer;
-            format!("buffer view {view} lies in buffer {buffer}, which has no data; is it compressed?")
+            format!("buffer view {view} is in buffer {buffer}, which has no data; is it compressed?")
         })?;
         let bytes = slice(buffer, described.byte_offset, described.byte_length).ok_or_else(|| {
             format!(
-                "buffer view {view} is {} bytes from {} on, but buffer {} has {}",
+                "buffer view {view} has {} bytes from byte {} on, but buffer {} has {}",
                 described.byte_length,
                 described.byte_offset,
                 described.buffer,
                 buffer.len()
             )
         })?;
-        // Zero is against the rules, but is written for "none".
+        // Zero is invalid in glTF, but some exporters write it for "none".
         let stride = described.byte_stride.filter(|s| *s != 0).unwrap_or(size as u64);
         if stride < size as u64 {
             return Err(format!(
-                "its elements have {size} bytes, but stand {stride} bytes apart"
+                "its elements have {size} bytes, but its stride is {stride} bytes"
             ));
         }
         let needed = match count {

@@ -1,4 +1,4 @@
-//! The `.glb` container, and where buffers have their bytes.
+//! The `.glb` container, and the sources of buffers: binary chunk, data URI or other file.
 
 use super::error::GltfError;
 use super::schema::Buffer;
@@ -7,7 +7,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::ops::Range;
 
-/// Where in a file its document and its binary chunk are. A `.gltf` file is all document.
+/// The byte ranges of the JSON document and of the binary chunk. A `.gltf` file is a document as a whole.
 pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), GltfError> {
     if !bytes.starts_with(b"glTF") {
         return Ok((0..bytes.len(), None));
@@ -39,7 +39,7 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>
         }
     };
     let Some((JSON, document)) = chunk(12)? else {
-        return Err(damaged("its first chunk is no document"));
+        return Err(damaged("its first chunk is not JSON"));
     };
     // Chunks of other kinds belong to extensions.
     let binary = chunk(document.end.next_multiple_of(4))?.filter(|(kind, _)| *kind == BINARY);
@@ -49,49 +49,52 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
 
-/// Where a buffer has its bytes.
-pub(super) enum Place {
-    /// In the binary chunk.
+/// The source of a buffer's bytes.
+pub(super) enum BufferSource {
+    /// The binary chunk of a `.glb` file.
     Chunk,
-    /// They stood in the document.
-    Here(Vec<u8>),
-    /// In the file of this number.
+    /// A data URI in the document; holds its decoded content.
+    Inline(Vec<u8>),
+    /// The other file with this index.
     File(usize),
-    /// Nowhere, which matters only if the buffer is used.
+    /// None. This is an error only if the buffer is used.
     Missing,
 }
 
-/// Finds the bytes of all buffers, and the other files that are needed: paths relative to the document, each once.
-pub(super) fn places(buffers: &[Buffer], has_chunk: bool) -> Result<(Vec<Place>, Vec<String>), GltfError> {
+/// The source of each buffer, and the other files that are needed: paths relative to the document, without duplicates.
+pub(super) fn buffer_sources(
+    buffers: &[Buffer],
+    has_chunk: bool,
+) -> Result<(Vec<BufferSource>, Vec<String>), GltfError> {
     let mut files: Vec<String> = Vec::new();
-    let mut places = Vec::with_capacity(buffers.len());
+    let mut sources = Vec::with_capacity(buffers.len());
     for (i, buffer) in buffers.iter().enumerate() {
         let wrong = |reason: &str| GltfError::Buffer {
             buffer: i,
             reason: reason.into(),
         };
-        places.push(match &buffer.uri {
-            None if i == 0 && has_chunk => Place::Chunk,
-            None => Place::Missing,
-            Some(uri) if starts_with_ignoring_case(uri, "data:") => Place::Here(data(uri).map_err(wrong)?),
+        sources.push(match &buffer.uri {
+            None if i == 0 && has_chunk => BufferSource::Chunk,
+            None => BufferSource::Missing,
+            Some(uri) if starts_with_ignoring_case(uri, "data:") => BufferSource::Inline(data(uri).map_err(wrong)?),
             Some(uri) => {
                 let path = relative_path(uri).map_err(|reason| wrong(&format!("{:?} {reason}", shortened(uri))))?;
                 let file = files.iter().position(|f| *f == path).unwrap_or(files.len());
                 if file == files.len() {
-                    // Each is looked for among all before it, so that a document of nothing but names would take hours.
-                    if files.len() >= MOST_FILES {
-                        return Err(wrong("the file names too many others"));
+                    // The search for duplicates is quadratic, so without a limit a malicious document could take hours.
+                    if files.len() >= MAX_FILES {
+                        return Err(wrong("the file refers to too many other files"));
                     }
                     files.push(path);
                 }
-                Place::File(file)
+                BufferSource::File(file)
             }
         });
     }
-    Ok((places, files))
+    Ok((sources, files))
 }
 
-const MOST_FILES: usize = 1000;
+const MAX_FILES: usize = 1000;
 
 /// The content of a `data:` URI.
 fn data(uri: &str) -> Result<Vec<u8>, &'static str> {
@@ -99,19 +102,19 @@ fn data(uri: &str) -> Result<Vec<u8>, &'static str> {
     if !kind.to_ascii_lowercase().ends_with(";base64") {
         return Err("its data URI is not in base64");
     }
-    // Some exporters leave the padding out.
+    // Some exporters omit the padding.
     let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
     GeneralPurpose::new(&STANDARD, config)
         .decode(content)
         .map_err(|_| "its data URI is damaged base64; export or copy the file again")
 }
 
-/// The path that a URI names, relative to the document, without detours. It may lead up: whether that is too far only the
-/// caller knows.
+/// The path in a URI, relative to the document and normalised. It may begin with `..`; whether that is allowed is up to
+/// the caller.
 fn relative_path(uri: &str) -> Result<String, &'static str> {
-    let decoded = percent_decoded(uri).ok_or("is no URI")?;
+    let decoded = percent_decoded(uri).ok_or("is not a URI")?;
     if decoded.contains(['\\', '\0', ':']) || decoded.starts_with('/') {
-        return Err("is no relative path; put the file beside the glTF file and export again");
+        return Err("is not a relative path; put the file beside the glTF file and export again");
     }
     let mut parts: Vec<&str> = Vec::new();
     for part in decoded.split('/') {
@@ -124,7 +127,7 @@ fn relative_path(uri: &str) -> Result<String, &'static str> {
         }
     }
     if parts.last().is_none_or(|last| *last == "..") {
-        return Err("names no file");
+        return Err("is not the path of a file");
     }
     Ok(parts.join("/"))
 }

@@ -1,15 +1,15 @@
-//! Why a glTF file gives no mesh.
+//! [`GltfError`]: why a glTF file cannot be read.
 
-use super::MeshChoice;
+use super::part::MeshChoice;
 use thiserror::Error;
 
-/// Why a glTF file gives no mesh. Everything counts from 0, as glTF does.
+/// Why a glTF file cannot be read. Indices count from 0, as in glTF.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum GltfError {
-    /// The container of a `.glb` file is broken.
+    /// The container of a `.glb` file is damaged.
     #[error("the GLB container is damaged ({0}); export or copy the file again")]
     Container(&'static str),
-    /// The document is no JSON, or not what glTF wants it to be.
+    /// The document is not valid JSON or not a valid glTF document.
     #[error("line {line}, column {column} of the glTF document: {reason}")]
     Document {
         /// Counted from 1.
@@ -19,93 +19,95 @@ pub enum GltfError {
         /// What is wrong.
         reason: String,
     },
-    /// Another version of glTF.
+    /// The version of glTF is not supported.
     #[error("the file is glTF {0:?}; export it as glTF 2.0")]
     Version(String),
-    /// The mesh cannot be understood without an extension that is not read.
-    #[error("the file needs the glTF extension {0:?}, which is not read; export it without (compression, say)")]
+    /// The file requires an extension that is not supported.
+    #[error(
+        "the file needs the glTF extension {0:?}, which is not supported; export it without, or without compression"
+    )]
     Extension(String),
-    /// A buffer has no data.
+    /// A buffer is invalid.
     #[error("buffer {buffer}: {reason}")]
     Buffer {
-        /// Which one.
+        /// The index of the buffer.
         buffer: usize,
         /// What is wrong.
         reason: String,
     },
-    /// Data lies in other files.
-    #[error("its data lies in {0:?}; give the path of the file, not its content")]
+    /// The file needs other files, but only its bytes were given.
+    #[error("its data is in {0:?}; give the path of the file, not its content")]
     OtherFiles(String),
     /// There is no scene, and no mesh was chosen.
     #[error("the file has no scene; choose one of its {meshes} meshes, as in part: (mesh: 0)")]
     NoScene {
-        /// How many meshes there are.
+        /// The number of meshes in the file.
         meshes: usize,
     },
-    /// The scene or a node in it is impossible.
+    /// The scene or a node in it is invalid.
     #[error("{place} {index}: {reason}")]
     Scene {
         /// `"scene"` or `"node"`.
         place: &'static str,
-        /// Which one.
+        /// The index of the scene or node.
         index: usize,
         /// What is wrong.
         reason: &'static str,
     },
-    /// The chosen mesh is not there.
+    /// The chosen mesh does not exist.
     #[error("there is no mesh {choice}; there are {count}: {names}")]
     NoSuchMesh {
-        /// What was asked for.
+        /// The chosen mesh.
         choice: MeshChoice,
-        /// How many there are.
+        /// The number of meshes in the file.
         count: usize,
-        /// What the first of them are called.
+        /// The names of the first meshes.
         names: String,
     },
-    /// The chosen primitive is not there.
+    /// The chosen primitive does not exist.
     #[error("mesh {mesh} has no primitive {primitive}; it has {count}")]
     NoSuchPrimitive {
-        /// Number and name of the mesh.
+        /// The index and name of the mesh.
         mesh: String,
-        /// What was asked for.
+        /// The chosen primitive.
         primitive: u32,
-        /// How many there are.
+        /// The number of primitives of the mesh.
         count: usize,
     },
-    /// A primitive cannot be read.
+    /// A primitive is invalid.
     #[error("mesh {mesh}, primitive {primitive}: {reason}")]
     Primitive {
-        /// Number and name of the mesh.
+        /// The index and name of the mesh.
         mesh: String,
-        /// Which of its primitives.
+        /// The index of the primitive.
         primitive: usize,
         /// What is wrong.
         reason: String,
     },
-    /// An accessor cannot be read.
+    /// An accessor is invalid.
     #[error("mesh {mesh}, primitive {primitive}, accessor {accessor}: {reason}")]
     Accessor {
-        /// Number and name of the mesh.
+        /// The index and name of the mesh.
         mesh: String,
-        /// Which of its primitives.
+        /// The index of the primitive.
         primitive: usize,
-        /// Which accessor.
+        /// The index of the accessor.
         accessor: usize,
         /// What is wrong.
         reason: String,
     },
-    /// There is nothing to collide with.
+    /// The scene or the chosen part has no triangles.
     #[error("there are no triangles in {0}")]
     NoTriangles(&'static str),
-    /// Repeated instances make far more than the file holds.
+    /// Repeated instances make far more vertices or triangles than the file holds.
     #[error(
         "the scene repeats its meshes to more than {limit} {what}, far more than the file holds; choose one mesh of it and \
-         make a body of each instance"
+         make each instance a body"
     )]
     TooManyInstances {
         /// `"vertices"` or `"triangles"`.
         what: &'static str,
-        /// The most that a file of this length may have.
+        /// The maximum for a file of this length.
         limit: u64,
     },
 }

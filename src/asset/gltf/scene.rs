@@ -1,14 +1,14 @@
-//! Which meshes a file shows, where, and their triangles.
+//! The triangles of a scene, or of a chosen part of a glTF file.
 
 use super::accessor::Data;
 use super::error::GltfError;
+use super::part::{MeshChoice, MeshPart};
 use super::schema::{Mesh, Node, Primitive};
-use super::{MeshChoice, MeshPart};
-use crate::asset::ImportError;
+use crate::asset::import_error::ImportError;
 use crate::geometry::TriMesh;
 use glam::{DAffine3, DMat4, DQuat, DVec3, Vec3};
 
-/// All of the scene that the file shows first: every node's meshes, placed by its transform and those above it.
+/// The triangles of the default scene: the meshes of all nodes, transformed by their nodes and the nodes above.
 pub(super) fn read_scene(data: &Data) -> Result<TriMesh, ImportError> {
     let root = data.root;
     let scene = root.scene.unwrap_or(0);
@@ -17,34 +17,34 @@ pub(super) fn read_scene(data: &Data) -> Result<TriMesh, ImportError> {
             None => GltfError::NoScene {
                 meshes: root.meshes.len(),
             },
-            Some(_) => wrong_scene("scene", scene, "it is not there"),
+            Some(_) => wrong_scene("scene", scene, "it does not exist"),
         }
         .into());
     };
-    let mut soup = Soup::new(data);
+    let mut soup = TriangleSoup::new(data);
     let mut visited = vec![false; root.nodes.len()];
-    // Nodes to visit, the next one last, with the transform above them.
-    let mut ahead: Vec<(usize, DAffine3)> = roots.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
-    while let Some((index, above)) = ahead.pop() {
+    // A stack of nodes to visit, each with the transform of its parent.
+    let mut stack: Vec<(usize, DAffine3)> = roots.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
+    while let Some((index, above)) = stack.pop() {
         let wrong = |reason| wrong_scene("node", index, reason);
-        let node = root.nodes.get(index).ok_or(wrong("it is not there"))?;
-        // Without this, nodes that are their own descendants have no end, and nodes with two parents double at every level.
+        let node = root.nodes.get(index).ok_or(wrong("it does not exist"))?;
+        // Without this check a cycle of nodes would never end, and nodes with two parents would double at each level.
         if std::mem::replace(&mut visited[index], true) {
-            return Err(wrong("it comes twice; a node has one parent at most").into());
+            return Err(wrong("it occurs twice; a node has at most one parent").into());
         }
         let transform = above * local(node).map_err(wrong)?;
         if let Some(mesh) = node.mesh {
-            let found = root.meshes.get(mesh).ok_or(wrong("its mesh is not there"))?;
+            let found = root.meshes.get(mesh).ok_or(wrong("its mesh does not exist"))?;
             for primitive in 0..found.primitives.len() {
                 soup.add(mesh, found, primitive, Some((index, transform)))?;
             }
         }
-        ahead.extend(node.children.iter().rev().map(|&child| (child, transform)));
+        stack.extend(node.children.iter().rev().map(|&child| (child, transform)));
     }
-    soup.finish("the scene; does it hold points, lines or curves only?")
+    soup.finish("the scene; does it contain only points, lines or curves?")
 }
 
-/// One mesh or primitive as it was modelled, whether a scene shows it or not.
+/// The triangles of one mesh or primitive without the transforms of nodes. It need not be in a scene.
 pub(super) fn read_part(data: &Data, part: &MeshPart) -> Result<TriMesh, ImportError> {
     let meshes = &data.root.meshes;
     let index = match &part.mesh {
@@ -60,7 +60,7 @@ pub(super) fn read_part(data: &Data, part: &MeshPart) -> Result<TriMesh, ImportE
         .into());
     };
     let mesh = &meshes[index];
-    let mut soup = Soup::new(data);
+    let mut soup = TriangleSoup::new(data);
     match part.primitive {
         None => {
             for primitive in 0..mesh.primitives.len() {
@@ -79,14 +79,14 @@ pub(super) fn read_part(data: &Data, part: &MeshPart) -> Result<TriMesh, ImportE
             .into());
         }
     }
-    soup.finish("the chosen part; does it hold points or lines only?")
+    soup.finish("the chosen part; does it contain only points or lines?")
 }
 
 fn wrong_scene(place: &'static str, index: usize, reason: &'static str) -> GltfError {
     GltfError::Scene { place, index, reason }
 }
 
-/// Number and name of a mesh.
+/// The index and name of a mesh.
 fn label(index: usize, mesh: &Mesh) -> String {
     match &mesh.name {
         Some(name) => format!("{index} {:?}", shortened(name)),
@@ -106,7 +106,7 @@ fn shortened(name: &str) -> String {
     name.chars().take(40).collect()
 }
 
-/// The transform of a node in its parent.
+/// The transform of a node relative to its parent.
 fn local(node: &Node) -> Result<DAffine3, &'static str> {
     if let Some(matrix) = &node.matrix {
         return Ok(DAffine3::from_mat4(DMat4::from_cols_array(matrix)));
@@ -117,7 +117,7 @@ fn local(node: &Node) -> Result<DAffine3, &'static str> {
             let rotation = DQuat::from_array(**rotation);
             let length = rotation.length();
             if !(length > 0.0 && length.is_finite()) {
-                return Err("its rotation is no quaternion");
+                return Err("its rotation is not a valid quaternion");
             }
             rotation / length
         }
@@ -130,14 +130,14 @@ fn local(node: &Node) -> Result<DAffine3, &'static str> {
     ))
 }
 
-/// What was read so far.
-struct Soup<'a> {
+/// The vertices and triangles read so far.
+struct TriangleSoup<'a> {
     data: &'a Data<'a>,
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
 }
 
-impl<'a> Soup<'a> {
+impl<'a> TriangleSoup<'a> {
     fn new(data: &'a Data<'a>) -> Self {
         Self {
             data,
@@ -146,7 +146,7 @@ impl<'a> Soup<'a> {
         }
     }
 
-    /// Adds the triangles of a primitive, through the transform of a node if there is one.
+    /// Adds the triangles of a primitive, transformed by a node if one is given.
     fn add(
         &mut self,
         mesh_index: usize,
@@ -172,14 +172,14 @@ impl<'a> Soup<'a> {
             // Points and lines do not collide.
             0..=3 => return Ok(()),
             4..=6 => {}
-            _ => return Err(wrong("its mode is not one of glTF's")),
+            _ => return Err(wrong("its mode is not valid in glTF")),
         }
         let Some(position) = primitive.attributes.position else {
             return Err(wrong("it has no POSITION"));
         };
         if is_compressed(primitive, self.data) {
             return Err(wrong(
-                "it is compressed with Draco, which is not read; export without compression",
+                "it is compressed with Draco, which is not supported; export without compression",
             ));
         }
         self.check_budget(primitive, position, wrong_accessor)?;
@@ -206,7 +206,7 @@ impl<'a> Soup<'a> {
             return Err(wrong_accessor(position)(format!("position {vertex} is not finite")));
         }
         let first = self.vertices.len() as u32;
-        // A mirrored instance would look inside out.
+        // A mirroring transform reverses the winding, so flip the triangles.
         let mirrored = placed.is_some_and(|(_, transform)| transform.matrix3.determinant() < 0.0);
         self.triangles
             .extend(corners(primitive.mode, &indices).map(|[a, b, c]| {
@@ -219,7 +219,7 @@ impl<'a> Soup<'a> {
                 for position in positions {
                     let position = transform.transform_point3(position.as_dvec3()).as_vec3();
                     if !position.is_finite() {
-                        let reason = "its transform takes its mesh out of the range of single precision";
+                        let reason = "its transform moves its mesh out of the range of single precision";
                         return Err(wrong_scene("node", node, reason));
                     }
                     self.vertices.push(position);
@@ -229,7 +229,8 @@ impl<'a> Soup<'a> {
         Ok(())
     }
 
-    /// Few bytes can repeat a mesh many times, and name the same accessor in many primitives.
+    /// Limits the total size relative to the length of the file. A few bytes can repeat a mesh many times, or use the
+    /// same accessor in many primitives.
     fn check_budget<F: FnOnce(String) -> GltfError>(
         &self,
         primitive: &Primitive,
@@ -239,8 +240,8 @@ impl<'a> Soup<'a> {
         let limit = self
             .data
             .length
-            .saturating_mul(EXPANSION)
-            .max(MOST_AT_ANY_LENGTH)
+            .saturating_mul(LIMIT_PER_BYTE)
+            .max(MIN_LIMIT)
             .min(u32::MAX.into());
         let count = |accessor: usize| self.data.count(accessor).map_err(wrong(accessor));
         let vertices = count(position)?;
@@ -250,7 +251,7 @@ impl<'a> Soup<'a> {
             ("vertices", self.vertices.len(), vertices),
             ("triangles", self.triangles.len(), triangles),
         ] {
-            // What is too large by itself is a wrong number, of which the accessor says more.
+            // If the first one is too large, its count is wrong, and reading the accessor gives a better error.
             if there > 0 && more.saturating_add(there as u64) > limit {
                 return Err(GltfError::TooManyInstances { what, limit });
             }
@@ -266,12 +267,12 @@ impl<'a> Soup<'a> {
     }
 }
 
-/// Any file may have this many vertices and triangles, however short it is,
-const MOST_AT_ANY_LENGTH: u64 = 1 << 20;
-/// and this many for each of its bytes.
-const EXPANSION: u64 = 4;
+/// The number of vertices and of triangles that any file may have, however short it is.
+const MIN_LIMIT: u64 = 1 << 20;
+/// The number of vertices and of triangles that a long file may have for each of its bytes.
+const LIMIT_PER_BYTE: u64 = 4;
 
-/// The corners of triangles, strips and fans, all of the same winding.
+/// The triangles of a list, strip or fan, with consistent winding.
 fn corners(mode: u32, indices: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     let count = match mode {
         4 => indices.len() / 3,
@@ -285,7 +286,7 @@ fn corners(mode: u32, indices: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     })
 }
 
-/// A primitive compressed with Draco may carry plain data as well.
+/// Whether a primitive is available only in Draco compression. It may have uncompressed data as well.
 fn is_compressed(primitive: &Primitive, data: &Data) -> bool {
     let has_view = |accessor: Option<usize>| {
         accessor

@@ -1,5 +1,5 @@
-//! What collisions need of a glTF document. Everything else in it, materials and animations say, is passed over unread, so
-//! that no mistake there refuses a mesh.
+//! The part of the glTF schema that collisions need. All other parts, such as materials and animations, are ignored, so
+//! that errors there do not matter.
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -39,8 +39,8 @@ pub(super) struct Scene {
     pub(super) nodes: Vec<usize>,
 }
 
-/// Double precision, so that nothing is lost where many transforms follow each other. Boxed, since a document of empty
-/// nodes should not take a hundred times its length.
+/// A node. Transforms are in double precision, so that a long chain of them loses nothing. They are boxed, so that a
+/// document of empty nodes does not take a hundred times its length in memory.
 #[derive(Deserialize)]
 pub(super) struct Node {
     #[serde(default)]

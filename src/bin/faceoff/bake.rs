@@ -1,4 +1,4 @@
-//! `faceoff bake`: mesh files to `.faceoff` files.
+//! `faceoff bake`: bakes mesh files into `.faceoff` files.
 
 use crate::progress::with_bar;
 use crate::{Outcome, mesh, output};
@@ -10,45 +10,45 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use std::{fmt, fs};
 
-/// Bake meshes into .faceoff files, skipping what is up to date.
+/// Bake meshes into .faceoff files. Files that are up to date are skipped.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Mesh files: .glb, .gltf, .obj, .stl, .bake.ron (whose settings count where no option is given) or .faceoff.
+    /// Mesh files: .glb, .gltf, .obj, .stl, .bake.ron or .faceoff. Options override the settings of a .bake.ron file.
     #[arg(required = true)]
     meshes: Vec<PathBuf>,
-    /// Folder for the baked files; made if it is missing.
+    /// Folder for the baked files; created if it does not exist.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Bake the table of faces of collision as well, which takes seconds. The exact mode does not need it.
+    /// Also bake the table of faces of collision, which takes seconds. The exact mode does not need it.
     #[arg(long)]
     faces: bool,
-    /// Angular step of the table in degrees; divides 90 [default: 1].
+    /// Angular step of the face table in degrees; must divide 90 [default: 1].
     #[arg(long)]
     degrees: Option<u32>,
     /// Side of the height image in pixels [default: 256].
     #[arg(long)]
     image: Option<u32>,
-    /// Corners no farther apart than this part of the mesh's size count as one [default: 0.000001].
+    /// Weld vertices within this distance, relative to the mesh's size [default: 0.000001].
     #[arg(long, value_name = "PART")]
     weld_tolerance: Option<f32>,
-    /// What a closed mesh is whose faces look inward [default: room].
+    /// How to treat a closed mesh whose faces point inward [default: room].
     #[arg(long)]
     inward: Option<InwardChoice>,
-    /// Bake even what is up to date.
+    /// Bake meshes even if they are up to date.
     #[arg(long)]
     force: bool,
 }
 
-/// `--inward`.
+/// The values of `--inward`.
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum InwardChoice {
     /// Bodies inside are free, and its walls push inward.
     Room,
-    /// Its faces are turned.
+    /// Its faces are flipped.
     Solid,
 }
 
-/// Runs the command: every mesh is tried, and any failure makes the whole fail.
+/// Runs the command. It tries all meshes, and fails if any of them failed.
 pub fn run(options: &Options) -> Outcome {
     let folder = options.output.as_path();
     output::folder(folder)?;
@@ -57,7 +57,7 @@ pub fn run(options: &Options) -> Outcome {
     let mut failed = 0;
     let all = bakes.len() + clashes.iter().map(|clash| clash.sources.len()).sum::<usize>();
     for clash in clashes {
-        output::tell(&format!("error: {clash}"));
+        output::log(&format!("error: {clash}"));
         failed += clash.sources.len();
     }
     let mut printed = Ok(());
@@ -65,7 +65,7 @@ pub fn run(options: &Options) -> Outcome {
         match bake(options, source, target, &pool) {
             Ok(line) => printed = printed.and(output::table(None, &line)),
             Err(error) => {
-                output::tell(&format!("error: {error}"));
+                output::log(&format!("error: {error}"));
                 failed += 1;
             }
         }
@@ -76,13 +76,14 @@ pub fn run(options: &Options) -> Outcome {
     }
 }
 
-/// What is baked into what.
+/// The bakes to do.
 struct Plan<'a> {
+    /// Source and target of each bake.
     bakes: Vec<(&'a Path, PathBuf)>,
     clashes: Vec<Clash<'a>>,
 }
 
-/// Meshes that would be baked into one file.
+/// Different meshes that would be baked into the same file.
 struct Clash<'a> {
     sources: Vec<&'a Path>,
     target: PathBuf,
@@ -93,15 +94,15 @@ impl fmt::Display for Clash<'_> {
         let names: Vec<_> = self.sources.iter().map(|source| source.display().to_string()).collect();
         write!(
             f,
-            "{} would be baked into one file, {}: rename all but one, or bake into different folders (names that differ in \
-             upper and lower case only are one name on some systems)",
+            "{} would be baked into the same file, {}: rename all but one, or bake into different folders (names that \
+             differ only in case are the same on some systems)",
             names.join(" and "),
             self.target.display()
         )
     }
 }
 
-/// Where each mesh goes. A file that is given twice is baked once.
+/// Finds the target of each mesh. A file that is given twice is baked once.
 fn plan<'a>(meshes: &'a [PathBuf], folder: &Path) -> Plan<'a> {
     let mut names: BTreeMap<String, usize> = BTreeMap::new();
     let mut targets: Vec<Clash> = Vec::new();
@@ -125,7 +126,7 @@ fn plan<'a>(meshes: &'a [PathBuf], folder: &Path) -> Plan<'a> {
     }
 }
 
-/// The name of a mesh file without what tells its kind.
+/// The name of a mesh file without its extension.
 fn stem(source: &Path) -> String {
     let name = source.file_name().unwrap_or_default().to_string_lossy();
     name.strip_suffix(".bake.ron")
@@ -134,27 +135,27 @@ fn stem(source: &Path) -> String {
         .to_owned()
 }
 
-/// Whether two paths lead to one file.
+/// Whether two paths lead to the same file.
 fn is_same(a: &Path, b: &Path) -> bool {
     a == b || fs::canonicalize(a).is_ok_and(|a| fs::canonicalize(b).is_ok_and(|b| a == b))
 }
 
-/// Bakes a mesh if that has to be, and tells what came of it.
+/// Bakes a mesh unless it is up to date. Returns the line to print.
 fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPool) -> Outcome<String> {
     let imported = import_file(source)?;
-    let (asked, hash) = match &imported {
+    let (own, hash) = match &imported {
         Imported::Mesh {
             settings, source_hash, ..
         } => (*settings, *source_hash),
         Imported::Baked { header, .. } => (header.settings, header.source_hash),
     };
     let settings = BakeSettings {
-        faces: options.faces || asked.faces,
-        degrees: options.degrees.unwrap_or(asked.degrees),
-        image: options.image.unwrap_or(asked.image),
-        weld_tolerance: options.weld_tolerance.unwrap_or(asked.weld_tolerance),
+        faces: options.faces || own.faces,
+        degrees: options.degrees.unwrap_or(own.degrees),
+        image: options.image.unwrap_or(own.image),
+        weld_tolerance: options.weld_tolerance.unwrap_or(own.weld_tolerance),
         inward: match options.inward {
-            None => asked.inward,
+            None => own.inward,
             Some(InwardChoice::Room) => Inward::Room,
             Some(InwardChoice::Solid) => Inward::Solid,
         },
@@ -181,7 +182,7 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
     ))
 }
 
-/// A file that is not there, or that cannot be read as a baked one, is not up to date.
+/// Whether the target is up to date. It is not if it does not exist or is not a valid baked file.
 fn is_up_to_date(target: &Path, hash: &Hash, settings: &BakeSettings) -> bool {
     import_file(target)
         .is_ok_and(|there| matches!(there, Imported::Baked { header, .. } if header.is_up_to_date(hash, settings)))

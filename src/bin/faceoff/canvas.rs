@@ -1,4 +1,4 @@
-//! A picture to draw on: coloured pixels, text in a bitmap font, PNG.
+//! An image to draw on: coloured pixels, text in a bitmap font, PNG output.
 
 use crate::{Outcome, output};
 use font8x8::UnicodeFonts;
@@ -9,29 +9,29 @@ use std::path::Path;
 /// Side of a character in pixels.
 pub const CHARACTER: u32 = 8;
 
-/// What is not drawn on.
+/// The colour of the background.
 pub const PAPER: [u8; 3] = [250; 3];
 
-/// Text and marks.
+/// The colour of text and marks.
 pub const INK: [u8; 3] = [40; 3];
 
-/// A picture, row 0 on top.
+/// An image with row 0 at the top.
 pub struct Canvas(RgbImage);
 
 impl Canvas {
-    /// An empty sheet.
+    /// An empty image.
     pub fn new(width: u32, height: u32) -> Self {
         Self(RgbImage::from_pixel(width, height, Rgb(PAPER)))
     }
 
-    /// Colours a pixel; outside the sheet nothing happens.
+    /// Sets the colour of a pixel. Pixels outside the image are ignored.
     pub fn set(&mut self, x: u32, y: u32, colour: [u8; 3]) {
         if x < self.0.width() && y < self.0.height() {
             self.0.put_pixel(x, y, Rgb(colour));
         }
     }
 
-    /// Writes `text` with its upper left corner at (`x`, `y`). Characters beyond ASCII stay blank.
+    /// Writes `text` with its upper left corner at (`x`, `y`). Characters outside ASCII are left blank.
     pub fn text(&mut self, x: u32, y: u32, text: &str) {
         for (i, character) in text.chars().enumerate() {
             let rows = font8x8::BASIC_FONTS.get(character).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `faceoff check`: which meshes of a scene touch.
+//! `faceoff check`: finds the pairs of placed meshes that touch.
 
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
@@ -18,15 +18,15 @@ use std::path::{Path, PathBuf};
 /// Find all touching pairs of a set of placed meshes.
 ///
 /// SCENE is RON: (meshes: {"name": "path"}, bodies: [(mesh: "name", translation: (x,y,z), rotation: (x,y,z,w), scale:
-/// (x,y,z))]), paths relative to the scene file. translation, rotation and scale may be left out.
+/// (x,y,z))]). Paths are relative to the scene file. translation, rotation and scale are optional.
 #[derive(clap::Args)]
 pub struct Options {
     /// The scene file.
     scene: PathBuf,
-    /// How triangles are chosen for the test.
+    /// Which triangles are tested.
     #[arg(long, value_enum, default_value = "exact")]
     culling: CullingChoice,
-    /// Where the stages run; auto is the CPU, since opening a GPU takes longer than most checks.
+    /// Where the check runs; auto is the CPU, because to open a GPU takes longer than most checks.
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
     /// List the intersecting faces of each pair.
@@ -62,7 +62,7 @@ fn one() -> Vec3 {
     Vec3::ONE
 }
 
-/// A map in which no name stands twice: the bodies of one of the two would get the mesh of the other.
+/// Reads a map and rejects duplicate names, because bodies would silently get the wrong mesh.
 fn each_once<'de, D: Deserializer<'de>>(input: D) -> Result<BTreeMap<String, PathBuf>, D::Error> {
     struct Meshes;
     impl<'de> Visitor<'de> for Meshes {
@@ -75,7 +75,7 @@ fn each_once<'de, D: Deserializer<'de>>(input: D) -> Result<BTreeMap<String, Pat
             while let Some((name, file)) = map.next_entry::<String, PathBuf>()? {
                 if meshes.contains_key(&name) {
                     return Err(A::Error::custom(format!(
-                        "`meshes` has the name {name:?} twice; give each mesh a name of its own"
+                        "`meshes` has the name {name:?} twice; give each mesh a different name"
                     )));
                 }
                 meshes.insert(name, file);
@@ -106,7 +106,7 @@ struct PairReport {
 pub fn run(options: &Options) -> Outcome {
     let path = options.scene.as_path();
     if let Some(json) = &options.json {
-        // What cannot be written should be known before the work is done.
+        // Find out before the work whether the file can be written.
         output::check(json)?;
     }
     let placements = placements(path, options.culling)?;
@@ -114,7 +114,7 @@ pub fn run(options: &Options) -> Outcome {
         culling: options.culling.into(),
     };
     let checked = match options.backend {
-        // Opening a device takes longer than most checks.
+        // To open a GPU takes longer than most checks.
         BackendChoice::Auto | BackendChoice::Cpu => on_cpu(&placements, &how, options.faces),
         BackendChoice::Gpu => {
             let gpu = device::open(true).and_then(GpuStep::new);
@@ -134,8 +134,8 @@ pub fn run(options: &Options) -> Outcome {
     )
 }
 
-/// Checks beside a bar. Faces that nobody asked for are counted and let go: bodies that lie in each other
-/// have more than fit in memory.
+/// Checks on the CPU with a progress bar. Unless faces are requested they are only counted: deeply overlapping bodies
+/// can have more of them than fit in memory.
 fn on_cpu(placements: &[Placement], how: &CheckOptions, faces: bool) -> Result<Vec<PairReport>, CheckError> {
     let mut check = Check::new(placements, how)?;
     let bar = ProgressBar::new(check.progress().1 as u64);
@@ -152,15 +152,15 @@ fn reports(pairs: Vec<TouchingPair>, faces: bool) -> impl Iterator<Item = PairRe
     pairs.into_iter().map(move |pair| PairReport::new(pair, faces))
 }
 
-/// Longer than any scene that memory has room for, shorter than a device that never ends.
-const LONGEST: u64 = 1 << 28;
+/// The maximum length of a scene file in bytes. It guards against an endless device.
+const MAX_LENGTH: u64 = 1 << 28;
 
 fn read(path: &Path) -> io::Result<String> {
     let mut text = String::new();
-    File::open(path)?.take(LONGEST + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LONGEST {
+    File::open(path)?.take(MAX_LENGTH + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_LENGTH {
         return Err(io::Error::other(format!(
-            "it is longer than {LONGEST} bytes, so it is no scene"
+            "it is longer than {MAX_LENGTH} bytes, so it is not a scene"
         )));
     }
     Ok(text)
@@ -170,7 +170,7 @@ fn placements(path: &Path, culling: CullingChoice) -> Outcome<Vec<Placement>> {
     let name = path.display();
     let text = read(path).map_err(|e| format!("cannot read {name}: {e}"))?;
     let scene: SceneFile = ron::from_str(&text)
-        .map_err(|e| format!("{name}:{e}; see `faceoff check --help` for what a scene looks like"))?;
+        .map_err(|e| format!("{name}:{e}; see `faceoff check --help` for the format of a scene"))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut meshes: HashMap<&str, CollisionMesh> = HashMap::new();
     for (mesh, file) in &scene.meshes {
@@ -220,7 +220,7 @@ fn summary(bodies: usize, culling: CullingChoice, report: &Report) -> String {
         text += &if pair.contained {
             let how = match culling {
                 CullingChoice::Exact => "",
-                CullingChoice::Faces | CullingChoice::Front => ", or faces out of view intersect",
+                CullingChoice::Faces | CullingChoice::Front => ", or faces that were culled intersect",
             };
             format!("{a:>6} {b:>6}  one inside the other{how}\n")
         } else {

@@ -1,4 +1,4 @@
-//! Pictures of a running scene, drawn without a GPU: every triangle in perspective, with depth and flat light.
+//! Images of a running scene, drawn on the CPU: perspective, a depth buffer and flat shading.
 
 use crate::Outcome;
 use crate::canvas::{Canvas, PAPER};
@@ -8,11 +8,11 @@ use bevy_faceoff::prelude::*;
 use glam::Affine3A;
 use std::path::Path;
 
-/// Size of a picture in pixels.
+/// Width and height of an image in pixels.
 const SIZE: [u32; 2] = [960, 720];
-/// Samples per pixel, along each axis.
+/// Samples per pixel along each axis.
 const SAMPLES: u32 = 2;
-/// Height of the view at a distance of one.
+/// The height of the view at distance 1.
 const FIELD: f32 = 0.72;
 
 /// Draws the bodies of a world and writes `DIR/frame_STEP.png`.
@@ -38,20 +38,20 @@ fn colour(i: usize) -> Vec3 {
     bright.lerp(Vec3::splat(205.0), 0.45)
 }
 
-/// What is drawn so far, at sample resolution.
+/// The image so far, at sample resolution, and the camera.
 struct View {
     to_camera: Affine3A,
     light: Vec3,
     width: usize,
     height: usize,
     colours: Vec<[u8; 3]>,
-    /// Inverse distance along the view; 0 is infinitely far.
+    /// Inverse depth; 0 is at infinity.
     nearness: Vec<f32>,
     corners: Vec<Vec3>,
 }
 
 impl View {
-    /// Looks at a box from a corner above.
+    /// A view of a box from above one of its corners.
     fn new(framing: &Framing) -> Self {
         let eye = framing.center + framing.side.max(f32::MIN_POSITIVE) * Vec3::new(0.98, 0.8, 2.0);
         let [width, height] = SIZE.map(|n| (n * SAMPLES) as usize);
@@ -66,7 +66,7 @@ impl View {
         }
     }
 
-    /// Sample coordinates and nearness of a point of the world; nearness is not positive behind the camera.
+    /// Projects a point of the world to sample coordinates and inverse depth, which is not positive behind the camera.
     fn project(&self, point: Vec3) -> Vec3 {
         let p = self.to_camera.transform_point3(point);
         let near = -1.0 / p.z;
@@ -89,7 +89,7 @@ impl View {
         for t in mesh.mesh.triangles() {
             let [p, q, r] = t.map(|v| points[v as usize]);
             let normal = (q - p).cross(r - p).normalize_or_zero();
-            // Both sides are lit: meshes may be open or inside out.
+            // Both sides are lit, because meshes may be open or inside out.
             let shade = 0.35 + 0.65 * (0.5 + 0.5 * normal.dot(self.light)).clamp(0.0, 1.0);
             let [red, green, blue] = (colour * shade).to_array().map(|c| c as u8);
             self.triangle(t.map(|v| self.corners[v as usize]), [red, green, blue]);
@@ -127,7 +127,7 @@ impl View {
         }
     }
 
-    /// The edges of a box about the origin.
+    /// Draws the edges of a cube about the origin.
     fn edges(&mut self, side: f32) {
         let corner =
             |i: usize| 0.5 * side * Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 1 { 1.0 } else { -1.0 }));
@@ -136,7 +136,7 @@ impl View {
                 let (from, to) = (self.project(corner(i)), self.project(corner(i | 1 << k)));
                 let steps = (to - from).truncate().abs().max_element().min(1.0e4) as usize + 1;
                 for step in 0..=steps {
-                    // Nearness is linear on the screen.
+                    // Inverse depth is linear on the screen.
                     let p = from.lerp(to, step as f32 / steps as f32);
                     for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {
                         let (x, y) = ((p.x + dx) as usize, (p.y + dy) as usize);
@@ -149,7 +149,7 @@ impl View {
         }
     }
 
-    /// The mean of each pixel's samples.
+    /// The final image: the mean of each pixel's samples.
     fn finish(&self) -> Canvas {
         let mut canvas = Canvas::new(SIZE[0], SIZE[1]);
         for y in 0..SIZE[1] {

@@ -1,4 +1,4 @@
-//! `faceoff image`: the height image of a mesh, as in figure 4 of Aly & Elawady 2010.
+//! `faceoff image`: draws the height image of a mesh, as in figure 4 of Aly & Elawady 2010.
 
 use crate::canvas::{CHARACTER, Canvas, INK};
 use crate::{CullingChoice, Outcome, mesh};
@@ -7,7 +7,7 @@ use bevy_faceoff::geometry::direction::Angles;
 use bevy_faceoff::projection::{BakeSettings, HeightImage};
 use std::path::{Path, PathBuf};
 
-/// Draw a mesh as the bake sees it: heights as colours, and the faces that are seen.
+/// Draw the height image of a mesh, with heights as colours, and its visible faces.
 #[derive(clap::Args)]
 pub struct Options {
     /// torus, knot, or a mesh file.
@@ -15,13 +15,13 @@ pub struct Options {
     /// Projection angle about x, in degrees.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     about_x: f32,
-    /// Projection angle about y, in degrees; the mesh is turned about y first, then about x.
+    /// Projection angle about y, in degrees; the mesh is rotated about y first, then about x.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     about_y: f32,
-    /// Side of the image in pixels [default: 512, on a sheet 96].
+    /// Side of the image in pixels [default: 512, or 96 with --sheet].
     #[arg(long)]
     image: Option<u32>,
-    /// Draw a contact sheet of directions, 30 degrees apart, instead of one.
+    /// Draw a contact sheet of directions 30 degrees apart instead of a single direction.
     #[arg(long)]
     sheet: bool,
     /// The PNG file to write, or - for standard output.
@@ -29,11 +29,11 @@ pub struct Options {
     output: PathBuf,
 }
 
-/// Room around pictures.
+/// The margin around images, in pixels.
 const MARGIN: u32 = 12;
-/// Width of the scale bar and of the numbers beside it.
+/// The widths of the scale bar and of the numbers beside it, in pixels.
 const BAR: (u32, u32) = (16, 9 * CHARACTER);
-/// Angle between pictures of a sheet.
+/// The angle between images of a sheet, in degrees.
 const STEP: i32 = 30;
 
 /// Runs the command.
@@ -57,11 +57,11 @@ pub fn run(options: &Options) -> Outcome {
     canvas.save(&options.output)
 }
 
-/// A name that promises another format would lie.
+/// Rejects names with the extension of another format.
 fn png_only(path: &Path) -> Outcome {
     match path.extension() {
         Some(extension) if !extension.eq_ignore_ascii_case("png") => Err(format!(
-            "{}: pictures are written as PNG only; give it a name that ends in .png",
+            "{}: images are written as PNG only; give a name that ends in .png",
             path.display()
         )
         .into()),
@@ -77,7 +77,7 @@ fn draw(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> HeightImage {
     HeightImage::draw(mesh, angles.direction(), size)
 }
 
-/// Heights with their scale, and the faces seen, side by side.
+/// The heights with their scale, and beside them the visible faces.
 fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
     let picture = draw(mesh, about_x, about_y, size);
     let highest = picture.heights.iter().copied().fold(0.0, f32::max);
@@ -105,26 +105,26 @@ fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
         canvas.text(bar + BAR.0 + 6, label, &format!("{height:.3}"));
     }
 
-    let mut seen: Vec<u32> = picture
+    let mut visible: Vec<u32> = picture
         .faces
         .iter()
         .copied()
         .filter(|&f| f != HeightImage::NONE)
         .collect();
-    seen.sort_unstable();
-    seen.dedup();
+    visible.sort_unstable();
+    visible.dedup();
     paint(&mut canvas, right, top, &picture, |_, face| hue(face));
     let all = mesh.triangles().len();
-    canvas.text(right, MARGIN, &format!("{} of {all} faces seen", seen.len()));
+    canvas.text(right, MARGIN, &format!("{} of {all} faces visible", visible.len()));
     canvas
 }
 
-/// Heights from directions all round.
+/// A sheet of height images for directions all around.
 fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
     let (columns, rows) = (360 / STEP as u32, 180 / STEP as u32 + 1);
     let cell = [size + MARGIN, size + MARGIN + CHARACTER];
     let mut canvas = Canvas::new(MARGIN + columns * cell[0], MARGIN + rows * cell[1]);
-    // One scale for all, so that pictures compare.
+    // The same scale for all, so that images can be compared.
     let highest = 2.0
         * mesh
             .used_positions()
@@ -144,23 +144,23 @@ fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
     canvas
 }
 
-/// Paints what is seen, top row first.
+/// Paints the visible pixels of a height image, with its row 0 at the bottom.
 fn paint(canvas: &mut Canvas, left: u32, top: u32, picture: &HeightImage, colour: impl Fn(f32, u32) -> [u8; 3]) {
     let size = picture.size;
-    let seen = picture.heights.iter().zip(&picture.faces).enumerate();
-    for (i, (&height, &face)) in seen.filter(|(_, (_, face))| **face != HeightImage::NONE) {
+    let pixels = picture.heights.iter().zip(&picture.faces).enumerate();
+    for (i, (&height, &face)) in pixels.filter(|(_, (_, face))| **face != HeightImage::NONE) {
         let (x, y) = (i as u32 % size, i as u32 / size);
         canvas.set(left + x, top + size - 1 - y, colour(height, face));
     }
 }
 
-/// Dark is low.
+/// The colour of a height from 0 to 1; low is dark.
 fn scale(share: f32) -> [u8; 3] {
     let colour = colorous::VIRIDIS.eval_continuous(f64::from(share.clamp(0.0, 1.0)));
     [colour.r, colour.g, colour.b]
 }
 
-/// A colour for each face, unlike its neighbours': steps of the golden angle round the colour wheel.
+/// A colour for each face, unlike those of its neighbours: steps of the golden angle around the colour wheel.
 fn hue(face: u32) -> [u8; 3] {
     let colour = colorous::SINEBOW.eval_continuous((f64::from(face) * 0.618_033_988_75).fract());
     [colour.r, colour.g, colour.b]

@@ -1,4 +1,4 @@
-//! `faceoff inspect`: what a mesh file holds, and what baking makes of it.
+//! `faceoff inspect`: prints the content of a mesh file and the data that a bake derives from it.
 
 use crate::{Outcome, output};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
@@ -9,10 +9,10 @@ use bevy_faceoff::projection::faces::TableStats;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Tell what a mesh file holds and what baking makes of it.
+/// Print the content of a mesh file and the data that a bake derives from it.
 #[derive(clap::Args)]
 pub struct Options {
-    /// The file: .faceoff, .bake.ron or a mesh. Only a .faceoff file can hold a face table.
+    /// The file: .faceoff, .bake.ron or a mesh. Only a .faceoff file can contain a face table.
     file: PathBuf,
     /// Print JSON.
     #[arg(long)]
@@ -27,7 +27,7 @@ struct Report {
     vertices: usize,
     orientation: Orientation,
     closed: bool,
-    /// How many edges have no partner; 0 if it is closed.
+    /// The number of boundary edges; 0 if the mesh is closed.
     unmatched_edges: u32,
     components: usize,
     volume: f32,
@@ -100,9 +100,9 @@ impl Report {
         row(
             "surface",
             match self.orientation {
-                Orientation::Outward => "closed, faces look out",
-                Orientation::Inward => "closed, faces look in: a room",
-                Orientation::Mixed => "closed, faces disagree",
+                Orientation::Outward => "closed, faces point outward",
+                Orientation::Inward => "closed, faces point inward: a room",
+                Orientation::Mixed => "closed, winding is inconsistent",
                 Orientation::Open => "open",
             }
             .into(),
@@ -122,7 +122,7 @@ impl Report {
         } = self.settings;
         row("settings", format!("faces {faces}, {degrees} degrees, image {image}"));
         row("weld tolerance", format!("{weld_tolerance:?} of the size"));
-        row("if it looks inward", format!("{inward:?}").to_lowercase());
+        row("if inward", format!("{inward:?}").to_lowercase());
         match &self.table {
             None => row("face table", "none".into()),
             Some(table) => {
@@ -134,7 +134,7 @@ impl Report {
                     ),
                 );
                 row(
-                    "faces seen",
+                    "visible faces",
                     format!(
                         "{} to {}, {:.1} on average",
                         table.min_visible, table.max_visible, table.mean_visible

@@ -1,4 +1,5 @@
-//! The command line: simulate a scene, check placed meshes for interference, bake, draw and inspect meshes.
+//! The `faceoff` command line: simulate scenes, check placed meshes for interference, and bake, draw and inspect
+//! meshes.
 
 mod bake;
 mod canvas;
@@ -10,7 +11,6 @@ mod mechanics;
 mod mesh;
 mod output;
 mod progress;
-mod scene;
 mod scenes;
 mod simulate;
 
@@ -27,33 +27,32 @@ struct Arguments {
     command: Command,
 }
 
-// Each command's help stands with its options: a line here would hide all but the first sentence there.
+// The help text of each command is the doc comment of its options. A comment here would hide all but its first
+// sentence.
 #[derive(Subcommand)]
 enum Command {
     Simulate(simulate::Options),
     Check(check::Options),
     Bake(bake::Options),
-    /// Draw a mesh as the bake sees it: heights as colours, and the faces that are seen.
     Image(image::Options),
-    /// Tell what a mesh file holds and what baking makes of it.
     Inspect(inspect::Options),
 }
 
-/// How triangles are chosen for the test.
+/// Which triangles are tested.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum CullingChoice {
-    /// Conservative culls: nothing is missed.
+    /// All triangles that conservative culls leave: no collision is missed.
     Exact,
-    /// APPROXIMATE: only faces of collision, from tables that are baked first where the mesh has none. Of
-    /// touching tori and knots in a scene 98 % are found, with 30 to 48 % of their face pairs; of linked tori 9 %.
+    /// APPROXIMATE: only faces of collision. Meshes without a face table are baked first. In a scene of tori and knots
+    /// it finds 98 % of the touching pairs, with 30 to 48 % of their face pairs; of linked tori, 9 %.
     Faces,
-    /// APPROXIMATE: only triangles that face the other body; nothing is baked. In a scene 98 % of touching pairs are found,
-    /// with 35 to 50 % of their face pairs; of linked tori 58 %.
+    /// APPROXIMATE: only triangles that face the other body. Needs no bake. In a scene it finds 98 % of the touching
+    /// pairs, with 35 to 50 % of their face pairs; of linked tori, 58 %.
     Front,
 }
 
 impl CullingChoice {
-    /// As the command line and JSON write it.
+    /// The name on the command line and in JSON.
     fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -73,24 +72,24 @@ impl From<CullingChoice> for Culling {
     }
 }
 
-/// Where the stages run.
+/// Where the step runs.
 #[derive(Clone, Copy, ValueEnum)]
 enum BackendChoice {
     /// A GPU if there is one, else the CPU.
     Auto,
-    /// The best GPU adapter there is, even one that computes on the CPU.
+    /// The best GPU adapter, even a software one.
     Gpu,
     /// The CPU.
     Cpu,
 }
 
-/// What a command returns: nothing, or a message that names the file and what to do.
+/// The result of a command. An error is a message with the name of the file and what to do.
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        // Help and the version come this way too.
+        // Help and version are errors to clap, too.
         Err(message) => {
             return match output::reached(message.print()) {
                 Ok(()) => ExitCode::from(message.exit_code() as u8),
@@ -108,7 +107,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            output::tell(&format!("error: {error}"));
+            output::log(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }

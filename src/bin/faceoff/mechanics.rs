@@ -1,25 +1,25 @@
-//! What a physicist asks of a scene.
+//! Mechanical quantities of a scene: energy, momentum, penetration.
 
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
 use glam::{DMat3, DVec3};
 use serde::Serialize;
 
-/// Of all dynamic bodies, and of all pairs that touch.
+/// Mechanical quantities of all dynamic bodies and of all touching pairs.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Mechanics {
-    /// Linear and angular, joules.
+    /// Linear and angular kinetic energy, joules.
     kinetic_energy: f64,
-    /// kg m/s.
+    /// Linear momentum, kg m/s.
     momentum: [f64; 3],
-    /// Of the pair that overlaps most, metres. `null` where contact points are not looked for.
+    /// The largest penetration of any pair, metres; `null` if no contact points are computed.
     deepest_penetration: Option<f64>,
-    /// Mean over the pairs with contact points, with 0 for those that do not overlap, metres.
+    /// The mean penetration of the pairs with contact points, metres. Pairs that do not overlap count as 0.
     mean_penetration: Option<f64>,
 }
 
 impl Mechanics {
-    /// Of a world after a step.
+    /// The quantities of a world after a step.
     pub fn of(world: &mut World) -> Self {
         let mut bodies = world.query::<(&RigidBody, &MeshCollider, &Transform, &LinearVelocity, &AngularVelocity)>();
         let meshes = world.resource::<Assets<CollisionMesh>>();
@@ -44,7 +44,7 @@ impl Mechanics {
     }
 }
 
-/// How deep each pair with contact points overlaps.
+/// The penetration of each pair with contact points, metres; `None` if no contact points are computed.
 fn penetrations(world: &World) -> Option<Vec<f64>> {
     if *world.resource::<Response>() == Response::Impulse {
         return None;

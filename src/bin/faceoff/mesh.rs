@@ -1,4 +1,4 @@
-//! Meshes named on the command line.
+//! Meshes given on the command line.
 
 use crate::progress::with_bar;
 use crate::{CullingChoice, Outcome, output};
@@ -7,7 +7,7 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::BakeSettings;
 use std::path::Path;
 
-/// A shape by name, or else a mesh file, with all that the culling mode needs.
+/// The named shape, or else a mesh file, with all data that the culling mode needs.
 pub fn shape(name: &str, culling: CullingChoice) -> Outcome<CollisionMesh> {
     let mesh = match name {
         "torus" => CollisionMesh::new(&shapes::torus_240()),
@@ -17,7 +17,7 @@ pub fn shape(name: &str, culling: CullingChoice) -> Outcome<CollisionMesh> {
     complete(name, mesh, BakeSettings::default(), culling)
 }
 
-/// A mesh file, baked or to be baked, with all that the culling mode needs.
+/// Loads a mesh file, baked or not, with all data that the culling mode needs.
 pub fn load(path: &Path, culling: CullingChoice) -> Outcome<CollisionMesh> {
     let (mesh, settings) = match import_file(path)? {
         Imported::Mesh { mesh, settings, .. } => (CollisionMesh::without_faces(&mesh, settings), settings),
@@ -27,20 +27,23 @@ pub fn load(path: &Path, culling: CullingChoice) -> Outcome<CollisionMesh> {
     complete(&path.display().to_string(), mesh, settings, culling)
 }
 
-/// Bakes the face table if the mode looks it up and the mesh has none.
-fn complete(name: &str, mesh: CollisionMesh, asked: BakeSettings, culling: CullingChoice) -> Outcome<CollisionMesh> {
+/// Bakes the face table if the culling mode needs it and the mesh has none.
+fn complete(name: &str, mesh: CollisionMesh, settings: BakeSettings, culling: CullingChoice) -> Outcome<CollisionMesh> {
     if culling != CullingChoice::Faces || mesh.faces.is_some() {
         return Ok(mesh);
     }
-    let settings = BakeSettings { faces: true, ..asked };
+    let settings = BakeSettings {
+        faces: true,
+        ..settings
+    };
     settings.validate().map_err(|e| format!("{name}: {e}"))?;
     let pool = rayon::ThreadPoolBuilder::new().build()?;
     with_bar(name, settings, |progress| mesh.rebake(settings, &pool, progress))
 }
 
-/// Tells on standard error what is odd about a mesh.
+/// Prints the warnings about a mesh to standard error.
 pub fn warn(path: &Path, mesh: &CollisionMesh) {
     for warning in mesh.warnings() {
-        output::tell(&format!("warning: {}: {warning}", path.display()));
+        output::log(&format!("warning: {}: {warning}", path.display()));
     }
 }

@@ -1,4 +1,4 @@
-//! What a command gives out: text to standard output, files that are there whole or not at all.
+//! Output of commands: text to standard output, and files that are written atomically.
 
 use crate::Outcome;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Stands for standard output where a file could be named.
+/// The path that stands for standard output.
 const STANDARD_OUTPUT: &str = "-";
 
 /// Whether `path` stands for standard output.
@@ -15,8 +15,8 @@ pub fn is_standard(path: &Path) -> bool {
     path == Path::new(STANDARD_OUTPUT)
 }
 
-/// Finds out whether [`save`] can write to `path`, and leaves what is there as it is. For work that takes long: what cannot be
-/// written should be known before.
+/// Checks whether [`save`] can write to `path`, without changing the file. Long work calls this first, so that it does
+/// not fail at the end.
 pub fn check(path: &Path) -> Outcome {
     if is_standard(path) {
         return Ok(());
@@ -29,13 +29,13 @@ pub fn check(path: &Path) -> Outcome {
         .map_err(|e| cannot_write(path, &e))
 }
 
-/// Makes a folder and those it lies in.
+/// Creates a folder and its parents.
 pub fn folder(path: &Path) -> Outcome {
-    fs::create_dir_all(path).map_err(|e| format!("cannot make the folder {}: {e}", path.display()).into())
+    fs::create_dir_all(path).map_err(|e| format!("cannot create the folder {}: {e}", path.display()).into())
 }
 
-/// Writes a file, or to standard output if `path` is `-`. Whoever reads the file meanwhile sees the old one, and so does who
-/// interrupts the program.
+/// Writes a file atomically, or writes to standard output if `path` is `-`. Until the file is complete, other programs
+/// see the old one. It also stays if the program is interrupted.
 pub fn save(path: &Path, bytes: &[u8]) -> Outcome {
     if is_standard(path) {
         return print(bytes);
@@ -52,7 +52,7 @@ pub fn json(path: &Path, value: &impl Serialize) -> Outcome {
     save(path, &bytes)
 }
 
-/// Prints for people: to standard output, or to standard error where that carries the JSON.
+/// Prints human-readable text to standard output, or to standard error if standard output carries the JSON.
 pub fn table(json: Option<&Path>, text: &str) -> Outcome {
     if json.is_some_and(is_standard) {
         reached(stderr().write_all(text.as_bytes())).map_err(|e| format!("cannot write to standard error: {e}").into())
@@ -61,8 +61,8 @@ pub fn table(json: Option<&Path>, text: &str) -> Outcome {
     }
 }
 
-/// Tells of an error or a warning. If even standard error is lost there is nobody left to tell.
-pub fn tell(text: &str) {
+/// Prints an error or a warning to standard error. A failure to do so is ignored.
+pub fn log(text: &str) {
     let _ = writeln!(stderr(), "{text}");
 }
 
@@ -72,7 +72,7 @@ fn print(bytes: &[u8]) -> Outcome {
         .map_err(|e| format!("cannot write to standard output: {e}").into())
 }
 
-/// A closed pipe, as with `| head`, is the reader's choice.
+/// Ignores a closed pipe, as with `| head`: the reader wants no more.
 pub fn reached(written: io::Result<()>) -> io::Result<()> {
     match written {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
@@ -80,11 +80,11 @@ pub fn reached(written: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Where bytes go.
+/// The target of a write.
 enum Target {
-    /// A file that is there or is to be made; not a link to one.
+    /// A regular file, which may not exist yet. Links are resolved.
     File(PathBuf),
-    /// A device or a pipe, whose place no file may take.
+    /// A device or a pipe, which must not be replaced by a file.
     Special(PathBuf),
 }
 
@@ -97,7 +97,7 @@ impl Target {
         if !there.is_file() && !there.is_dir() {
             return Ok(Self::Special(path.to_owned()));
         }
-        // Fails for a folder, and for a file that may not be written.
+        // Fails for a folder, and for a file without write permission.
         OpenOptions::new().write(true).open(path)?;
         fs::canonicalize(path).map(Self::File)
     }
@@ -121,16 +121,16 @@ impl Target {
     }
 }
 
-/// A file of a name that nobody else uses, in the folder of `path`; removed unless it takes that one's place.
+/// A temporary file with a unique name in the folder of `path`. It is removed unless it replaces that file.
 fn beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let mut partial = tempfile::Builder::new();
-    // Bevy's asset folders leave out what begins with a dot.
+    // Bevy's asset server ignores files whose names begin with a dot.
     partial.prefix(".faceoff-").suffix(".partial");
-    // The crate's default is for secrets; the system takes away what the user's mask says.
+    // The default permissions are those for secrets. The system applies the user's umask to these.
     #[cfg(unix)]
     partial.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     partial.tempfile_in(folder)

@@ -1,11 +1,11 @@
-//! Bars for bakes.
+//! Progress bars for bakes.
 
 use crate::Outcome;
 use bevy_faceoff::projection::{BakeSettings, Progress};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
-/// Runs a bake beside a bar that shows how far it is; without a bar if there is no face table to bake.
+/// Runs a bake with a progress bar. There is no bar without a face table, because the bake is then fast.
 pub fn with_bar<T: Send, E: Send + Into<Box<dyn std::error::Error>>>(
     name: &str,
     settings: BakeSettings,

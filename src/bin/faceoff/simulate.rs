@@ -1,13 +1,13 @@
 //! `faceoff simulate`: a headless Bevy app that runs a scene and prints what each stage cost and found.
 
 use crate::mechanics::Mechanics;
-use crate::scene::{self, Scene};
 use crate::scenes::{self, SceneChoice};
 use crate::{BackendChoice, CullingChoice, Outcome, frames, mesh, output};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::mesh::MAX_COORDINATE;
 use bevy_faceoff::prelude::*;
+use bevy_faceoff::testing::scenes::paper::{self, Paper};
 use bevy_faceoff::types::stage::Stage;
 use clap::ValueEnum;
 use indicatif::ProgressBar;
@@ -124,7 +124,7 @@ struct StepRecord {
     triangle_tests: u64,
     face_pairs: usize,
     contact_points: usize,
-    intervals: u32,
+    collision_substeps: u32,
     sleeping: usize,
     /// Only where it is written: it costs a look at every body.
     #[serde(flatten)]
@@ -157,9 +157,9 @@ pub fn run(options: &Options) -> Outcome {
     let shape = options.shape.as_deref().or(choice.shape());
     let mesh = shape.map(|shape| mesh::shape(shape, options.culling)).transpose()?;
     let bodies = options.bodies.or(choice.bodies()).unwrap_or_default();
-    let scene = Scene {
+    let scene = Paper {
         bodies,
-        side: positive("--side", options.side, scene::default_side(bodies))?,
+        side: positive("--side", options.side, paper::default_side(bodies))?,
         speed: positive("--speed", options.speed, if shape == Some("knot") { 3.0 } else { 0.5 })?,
         seed: options.seed,
     };
@@ -305,7 +305,7 @@ impl StepRecord {
             triangle_tests: report.triangle_tests,
             face_pairs: report.face_pairs,
             contact_points: report.contact_points,
-            intervals: report.intervals,
+            collision_substeps: report.collision_substeps,
             sleeping: report.sleeping,
             mechanics,
         }

@@ -22,8 +22,8 @@ const CELL_IN_RADII: f64 = 4.0;
 const OCCUPANCY: [f32; 2] = [1.75, 10.0];
 /// With more than this, they start anew with the least size.
 const OVERFULL: f32 = 64.0;
-/// Cells become at most `2^MOST_GROWN` times as large as the least.
-const MOST_GROWN: u8 = 20;
+/// Cells become at most `2^MAX_GROWN` times as large as the least.
+const MAX_GROWN: u8 = 20;
 /// How many blocks of cells of a level are looked into to learn how full they are.
 const SAMPLES: u32 = 64;
 
@@ -255,7 +255,7 @@ impl Grid {
             let wanted = match occupancy {
                 occupancy if occupancy > OVERFULL => 0,
                 occupancy if occupancy > OCCUPANCY[1] => grown.saturating_sub(1),
-                occupancy if occupancy < OCCUPANCY[0] => MOST_GROWN.min(*grown + 1),
+                occupancy if occupancy < OCCUPANCY[0] => MAX_GROWN.min(*grown + 1),
                 // Or no sample.
                 _ => *grown,
             };

@@ -1,25 +1,25 @@
-//! Slabs: how flat what lies in a box is.
+//! Slabs: thin bounding volumes for the nearly flat patches of a surface.
 //!
-//! A patch of a smooth surface that is `s` wide departs from its plane by only some `s^2`, but its box is `s` thick
-//! unless the patch happens to lie along the axes. Where two bodies touch, boxes therefore overlap far around the
-//! contact, the farther the finer the meshes; slabs part there as soon as the surfaces do.
+//! A patch of width `s` of a smooth surface deviates from its plane by only about `s^2`, but its axis-aligned box is
+//! about `s` thick unless the patch is parallel to the axes. Where two bodies touch, boxes therefore overlap far around
+//! the contact, and the finer the meshes, the more boxes do. Slabs separate as soon as the surfaces do.
 
-use super::{Points, points};
+use super::points::{Points, points};
 use crate::geometry::cluster::CLUSTER;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
-/// Eight slabs, each around the triangles of a node: for each of their points `x`, `|normal . (x - center)|` is at most
-/// `thickness`, and `|x - center|` at most `radius`.
+/// Eight slabs, each around the triangles of a node. For each point `x` of the triangles, `|normal . (x - center)|` is
+/// at most `half_thickness` and `|x - center|` is at most `radius`.
 #[derive(Clone, Copy)]
 pub struct SlabGroup {
-    /// Any point.
+    /// A point in the middle plane.
     pub center: Points,
-    /// Of about unit length, or zero.
+    /// The normal, of about unit length, or zero.
     pub normal: Points,
-    /// Half of it; times the normal's length.
-    pub thickness: f32x8,
-    /// About the center.
+    /// Half the thickness, times the length of `normal`.
+    pub half_thickness: f32x8,
+    /// The radius of a sphere about `center` that contains the triangles.
     pub radius: f32x8,
 }
 
@@ -27,19 +27,19 @@ pub struct SlabGroup {
 struct Slab {
     center: Vec3,
     normal: Vec3,
-    thickness: f32,
+    half_thickness: f32,
     radius: f32,
 }
 
 /// The slabs of the clusters in groups of eight, then of those groups in groups of eight, and so on up to one group.
-/// `corners` are the triangles'.
+/// `corners` holds the corners of each triangle.
 pub fn levels(corners: &[[Vec3; 3]]) -> Vec<Vec<SlabGroup>> {
     let mut levels = Vec::new();
     let mut normals: Vec<DVec3> = corners.iter().map(area_vector).collect();
     let mut run = 1;
     loop {
-        // Patches that turn away from their mean, a closed surface say, have a mean that means nothing; but a slab is never
-        // wrong, only of no use.
+        // The mean normal of a strongly curved patch, such as a closed surface, is meaningless. The slab is still
+        // valid, just not thin.
         normals = normals.chunks(CLUSTER).map(|run| run.iter().sum()).collect();
         run *= CLUSTER;
         let slabs: Vec<Slab> = corners
@@ -59,7 +59,7 @@ fn area_vector(t: &[Vec3; 3]) -> DVec3 {
     (q - p).cross(r - p)
 }
 
-/// What rounding to `f32` can take from a bound.
+/// Bounds are enlarged by this factor, so that rounding to `f32` cannot make them too small.
 const UP: f64 = 1.0 + 1.0e-6;
 
 impl Slab {
@@ -75,8 +75,8 @@ impl Slab {
             (least.min(height), most.max(height))
         });
         let center = (middle + n * (0.5 * (least + most))).as_vec3();
-        // Of the rounded centre and normal.
-        let (thickness, square) = all()
+        // Measured from the rounded centre and normal, which are what is stored.
+        let (half_thickness, square) = all()
             .map(|p| p - center.as_dvec3())
             .fold((0.0f64, 0.0f64), |(t, s), p| {
                 (t.max(n.dot(p).abs()), s.max(p.length_squared()))
@@ -84,7 +84,7 @@ impl Slab {
         Self {
             center,
             normal,
-            thickness: (thickness * UP) as f32,
+            half_thickness: (half_thickness * UP) as f32,
             radius: (square.sqrt() * UP) as f32,
         }
     }
@@ -92,13 +92,13 @@ impl Slab {
 
 impl SlabGroup {
     fn new(slabs: &[Slab]) -> Self {
-        // Lanes without a slab have a box that overlaps nothing.
+        // The default is fine for unused lanes: their boxes overlap nothing.
         let slab = |lane: usize| slabs.get(lane).copied().unwrap_or_default();
         let lanes = |of: fn(Slab) -> f32| f32x8::new(std::array::from_fn(|lane| of(slab(lane))));
         Self {
             center: points(|lane| slab(lane).center),
             normal: points(|lane| slab(lane).normal),
-            thickness: lanes(|slab| slab.thickness),
+            half_thickness: lanes(|slab| slab.half_thickness),
             radius: lanes(|slab| slab.radius),
         }
     }

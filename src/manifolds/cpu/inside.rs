@@ -2,10 +2,10 @@
 
 use super::feature::{Feature, Origin};
 use super::side::Side;
-use crate::angles::PAD;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{mul, splat, sub};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::BoxGroup;
 use crate::triangle_test::cpu::containment::contains;
 use glam::DVec3;

@@ -5,14 +5,13 @@
 //! look at each other. What can have no feature and cannot intersect is dropped here, eight pairs at a time.
 
 use super::side::{Side, Triangle};
-use crate::angles::PAD;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
 use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
-use crate::simd::tree::{Tree, Way};
+use crate::simd::rounding::{PAD, unit_of};
+use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::Points;
-use crate::triangle_test::cpu::placed::unit_of;
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 
@@ -293,18 +292,18 @@ fn trees<'a>(sides: &[Side<'a>; 2], setting: &Setting, reach: f32) -> [Tree<'a>;
     ];
     [0, 1].map(|i| {
         let (rotation, translation) = ways[i];
-        let way = Way {
+        let relative = RelativePose {
             rotation,
             translation: unit * translation,
             // No support axis, and nothing beyond it.
             axis: Vec3::ZERO,
-            least: f32::NEG_INFINITY,
+            min_height: f32::NEG_INFINITY,
         };
         Tree::new(
             sides[i].mesh.lanes(),
             i == 1,
             unit * sides[i].scale,
-            way,
+            relative,
             unit * reach,
             slabs,
         )

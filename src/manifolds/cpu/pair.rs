@@ -208,7 +208,7 @@ impl<'a> Pair<'a> {
     /// Of one body's surface at the feature.
     fn roundness(&self, feature: &Feature, side: usize) -> f32 {
         let own = &self.sides[side];
-        let roundness = own.features.roundness[feature.triangles[side] as usize];
+        let roundness = own.features.curvature_radii[feature.triangles[side] as usize];
         let is_face = feature.vertex().is_some_and(|(of, _)| usize::from(of) != side);
         if is_face && roundness == 0.0 {
             // Between creases a face is flat.

@@ -2,13 +2,13 @@
 //! vertices touch but the surface around them.
 
 use super::smooth;
-use crate::angles::PAD;
 use crate::geometry::cluster::CLUSTER;
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::in_order::InOrder;
 use crate::parallel::per_thread::PerThread;
 use crate::simd::lanes::{bits, dot, splat};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::margins::SAFETY;
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
@@ -159,8 +159,8 @@ fn manifold(
             number,
         } = vertices[i];
         let arm = frame.rotation * (frame.scale * place.as_dvec3());
-        let roundness = f64::from(features.vertex_roundness[number as usize]) * size;
-        let own_normal = frame.rotation * (features.round_normals[number as usize].as_dvec3() / frame.scale);
+        let roundness = f64::from(features.vertex_curvature_radii[number as usize]) * size;
+        let own_normal = frame.rotation * (features.vertex_normals[number as usize].as_dvec3() / frame.scale);
         // Others are corners, which turn with the body until they touch.
         let (arm, roundness) = match smooth::slide_of_vertex(own_normal, arm, -normal, roundness) {
             Some(slide) => (arm + slide, roundness),

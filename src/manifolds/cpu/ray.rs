@@ -1,10 +1,10 @@
 //! Rays from inside a body to where they leave it.
 
 use super::side::Side;
-use crate::angles::PAD;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{bits, cross, dot, each, norm1, splat, sub};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, Cluster};
 use glam::DVec3;
 use std::cell::Cell;

@@ -2,7 +2,7 @@
 
 use super::feature::ARC;
 use crate::asset::CollisionMesh;
-use crate::geometry::features::{EVERY_WAY, MeshFeatures, NONE};
+use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::simd::lanes::each;
 use crate::state::Frame;
 use glam::{DMat3, DVec3, Vec3};
@@ -157,11 +157,11 @@ impl Side<'_> {
         // Unequal scales change angles.
         let scale = self.scale.abs();
         let is_even = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
-        let turns = &self.features.edge_turn[first as usize..];
+        let turns = &self.features.edge_normal_rotations[first as usize..];
         let slack = ARC_SLACK as f32 * ARC as f32;
         f32x8::new(std::array::from_fn(|lane| match turns.get(lane) {
-            Some(turn) if is_even && turn + slack < EVERY_WAY => turn + slack,
-            _ => EVERY_WAY,
+            Some(turn) if is_even && turn + slack < ANY_NORMAL => turn + slack,
+            _ => ANY_NORMAL,
         }))
     }
 
@@ -201,7 +201,7 @@ impl Side<'_> {
 
     /// Along the normal of the smooth surface at a vertex, of any length; zero if it has none.
     pub fn round_normal(&self, vertex: u32) -> DVec3 {
-        self.normal_matrix * self.features.round_normals[vertex as usize].as_dvec3()
+        self.normal_matrix * self.features.vertex_normals[vertex as usize].as_dvec3()
     }
 
     /// A curvature that the surface has at least in every direction at a triangle, 1/m; 0 if it is none or not finely cut.

@@ -9,7 +9,7 @@ use crate::gpu::scan;
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ContactSizes {
+pub struct ContactCapacity {
     /// Pairs of bodies that are looked at.
     pub margin_pairs: u32,
     /// Those, and bodies times half-spaces.
@@ -28,7 +28,7 @@ pub struct ContactSizes {
     pub points: u32,
 }
 
-impl ContactSizes {
+impl ContactCapacity {
     /// At least `needed` of each, with room to spare where these sizes do not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
@@ -75,7 +75,7 @@ impl ContactSizes {
 
 buffers! {
     /// Every buffer of contact generation; `shaders/shared/types.wgsl` explains their elements.
-    ContactBuffers(ContactSizes), |sizes| {
+    ContactBuffers(ContactCapacity), |sizes| {
         /// How long the lists are.
         limits: UNIFORM ContactLimits, 1u32, "contact limits";
         /// The host writes how many pairs there are, and zeroes the others.

@@ -30,7 +30,7 @@
 pub mod buffers;
 pub mod record;
 
-pub use buffers::{ContactBuffers, ContactSizes};
+pub use buffers::{ContactBuffers, ContactCapacity};
 
 use super::MOST_POINTS;
 use super::cpu::{contour, feature, near, pair, planes, reduce, side, smooth};
@@ -70,7 +70,7 @@ const EMIT: Kernel = kernel!("manifolds/emit");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     u32 MOST_POINTS = MOST_POINTS;
-    u32 MOST_PLANE_POINTS = planes::MAX_POINTS;
+    u32 MAX_PLANE_POINTS = planes::MAX_POINTS;
     f32 ERROR = near::ERROR;
     f32 DIRECTION_ERROR = near::DIRECTION_ERROR;
     f32 AROUND_ERROR = near::AROUND_ERROR;

@@ -1,6 +1,6 @@
-//! Collision meshes from Bevy's own meshes, and back. Needs the feature `bevy_mesh`.
+//! Conversion between collision meshes and Bevy's own meshes. Needs the feature `bevy_mesh`.
 //!
-//! The round shapes that Bevy builds, spheres and tori say, have a seam whose two sides differ by a rounding error:
+//! Round shapes that Bevy builds, such as spheres and tori, have a seam whose two sides differ by rounding errors.
 //! [`BakeSettings::weld_tolerance`](crate::projection::BakeSettings) closes it.
 
 use crate::asset::collision_mesh::CollisionMesh;
@@ -10,28 +10,28 @@ use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeVal
 use bevy::prelude::*;
 use thiserror::Error;
 
-/// Why a Bevy mesh gives no collision mesh.
+/// Why a Bevy mesh cannot become a collision mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BevyMeshError {
-    /// The renderer took the data.
+    /// The mesh is in the render world only.
     #[error(
-        "the mesh's data has moved to the render world; create or load it with RenderAssetUsages::MAIN_WORLD (for glTF in \
-         GltfLoaderSettings::load_meshes), beside RENDER_WORLD if it is drawn"
+        "the mesh's data has moved to the render world; create or load it with RenderAssetUsages::MAIN_WORLD (for glTF \
+         in GltfLoaderSettings::load_meshes), beside RENDER_WORLD if it is drawn"
     )]
     InRenderWorld,
-    /// There are no vertices.
+    /// The mesh has no vertex positions.
     #[error("the mesh has no positions")]
     NoPositions,
-    /// Positions of another format than Bevy draws.
+    /// The positions are not `Float32x3`.
     #[error("the mesh's positions are {0}; they must be Float32x3")]
     PositionFormat(&'static str),
-    /// Points or lines.
+    /// The mesh consists of points or lines.
     #[error("the mesh is a {0:?}; only triangle lists and strips have surfaces to collide with")]
     Topology(PrimitiveTopology),
-    /// A triangle list with a triangle that is not whole.
-    #[error("the mesh has {0} corners, which do not make whole triangles")]
+    /// The number of corners of a triangle list is not a multiple of three.
+    #[error("the mesh has {0} corners, which is not a multiple of three")]
     Corners(usize),
-    /// The triangles are no usable mesh.
+    /// The triangles are not a valid mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
@@ -45,7 +45,7 @@ impl From<MeshAccessError> for BevyMeshError {
     }
 }
 
-/// What is needed of a Bevy mesh, copied, so that all else can happen on another thread.
+/// A copy of a Bevy mesh's triangles, so that the rest of the work can run on another thread.
 pub(crate) struct Triangles {
     vertices: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
@@ -77,7 +77,7 @@ impl Triangles {
                 }
                 faces.to_vec()
             }
-            // Every second triangle of a strip is turned.
+            // Every second triangle of a strip has the opposite winding.
             _ => corners
                 .windows(3)
                 .enumerate()
@@ -98,8 +98,7 @@ impl Triangles {
     }
 }
 
-/// The triangles of a Bevy mesh as modelled: skins and morph targets are not applied. A face's index is the number of its
-/// triangle.
+/// The triangles of a Bevy mesh, without skins and morph targets. The index of a face is the index of its triangle.
 impl TryFrom<&Mesh> for TriMesh {
     type Error = BevyMeshError;
     fn try_from(mesh: &Mesh) -> Result<Self, BevyMeshError> {
@@ -108,17 +107,19 @@ impl TryFrom<&Mesh> for TriMesh {
 }
 
 impl CollisionMesh {
-    /// Heights and clusters of a Bevy mesh, as [`CollisionMesh::new`] makes them; milliseconds for thousands of triangles.
+    /// Bakes a Bevy mesh like [`CollisionMesh::new`], without a face table. Takes milliseconds for thousands of
+    /// triangles.
     ///
     /// # Errors
-    /// If the mesh is not in the main world, has no positions or no triangles.
+    /// If the mesh is not in the main world, has no positions or has no triangles.
     pub fn from_bevy_mesh(mesh: &Mesh) -> Result<Self, BevyMeshError> {
         Ok(Self::new(&TriMesh::try_from(mesh)?))
     }
 
-    /// The mesh as Bevy draws it, every triangle flat and with corners of its own: corners `3 t`, `3 t + 1` and `3 t + 2` are
-    /// those of triangle `t` of [`BakedMesh::mesh`](super::BakedMesh::mesh). It has positions and normals. To look at what
-    /// collides, and to colour single faces; a game draws a model of its own.
+    /// A flat-shaded Bevy mesh with positions and normals, for debugging: it shows the triangles that collide.
+    ///
+    /// Triangles share no vertices, so that single faces can be coloured. Vertices `3 t`, `3 t + 1` and `3 t + 2` are
+    /// the corners of triangle `t` of [`BakedMesh::mesh`](crate::asset::BakedMesh::mesh).
     pub fn to_bevy_mesh(&self) -> Mesh {
         let mesh = &self.mesh;
         let mut positions = Vec::with_capacity(3 * mesh.triangles().len());

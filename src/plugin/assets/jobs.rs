@@ -1,6 +1,6 @@
-//! Work that would stall Bevy's IO pool, done elsewhere and awaited.
+//! Background jobs of the asset loader, on thread pools other than Bevy's IO pool.
 
-use super::loader::LoadError;
+use super::error::LoadError;
 use crate::projection::{Progress, bake_pool};
 use bevy::tasks::{AsyncComputeTaskPool, TaskPool};
 use std::collections::VecDeque;
@@ -8,7 +8,7 @@ use std::mem;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Runs `job` on Bevy's pool for long computations. It is meant for jobs of milliseconds: it is not interrupted.
+/// Runs `job` on Bevy's pool for asynchronous computations. For jobs of milliseconds, because it cannot be cancelled.
 pub(super) async fn on_compute_pool<T: Send + 'static>(
     job: impl FnOnce() -> Result<T, LoadError> + Send + 'static,
 ) -> Result<T, LoadError> {
@@ -20,8 +20,8 @@ pub(super) async fn on_compute_pool<T: Send + 'static>(
     .await
 }
 
-/// Runs `job` on the pool for bakes when all that were asked for before it are done, for as long as the returned future lives:
-/// dropping it cancels the job's progress.
+/// Runs `job` on the pool for bakes, after all jobs that were queued before. Dropping the returned future cancels the
+/// job.
 pub(crate) async fn on_bake_pool<T: Send + 'static>(
     job: impl FnOnce(&'static rayon::ThreadPool, &Progress) -> Result<T, LoadError> + Send + 'static,
 ) -> Result<T, LoadError> {
@@ -32,16 +32,18 @@ pub(crate) async fn on_bake_pool<T: Send + 'static>(
     finish(move || job(pool, &progress), |run| QUEUE.push(pool, run)).await
 }
 
-/// Jobs of which one runs at a time, in the order in which they came. Each has the whole pool: side by side they would all be
-/// late and hold their memory at once, and a thread that waits for a part of one would begin another on top of it.
+/// A queue that runs one job at a time, in order.
 ///
-/// No future has a hand in it, so that jobs are not held up by one that nobody polls.
+/// Each job has the whole pool. Jobs that run at the same time would all finish late and hold their memory together,
+/// and a thread that waits for a part of one job would start another one in the meantime.
+///
+/// The queue does not depend on futures, so that a future that nobody polls does not block it.
 struct Queue(Mutex<Waiting>);
 
 struct Waiting {
     jobs: VecDeque<Job>,
-    /// Whether a thread takes jobs from here.
-    served: bool,
+    /// Whether a thread is running the jobs.
+    running: bool,
 }
 
 type Job = Box<dyn FnOnce() + Send>;
@@ -50,15 +52,15 @@ impl Queue {
     const fn new() -> Self {
         Self(Mutex::new(Waiting {
             jobs: VecDeque::new(),
-            served: false,
+            running: false,
         }))
     }
 
-    /// Puts a job at the end, which must not panic.
+    /// Appends a job. It must not panic.
     fn push(&'static self, pool: &'static rayon::ThreadPool, job: Job) {
         let mut waiting = self.lock();
         waiting.jobs.push_back(job);
-        if !mem::replace(&mut waiting.served, true) {
+        if !mem::replace(&mut waiting.running, true) {
             pool.spawn(|| {
                 while let Some(job) = self.next() {
                     job();
@@ -70,18 +72,18 @@ impl Queue {
     fn next(&self) -> Option<Job> {
         let mut waiting = self.lock();
         let job = waiting.jobs.pop_front();
-        waiting.served = job.is_some();
+        waiting.running = job.is_some();
         job
     }
 
     fn lock(&self) -> MutexGuard<'_, Waiting> {
-        // No job runs while it is held.
+        // No job runs while the lock is held, so the data of a poisoned lock is consistent.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Awaits a job that `spawn` runs on another thread. A panic in it becomes an error: rayon would abort the process, and
-/// a task of Bevy's would take its sender with it.
+/// Awaits a job that `spawn` runs on another thread. A panic of the job becomes an error: otherwise rayon would abort
+/// the process, and a task of Bevy would drop the sender.
 async fn finish<T: Send + 'static>(
     job: impl FnOnce() -> Result<T, LoadError> + Send + 'static,
     spawn: impl FnOnce(Job),
@@ -96,7 +98,7 @@ async fn finish<T: Send + 'static>(
                 .unwrap_or_else(|| "no message".into());
             Err(LoadError::Panicked(message))
         });
-        // Nobody waits any more if the handle was dropped.
+        // The receiver is gone if the handle was dropped.
         let _ = sender.try_send(result);
     }));
     receiver
@@ -124,7 +126,7 @@ mod tests {
 
     #[test]
     fn bakes_run_one_after_the_other() {
-        // The pool for bakes may have a single thread, with which nothing runs side by side anyway.
+        // The pool for bakes may have a single thread, on which jobs never run at the same time.
         static POOL: OnceLock<rayon::ThreadPool> = OnceLock::new();
         static QUEUE: Queue = Queue::new();
         static RUNNING: AtomicUsize = AtomicUsize::new(0);
@@ -144,7 +146,7 @@ mod tests {
         }
         let first: Vec<_> = ends.iter().take(50).collect();
         assert_eq!(first, (0..50).map(|i| (i, 0)).collect::<Vec<_>>());
-        // An empty queue begins anew.
+        // A queue that has become empty starts again.
         QUEUE.push(pool, Box::new(move || ended.send((50, 0)).unwrap()));
         assert_eq!(ends.recv_timeout(Duration::from_secs(10)).unwrap(), (50, 0));
     }
@@ -155,7 +157,7 @@ mod tests {
         assert!(matches!(on_bake, Err(LoadError::Panicked(m)) if m == "on purpose"));
         let on_compute = future::block_on(on_compute_pool(|| -> Result<(), _> { panic!("{} purpose", "on") }));
         assert!(matches!(on_compute, Err(LoadError::Panicked(m)) if m == "on purpose"));
-        // And the pools live on.
+        // The pools still work.
         assert!(matches!(future::block_on(on_bake_pool(|_, _| Ok(5))), Ok(5)));
         assert!(matches!(future::block_on(on_compute_pool(|| Ok(6))), Ok(6)));
     }

@@ -1,6 +1,6 @@
-//! Loads [`CollisionMesh`]es through Bevy's asset server.
+//! The asset loader of [`CollisionMesh`].
 //!
-//! The normal way is a recipe beside the mesh, `knot.bake.ron`, which names the mesh and how to bake it:
+//! Usually you load a bake recipe. The recipe `knot.bake.ron` names a mesh and the settings of its bake:
 //!
 //! ```no_run
 //! # use bevy::prelude::*;
@@ -13,101 +13,53 @@
 //! # }
 //! ```
 //!
-//! Recipes and `.faceoff` files are known by their extension. Other meshes are not, on purpose: Bevy asks the loader registered
-//! last for an extension, so claiming `obj` or `glb` would take scenes away from other loaders. They are reached by the type of the
-//! handle instead, as above. Reading and baking happen off the IO pool, so that other assets load meanwhile, and stop when
-//! the last handle is dropped. Tables of faces of collision are baked one after the other. A load that waits for one keeps
-//! its file open, which is Bevy's doing: a thousand at once are more than some systems allow, so bake so many ahead of time.
+//! The loader registers the extensions `bake.ron` and `faceoff`. It does not register the extensions of other meshes:
+//! for each extension Bevy uses the loader that was registered last, so `obj` or `glb` would no longer reach other
+//! loaders. Load these files by the type of the handle, as above.
 //!
-//! All this is `AssetMode::Unprocessed`, Bevy's default; for the other one see [`processor`](super::processor).
+//! Reading and baking do not run on Bevy's IO pool, so other assets load in the meantime. Both stop when the last
+//! handle is dropped. Face tables are baked one after the other. Bevy keeps the file of a waiting load open, and a
+//! thousand open files are more than some systems allow: bake so many tables ahead of time.
 //!
-//! # Two traps of Bevy's
-//! * A path is loaded once. Two loads of one path with different settings give one handle, with the settings of the first.
-//!   To bake a mesh in two ways write two recipes.
-//! * A `.meta` file that names this loader hides the mesh from every other loader, so its scene can no longer be shown.
-//!   Write `.meta` files only for meshes that are for collision alone, and recipes for all others.
+//! This describes `AssetMode::Unprocessed`, Bevy's default. For `AssetMode::Processed` see
+//! [`processor`](super::processor).
 //!
-//! A label is the business of the loader that registered the extension: `machine.glb#Mesh0` is never a collision mesh. To bake
-//! one mesh of a glTF file, choose it in the recipe, `(mesh: "machine.glb", part: (mesh: "Gear"))`.
-//!
-//! Bevy matches extensions from the first dot on: `knot.v2.bake.ron` is loaded by type, or not at all.
+//! # Pitfalls of Bevy's asset server
+//! * A path is loaded once. Two loads of one path with different settings give one handle, with the settings of the
+//!   first load. To bake a mesh in two ways, write two recipes.
+//! * A `.meta` file that names this loader hides the mesh from all other loaders, so its scene can no longer be drawn.
+//!   Write `.meta` files only for meshes that serve collisions alone, and recipes for all others.
+//! * Bevy chooses the loader of a labelled path by its extension, so `machine.glb#Mesh0` is never a collision mesh. To
+//!   bake one mesh of a glTF file, write a recipe: `(mesh: "machine.glb", part: (mesh: "Gear"))`.
+//! * Bevy takes everything after the first dot as the extension, so `knot.v2.bake.ron` loads only by type.
 
+use super::error::LoadError;
 use super::jobs::{on_bake_pool, on_compute_pool};
 use crate::asset::collision_mesh::CollisionMesh;
 use crate::asset::format::MAGIC;
 use crate::asset::gltf::MeshPart;
-use crate::asset::import::{ImportError, Imported, Source};
-use crate::asset::recipe::{Recipe, RecipeError, is_recipe};
-use crate::projection::{BakeSettings, Cancelled, SettingsError};
+use crate::asset::import::{Imported, Source};
+use crate::asset::recipe::{Recipe, is_recipe};
+use crate::projection::BakeSettings;
 use bevy::asset::io::Reader;
-use bevy::asset::{AssetLoader, AssetPath, LoadContext, ParseAssetPathError, ReadAssetBytesError};
+use bevy::asset::{AssetLoader, AssetPath, LoadContext};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
-/// Loads `.faceoff` and `.bake.ron` files, and other meshes by type; see the [module](self).
+/// Loads `.faceoff` and `.bake.ron` files by extension, and other meshes by type; see the [module](self).
 #[derive(Default, TypePath)]
 pub struct CollisionMeshLoader;
 
-/// Settings of one load, in code or in a `.meta` file.
+/// Settings of a load, given in code or in a `.meta` file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CollisionMeshSettings {
-    /// How to bake. Outranks the recipe; a `.faceoff` file that was baked otherwise is baked anew. Without it, the
-    /// recipe or the file decides, and any other mesh is baked by the default settings.
+    /// Settings of the bake. They override the recipe, and a `.faceoff` file with other settings is baked again. By
+    /// default the recipe or the `.faceoff` file decides, and other meshes are baked with the default settings.
     pub bake: Option<BakeSettings>,
-    /// Which part of a glTF file to bake. Outranks the recipe; without it, the recipe decides, and else it is the whole scene.
+    /// Which part of a glTF file to bake. Overrides the recipe. By default the recipe decides, or the whole scene is
+    /// baked.
     pub part: Option<MeshPart>,
-}
-
-/// Why a file was not loaded. Bevy puts the path before it.
-#[derive(Debug, Error)]
-pub enum LoadError {
-    /// The bytes could not be read.
-    #[error("{0}")]
-    Read(#[from] std::io::Error),
-    /// The bytes are no mesh.
-    #[error(transparent)]
-    Import(#[from] ImportError),
-    /// The bytes are no recipe.
-    #[error(transparent)]
-    Recipe(#[from] RecipeError),
-    /// The settings of the load are impossible.
-    #[error("the load's settings are impossible: {0}")]
-    Settings(#[from] SettingsError),
-    /// The recipe's path is not an asset path.
-    #[error("mesh: {path:?} is not an asset path ({source})")]
-    MeshPath {
-        /// As the recipe has it.
-        path: String,
-        /// What is wrong.
-        source: ParseAssetPathError,
-    },
-    /// A path in a recipe or a glTF file leaves the asset folder.
-    #[error("it names {0}, which is outside the asset folder; move that file into it")]
-    OutsideFolder(AssetPath<'static>),
-    /// The recipe's mesh, or a file that a glTF file needs, could not be read.
-    #[error("it names {path}, which cannot be read: {source}")]
-    ReadFile {
-        /// The file.
-        path: AssetPath<'static>,
-        /// Why.
-        source: Box<ReadAssetBytesError>,
-    },
-    /// The recipe's mesh is no mesh.
-    #[error("the recipe names {path}: {source}")]
-    InMesh {
-        /// The mesh.
-        path: AssetPath<'static>,
-        /// What is wrong with it.
-        source: Box<LoadError>,
-    },
-    /// Nobody wanted it any more.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// A bug in the bake.
-    #[error("the bake panicked: {0}; please report this with the mesh")]
-    Panicked(String),
 }
 
 impl AssetLoader for CollisionMeshLoader {
@@ -130,7 +82,7 @@ impl AssetLoader for CollisionMeshLoader {
         let path = context.path().clone();
         let name = path.path().to_string_lossy().into_owned();
         let part = settings.part.clone();
-        // A recipe that was baked in place keeps its name.
+        // A processed recipe keeps its name, but its content is a baked mesh.
         let mesh = if is_recipe(&name) && !bytes.starts_with(&MAGIC) {
             let recipe = Recipe::parse(&bytes)?;
             let mesh_path = mesh_path(&path, &recipe.mesh)?;
@@ -148,9 +100,9 @@ impl AssetLoader for CollisionMeshLoader {
         } else {
             load_mesh(context, &path, bytes, Wanted { bake: wanted, part }).await?
         };
-        // To find out where a mesh is open is no work for the IO pool either.
-        let told = mesh.clone();
-        for warning in on_compute_pool(move || Ok(told.warnings())).await? {
+        // Warnings search the mesh for open edges, which takes too long for the IO pool.
+        let checked = mesh.clone();
+        for warning in on_compute_pool(move || Ok(checked.warnings())).await? {
             tracing::warn!("{path}: {warning}");
         }
         Ok(mesh)
@@ -167,19 +119,19 @@ fn mesh_path(recipe: &AssetPath<'static>, mesh: &str) -> Result<AssetPath<'stati
         path: mesh.into(),
         source,
     })?;
-    // Bevy checks this for loads, but not where a loader reads bytes.
+    // Bevy checks this for loads, but not when a loader reads bytes.
     if path.is_unapproved() {
         return Err(LoadError::OutsideFolder(path));
     }
     Ok(path)
 }
 
-/// The asset path of a file that a mesh names. `file` is relative and has no detours.
+/// The asset path of a file that a mesh refers to. `file` is relative and normalised.
 fn path_beside(mesh: &AssetPath<'static>, file: &str) -> Result<AssetPath<'static>, LoadError> {
     let mut path = mesh.path().to_path_buf();
     path.pop();
     for part in file.split('/') {
-        // A path that leads out of the folder keeps its dots, and is refused.
+        // A path that leads out of the folder keeps its `..` and is rejected below.
         if part != ".." || !path.pop() {
             path.push(part);
         }
@@ -191,7 +143,7 @@ fn path_beside(mesh: &AssetPath<'static>, file: &str) -> Result<AssetPath<'stati
     Ok(path)
 }
 
-/// Reads another file than the one that is loaded, which from then on depends on it.
+/// Reads another file and makes it a dependency of the loaded one.
 async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'static>) -> Result<Vec<u8>, LoadError> {
     context
         .read_asset_bytes(path)
@@ -202,14 +154,16 @@ async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'static>) -> 
         })
 }
 
-/// What the load or the recipe asks for.
+/// Settings of the load, or of the recipe.
 struct Wanted {
     bake: Option<BakeSettings>,
     part: Option<MeshPart>,
 }
 
-/// Parses and bakes off the IO pool. Only the face table goes to the pool for bakes, which serves one table after the other:
-/// a mesh without a table would wait there behind tables that take seconds.
+/// Parses and bakes a mesh, not on the IO pool.
+///
+/// Only face tables are baked on the pool for bakes, one after the other. There a mesh without a table would wait for
+/// tables that take seconds.
 async fn load_mesh(
     context: &mut LoadContext<'_>,
     path: &AssetPath<'static>,
@@ -239,21 +193,4 @@ async fn load_mesh(
         return Ok(mesh);
     }
     on_bake_pool(move |pool, progress| Ok(mesh.rebake(settings, pool, progress)?)).await
-}
-
-/// Registers the asset, its loader, and its [processor](super::processor) where Bevy processes assets. Returns whether that was possible: without Bevy's `AssetPlugin` it is not, and an
-/// error that says so is logged. A second call does nothing.
-pub fn register(app: &mut App) -> bool {
-    if !app.world().contains_resource::<AssetServer>() {
-        tracing::error!(
-            "collision meshes are assets: add bevy's AssetPlugin (or DefaultPlugins) before the plugins of bevy_faceoff"
-        );
-        return false;
-    }
-    if !app.world().contains_resource::<Assets<CollisionMesh>>() {
-        app.init_asset::<CollisionMesh>()
-            .register_asset_loader(CollisionMeshLoader);
-        super::processor::register(app);
-    }
-    true
 }

@@ -1,19 +1,21 @@
-//! Bakes recipes ahead of time, with Bevy's asset processor.
+//! The asset processor, which bakes recipes ahead of time.
 //!
-//! Where `AssetPlugin::mode` is `AssetMode::Processed` and Bevy's feature `asset_processor` is on, every `.bake.ron` of the
-//! asset folder is baked once, into the folder of imported assets. A baked recipe keeps its name, so programs go on to load
-//! `knot.bake.ron`, which is then a `.faceoff` file by content. A released game, built without that feature, loads what was
-//! imported. Nothing has to be set up: [`register`](super::register) knows whether there is a processor.
+//! If `AssetPlugin::mode` is `AssetMode::Processed` and Bevy's feature `asset_processor` is on, every `.bake.ron` file
+//! of the asset folder is baked once, into the folder of imported assets. A baked recipe keeps its name: programs still
+//! load `knot.bake.ron`, which then has the content of a `.faceoff` file. A released game, built without that feature,
+//! loads the imported files. No setup is needed: [`register`](super::register) registers the processor if there is one.
 //!
-//! Processed assets have one loader each, which Bevy chooses by extension. So only recipes and `.faceoff` files are collision
-//! meshes there: a `.glb` or `.obj` file cannot be loaded as one, write a recipe that names it.
+//! A processed asset has one loader, which Bevy chooses by extension. So only recipes and `.faceoff` files can be
+//! loaded as collision meshes in this mode. For a `.glb` or `.obj` file write a recipe that names it.
 //!
-//! Bevy bakes again what has changed: a recipe, a file that it names, the settings in its `.meta` file. It finds out while the
-//! app runs, and hands out what was baked before until then; [`register`](super::register) sees to it that the app then goes on
-//! with the new mesh. Bevy 0.19 sometimes never ends a load that it was asked for while it bakes the same file; loads that begin
-//! once [`AssetProcessor::get_state`] is `Finished` are safe from that, and get the new mesh at once. Of a newer version of
-//! this library it knows nothing, so the version is one of the settings. A recipe without `.meta` file always has that of
-//! the running build and is baked again after an update; in a `.meta` file, write the version and raise it yourself:
+//! Bevy bakes again when a recipe, a file that it names, or its `.meta` file changes. It checks this while the app
+//! runs, and loads the old mesh until the new one is baked. Then the app's mesh is replaced. Bevy 0.19 sometimes never
+//! finishes a load that begins while the same file is baked. Loads that begin once [`AssetProcessor::get_state`] is
+//! `Finished` do not have this problem, and get the new mesh at once.
+//!
+//! Bevy does not notice a new version of this library, so the version is one of the settings. A recipe without a
+//! `.meta` file has the version of the running build and is baked again after an update. In a `.meta` file write the
+//! version, and raise it yourself:
 //!
 //! ```ron
 //! (
@@ -41,22 +43,22 @@ use bevy::tasks::block_on;
 use bevy::tasks::futures_lite::future::poll_once;
 use serde::{Deserialize, Serialize};
 
-/// Turns `.bake.ron` files into baked ones; see the [module](self).
+/// Bakes `.bake.ron` files; see the [module](self).
 #[derive(TypePath)]
 pub struct CollisionMeshProcessor {
-    /// Where the app learns of what is baked.
+    /// Reports baked meshes to the app.
     baked: Sender<(AssetPath<'static>, CollisionMesh)>,
 }
 
-/// How to process one recipe.
+/// Settings for processing a recipe.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ProcessorSettings {
-    /// Has no effect but to make Bevy bake again when it changes.
+    /// Makes Bevy bake again when it changes. It has no other effect. Default [`BAKER_VERSION`].
     pub baker_version: u32,
-    /// How to bake. Outranks the recipe.
+    /// Settings of the bake. Overrides the recipe.
     pub bake: Option<BakeSettings>,
-    /// Which part of a glTF file to bake. Outranks the recipe.
+    /// Which part of a glTF file to bake. Overrides the recipe.
     pub part: Option<MeshPart>,
 }
 
@@ -84,30 +86,30 @@ impl Process for CollisionMeshProcessor {
             bake: settings.bake,
             part: settings.part.clone(),
         };
-        // Loading, not reading: it notes the files that the recipe names as dependencies.
+        // Loads the recipe instead of reading it, so that Bevy records the files that it names as dependencies.
         let mesh = context
             .load_source_asset::<CollisionMeshLoader>(&settings)
             .await?
             .take::<CollisionMesh>()
             .ok_or(ProcessError::WrongMetaType)?;
         let path = context.path().clone();
-        // Nobody listens once the app ends.
+        // The receiver is gone when the app has ended.
         let _ = self.baked.try_send((path.clone(), mesh.clone()));
         let failed = |error: std::io::Error| ProcessError::AssetWriterError {
             path,
             err: AssetWriterError::Io(error),
         };
-        // Whether the file is up to date is Bevy's business, so that no hash of its source is needed.
+        // Bevy tracks whether the file is up to date, so it needs no hash of its source.
         match on_compute_pool(move || Ok(format::to_bytes(&mesh, format::Hash::default()))).await {
             Ok(bytes) => writer.write_all(&bytes).await.map_err(failed)?,
             Err(error) => return Err(failed(std::io::Error::other(error))),
         }
-        // All settings are in the file itself.
+        // The baked file contains all settings.
         Ok(CollisionMeshSettings::default())
     }
 }
 
-/// Makes Bevy's asset processor, if there is one, bake recipes, and the app go on with what it bakes.
+/// Registers the processor with Bevy's asset processor, if there is one, and the system that swaps new meshes in.
 pub(super) fn register(app: &mut App) {
     if app.world().contains_resource::<AssetProcessor>() {
         let (baked, news) = async_channel::unbounded();
@@ -124,15 +126,17 @@ pub(super) fn register(app: &mut App) {
     }
 }
 
-/// What was baked since the app began, until it is known whether the app has it.
+/// Meshes that were baked since the app started, and that the app may not have loaded yet.
 #[derive(Resource)]
 struct Baked {
     news: Receiver<(AssetPath<'static>, CollisionMesh)>,
     meshes: HashMap<AssetPath<'static>, CollisionMesh>,
 }
 
-/// Loads again what was loaded before it was baked. At the start that is what a recipe names and somebody has changed: Bevy
-/// looks at the recipe first, finds it as it was, and hands out what was baked before.
+/// Reloads assets that were loaded before they were baked again.
+///
+/// At startup these are recipes that name a changed file: Bevy checks the recipe first, finds it unchanged, and loads
+/// the old mesh.
 fn swap_in(
     mut baked: ResMut<Baked>,
     processor: Res<AssetProcessor>,
@@ -143,13 +147,13 @@ fn swap_in(
     while let Ok((path, mesh)) = news.try_recv() {
         meshes.insert(path, mesh);
     }
-    // Until then it may fail to read what is being written, and Bevy 0.19 may wait for itself: a load locks a file twice, and a
-    // bake that comes between the two waits for the first lock and holds the second one up.
+    // Before that a load may fail to read a file that is being written. It may also deadlock in Bevy 0.19: a load locks
+    // a file twice, and a bake in between waits for the first lock and blocks the second one.
     if block_on(poll_once(processor.get_state())) != Some(ProcessorState::Finished) {
         return;
     }
     meshes.retain(|path, mesh| {
-        // Who asks for it from now on gets the new one.
+        // Later loads get the new mesh.
         let Some(handle) = server.get_handle::<CollisionMesh>(path) else {
             return false;
         };
@@ -157,7 +161,7 @@ fn swap_in(
             LoadState::Loading => return true,
             LoadState::Loaded if loaded.get(&handle) == Some(mesh) => {}
             _ => {
-                info!("{path} was baked again: the app goes on with the new mesh");
+                info!("{path} was baked again: the app uses the new mesh from now on");
                 server.reload(path);
             }
         }
@@ -165,15 +169,16 @@ fn swap_in(
     });
 }
 
-/// Says what to do where Bevy says that a mesh is configured to be ignored, though nobody has configured it.
+/// Explains Bevy's error that a mesh is configured to be ignored, which it logs although the user did not configure
+/// that.
 fn explain(mut failures: MessageReader<AssetLoadFailedEvent<CollisionMesh>>) {
     for failure in failures.read() {
         if matches!(failure.error, AssetLoadError::CannotLoadIgnoredAsset { .. }) {
             let path = &failure.path;
             let name = path.path().file_name().unwrap_or_default();
             error!(
-                "{path}: processed assets are collision meshes through recipes only; write a recipe beside it, a file with an \
-                 ending .bake.ron that reads (mesh: {name:?}), and load that"
+                "{path}: with processed assets only recipes load as collision meshes; write a recipe beside it, a file \
+                 with the extension .bake.ron and the content (mesh: {name:?}), and load that file"
             );
         }
     }

@@ -1,4 +1,4 @@
-//! What a user spawns and reads.
+//! Components of bodies and planes. Those that the core shares are in [`types`](crate::types).
 
 mod dynamics;
 
@@ -8,28 +8,29 @@ use crate::asset::CollisionMesh;
 use crate::types::settings::Culling;
 use bevy::prelude::*;
 
-/// The shape of a body. Without a [`RigidBody`] beside it the body is static.
+/// The shape of a body. A body without [`RigidBody`](crate::types::body::RigidBody) is static.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq)]
 #[require(Transform)]
 pub struct MeshCollider(pub Handle<CollisionMesh>);
 
-/// A half-space that dynamic bodies bounce off: the points `p` with `normal . p < distance` are solid.
+/// A solid half-space: the points `p` with `normal . p < distance` are solid. Dynamic bodies collide with it.
 ///
-/// On an entity of its own, not on a body, if need be with [`Friction`] and [`Restitution`]. Planes are fixed in the world: a `Transform` on the same entity has no effect. They do not look at
-/// [`CollisionLayers`]. Touching one is told like touching a body: by [`Collisions`](crate::plugin::collisions::Collisions), messages,
-/// events and [`CollidingEntities`].
+/// Spawn it on an entity of its own, not on a body. It may have [`Friction`](crate::types::material::Friction) and
+/// [`Restitution`](crate::types::material::Restitution). Planes are fixed in the world: a `Transform` has no effect.
+/// They ignore [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those
+/// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct PlaneCollider {
-    /// Points out of the solid side; need not have unit length.
+    /// Points away from the solid side. It need not have unit length.
     pub normal: Vec3,
-    /// Distance of the surface from the origin along the unit normal, in metres.
+    /// Signed distance of the surface from the origin along the unit normal, in metres.
     pub distance: f32,
 }
 
 impl PlaneCollider {
-    /// The plane through `point` with the solid side against `normal`.
+    /// The plane through `point`. The solid side is opposite to `normal`.
     pub fn through(point: Vec3, normal: Vec3) -> Self {
         let normal = normal.normalize_or_zero();
         Self {
@@ -39,27 +40,31 @@ impl PlaneCollider {
     }
 }
 
-/// A body that reports collisions and is not pushed by them. It touches what it overlaps or has inside, asleep or not, at the
-/// beginning of a step. What passes it within one step is seen only if that body, or the sensor if it is the one that moves,
-/// has [`ContinuousCollision`], and with [`Response::Contacts`](crate::types::settings::Response).
+/// Makes a body report collisions without pushing or being pushed.
+///
+/// A sensor touches the bodies that it overlaps or contains at the beginning of a step, asleep or not. It detects a
+/// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
+/// only if the faster one of the two has [`ContinuousCollision`].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Sensor;
 
-/// Overrules the world's [`Culling`] for this body: which of its triangles take part in tests. The other body of a pair
-/// chooses among its own.
+/// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
+/// pair chooses among that body's triangles.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct BodyCulling(pub Culling);
 
-/// The entities a body touches, in ascending order; kept up to date where the component is present. They stay for as long as
-/// [`EventHysteresis`](crate::plugin::settings::EventHysteresis) says after the last touch.
+/// The entities that a body touches, in ascending order. Add it to a body, and the step keeps it up to date. An entity
+/// stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
+/// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollidingEntities(pub(crate) Vec<Entity>);
 
-/// Makes [`CollisionStart`](crate::plugin::events::CollisionStart) and [`CollisionEnd`](crate::plugin::events::CollisionEnd) reach
-/// observers of this entity; as messages they are always written.
+/// Triggers [`CollisionStart`](crate::plugin::events::CollisionStart) and
+/// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this entity, for observers. As messages they are
+/// always written.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollisionEventsEnabled;

@@ -1,4 +1,4 @@
-//! Components to arrays.
+//! Reads components into the stages' arrays, before a step.
 
 use super::oddities::{Oddities, Oddity};
 use super::tables::Tables;
@@ -8,9 +8,9 @@ use crate::plugin::clock::Physics;
 use crate::plugin::components::*;
 use crate::plugin::events::BodyRejected;
 use crate::plugin::settings::Gravity;
-use crate::state::bodies::BodyFault;
+use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Body, Handling, Plane};
+use crate::state::{Body, BodyParams, Plane};
 use crate::types::body::*;
 use crate::types::material::{Friction, Restitution};
 use crate::types::settings::{Culling, Response};
@@ -22,7 +22,7 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::time::Instant;
 
-/// What a body is made of.
+/// The components of a body.
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct BodyComponents {
@@ -36,7 +36,7 @@ pub(crate) struct BodyComponents {
     density: Option<&'static Density>,
     inertia: Option<&'static AngularInertia>,
     restitution: Option<&'static Restitution>,
-    handling: HandlingComponents,
+    params: HandlingComponents,
     gravity_scale: Option<&'static GravityScale>,
     layers: Option<&'static CollisionLayers>,
     sensor: Has<Sensor>,
@@ -45,7 +45,7 @@ pub(crate) struct BodyComponents {
     center: Option<&'static mut CenterOfMass>,
 }
 
-/// How a body answers.
+/// The components that the contact solver reads.
 #[derive(QueryData)]
 pub(crate) struct HandlingComponents {
     friction: Option<&'static Friction>,
@@ -60,7 +60,7 @@ pub(crate) struct HandlingComponents {
     continuous: Has<ContinuousCollision>,
 }
 
-/// What a plane is made of.
+/// The components of a plane.
 #[derive(QueryData)]
 pub(crate) struct PlaneComponents {
     entity: Entity,
@@ -71,10 +71,10 @@ pub(crate) struct PlaneComponents {
     kind: Option<&'static RigidBody>,
 }
 
-/// What becomes a collider later.
+/// A component that becomes a collider later.
 #[cfg(feature = "bevy_mesh")]
 use crate::plugin::mesh_collider_from::MeshColliderFrom as ColliderToCome;
-/// There is nothing else that does.
+/// Without the feature there is no such component.
 #[cfg(not(feature = "bevy_mesh"))]
 use MeshCollider as ColliderToCome;
 
@@ -86,7 +86,7 @@ type Bare = (
     Without<PlaneCollider>,
 );
 
-/// What holds for all bodies.
+/// The settings of all bodies.
 #[derive(SystemParam)]
 pub(crate) struct Rules<'w> {
     gravity: Res<'w, Gravity>,
@@ -95,7 +95,7 @@ pub(crate) struct Rules<'w> {
     solver: Res<'w, SolverSettings>,
 }
 
-/// Fills the stages' input from the world.
+/// Fills the stages' input from the world, and reports invalid bodies and planes.
 pub(crate) fn collect(
     mut step: ResMut<Step>,
     mut bodies: Query<BodyComponents>,
@@ -110,10 +110,10 @@ pub(crate) fn collect(
 ) {
     let step = &mut *step;
     step.begun = Instant::now();
-    step.state.config.dt = time.delta_secs();
-    step.state.config.response = *rules.response;
-    step.state.config.gravity = rules.gravity();
-    step.state.config.solver = rules.solver();
+    step.state.input.config.dt = time.delta_secs();
+    step.state.input.config.response = *rules.response;
+    step.state.input.config.gravity = rules.gravity();
+    step.state.input.config.solver = rules.solver();
 
     let mut faults = Vec::new();
     step.bodies.clear();
@@ -136,9 +136,9 @@ pub(crate) fn collect(
             };
             step.tables.request(id, mesh, name);
         }
-        if let Some(mesh) = slot(&mut step.state.meshes, &mut step.slots, &step.tables, &meshes, id) {
+        if let Some(mesh) = slot(&mut step.state.input.meshes, &mut step.slots, &step.tables, &meshes, id) {
             if let Some(center) = &mut body.center {
-                center.set_if_neq(CenterOfMass(step.state.meshes[mesh].mesh.mass.center));
+                center.set_if_neq(CenterOfMass(step.state.input.meshes[mesh].mesh.mass.center));
             }
             step.bodies.push((body.entity, body.with_mesh(mesh, culling)));
         } else {
@@ -149,7 +149,7 @@ pub(crate) fn collect(
             }
         }
     }
-    // Query order depends on archetypes; the order of entities does not, and nearly always is the same.
+    // The order of a query depends on archetypes. The order of entities does not.
     step.bodies.sort_unstable_by_key(|&(entity, _)| entity);
 
     let Collected {
@@ -159,9 +159,9 @@ pub(crate) fn collect(
     } = &mut step.collected;
     entities.clear();
     kinds.clear();
-    step.state.bodies.clear();
+    step.state.input.bodies.clear();
     for (entity, body) in &step.bodies {
-        match step.state.bodies.push(body, &step.state.meshes) {
+        match step.state.input.bodies.push(body, &step.state.input.meshes) {
             Ok(()) => {
                 entities.push(*entity);
                 kinds.push(body.kind);
@@ -170,7 +170,7 @@ pub(crate) fn collect(
         }
     }
 
-    let keys = &mut step.state.dynamics.keys;
+    let keys = &mut step.state.input.keys;
     keys.clear();
     keys.extend(entities.iter().map(|entity| entity.to_bits()));
 
@@ -185,8 +185,11 @@ pub(crate) fn collect(
     step.planes.sort_unstable_by_key(|&(entity, _)| entity);
     plane_entities.clear();
     plane_entities.extend(step.planes.iter().map(|&(entity, _)| entity));
-    step.state.planes.clear();
-    step.state.planes.extend(step.planes.iter().map(|&(_, plane)| plane));
+    step.state.input.planes.clear();
+    step.state
+        .input
+        .planes
+        .extend(step.planes.iter().map(|&(_, plane)| plane));
 
     let named = |entity: Entity| named(entity, names.get(entity).ok());
     faults.sort_unstable_by_key(|&(entity, _)| entity);
@@ -201,11 +204,11 @@ pub(crate) fn collect(
     let moving = bare.iter().filter(|&(_, &kind)| kind != RigidBody::Static);
     step.oddities.count_bare(moving.map(|(entity, _)| entity));
     step.oddities
-        .tell(|entity, oddity| warn!("{}: {oddity}", named(entity)));
+        .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
     step.choose_place();
 
     step.tables.retain(|id| meshes.contains(id));
-    let (arena, slots) = (&mut step.state.meshes, &mut step.slots);
+    let (arena, slots) = (&mut step.state.input.meshes, &mut step.slots);
     slots.retain(|&id, &mut slot| {
         let keep = meshes.contains(id);
         if !keep {
@@ -215,7 +218,8 @@ pub(crate) fn collect(
     });
 }
 
-/// The arena slot of a mesh, if it is loaded; a mesh that was replaced, by a hot reload say, is replaced there too.
+/// The arena slot of a mesh, if it is loaded. If the asset was replaced, for example by a hot reload, so is the mesh in
+/// the slot.
 fn slot(
     arena: &mut MeshArena,
     slots: &mut HashMap<AssetId<CollisionMesh>, u32>,
@@ -232,7 +236,7 @@ fn slot(
 }
 
 impl PlaneComponentsItem<'_, '_> {
-    /// Notes what does not do what it says.
+    /// Records components without effect.
     fn note(&self, oddities: &mut Oddities) {
         oddities.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
         oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
@@ -248,7 +252,7 @@ impl PlaneComponentsItem<'_, '_> {
         let PlaneCollider { normal, distance } = *self.plane;
         let restitution = self.restitution.copied().unwrap_or_default();
         let friction = self.friction.copied().unwrap_or_default();
-        // In double precision no finite vector is too long or too short.
+        // In double precision the length of a finite vector neither overflows nor underflows.
         let unit = normal.as_dvec3().try_normalize();
         let normal = unit.ok_or(BodyFault::PlaneNormal(normal))?.as_vec3();
         if !distance.is_finite() {
@@ -285,8 +289,8 @@ impl Rules<'_> {
             None => *self.solver,
             Some(name) => {
                 error_once!(
-                    "SolverSettings::{name} is negative, not finite or too large: all settings of the solver count as their \
-                     defaults until it is set to a finite number of 0 or more, and a count to no more than its documentation says"
+                    "SolverSettings::{name} is negative, not finite or too large: all settings of the solver count as \
+                     their defaults until it is a finite number of 0 or more, and within the limit in its documentation"
                 );
                 SolverSettings::default()
             }
@@ -295,15 +299,15 @@ impl Rules<'_> {
 }
 
 impl BodyComponentsItem<'_, '_> {
-    /// Notes what does not do what it says.
+    /// Records components without effect.
     fn note(&self, oddities: &mut Oddities) {
-        let (entity, handling) = (self.entity, &self.handling);
+        let (entity, params) = (self.entity, &self.params);
         oddities.check_restitution(entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(entity, "Friction", handling.friction.map(|f| f.coefficient));
-        oddities.check(entity, "LinearDamping", handling.linear_damping.map(|d| d.0));
-        oddities.check(entity, "AngularDamping", handling.angular_damping.map(|d| d.0));
-        oddities.check_limit(entity, "MaxLinearSpeed", handling.max_linear_speed.map(|m| m.0));
-        oddities.check_limit(entity, "MaxAngularSpeed", handling.max_angular_speed.map(|m| m.0));
+        oddities.check(entity, "Friction", params.friction.map(|f| f.coefficient));
+        oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
+        oddities.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
+        oddities.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
+        oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
     }
 
     fn with_mesh(&self, mesh: u32, culling: Culling) -> Body {
@@ -320,14 +324,14 @@ impl BodyComponentsItem<'_, '_> {
         body.layers = self.layers.copied().unwrap_or_default();
         body.sensor = self.sensor;
         body.culling = culling;
-        body.handling = self.handling.read(self.restitution);
+        body.params = self.params.read(self.restitution);
         body
     }
 }
 
 impl HandlingComponentsItem<'_, '_> {
-    fn read(&self, restitution: Option<&Restitution>) -> Handling {
-        Handling {
+    fn read(&self, restitution: Option<&Restitution>) -> BodyParams {
+        BodyParams {
             friction: self.friction.copied().unwrap_or_default(),
             restitution_combine: restitution.map_or_else(Default::default, |r| r.combine),
             linear_damping: self.linear_damping.map_or(0.0, |d| d.0),

@@ -1,46 +1,47 @@
-//! Steps whose results come later: which body goes on from where, and what users wrote in the meantime.
+//! Steps with pending results: which body of the last step each body continues, and what users wrote in the meantime.
 //!
-//! Bodies are numbered anew every step, in the order of entities. A body goes on from its number in the step before, so
-//! that slots, and results that reach the wrong one, do not exist: a step in flight knows its bodies by entity.
+//! Bodies are numbered anew in every step, in the order of entities, and each continues from its number in the last
+//! step. Results are matched to bodies by entity, so late results cannot reach the wrong body.
 //!
-//! What users wrote is found by comparing components with a [`Shadow`] of them.
+//! Writes of users are found by comparing components with a [`Shadow`] of them.
 
 use super::shadow::{Part, Shadow, Written};
 use super::{Collected, Step};
 use crate::state::{Body, Motion};
 use crate::step::gpu::upload::Carried;
+use crate::step::remap;
 use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
 use bevy::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 
-/// What is known of the steps in flight.
+/// The steps with pending results.
 #[derive(Default)]
 pub(crate) struct Latent {
-    /// Number of the step that was collected last.
+    /// Number of the last collected step.
     now: u64,
-    /// Whether nobody reads its results.
+    /// Whether bodies stay on the device, so that results of theirs are not read.
     resident: bool,
-    /// Whose results are to come, oldest first.
+    /// Number, bodies and planes of each step with pending results, oldest first.
     flights: VecDeque<(u64, Collected)>,
-    /// One per body of the last step, ascending.
+    /// The shadow of each body of the last step, ascending by entity.
     shadows: Vec<(Entity, Shadow)>,
-    /// One per body of the last step.
+    /// For each body of the last step, the state that it carries over from the step before.
     pub carried: Vec<Option<Carried>>,
-    /// One per body of the last step: whether a user woke it.
+    /// For each body of the last step, whether a user woke it.
     pub woken: Vec<bool>,
-    /// The step whose results are at hand, and where its bodies are.
+    /// The step whose results came last, and the poses and velocities of its bodies.
     arrived: (u64, Vec<Motion>),
 }
 
 impl Latent {
-    /// Finds out, for a step over `entities`, which of them go on from the step before, and what users wrote. `bodies` holds
-    /// what the components say of these entities, and maybe of others; both are ascending. Nobody reads results of `resident`
-    /// bodies.
+    /// Determines for a step of `entities` which of them continue from the step before, and what users wrote. `bodies`
+    /// has the components of these entities, and maybe of others. Both are ascending. `resident` bodies stay on the
+    /// device.
     pub fn link(&mut self, entities: &[Entity], bodies: &[(Entity, Body)], resident: bool) {
         self.now += 1;
         self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
-        let mut before = (0..).zip(&before).peekable();
+        let mut sources = remap::numbers_before(before.iter().map(|&(entity, _)| entity), entities.iter().copied());
         let mut bodies = bodies.iter();
         self.carried.clear();
         self.woken.clear();
@@ -49,14 +50,14 @@ impl Latent {
                 break;
             };
             let seen = body.motion();
-            while before.next_if(|&(_, &(other, _))| other < entity).is_some() {}
-            // Components of those that fall asleep do not say so before their results are there.
-            let says_asleep = !body.handling.woken;
-            let (shadow, carried, woken) = match before.next_if(|&(_, &(other, _))| other == entity) {
-                Some((source, &(_, mut shadow))) => {
+            // The component of a body that falls asleep changes only when the results come.
+            let says_asleep = !body.params.woken;
+            let (shadow, carried, woken) = match sources.next().flatten() {
+                Some(source) => {
+                    let (_, mut shadow) = before[source as usize];
                     let carried = shadow.carry(source, &seen, resident);
                     let woken = shadow.wake(says_asleep, self.now);
-                    shadow.tell(&seen, &carried, body.kind, self.now);
+                    shadow.send(&seen, &carried, body.kind, self.now);
                     (shadow, Some(carried), woken)
                 }
                 None => {
@@ -71,7 +72,7 @@ impl Latent {
         }
     }
 
-    /// A component of a body was inserted anew.
+    /// Records that a component of a body was inserted.
     pub fn insert(&mut self, entity: Entity, part: Part) {
         if let Ok(at) = self.shadows.binary_search_by_key(&entity, |&(entity, _)| entity) {
             self.shadows[at].1.insert(part);
@@ -83,7 +84,7 @@ impl Latent {
         self.shadows.iter().map(|&(entity, _)| entity)
     }
 
-    /// Nothing of what is in flight will be carried over or published.
+    /// Drops the pending steps. Nothing of them is carried over or published.
     pub fn forget(&mut self) {
         self.flights.clear();
         self.shadows.clear();
@@ -91,7 +92,7 @@ impl Latent {
         self.woken.clear();
     }
 
-    /// Nothing of what is in flight will come, and the step that was linked last begins where the components say.
+    /// Drops the pending steps after a failure. The step that was linked last starts from the components.
     pub fn restart(&mut self) {
         self.flights.clear();
         self.carried.clear();
@@ -100,19 +101,19 @@ impl Latent {
         }
     }
 
-    /// The step that was linked last is on its way.
+    /// Records that the step that was linked last was submitted.
     pub fn sent(&mut self, collected: Collected) {
         self.flights.push_back((self.now, collected));
     }
 
-    /// The results of the oldest step in flight are there.
+    /// Stores the results of the oldest pending step. Returns its bodies and planes.
     pub fn arrived(&mut self, motions: Vec<Motion>) -> Option<Collected> {
         let (step, collected) = self.flights.pop_front()?;
         self.arrived = (step, motions);
         Some(collected)
     }
 
-    /// Tells for each body of the step whose results are at hand what to write to its components.
+    /// Calls `write` for each body of the step whose results came last, with the values for its components.
     pub fn write(&mut self, of: &Collected, asleep: &[bool], mut write: impl FnMut(Entity, Written)) {
         let (step, motions) = &self.arrived;
         let mut shadows = self.shadows.iter_mut().peekable();
@@ -125,8 +126,8 @@ impl Latent {
         }
     }
 
-    /// Brings `bodies` from what their components say to where they are after the last step, with `motions` for each body
-    /// of it, and with what users wrote since.
+    /// Updates `bodies` from the state of their components to the state after the last step, including what users wrote
+    /// since. `motions` has the state of each body after the last step.
     pub fn catch_up(&self, motions: &[Motion], bodies: &mut BTreeMap<Entity, Motion>) {
         for ((entity, shadow), motion) in self.shadows.iter().zip(motions) {
             if let Some(body) = bodies.get_mut(entity) {
@@ -136,7 +137,7 @@ impl Latent {
     }
 }
 
-/// Makes note of components that are inserted, which changes all of them, whatever they held.
+/// Observes inserted components. Inserting writes the whole component, even with equal values.
 pub(crate) fn observe(app: &mut App) {
     app.add_observer(|on: On<Insert, Transform>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Pose))
         .add_observer(|on: On<Insert, LinearVelocity>, step: Option<ResMut<Step>>| note(on.entity, step, Part::Linear))
@@ -152,8 +153,8 @@ fn note(entity: Entity, step: Option<ResMut<Step>>, part: Part) {
     }
 }
 
-/// Brings components of bodies that leave the step, but not the world, to where the bodies are: from there they go on when they
-/// return.
+/// Updates the components of bodies that leave the step but stay in the world. If they return, they continue from this
+/// state.
 pub(crate) fn release(
     mut step: ResMut<Step>,
     mut bodies: Query<(

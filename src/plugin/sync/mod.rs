@@ -1,4 +1,4 @@
-//! Between the ECS and the stages: components in before a step, results out after it.
+//! Synchronisation with the ECS: reads components before a step, and writes results after it.
 
 pub(crate) mod collect;
 #[cfg(feature = "gpu")]
@@ -14,11 +14,12 @@ use crate::manifolds::Manifolds;
 use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
-use crate::state::bodies::BodyFault;
-use crate::state::{Body, Counts, Motion, Plane, StepState};
-use crate::step::dynamics::Memory;
+use crate::state::fault::BodyFault;
+use crate::state::{Body, Counts, Motion, Plane};
+use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::memory::DeviceMemory;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
@@ -28,70 +29,70 @@ use bevy::prelude::*;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// The stages' arrays and what ties them to entities.
+/// The stages' arrays, and the entities to which their elements belong.
 #[derive(Resource)]
 pub(crate) struct Step {
     pub state: StepState,
-    /// What runs the stages.
+    /// Runs the stages on the backend.
     pub engine: Engine,
-    /// What the stages are about to work on.
+    /// The bodies and planes of the step that is about to run.
     pub collected: Collected,
-    /// What the results in `state` are about; `None` while the first ones are on their way.
+    /// The bodies and planes of the results in `state`. `None` while the first results are pending.
     pub results: Option<Collected>,
-    /// How much was found.
+    /// Counts of the last results.
     pub counts: Counts,
-    /// Steps whose results are on their way.
+    /// Steps with pending results.
     #[cfg(feature = "gpu")]
     pub latent: latent::Latent,
-    /// Scratch: bodies in the order of entities, usable or not.
+    /// Scratch: bodies in the order of entities, valid or not.
     pub bodies: Vec<(Entity, Body)>,
     /// Scratch: half-spaces in the order of entities.
     pub planes: Vec<(Entity, Plane)>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
-    /// Face tables that bodies asked for and their meshes lack.
+    /// Face tables that culling modes need and meshes lack.
     pub tables: tables::Tables,
-    /// Bodies out of the step, and why; ascending.
+    /// Rejected bodies and planes with the reason, ascending.
     pub faults: Vec<(Entity, BodyFault)>,
-    /// What does not do what it says.
+    /// Components without effect.
     pub oddities: oddities::Oddities,
-    /// Pairs that are told to touch, ascending.
+    /// Pairs whose collision has started and not ended, ascending.
     pub touching: Vec<Touching>,
-    /// Scratch: those of this step.
+    /// Scratch: the same pairs after this step.
     pub touching_now: Vec<Touching>,
-    /// Scratch: those that touched before and not in this step.
+    /// Scratch: pairs that no longer touch, but whose collision has not ended.
     pub lingering: Vec<Touching>,
-    /// Scratch: the same, each pair in both orders.
+    /// Scratch: the pairs of `touching_now` in both orders.
     pub touching_both_ways: Vec<[Entity; 2]>,
     /// When the step began.
     pub begun: Instant,
-    /// Somebody ran the schedule: results are waited for.
+    /// Whether a user ran the schedule. Then the step waits for its results.
     pub by_hand: bool,
-    /// What `Time` is outside of the step.
+    /// The resource `Time` outside of the step.
     pub outer_time: Option<Time>,
 }
 
-/// An entity as it is named in the log.
+/// The name of an entity in the log.
 pub(crate) fn named(entity: Entity, name: Option<&Name>) -> String {
     let name = name.map(|name| format!(" \"{name}\""));
     format!("{entity}{}", name.unwrap_or_default())
 }
 
-/// A pair that is told to touch.
+/// A pair whose collision has started and not ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touching {
-    /// `first < second`.
+    /// The pair, with `first < second`.
     pub pair: [Entity; 2],
-    /// For how many more seconds without a touch.
+    /// Seconds without a touch after which the collision ends.
     pub left: f32,
 }
 
-/// Who takes part in a step.
+/// The bodies and planes of a step.
 #[derive(Default)]
 pub(crate) struct Collected {
     /// Entity of each body, ascending.
     pub entities: Vec<Entity>,
-    /// How each body moves.
+    /// Kind of each body.
     pub kinds: Vec<RigidBody>,
     /// Entity of each plane, ascending.
     pub planes: Vec<Entity>,
@@ -130,21 +131,21 @@ impl Step {
         }
     }
 
-    /// The GPU does not stop fast bodies: with such ones the step runs on the CPU, and goes on from where the bodies are.
+    /// Moves the simulation to the CPU while a body needs CCD, and back to the GPU afterwards. Bodies keep their state.
     pub fn choose_place(&mut self) {
-        let stops = self.state.bodies.handling.iter().any(|handling| handling.continuous);
-        let on_cpu = stops && self.state.config.response == Response::Contacts;
+        let stops = self.state.input.bodies.params.iter().any(|params| params.continuous);
+        let on_cpu = stops && self.state.input.config.response == Response::Contacts;
         if self.engine.changes_place(on_cpu) {
             #[cfg(feature = "gpu")]
             self.catch_up_collected();
             self.forget();
-            self.state.dynamics.memory = Memory::default();
-            self.state.manifolds = Manifolds::default();
+            self.state.memory.forget();
+            self.state.results.manifolds = Manifolds::default();
         }
         self.engine.keep_on_cpu(on_cpu);
     }
 
-    /// Brings the collected bodies, which are where their components say, to where steps in flight take them.
+    /// Updates the collected bodies, which have the state of their components, to the state after the pending steps.
     #[cfg(feature = "gpu")]
     fn catch_up_collected(&mut self) {
         if self.engine.latent().is_none() {
@@ -152,10 +153,10 @@ impl Step {
         }
         let entities = self.collected.entities.iter().copied().enumerate();
         let mut motions = entities
-            .map(|(i, entity)| (entity, self.state.bodies.motion(i)))
+            .map(|(i, entity)| (entity, self.state.input.bodies.motion(i)))
             .collect();
         self.catch_up(&mut motions);
-        self.state.bodies.clear();
+        self.state.input.bodies.clear();
         for (entity, body) in &self.bodies {
             let Some(motion) = motions.get(entity) else { continue };
             let moved = Body {
@@ -165,14 +166,14 @@ impl Step {
                 angular_velocity: motion.angular_velocity,
                 ..*body
             };
-            // Where the components say it was fit to take part.
-            if self.state.bodies.push(&moved, &self.state.meshes).is_err() {
-                let _ = self.state.bodies.push(body, &self.state.meshes);
+            // If the new state is invalid, use that of the components, which was valid.
+            if self.state.input.bodies.push(&moved, &self.state.input.meshes).is_err() {
+                let _ = self.state.input.bodies.push(body, &self.state.input.meshes);
             }
         }
     }
 
-    /// Runs a stage, or on a device all of them when asked for the first.
+    /// Runs a stage. A device runs all stages in the call for the first one.
     pub fn run(&mut self, stage: Stage) {
         #[cfg(feature = "gpu")]
         if self.advance(stage) {
@@ -180,13 +181,13 @@ impl Step {
         }
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
-            self.counts = self.state.counts();
-            // What was there is overwritten by the next step, in the same memory.
+            self.counts = self.state.results.counts();
+            // Swapped instead of moved, so that the next step reuses the memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
     }
 
-    /// Runs a step whose results come later, if they are to; false if not.
+    /// Runs a step if its results come later. Returns false if results are not to come later.
     #[cfg(feature = "gpu")]
     fn advance(&mut self, stage: Stage) -> bool {
         if stage != Stage::BroadPhase {
@@ -195,15 +196,15 @@ impl Step {
         if let Some(detail) = self.engine.latent() {
             let resident = detail == Detail::Counts;
             self.latent.link(&self.collected.entities, &self.bodies, resident);
-            let handling = &mut self.state.bodies.handling;
-            for (handling, &woken) in handling.iter_mut().zip(&self.latent.woken) {
-                handling.woken = woken;
+            let params = &mut self.state.input.bodies.params;
+            for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
+                params.woken = woken;
             }
         }
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;
-            let Some(output) = self.engine.advance(&self.state, carried, detail, LATENCY) else {
-                // The device failed. Whoever takes over begins where the components say.
+            let Some(output) = self.engine.advance(&self.state.input, carried, detail, LATENCY) else {
+                // The device failed. The next backend starts from the components.
                 self.latent.restart();
                 continue;
             };
@@ -217,14 +218,14 @@ impl Step {
         false
     }
 
-    /// Waits for the results of the oldest step that is on its way; false if there is none.
+    /// Waits for the results of the oldest pending step. Returns false if there is none.
     pub fn land(&mut self) -> bool {
         #[cfg(feature = "gpu")]
         if self.engine.latent().is_some() && self.engine.flights().0 > 0 {
             self.begun = Instant::now();
             match self.engine.land() {
                 Some(output) => self.take_in(output),
-                // The device failed. Whoever takes over begins where the components say.
+                // The device failed. The next backend starts from the components.
                 None => self.forget(),
             }
             return self.results.is_some();
@@ -232,15 +233,15 @@ impl Step {
         false
     }
 
-    /// Puts results of a step that was sent off where others look for them.
+    /// Stores the results of a submitted step, to be published.
     #[cfg(feature = "gpu")]
     fn take_in(&mut self, output: Output) {
         self.counts = output.counts;
-        let motions = output.put_lists(&mut self.state);
+        let motions = output.put_lists(&mut self.state.results);
         self.results = self.latent.arrived(motions);
     }
 
-    /// Brings `bodies`, which hold what the components say, up to the last step that was sent off.
+    /// Updates `bodies` from the state of their components to the state after the last submitted step.
     #[cfg(feature = "gpu")]
     pub fn catch_up(&mut self, bodies: &mut BTreeMap<Entity, Motion>) {
         let (Some(_), Some(gpu)) = (self.engine.latent(), self.engine.gpu_step()) else {
@@ -249,14 +250,14 @@ impl Step {
         match gpu.motions() {
             Ok(motions) => self.latent.catch_up(&motions, bodies),
             Err(error) => {
-                // What the components say is all that is left.
+                // Only the state in the components is left.
                 self.engine.replace(&error);
                 self.latent.forget();
             }
         }
     }
 
-    /// What a device remembers of the last step.
+    /// The device's memory of the last step.
     #[cfg(feature = "gpu")]
     pub fn device_memory(&mut self) -> DeviceMemory {
         let Some(gpu) = self.engine.gpu_step() else {
@@ -269,7 +270,7 @@ impl Step {
         })
     }
 
-    /// Drops what is on its way: bodies go on from where the components say, and a device from what it is to remember.
+    /// Drops pending results and restores the device's `memory`. Bodies continue from the state in their components.
     #[cfg(feature = "gpu")]
     pub fn remember(&mut self, memory: &DeviceMemory) {
         self.forget();
@@ -280,11 +281,11 @@ impl Step {
         }
     }
 
-    /// On the CPU the components say all.
+    /// Does nothing: without a GPU the components hold the current state.
     #[cfg(not(feature = "gpu"))]
     pub fn catch_up(&mut self, _: &mut BTreeMap<Entity, Motion>) {}
 
-    /// Drops what is on its way: bodies go on from where the components say.
+    /// Drops pending results. Bodies continue from the state in their components.
     pub fn forget(&mut self) {
         #[cfg(feature = "gpu")]
         {

@@ -1,4 +1,4 @@
-//! Results to components, resources, messages and events.
+//! Writes results to components, resources, messages and events, after a step.
 
 use super::{Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
@@ -9,12 +9,12 @@ use crate::plugin::settings::EventHysteresis;
 use crate::types::body::*;
 use bevy::prelude::*;
 
-/// Impulses act once.
+/// Sets external impulses to zero, because they act once.
 pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut ExternalForces>) {
     if !step.engine.runs() {
         return;
     }
-    // Whenever the results come: the step was told.
+    // Even if results come later, the step has read the impulses.
     for mut forces in &mut acted_on {
         if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
             (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
@@ -22,7 +22,7 @@ pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut External
     }
 }
 
-/// Waits for the results of the oldest step that is on its way, and publishes them; false if there are none.
+/// Waits for the results of the oldest pending step and publishes them. Returns false if there are none.
 pub(crate) fn land(world: &mut World) -> bool {
     if !world.resource_mut::<Step>().land() {
         return false;
@@ -36,7 +36,7 @@ pub(crate) fn land(world: &mut World) -> bool {
     true
 }
 
-/// Moves the bodies in the world.
+/// Writes poses, velocities and sleep states to components.
 pub(crate) fn write_back(
     mut step: ResMut<Step>,
     mut moving: Query<(
@@ -74,24 +74,25 @@ pub(crate) fn write_back(
     };
     #[cfg(feature = "gpu")]
     if step.engine.latent().is_some() {
-        step.latent.write(results, &step.state.asleep, |entity, written| {
-            write(entity, written.pose, written.velocities, written.asleep)
-        });
+        step.latent
+            .write(results, &step.state.results.asleep, |entity, written| {
+                write(entity, written.pose, written.velocities, written.asleep)
+            });
         return;
     }
     for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
-        let motion = step.state.bodies.motion(i);
+        let motion = step.state.input.bodies.motion(i);
         write(
             entity,
             (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
             (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
-            Some(step.state.asleep.get(i) == Some(&true)),
+            Some(step.state.results.asleep.get(i) == Some(&true)),
         );
     }
 }
 
-/// Tells that a device failed.
-pub(crate) fn tell_failure(
+/// Logs and publishes the failure of a device, if there was one.
+pub(crate) fn report_failure(
     mut step: ResMut<Step>,
     mut active: ResMut<ActiveBackend>,
     mut failed: MessageWriter<BackendFailed>,
@@ -103,7 +104,7 @@ pub(crate) fn tell_failure(
     }
 }
 
-/// Hands out contacts and tells who began and who ceased to touch.
+/// Publishes contacts and the step's report, and sends messages of collisions that started or ended.
 pub(crate) fn publish(
     mut step: ResMut<Step>,
     mut collisions: ResMut<Collisions>,
@@ -122,21 +123,21 @@ pub(crate) fn publish(
     *report = StepReport {
         step: report.step + 1,
         bodies: results.entities.len(),
-        stages: step.state.times,
+        stages: step.state.results.times,
         total: std::time::Duration::ZERO,
         sphere_pairs: counts.sphere_pairs,
         approximate_pairs: counts.approximate_pairs,
         tables_in_bake: step.tables.in_bake(),
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
-        intervals: step.state.intervals,
+        collision_substeps: step.state.results.collision_substeps,
         sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         ..*report
     };
 
-    let contacts = &step.state.contacts;
+    let contacts = &step.state.results.contacts;
     let hold = seconds(*hysteresis);
     let pairs = contacts.pairs.iter().map(|pair| Touching {
         pair: pair.bodies.map(|i| results.entities[i as usize]),
@@ -153,7 +154,7 @@ pub(crate) fn publish(
     touching.clear();
     touching.extend(pairs.chain(planes));
     touching.sort_unstable_by_key(|touching| touching.pair);
-    let dt = step.state.config.dt;
+    let dt = step.state.input.config.dt;
     step.lingering.clear();
     step.lingering.extend(step.touching.iter().filter_map(|before| {
         let touches = touching.binary_search_by_key(&before.pair, |touching| touching.pair);
@@ -164,7 +165,7 @@ pub(crate) fn publish(
     touching.append(&mut step.lingering);
     touching.sort_unstable_by_key(|touching| touching.pair);
 
-    let mut tell = |pair: [Entity; 2], start: bool| {
+    let mut send = |pair: [Entity; 2], start: bool| {
         let [entity1, entity2] = pair;
         if start {
             started.write(CollisionStart { entity1, entity2 });
@@ -181,7 +182,7 @@ pub(crate) fn publish(
             }
         }
     };
-    differences(&step.touching, touching, &mut tell);
+    differences(&step.touching, touching, &mut send);
 
     if !colliding.is_empty() {
         let both = &mut step.touching_both_ways;
@@ -204,14 +205,14 @@ pub(crate) fn publish(
     std::mem::swap(&mut step.touching, &mut step.touching_now);
 
     report.total = step.begun.elapsed();
-    std::mem::swap(&mut collisions.contacts, &mut step.state.contacts);
+    std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
     std::mem::swap(&mut collisions.entities, &mut results.entities);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
-    // The next step reads what those had that sleep.
-    collisions.manifolds.copy(&step.state.manifolds);
+    // Copied, because the next step reuses the manifolds of bodies asleep.
+    collisions.manifolds.copy(&step.state.results.manifolds);
 }
 
-/// Of a hysteresis, 0 or more.
+/// The hysteresis in seconds, 0 or more.
 fn seconds(hysteresis: EventHysteresis) -> f32 {
     if hysteresis.is_nan() {
         error_once!(
@@ -222,8 +223,9 @@ fn seconds(hysteresis: EventHysteresis) -> f32 {
     hysteresis.max(0.0)
 }
 
-/// Walks two ascending lists and tells which pairs are only in the second (`true`) or only in the first (`false`).
-fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([Entity; 2], bool)) {
+/// Walks two ascending lists, and calls `send` with each pair that is only in the second (`true`) or only in the first
+/// (`false`).
+fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut([Entity; 2], bool)) {
     let pair = |touching: &Touching| touching.pair;
     let (mut before, mut after) = (before.iter().map(pair).peekable(), after.iter().map(pair).peekable());
     loop {
@@ -233,11 +235,11 @@ fn differences(before: &[Touching], after: &[Touching], tell: &mut impl FnMut([E
                 after.next();
             }
             (Some(b), a) if a.is_none_or(|a| b < a) => {
-                tell(*b, false);
+                send(*b, false);
                 before.next();
             }
             (_, Some(a)) => {
-                tell(*a, true);
+                send(*a, true);
                 after.next();
             }
             _ => return,

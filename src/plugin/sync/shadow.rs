@@ -1,7 +1,8 @@
-//! What a body's components held when we last read or wrote them, to tell what users wrote since.
+//! Shadow copies of a body's components: their values when the step last read or wrote them, to detect what users wrote
+//! since.
 //!
-//! **Changing** a field is told from leaving it alone by its value, axis by axis. **Inserting** a component writes all of it, even
-//! the value that it has. [`Reading`](crate::plugin::settings::Reading) says what becomes of either.
+//! A **changed** field is detected by its value, axis by axis. **Inserting** a component writes all of it, even with
+//! equal values. The docs of [`Readback`](crate::plugin::settings::Readback) define the effect of each.
 
 use crate::plugin::settings::LATENCY;
 use crate::state::Motion;
@@ -16,34 +17,34 @@ pub(super) struct Shadow {
     linear: Track,
     angular: Track,
     rotation: Quat,
-    /// The last step that was told the rotation. Results of earlier ones say how it would have been.
+    /// The last step that received a written rotation. Results of earlier steps do not contain it.
     turned: u64,
-    /// The last step whose results the components have.
+    /// The last step whose results were written to the components.
     read: u64,
-    /// The last step in which it may have moved by itself.
+    /// The last step that may have moved the body.
     moved: u64,
-    /// The last step in which its velocities may have changed by themselves.
+    /// The last step that may have changed its velocities.
     pushed: u64,
-    /// What was inserted since the last step.
+    /// Components that were inserted since the last step.
     inserted: Inserted,
-    /// Whether the component said that it sleeps.
+    /// The value of the component `Sleeping`.
     asleep: bool,
-    /// The last step that was told to wake it. Results of earlier ones say that it would have slept.
+    /// The last step that woke the body. Results of earlier steps do not contain that.
     woken: u64,
 }
 
-/// A vector of which each axis is written by itself.
+/// Shadow of a vector whose axes are written independently.
 #[derive(Clone, Copy)]
 struct Track {
-    /// What the component held.
+    /// The value of the component.
     shown: Vec3,
-    /// Of each axis the last step that was told its value. Results of earlier ones say what it would have been.
-    told: U64Vec3,
-    /// What was added in the last steps, by step number.
+    /// For each axis, the last step that received a written value. Results of earlier steps do not contain it.
+    sent: U64Vec3,
+    /// Differences that were added in the last steps, indexed by step number modulo [`LATENCY`].
     pushes: [Vec3; LATENCY],
 }
 
-/// Components that a body has that can be inserted anew.
+/// Components of a body whose insertion matters.
 #[derive(Clone, Copy)]
 pub(crate) enum Part {
     Pose,
@@ -60,18 +61,18 @@ struct Inserted {
     sleeping: bool,
 }
 
-/// What a component's value means.
+/// The effect of a component's value on the state of the body on the device.
 #[derive(Clone, Copy, PartialEq)]
 enum Meaning {
-    /// It holds, all of it.
+    /// The whole value replaces the state.
     Whole,
-    /// Where it changed, it holds.
+    /// The axes that changed replace those of the state.
     Parts,
-    /// Where it changed, the difference is added to what the body has.
+    /// The difference is added to the state.
     Differences,
 }
 
-/// What is to be written to a body's components.
+/// Values to write to a body's components.
 pub(crate) struct Written {
     pub pose: Option<(Vec3, Quat)>,
     pub velocities: Option<[Vec3; 2]>,
@@ -79,11 +80,11 @@ pub(crate) struct Written {
 }
 
 impl Shadow {
-    /// Of a body that step `now` is told all about.
+    /// The shadow of a body whose whole state step `now` receives.
     pub fn new(seen: &Motion, kind: RigidBody, now: u64) -> Self {
         let track = |shown| Track {
             shown,
-            told: U64Vec3::splat(now),
+            sent: U64Vec3::splat(now),
             pushes: [Onward::ALL.push; LATENCY],
         };
         let mut shadow = Self {
@@ -103,7 +104,7 @@ impl Shadow {
         shadow
     }
 
-    /// Step `now` is told what the components say, after all.
+    /// Starts again: step `now` receives the whole state from the components.
     pub fn restart(&mut self, now: u64) {
         let shown = Motion {
             position: self.position.shown,
@@ -119,7 +120,7 @@ impl Shadow {
         };
     }
 
-    /// A component was inserted anew.
+    /// Records that a component was inserted.
     pub fn insert(&mut self, part: Part) {
         match part {
             Part::Pose => self.inserted.pose = true,
@@ -129,8 +130,8 @@ impl Shadow {
         }
     }
 
-    /// What the next step carries over from number `source` of the last one, if the components hold `seen`. Nobody reads results
-    /// of `resident` bodies.
+    /// The state that the next step carries over from body `source` of the last one, if the components hold `seen`.
+    /// `resident` bodies stay on the device.
     pub fn carry(&self, source: u32, seen: &Motion, resident: bool) -> Carried {
         let pose_known = self.moved <= self.read;
         let pose = Meaning::of(self.inserted.pose || pose_known, resident);
@@ -146,11 +147,11 @@ impl Shadow {
         }
     }
 
-    /// Step `now` is told of what the components hold.
-    pub fn tell(&mut self, seen: &Motion, carried: &Carried, kind: RigidBody, now: u64) {
-        self.position.tell(seen.position, &carried.position, now);
-        self.linear.tell(seen.linear_velocity, &carried.linear, now);
-        self.angular.tell(seen.angular_velocity, &carried.angular, now);
+    /// Records that step `now` receives the values `seen` of the components.
+    pub fn send(&mut self, seen: &Motion, carried: &Carried, kind: RigidBody, now: u64) {
+        self.position.send(seen.position, &carried.position, now);
+        self.linear.send(seen.linear_velocity, &carried.linear, now);
+        self.angular.send(seen.angular_velocity, &carried.angular, now);
         self.rotation = seen.rotation;
         if !carried.rotation {
             self.turned = now;
@@ -159,7 +160,7 @@ impl Shadow {
         self.moves(kind, now);
     }
 
-    /// Notes what step `now` may change.
+    /// Records what step `now` may change.
     fn moves(&mut self, kind: RigidBody, now: u64) {
         let velocity_known = self.pushed <= self.read;
         let rests = velocity_known && self.linear.shown == Vec3::ZERO && self.angular.shown == Vec3::ZERO;
@@ -171,7 +172,7 @@ impl Shadow {
         }
     }
 
-    /// Whether step `now` is to wake the body, of which the component says that it sleeps or not.
+    /// Whether step `now` must wake the body, if its component `Sleeping` is `says_asleep`.
     pub fn wake(&mut self, says_asleep: bool, now: u64) -> bool {
         let woken = !says_asleep && (self.asleep || self.inserted.sleeping);
         if woken {
@@ -181,7 +182,7 @@ impl Shadow {
         woken
     }
 
-    /// What the results of `step` mean for the components, now that step `now` was told what it was told.
+    /// The values to write to the components when the results of `step` come. Step `now` was submitted last.
     pub fn receive(&mut self, step: u64, now: u64, kind: RigidBody, motion: &Motion, asleep: bool) -> Written {
         self.read = step;
         let mut pose = false;
@@ -223,15 +224,16 @@ impl Track {
         }
     }
 
-    fn tell(&mut self, seen: Vec3, carried: &Onward, now: u64) {
+    fn send(&mut self, seen: Vec3, carried: &Onward, now: u64) {
         self.shown = seen;
-        self.told = U64Vec3::select(carried.axes, self.told, U64Vec3::splat(now));
+        self.sent = U64Vec3::select(carried.axes, self.sent, U64Vec3::splat(now));
         self.pushes[now as usize % LATENCY] = carried.push;
     }
 
-    /// Takes over results, and tells whether they say anything new.
+    /// Updates the shadow from a result of `step`, except for axes that were written later. Returns whether any axis
+    /// was updated.
     fn receive(&mut self, step: u64, now: u64, result: Vec3) -> bool {
-        let known = self.told.cmple(U64Vec3::splat(step));
+        let known = self.sent.cmple(U64Vec3::splat(step));
         let later = (step + 1..=now).map(|later| self.pushes[later as usize % LATENCY]);
         let sum = later.fold(result, |sum, push| sum + push);
         self.shown = Vec3::select(known, sum, self.shown);

@@ -1,8 +1,8 @@
-//! Face tables that are baked while the simulation runs, because bodies ask for them and their meshes have none.
+//! Face tables that are baked while the simulation runs, for bodies that need one and whose mesh has none.
 
 use crate::asset::CollisionMesh;
+use crate::plugin::assets::LoadError;
 use crate::plugin::assets::jobs::on_bake_pool;
-use crate::plugin::assets::loader::LoadError;
 use crate::projection::BakeSettings;
 use bevy::platform::cell::SyncCell;
 use bevy::platform::collections::HashMap;
@@ -10,14 +10,14 @@ use bevy::prelude::*;
 use bevy::tasks::BoxedFuture;
 use bevy::tasks::futures::check_ready;
 
-/// One entry per mesh that was found without a table.
+/// One entry for each mesh without a table.
 #[derive(Default)]
 pub(crate) struct Tables(HashMap<AssetId<CollisionMesh>, Entry>);
 
 struct Entry {
-    /// The mesh for its log messages.
+    /// The name of the mesh in the log.
     name: String,
-    /// The asset as it was found. Another one under the same id, after a hot reload say, is another mesh.
+    /// The asset when it was requested. After a hot reload the asset with the same id is another mesh.
     source: CollisionMesh,
     state: State,
 }
@@ -31,15 +31,15 @@ enum State {
 }
 
 impl Tables {
-    /// Begins to bake a table for `mesh` and says so, unless that was done before.
+    /// Starts to bake a table for `mesh` and logs it, unless that was done before.
     pub fn request(&mut self, id: AssetId<CollisionMesh>, mesh: &CollisionMesh, name: impl FnOnce() -> String) {
         if self.0.get(&id).is_some_and(|entry| entry.source.is_same(mesh)) {
             return;
         }
         let name = name();
         warn!(
-            "the mesh {name} has no table of faces of collision; one is baked in the background, and until it is done its \
-             bodies run Culling::Exact. To have it from the start, set `faces: true` in the mesh's BakeSettings"
+            "the mesh {name} has no table of faces of collision; one is baked in the background, and until it is ready \
+             its bodies use Culling::Exact. To have it from the start, set `faces: true` in the mesh's BakeSettings"
         );
         let settings = BakeSettings {
             faces: true,
@@ -52,17 +52,17 @@ impl Tables {
             source: mesh.clone(),
             state: State::Baking(SyncCell::new(Box::pin(bake))),
         };
-        // A future does nothing before it is polled.
+        // The bake starts when the future is polled first.
         entry.poll();
         self.0.insert(id, entry);
     }
 
-    /// Takes in what is done; never waits.
+    /// Stores finished tables. It does not wait.
     pub fn poll(&mut self) {
         self.0.values_mut().for_each(Entry::poll);
     }
 
-    /// `mesh` with its table if that was baked here, else as it is.
+    /// `mesh` with its table if that was baked here, else unchanged.
     pub fn best<'a>(&'a self, id: AssetId<CollisionMesh>, mesh: &'a CollisionMesh) -> &'a CollisionMesh {
         match self.0.get(&id) {
             Some(Entry {
@@ -74,13 +74,13 @@ impl Tables {
         }
     }
 
-    /// How many bakes are under way.
+    /// Number of running bakes.
     pub fn in_bake(&self) -> usize {
         let baking = |entry: &&Entry| matches!(entry.state, State::Baking(_));
         self.0.values().filter(baking).count()
     }
 
-    /// Forgets the tables of meshes that are gone, baked or not.
+    /// Drops the tables, baked or not, of meshes that no longer exist.
     pub fn retain(&mut self, keep: impl Fn(AssetId<CollisionMesh>) -> bool) {
         self.0.retain(|&id, _| keep(id));
     }
@@ -98,7 +98,8 @@ impl Entry {
             }
             Some(Err(error)) => {
                 error!(
-                    "the mesh {} keeps running Culling::Exact: its table of faces of collision could not be baked: {error}",
+                    "the mesh {} continues with Culling::Exact: its table of faces of collision could not be baked: \
+                     {error}",
                     self.name
                 );
                 self.state = State::Failed;

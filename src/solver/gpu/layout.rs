@@ -8,12 +8,12 @@ type Vec3 = [f32; 3];
 type Quat = [f32; 4];
 
 layout! {
-    /// A detection interval, and how contacts are solved in it.
+    /// A collision substep, and how contacts are solved in it.
     Interval {
         gravity: Vec3, h: f32,
         bodies: u32, old_bodies: u32, pair_capacity: u32, point_capacity: u32,
         bias_rate: f32, mass_scale: f32, impulse_scale: f32, relaxation: f32,
-        sweeps: u32, push_speed: f32, untangle_speed: f32, untangle_depth: f32,
+        sweeps: u32, max_depenetration_speed: f32, deep_depenetration_speed: f32, deep_penetration: f32,
         rest_offset: f32, restitution_threshold: f32, match_distance: f32, match_normal: f32,
         dt: f32, sleep_speed: f32, sleep_time: f32, padding: u32,
     }
@@ -96,7 +96,7 @@ layout! {
     /// What is kept of a pair until the next interval.
     KeptPair {
         a: u32, b: u32, first: u32, count: u32,
-        direction: Vec3, untangling: u32,
+        direction: Vec3, depenetrating: u32,
         rotation_a: Quat,
         rotation_b: Quat,
     }

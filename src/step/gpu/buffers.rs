@@ -2,23 +2,23 @@
 
 use crate::gpu::buffers::{Sizes, buffers, grow};
 use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
-use crate::manifolds::gpu::ContactSizes;
+use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::Room;
 use crate::solver::gpu::layout::{BodyForces, BodyState, COUNTERS, Interval, KeptPair, KeptPoint, SLOTS, SolverBody};
 use wgpu::Buffer;
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StepRoom {
+pub struct StepCapacity {
     /// What contact generation makes.
-    pub contacts: ContactSizes,
+    pub contacts: ContactCapacity,
     /// Bodies and half-spaces.
     pub bodies: u32,
     /// Points of pairs that touch, in all intervals.
     pub touches: u32,
 }
 
-impl StepRoom {
+impl StepCapacity {
     /// At least `needed` of each, with room to spare where these do not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl StepRoom {
 
 buffers! {
     /// Buffers beside those of contact generation and of the solver.
-    StepBuffers(StepRoom), |room| {
+    StepBuffers(StepCapacity), |room| {
         /// What counts over all intervals of a step.
         tally: ARRAY u32, TALLIES, "tally of a step";
         /// Who touched whom and where, in any order.

@@ -1,10 +1,10 @@
 //! Buffers and calls of steps with contact points.
 //!
-//! Such a step is one submission, whatever number of detection intervals it is cut into. Bodies and the solver's memory stay on
+//! Such a step is one submission, whatever number of collision substeps it is cut into. Bodies and the solver's memory stay on
 //! the device from step to step, in the buffers that [`StepBuffers::memory`] lists. These are written at the end of a step and
 //! not before, and only if no list was too short in any of its intervals; so such a step can run again.
 
-use super::buffers::{StepBuffers, StepRoom};
+use super::buffers::{StepBuffers, StepCapacity};
 use super::record::Recorder;
 use super::solver_input::SolverInput;
 use crate::gpu::buffers::{Buffers, TooLarge};
@@ -12,7 +12,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::kernel::Kernels;
 use crate::gpu::program::{Calls, Program};
 use crate::gpu::timer::Timer;
-use crate::manifolds::gpu::{ContactBuffers, ContactSizes};
+use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
 use crate::solver::gpu::{Passes, SolverBuffers};
 use crate::step::order::Place;
 use crate::types::settings::Response;
@@ -21,8 +21,8 @@ use std::collections::HashMap;
 use wgpu::{Buffer, CommandEncoder};
 
 /// Lists start with room for this many things, and grow.
-pub const START: StepRoom = StepRoom {
-    contacts: ContactSizes {
+pub const START: StepCapacity = StepCapacity {
+    contacts: ContactCapacity {
         margin_pairs: 0,
         slots: 0,
         near_triangles: 1 << 15,
@@ -69,7 +69,7 @@ impl ContactPrograms {
     ///
     /// # Errors
     /// If the device cannot hold the lists.
-    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, room: StepRoom) -> Result<Self, TooLarge> {
+    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, room: StepCapacity) -> Result<Self, TooLarge> {
         let room = room.beside(&buffers.sizes);
         let mut made = Self {
             contacts: ContactBuffers::new(gpu, room.contacts)?,
@@ -108,7 +108,7 @@ impl ContactPrograms {
     }
 
     /// What fits.
-    pub fn room(&self) -> StepRoom {
+    pub fn room(&self) -> StepCapacity {
         self.step.sizes
     }
 
@@ -185,8 +185,8 @@ impl ContactPrograms {
         if input.old_bodies() == 0 {
             encoder.clear_buffer(&solver.solver_counters, 0, None);
         }
-        for lap in 0..input.intervals {
-            let place = Place::of(lap, input.intervals);
+        for lap in 0..input.collision_substeps {
+            let place = Place::of(lap, input.collision_substeps);
             let (interval, numbers, find) = if place.is_first {
                 (&step.first_interval, &step.first_numbers, &self.first)
             } else {
@@ -214,7 +214,7 @@ impl ContactPrograms {
     }
 }
 
-fn recorder<'s>(response: Response, buffers: &'s Buffers, room: &'s StepRoom) -> Recorder<'s> {
+fn recorder<'s>(response: Response, buffers: &'s Buffers, room: &'s StepCapacity) -> Recorder<'s> {
     Recorder {
         response,
         sizes: &buffers.sizes,

@@ -1,6 +1,6 @@
 //! What outlives a step with contacts, brought to the host and back: so that a snapshot goes on to the bit.
 
-use super::buffers::StepRoom;
+use super::buffers::StepCapacity;
 use super::contact_programs::ContactPrograms;
 use super::lineage::Lineage;
 use super::{GpuStep, StepError};
@@ -8,7 +8,7 @@ use crate::gpu::buffers::{Buffers, Sizes};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::gpu::readback::{read_words, scoped};
-use crate::manifolds::gpu::ContactSizes;
+use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::layout::{BodyState, COUNTERS, KeptPair, KeptPoint, PAIRS, POINTS};
 use bytemuck::cast_slice;
 use wgpu::Buffer;
@@ -120,12 +120,12 @@ impl GpuStep {
             bodies,
             ..Sizes::default()
         };
-        let contacts = ContactSizes {
+        let contacts = ContactCapacity {
             pairs,
             points,
-            ..ContactSizes::default()
+            ..ContactCapacity::default()
         };
-        self.make_room(needed, Some(StepRoom { contacts, ..room }))?;
+        self.make_room(needed, Some(StepCapacity { contacts, ..room }))?;
         if let Some(contacts) = &self.contacts {
             memory
                 .write(&self.gpu, &self.buffers, contacts)

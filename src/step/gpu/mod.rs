@@ -39,12 +39,13 @@ use crate::gpu::program::Program;
 use crate::gpu::readback::{read_words, scoped};
 use crate::gpu::timer::Timer;
 use crate::solver::speeds::Speeds;
-use crate::state::{Motion, StepState};
+use crate::state::Motion;
+use crate::step::StepState;
 use crate::types::stage::Stage;
 use contact_programs::ContactPrograms;
 use flight::Flight;
 use lineage::Lineage;
-use record::{ALL_SHADERS, impulse_kernels};
+use record::all_modules;
 use results::{Detail, Output};
 use solver_input::Told;
 use std::collections::VecDeque;
@@ -120,8 +121,8 @@ impl GpuStep {
     /// If the device cannot run the stages.
     pub fn with_room(gpu: Gpu, sizes: Sizes) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
-            let modules = ALL_SHADERS.iter().flat_map(|shaders| shaders.modules);
-            let kernels = Kernels::new(&gpu, modules, impulse_kernels())?;
+            let calls = room::impulse_calls(&sizes);
+            let kernels = Kernels::new(&gpu, all_modules(), calls.iter().map(|call| call.kernel))?;
             let buffers = Buffers::new(&gpu, sizes).map_err(|error| error.to_string())?;
             let program = room::impulse_program(&gpu, &kernels, &buffers);
             let timer = Timer::new(&gpu);
@@ -201,7 +202,7 @@ impl GpuStep {
         if self.in_flight() > 0 {
             self.forget();
         }
-        self.submit(state, &[], Detail::All)?;
+        self.submit(&state.input, &[], Detail::All)?;
         if let Some(output) = self.take() {
             output?.put(state);
         }

@@ -3,7 +3,7 @@
 //! A kernel that finds a list too short, of pairs in `broad_phase/arguments`, of others in `step/overflow_lists` and
 //! `step/overflow_touches`, says so in `status` and in the step's counters; that step and those after it then change nothing.
 
-use super::buffers::StepRoom;
+use super::buffers::StepCapacity;
 use super::results::Output;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Sizes;
@@ -11,7 +11,7 @@ use crate::gpu::layout::{
     CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MOST_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
 };
 use crate::gpu::readback::scoped;
-use crate::manifolds::gpu::ContactSizes;
+use crate::manifolds::gpu::ContactCapacity;
 
 impl GpuStep {
     /// Waits until every step in flight has landed.
@@ -56,8 +56,8 @@ impl GpuStep {
             plane_contacts: counters[PLANE_CONTACTS as usize],
             ..Sizes::default()
         };
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
-            contacts: ContactSizes::needed(tally),
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
+            contacts: ContactCapacity::needed(tally),
             touches: tally[TOUCHES as usize],
             ..contacts.room()
         });

@@ -1,14 +1,13 @@
 //! What each part of a step does on the device: its kernels, in the order of [`order`](crate::step::order).
 
-use super::buffers::StepRoom;
+use super::buffers::StepCapacity;
 use crate::gpu::buffers::Sizes;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING};
 use crate::gpu::program::{Calls, Groups};
-use crate::gpu::shader::{Shaders, module};
+use crate::gpu::shader::{Module, Shaders, module};
 use crate::solver::gpu::Passes;
 use crate::solver::gpu::layout::{COUNTERS, KeptPair, KeptPoint, PAIRS, POINTS};
-use crate::solver::gpu::record::per_pair;
 use crate::step::order::{Part, Place, parts};
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -20,8 +19,6 @@ const BEGIN: Kernel = kernel!("step/begin");
 const REUSE_CONTACT_POINTS: Kernel = kernel!("step/reuse_contact_points");
 /// Whether the lists of contact generation, and those before, sufficed, and how much there was.
 const OVERFLOW_LISTS: Kernel = kernel!("step/overflow_lists");
-/// Who touched whom, and where.
-const TOUCHES: Kernel = kernel!("step/touches");
 /// Where the bodies are as another interval begins.
 const MOVE_BODIES: Kernel = kernel!("step/move_bodies");
 /// Whether the list of touches sufficed.
@@ -38,7 +35,6 @@ pub const SHADERS: Shaders = Shaders {
         &BEGIN,
         &REUSE_CONTACT_POINTS,
         &OVERFLOW_LISTS,
-        &TOUCHES,
         &MOVE_BODIES,
         &OVERFLOW_TOUCHES,
         &FINISH,
@@ -60,28 +56,14 @@ pub const ALL_SHADERS: [&Shaders; 10] = [
     &SHADERS,
 ];
 
-/// Kernels of a step without contact points.
-pub fn impulse_kernels() -> impl Iterator<Item = &'static Kernel> {
-    let stages = [
-        &crate::gpu::SHADERS,
-        &broad_phase::gpu::SHADERS,
-        &angles::gpu::SHADERS,
-        &triangle_test::gpu::SHADERS,
-        &force_scan::gpu::SHADERS,
-        &integrate::gpu::SHADERS,
-    ];
-    stages.into_iter().flat_map(|shaders| shaders.kernels.iter().copied())
+/// Every kernel there is.
+pub fn all_kernels() -> impl Iterator<Item = &'static Kernel> {
+    ALL_SHADERS.iter().flat_map(|shaders| shaders.kernels.iter().copied())
 }
 
-/// What kernels of steps with contact points there are beside.
-pub fn contact_kernels() -> impl Iterator<Item = &'static Kernel> {
-    let stages = [
-        &manifolds::gpu::SHADERS,
-        &solver::gpu::SHADERS,
-        &sleep::gpu::SHADERS,
-        &SHADERS,
-    ];
-    stages.into_iter().flat_map(|shaders| shaders.kernels.iter().copied())
+/// What kernels import.
+pub fn all_modules() -> impl Iterator<Item = &'static Module> {
+    ALL_SHADERS.iter().flat_map(|shaders| shaders.modules)
 }
 
 /// Records the parts of a step.
@@ -92,7 +74,7 @@ pub struct Recorder<'s> {
     /// What the lists of a step hold.
     pub sizes: &'s Sizes,
     /// What those hold that only steps with contact points have.
-    pub room: Option<&'s StepRoom>,
+    pub room: Option<&'s StepCapacity>,
     /// How often the solver does everything.
     pub passes: Option<Passes>,
 }
@@ -128,7 +110,7 @@ impl Recorder<'_> {
                 list_contact_points(calls);
             }
             Part::ReportContactPoints => list_contact_points(calls),
-            Part::SumImpulses => force_scan::gpu::record(calls, self.sizes),
+            Part::SumImpulses => force_scan::gpu::record_impulses(calls, self.sizes),
             Part::ApplyImpulses => integrate::gpu::record(calls),
             Part::Wake => {
                 solver::gpu::record::record_arguments(calls);
@@ -139,9 +121,7 @@ impl Recorder<'_> {
                     solver::gpu::record::record(calls, &room.solver(), passes);
                 }
             }
-            Part::NoteTouches => {
-                calls.call(&TOUCHES, per_pair());
-            }
+            Part::NoteTouches => force_scan::gpu::record_touches(calls),
             Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep()),
             // Steps with such bodies run on the CPU.
             Part::StopFastBodies => {}
@@ -176,8 +156,8 @@ fn list_contact_points(calls: &mut Calls) {
 }
 
 /// Copies to where it outlives the step what the solver and contact generation know of the last interval.
-fn remember(calls: &mut Calls, room: &StepRoom) {
-    let StepRoom { contacts, .. } = room;
+fn remember(calls: &mut Calls, room: &StepCapacity) {
+    let StepCapacity { contacts, .. } = room;
     for (counter, count, bytes, from, to) in [
         (NOTHING, 1, 4 * COUNTERS as usize, "solver_counters", "stored_counters"),
         (

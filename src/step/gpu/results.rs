@@ -2,6 +2,7 @@
 
 use super::contact_programs::ContactPrograms;
 use super::upload::Input;
+use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::{Buffers, Sizes};
 use crate::gpu::layout::{
     APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HIGHEST,
@@ -9,11 +10,14 @@ use crate::gpu::layout::{
     TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::timer::{self, Timer};
-use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, place};
+use crate::manifolds::report::report_points;
 use crate::solver::speeds::Speeds;
 use crate::state;
-use crate::state::{Contact, Contacts, Counts, FacePair, Motion, StepState, TouchingPair};
-use crate::step::touches::{Touches, show_points};
+use crate::state::manifolds::place;
+use crate::state::{
+    Contact, Contacts, Counts, FacePair, Manifold, ManifoldPoint, Manifolds, Motion, PairContact, StepResults,
+};
+use crate::step::StepState;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use bytemuck::Pod;
@@ -47,8 +51,8 @@ pub struct Output {
     pub asleep: Vec<bool>,
     /// Pairs of triangles near each other, in the interval that had most: what contact generation had to look at.
     pub near_triangles: usize,
-    /// Into how many detection intervals the step was cut.
-    pub intervals: u32,
+    /// Into how many collision substeps the step was cut.
+    pub collision_substeps: u32,
     /// How fast bodies move after the step, with [`Response::Contacts`].
     pub speeds: Speeds,
     /// How many there are.
@@ -86,7 +90,7 @@ impl Parts {
             start..total
         };
         let counters = part(COUNTERS, 4);
-        let times = part(timer::BYTES * input.intervals(), 1);
+        let times = part(timer::BYTES * input.collision_substeps(), 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
         let moved = part(lists(input.len()), size_of::<Moved>());
         let sphere_pairs = part(lists(sizes.pairs), 8);
@@ -222,7 +226,7 @@ impl Raw {
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
-            intervals: input.intervals(),
+            collision_substeps: input.collision_substeps(),
             speeds: speeds(&self.tally),
             ..Default::default()
         };
@@ -241,7 +245,7 @@ impl Raw {
         };
         if input.response == Response::None && !output.motions.is_empty() {
             let center_of = |body: u32| input.center_before(body, &output.motions[body as usize]);
-            show_points(&output.manifolds, input.len(), &mut output.contacts, center_of);
+            report_points(&output.manifolds, input.len(), &mut output.contacts, center_of);
         }
         if input.response == Response::Contacts {
             if output.motions.is_empty() {
@@ -249,7 +253,7 @@ impl Raw {
                 let now = self.tally[TOUCHING_NOW as usize] as usize;
                 output.counts.touching_pairs = output.counts.touching_pairs.max(now);
             } else {
-                Touches::from_device(self.touches).tell(input.len(), &mut output.contacts);
+                Touches::from_device(self.touches).report(input.len(), &mut output.contacts);
                 output.counts.touching_pairs = output.contacts.pairs.len();
             }
         }
@@ -260,21 +264,21 @@ impl Raw {
 impl Output {
     /// Puts everything where the CPU's stages would.
     pub fn put(self, state: &mut StepState) {
-        for (i, motion) in self.put_lists(state).iter().enumerate() {
-            state.bodies.set_motion(i, motion);
+        for (i, motion) in self.put_lists(&mut state.results).iter().enumerate() {
+            state.input.bodies.set_motion(i, motion);
         }
     }
 
     /// Puts everything but the motions there, and returns those.
-    pub fn put_lists(self, state: &mut StepState) -> Vec<Motion> {
-        state.sphere_pairs = self.sphere_pairs;
-        state.near_pairs.clear();
-        state.approximate_pairs = self.counts.approximate_pairs;
-        state.contacts = self.contacts;
-        state.manifolds = self.manifolds;
-        state.asleep = self.asleep;
-        state.intervals = self.intervals;
-        state.times = self.times;
+    pub fn put_lists(self, results: &mut StepResults) -> Vec<Motion> {
+        results.sphere_pairs = self.sphere_pairs;
+        results.near_pairs.clear();
+        results.approximate_pairs = self.counts.approximate_pairs;
+        results.contacts = self.contacts;
+        results.manifolds = self.manifolds;
+        results.asleep = self.asleep;
+        results.collision_substeps = self.collision_substeps;
+        results.times = self.times;
         self.motions
     }
 }
@@ -305,7 +309,7 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
     let mut first_face = 0;
     for (rank, t) in touching.iter().enumerate() {
         starts[t.pair as usize] = (rank, first_face);
-        contacts.pairs.push(TouchingPair {
+        contacts.pairs.push(PairContact {
             bodies: [t.a, t.b],
             contained: t.contained != 0,
             first_face,

@@ -1,15 +1,15 @@
 //! Room on the device: for what a step needs, and for what only steps with contacts need.
 
-use super::buffers::StepRoom;
+use super::buffers::StepCapacity;
 use super::contact_programs::{ContactPrograms, START};
-use super::record::{ALL_SHADERS, Recorder, contact_kernels};
+use super::record::{Recorder, all_kernels, all_modules};
 use super::{GpuStep, StepError};
 use crate::gpu::arena::Change;
 use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernel::Kernels;
 use crate::gpu::layout;
-use crate::gpu::program::Program;
+use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::scoped;
 use crate::step::order::Place;
 use crate::types::settings::Response;
@@ -31,8 +31,7 @@ impl GpuStep {
         } = self;
         let made = scoped(gpu, || {
             if !*has_features {
-                let modules = ALL_SHADERS.iter().flat_map(|shaders| shaders.modules);
-                kernels.add(gpu, modules, contact_kernels())?;
+                kernels.add(gpu, all_modules(), all_kernels())?;
             }
             Ok::<_, String>(ContactPrograms::new(gpu, kernels, buffers, START))
         });
@@ -46,7 +45,7 @@ impl GpuStep {
     }
 
     /// Whether some list does not suffice.
-    pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepRoom>) -> bool {
+    pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepCapacity>) -> bool {
         let room = self.contacts.as_ref().map(ContactPrograms::room);
         self.buffers.sizes.grown(needed) != self.buffers.sizes
             || room
@@ -55,7 +54,7 @@ impl GpuStep {
     }
 
     /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
-    pub(super) fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepRoom>) -> Result<bool, StepError> {
+    pub(super) fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepCapacity>) -> Result<bool, StepError> {
         if !self.lacks(needed, for_contacts) {
             return Ok(false);
         }
@@ -120,13 +119,17 @@ impl GpuStep {
 }
 
 /// The calls of a step with [`Response::Impulse`].
-pub(super) fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
+pub(super) fn impulse_calls(sizes: &Sizes) -> Calls {
     let recorder = Recorder {
         response: Response::Impulse,
-        sizes: &buffers.sizes,
+        sizes,
         room: None,
         passes: None,
     };
-    let calls = recorder.calls(&Stage::ALL, Place::of(0, 1));
-    Program::new(gpu, kernels, &calls, &[buffers])
+    recorder.calls(&Stage::ALL, Place::of(0, 1))
+}
+
+/// The same, with their buffers.
+pub(super) fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
+    Program::new(gpu, kernels, &impulse_calls(&buffers.sizes), &[buffers])
 }

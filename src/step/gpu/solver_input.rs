@@ -7,7 +7,7 @@ use crate::sleep::cpu::hash;
 use crate::solver::gpu::{Passes, Room, layout, upload};
 use crate::solver::speeds::Speeds;
 use crate::solver::{Interval, SolverBodies};
-use crate::state::StepState;
+use crate::state::StepInput;
 use crate::state::margins::SAFETY;
 use crate::step::gpu::upload::Carried;
 use crate::types::body::RigidBody;
@@ -20,7 +20,7 @@ pub struct SolverInput {
     settings: SolverSettings,
     interval: Interval,
     /// Into how many intervals the step is cut.
-    pub intervals: u32,
+    pub collision_substeps: u32,
     bodies: Vec<layout::SolverBody>,
     arrivals: Vec<layout::BodyState>,
     forces: Vec<layout::BodyForces>,
@@ -43,15 +43,17 @@ pub struct Told {
 impl SolverInput {
     /// Packs the bodies and half-spaces of `state`. Those that `carried` says go on with their velocities have `speeds`, but
     /// for what they are pushed by.
-    pub fn new(state: &StepState, carried: &[Option<Carried>], speeds: Speeds, descent: Descent) -> Self {
-        let StepState {
+    pub fn new(state: &StepInput, carried: &[Option<Carried>], speeds: Speeds, descent: Descent) -> Self {
+        let StepInput {
             config,
             bodies: placed,
             planes,
             ..
         } = state;
         let mut bodies = SolverBodies::default();
-        bodies.read(placed, planes, &state.dynamics.keys_of(placed.len()));
+        let mut keys = Vec::new();
+        state.write_keys(&mut keys);
+        bodies.read(placed, planes, &keys);
         let unseen = |i: usize| unseen(carried, i).filter(|_| placed.kind.get(i) != Some(&RigidBody::Static));
         let mut seen = Speeds::of(&bodies, |i| unseen(i).is_some());
         let mut added = 0.0f32;
@@ -72,18 +74,14 @@ impl SolverInput {
             goes_on = speeds;
         }
         let all = seen.and(goes_on).after(added, Vec3::ZERO);
-        let intervals = all.detections(&config.solver, &bodies, config.dt);
+        let collision_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
         let pushed = (bodies.bodies.iter().zip(&bodies.forces))
             .map(|(body, forces)| {
                 let turn = body.inverse_inertia * forces.angular_impulse;
                 forces.impulse.length() * body.inverse_mass + turn.length() * body.radius
             })
             .fold(0.0, f32::max);
-        let interval = Interval {
-            dt: config.dt / intervals as f32,
-            substeps: config.solver.substeps_per_detection(intervals),
-            gravity: config.gravity,
-        };
+        let interval = Interval::of(config, collision_substeps);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let mut arrivals: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k) as u32)).collect();
         if descent.new_ground {
@@ -94,7 +92,7 @@ impl SolverInput {
         Self {
             settings: config.solver,
             interval,
-            intervals,
+            collision_substeps,
             bodies: bodies.bodies.iter().map(upload::body).collect(),
             arrivals,
             forces: bodies.forces.iter().map(upload::forces).collect(),
@@ -107,7 +105,7 @@ impl SolverInput {
         }
     }
 
-    /// The length of a detection interval, seconds.
+    /// The length of a collision substep, seconds.
     pub fn dt(&self) -> f32 {
         self.interval.dt
     }

@@ -1,6 +1,6 @@
 //! Sends a step off.
 
-use super::buffers::StepRoom;
+use super::buffers::StepCapacity;
 use super::flight::Flight;
 use super::results::{Detail, Parts};
 use super::solver_input::{SolverInput, Told};
@@ -8,7 +8,7 @@ use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Sizes;
 use crate::gpu::readback::{scoped, staging};
-use crate::state::StepState;
+use crate::state::StepInput;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 
@@ -18,7 +18,7 @@ impl GpuStep {
     ///
     /// # Errors
     /// If the device cannot hold the bodies or meshes, or fails: all steps in flight are given up then.
-    pub fn submit(&mut self, state: &StepState, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
+    pub fn submit(&mut self, state: &StepInput, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
         let result = self.submit_within(state, carried, detail);
         if result.is_err() {
             self.fail();
@@ -28,7 +28,7 @@ impl GpuStep {
 
     fn submit_within(
         &mut self,
-        state: &StepState,
+        state: &StepInput,
         carried: &[Option<Carried>],
         detail: Detail,
     ) -> Result<(), StepError> {
@@ -71,7 +71,7 @@ impl GpuStep {
             self.settle()?;
             self.contacts = None;
         }
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepRoom {
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
             ..contacts.room()
         });
@@ -126,7 +126,7 @@ impl GpuStep {
                 }
             }
             if let Some(timer) = timer {
-                timer.resolve(&mut encoder, input.intervals());
+                timer.resolve(&mut encoder, input.collision_substeps());
             }
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {

@@ -9,7 +9,7 @@ use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
     CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, SENSOR, STATIC,
 };
-use crate::state::{Bodies, Motion, Plane, StepState};
+use crate::state::{Bodies, Motion, Plane, StepInput};
 use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bytemuck::cast_slice;
@@ -102,8 +102,8 @@ pub struct Input {
 
 impl Input {
     /// Packs the bodies, planes and settings of `state`. `carried` has an entry for each body, or none at all.
-    pub fn new(state: &StepState, carried: &[Option<Carried>]) -> Self {
-        let StepState {
+    pub fn new(state: &StepInput, carried: &[Option<Carried>]) -> Self {
+        let StepInput {
             config, bodies, planes, ..
         } = state;
         let count = bodies.len();
@@ -147,9 +147,9 @@ impl Input {
         self
     }
 
-    /// How many detection intervals the step has.
-    pub(super) fn intervals(&self) -> u32 {
-        self.solver.as_ref().map_or(1, |solver| solver.intervals)
+    /// How many collision substeps the step has.
+    pub(super) fn collision_substeps(&self) -> u32 {
+        self.solver.as_ref().map_or(1, |solver| solver.collision_substeps)
     }
 
     /// How many bodies and half-spaces there were in the step before, as far as the solver knows.
@@ -229,7 +229,7 @@ impl Input {
     }
 }
 
-fn body(bodies: &Bodies, state: &StepState, i: usize, carried: Option<Carried>) -> layout::Body {
+fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) -> layout::Body {
     let inertia = bodies.own_inverse_inertia[i];
     let scale = bodies.scale[i];
     let mesh = &state.meshes[bodies.mesh[i]].mesh;

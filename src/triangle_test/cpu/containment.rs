@@ -3,12 +3,12 @@
 //! Without intersecting faces each connected component lies inside a closed mesh as a whole or not at all, so one
 //! vertex of each decides, by the winding number along a ray.
 
-use crate::angles::PAD;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{Rows, each, splat, sub};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, MeshArena, MeshSlot};
 use crate::state::{Bodies, Frame, NearPair};
 use glam::{DVec3, Mat3, Vec3};

@@ -85,13 +85,6 @@ pub struct Placed {
 /// Error of a coordinate beside the extents of two clusters that meet: a handful of roundings of `2^-24`.
 const ERROR: f32 = 2.0e-6;
 
-/// The power of two that brings `size` between 1 and 2. Multiplying by it is exact.
-pub fn unit_of(size: f32) -> f32 {
-    let exponent = (size.to_bits() >> 23) & 0xff;
-    // Bounding radii are far from the ends of the range, so this is a normal number.
-    f32::from_bits((254 - exponent.clamp(1, 253)) << 23)
-}
-
 /// What holds for all clusters of a pair.
 pub struct Placing {
     /// The pair's unit of length per metre: a power of two near the inverse of the pair's size. Products of five lengths

@@ -1,9 +1,9 @@
 //! Bodies that reach into half-spaces.
 
-use crate::angles::PAD;
 use crate::parallel::in_order::InOrder;
 use crate::simd::lanes::{bits, dot, splat};
 use crate::simd::levels::visit;
+use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, PlaneContact};
 use crate::types::body::RigidBody;

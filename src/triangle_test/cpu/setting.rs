@@ -3,10 +3,10 @@
 use super::choice::Choice;
 use super::contact::PairView;
 use super::cull::Other;
-use super::placed::{Place, Placed, Placing, unit_of};
-use crate::angles::PAD;
+use super::placed::{Place, Placed, Placing};
 use crate::geometry::Aabb;
-use crate::simd::tree::{Tree, Way};
+use crate::simd::rounding::{PAD, unit_of};
+use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::{MeshArena, MeshLanes};
 use crate::state::{Bodies, NearPair};
 use glam::{DVec3, Mat3, Vec3};
@@ -125,13 +125,13 @@ impl<'a> Setting<'a> {
         let Placing { unit, pad, .. } = self.placing;
         let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > COARSE;
         let tree = |side: &Side<'a>, second, other: Other| {
-            let way = Way {
+            let relative = RelativePose {
                 rotation: other.rotation,
                 translation: unit * other.translation,
                 axis: other.axis,
-                least: unit * other.least,
+                min_height: unit * other.least,
             };
-            Tree::new(side.lanes, second, unit * side.scale, way, pad, slabs)
+            Tree::new(side.lanes, second, unit * side.scale, relative, pad, slabs)
         };
         [
             tree(&self.a, false, self.a_from_b()),

@@ -21,7 +21,7 @@ fn app(backend: Backend) -> Sim {
     let mut sim = Sim::with_step(StepPlugin {
         backend,
         threads: 1,
-        reading: Reading::Lockstep,
+        readback: Readback::Lockstep,
     });
     sim.world().insert_resource(Response::Impulse);
     sim

@@ -77,12 +77,12 @@ pub const TESTS: &[Test] = &tests! {
     a_response_may_change_between_steps: responses();
 };
 
-/// A heap of cubes over ground, one of them kinematic, and what is on its way after `reading`.
-fn heap(reading: Reading) -> (Sim, Vec<Entity>) {
+/// A heap of cubes over ground, one of them kinematic, and what is on its way after `readback`.
+fn heap(readback: Readback) -> (Sim, Vec<Entity>) {
     let mut sim = Sim::with_step(StepPlugin {
         backend: Backend::Gpu,
         threads: 1,
-        reading,
+        readback,
     });
     while sim.app.world().resource::<ActiveBackend>().name() == "opening" {
         std::thread::sleep(STEP);
@@ -111,7 +111,7 @@ fn seen(sim: &Sim, bodies: &[Entity]) -> Seen {
 }
 
 fn later() {
-    let [mut waits, mut latent] = [Reading::Lockstep, Reading::Latent].map(heap);
+    let [mut waits, mut latent] = [Readback::Lockstep, Readback::Latent].map(heap);
     assert_eq!(waits.1, latent.1);
     let bodies = waits.1.clone();
     let mut history = Vec::new();
@@ -145,7 +145,7 @@ fn later() {
 }
 
 fn resident() {
-    let (mut sim, bodies) = heap(Reading::Resident);
+    let (mut sim, bodies) = heap(Readback::Resident);
     let start = seen(&sim, &bodies).0;
     sim.step(200);
     assert_eq!(seen(&sim, &bodies).0, start, "components stay");
@@ -161,8 +161,8 @@ fn resident() {
 }
 
 fn responses() {
-    for reading in [Reading::Lockstep, Reading::Latent] {
-        let (mut sim, bodies) = heap(reading);
+    for readback in [Readback::Lockstep, Readback::Latent] {
+        let (mut sim, bodies) = heap(readback);
         for (response, steps) in [
             (Response::Contacts, 60),
             (Response::Impulse, 2),
@@ -176,7 +176,7 @@ fn responses() {
         sim.step(LATENCY);
         for (i, &body) in bodies.iter().enumerate() {
             let height = sim.position(body).y - (0.5 + 1.005 * i as f32);
-            assert!(height.abs() < 0.03, "{reading:?}: {i} at {}", sim.position(body));
+            assert!(height.abs() < 0.03, "{readback:?}: {i} at {}", sim.position(body));
             assert!(sim.velocity(body).length() < 0.02);
         }
     }

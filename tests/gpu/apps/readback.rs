@@ -35,18 +35,18 @@ pub const TESTS: &[Test] = &[
 ];
 
 /// An app whose clock stands still until the device is ready.
-fn app(backend: Backend, reading: Reading) -> Sim {
-    let mut sim = opening(backend, reading);
+fn app(backend: Backend, readback: Readback) -> Sim {
+    let mut sim = opening(backend, readback);
     await_device(&mut sim);
     sim
 }
 
 /// The same before the device is ready.
-fn opening(backend: Backend, reading: Reading) -> Sim {
+fn opening(backend: Backend, readback: Readback) -> Sim {
     let mut sim = Sim::with_step(StepPlugin {
         backend,
         threads: 1,
-        reading,
+        readback,
     });
     sim.world().insert_resource(Response::Impulse);
     sim
@@ -65,7 +65,7 @@ fn active(sim: &Sim) -> &'static str {
 
 /// The same app twice: on a GPU that is waited for, and on one that is not.
 fn both() -> [Sim; 2] {
-    [Reading::Lockstep, Reading::Latent].map(|reading| app(Backend::Gpu, reading))
+    [Readback::Lockstep, Readback::Latent].map(|readback| app(Backend::Gpu, readback))
 }
 
 /// Bodies in a cube of this size, with random velocities.
@@ -181,7 +181,7 @@ fn overflow(_: &Gpu) {
 }
 
 fn writes(_: &Gpu) {
-    let mut sim = app(Backend::Gpu, Reading::Latent);
+    let mut sim = app(Backend::Gpu, Readback::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
     sim.step(5);
@@ -271,7 +271,7 @@ fn churn(_: &Gpu) {
 }
 
 fn returns(_: &Gpu) {
-    let mut sim = app(Backend::Gpu, Reading::Latent);
+    let mut sim = app(Backend::Gpu, Readback::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let other = sim.spawn(ball_like(&torus, Vec3::Y * 9.0, Vec3::Z));
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
@@ -293,7 +293,7 @@ fn returns(_: &Gpu) {
 }
 
 fn lost(_: &Gpu) {
-    let mut sim = app(Backend::Gpu, Reading::Latent);
+    let mut sim = app(Backend::Gpu, Readback::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
     sim.step(10);
@@ -319,7 +319,7 @@ fn lost(_: &Gpu) {
 }
 
 fn ready(_: &Gpu) {
-    let mut sim = opening(Backend::Gpu, Reading::Latent);
+    let mut sim = opening(Backend::Gpu, Readback::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X));
     assert_eq!(active(&sim), "opening");
@@ -343,7 +343,7 @@ fn ready(_: &Gpu) {
 }
 
 fn resident(_: &Gpu) {
-    let [mut waits, mut sim] = [Reading::Lockstep, Reading::Resident].map(|reading| app(Backend::Gpu, reading));
+    let [mut waits, mut sim] = [Readback::Lockstep, Readback::Resident].map(|readback| app(Backend::Gpu, readback));
     let [one, other] = [&mut waits, &mut sim].map(|sim| crowd(sim, 40, 3.0));
     assert_eq!(one, other);
     let start = poses(&mut sim);
@@ -402,13 +402,13 @@ fn resident(_: &Gpu) {
 }
 
 fn snapshots(_: &Gpu) {
-    for (backend, reading) in [
-        (Backend::Cpu, Reading::Latent),
-        (Backend::Gpu, Reading::Lockstep),
-        (Backend::Gpu, Reading::Latent),
-        (Backend::Gpu, Reading::Resident),
+    for (backend, readback) in [
+        (Backend::Cpu, Readback::Latent),
+        (Backend::Gpu, Readback::Lockstep),
+        (Backend::Gpu, Readback::Latent),
+        (Backend::Gpu, Readback::Resident),
     ] {
-        let mut sim = app(backend, reading);
+        let mut sim = app(backend, readback);
         let bodies = crowd(&mut sim, 40, 3.0);
         sim.step(10);
         let start = Snapshot::take(sim.world());
@@ -416,12 +416,12 @@ fn snapshots(_: &Gpu) {
         let end = Snapshot::take(sim.world());
         assert_ne!(start, end);
         assert_eq!(start.restore(sim.world()), []);
-        assert_eq!(Snapshot::take(sim.world()), start, "{backend:?} {reading:?}");
+        assert_eq!(Snapshot::take(sim.world()), start, "{backend:?} {readback:?}");
         sim.step(10);
         assert_eq!(
             Snapshot::take(sim.world()).bodies().collect::<Vec<_>>(),
             end.bodies().collect::<Vec<_>>(),
-            "{backend:?} {reading:?}"
+            "{backend:?} {readback:?}"
         );
         // What users write after the last step is in it.
         sim.set(bodies[0], Transform::from_xyz(7.0, 7.0, 7.0));
@@ -436,8 +436,8 @@ fn snapshots(_: &Gpu) {
 }
 
 /// A body that flies along x, a metre a step.
-fn flyer(reading: Reading) -> (Sim, Entity) {
-    let mut sim = app(Backend::Gpu, reading);
+fn flyer(readback: Readback) -> (Sim, Entity) {
+    let mut sim = app(Backend::Gpu, readback);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
     (sim, body)
@@ -451,26 +451,26 @@ fn reached(sim: &mut Sim, body: Entity) -> f32 {
 }
 
 fn by_hand(_: &Gpu) {
-    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
-        let (mut sim, body) = flyer(reading);
+    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
+        let (mut sim, body) = flyer(readback);
         sim.step(5);
         sim.world().resource_mut::<Time<Virtual>>().pause();
         for steps in 6..9 {
             sim.world().run_schedule(FaceoffStep);
-            assert_eq!(reached(&mut sim, body), steps as f32, "{reading:?}");
-            assert_eq!(sim.report().in_flight, 0, "{reading:?}");
-            if reading != Reading::Resident {
-                assert_eq!(sim.position(body).x, steps as f32, "{reading:?}");
+            assert_eq!(reached(&mut sim, body), steps as f32, "{readback:?}");
+            assert_eq!(sim.report().in_flight, 0, "{readback:?}");
+            if readback != Readback::Resident {
+                assert_eq!(sim.position(body).x, steps as f32, "{readback:?}");
             }
         }
         sim.world().resource_mut::<Time<Virtual>>().unpause();
         sim.step(LATENCY + 1);
-        assert_eq!(reached(&mut sim, body), (8 + LATENCY + 1) as f32, "{reading:?}");
+        assert_eq!(reached(&mut sim, body), (8 + LATENCY + 1) as f32, "{readback:?}");
     }
 }
 
 fn ready_by_hand(_: &Gpu) {
-    let mut sim = opening(Backend::Gpu, Reading::Latent);
+    let mut sim = opening(Backend::Gpu, Readback::Latent);
     let torus = sim.mesh(&shapes::torus_240());
     let body = sim.spawn(ball_like(&torus, Vec3::ZERO, Vec3::X * 64.0));
     for _ in 0..3000 {
@@ -488,23 +488,23 @@ fn ready_by_hand(_: &Gpu) {
 }
 
 fn paused(_: &Gpu) {
-    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
-        let is_resident = reading == Reading::Resident;
-        let (mut sim, body) = flyer(reading);
+    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
+        let is_resident = readback == Readback::Resident;
+        let (mut sim, body) = flyer(readback);
         let zone = sim.mesh(&shapes::cube(0.5));
         // Entered as the fifth step begins.
         sim.spawn((zone, Transform::from_xyz(4.6, 0.0, 0.0), Sensor));
         sim.step(5);
         sim.world().resource_mut::<Time<Physics>>().pause();
         sim.step(1);
-        assert_eq!(sim.report().in_flight, 0, "{reading:?}");
+        assert_eq!(sim.report().in_flight, 0, "{readback:?}");
         let steps = sim.report().step;
-        assert_eq!(sim.started.len(), usize::from(!is_resident), "{reading:?}");
+        assert_eq!(sim.started.len(), usize::from(!is_resident), "{readback:?}");
         let shown = |sim: &Sim| if is_resident { None } else { Some(sim.position(body).x) };
         let wanted = |x: f32| Some(x).filter(|_| !is_resident);
-        assert_eq!(shown(&sim), wanted(5.0), "{reading:?}");
+        assert_eq!(shown(&sim), wanted(5.0), "{readback:?}");
         sim.step(3);
-        assert_eq!(sim.report().step, steps, "{reading:?}");
+        assert_eq!(sim.report().step, steps, "{readback:?}");
 
         // What waits for the clock is not used up.
         let push = ExternalForces {
@@ -517,20 +517,20 @@ fn paused(_: &Gpu) {
         sim.world().resource_mut::<Time<Physics>>().step_once();
         sim.step(2);
         assert_eq!(sim.get::<ExternalForces>(body), ExternalForces::default());
-        assert_eq!(shown(&sim), wanted(6.0), "{reading:?}");
-        assert_eq!(reached(&mut sim, body), 6.0, "{reading:?}");
+        assert_eq!(shown(&sim), wanted(6.0), "{readback:?}");
+        assert_eq!(reached(&mut sim, body), 6.0, "{readback:?}");
         assert_eq!(sim.report().in_flight, 0);
 
         let mut time = sim.world().resource_mut::<Time<Physics>>();
         time.unpause();
         time.set_relative_speed(0.5);
         sim.step(4);
-        assert_eq!(reached(&mut sim, body), 8.0, "{reading:?}");
+        assert_eq!(reached(&mut sim, body), 8.0, "{readback:?}");
     }
 }
 
 fn restored_poses(_: &Gpu) {
-    let mut sim = app(Backend::Gpu, Reading::Resident);
+    let mut sim = app(Backend::Gpu, Readback::Resident);
     crowd(&mut sim, 5, 3.0);
     sim.step(4);
     let snapshot = Snapshot::take(sim.world());
@@ -588,7 +588,7 @@ fn virtual_paused(_: &Gpu) {
 }
 
 fn sleepers(_: &Gpu) {
-    let mut sim = app(Backend::Gpu, Reading::Resident);
+    let mut sim = app(Backend::Gpu, Readback::Resident);
     sim.app
         .insert_resource(Response::Contacts)
         .insert_resource(Gravity::default());
@@ -606,8 +606,8 @@ fn sleepers(_: &Gpu) {
 
 /// Cubes fall from one place, far from where they end, in three readings.
 fn same_contacts(_: &Gpu) {
-    let mut worlds = [Reading::Lockstep, Reading::Latent, Reading::Resident].map(|reading| {
-        let mut sim = app(Backend::Gpu, reading);
+    let mut worlds = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
+        let mut sim = app(Backend::Gpu, readback);
         sim.app
             .insert_resource(Response::Contacts)
             .insert_resource(Gravity::default());
@@ -636,8 +636,8 @@ fn same_contacts(_: &Gpu) {
 
 /// How many intervals a step needs follows from how fast bodies are, whenever results are read.
 fn kinematic_speed(_: &Gpu) {
-    let intervals = [Reading::Lockstep, Reading::Latent, Reading::Resident].map(|reading| {
-        let mut sim = app(Backend::Gpu, reading);
+    let collision_substeps = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
+        let mut sim = app(Backend::Gpu, readback);
         sim.app.insert_resource(Response::Contacts);
         let cube = sim.mesh(&shapes::cube(0.2));
         sim.spawn(resting(&cube, Vec3::ZERO));
@@ -646,8 +646,8 @@ fn kinematic_speed(_: &Gpu) {
             sim.set(body, (RigidBody::Kinematic, LinearVelocity(Vec3::X * 10.0)));
         }
         sim.step(8);
-        sim.report().intervals
+        sim.report().collision_substeps
     });
     // 10 m/s are 0.16 m a step, a quarter of the thickness is 0.05 m.
-    assert_eq!(intervals, [4; 3]);
+    assert_eq!(collision_substeps, [4; 3]);
 }

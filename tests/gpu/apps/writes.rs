@@ -1,4 +1,4 @@
-//! What users write to components means the same whenever results are read: the table in the docs of `Reading`.
+//! What users write to components means the same whenever results are read: the table in the docs of `Readback`.
 
 use crate::app::{STEP, Sim, ball_like};
 use crate::gpu::Test;
@@ -186,11 +186,11 @@ struct World {
 }
 
 impl World {
-    fn new(backend: Backend, reading: Reading, response: Response) -> Self {
+    fn new(backend: Backend, readback: Readback, response: Response) -> Self {
         let mut sim = Sim::with_step(StepPlugin {
             backend,
             threads: 1,
-            reading,
+            readback,
         });
         sim.app.insert_resource(response).insert_resource(Gravity::default());
         while sim.app.world().resource::<ActiveBackend>().name() == "opening" {
@@ -205,7 +205,7 @@ impl World {
         });
         Self {
             bodies: bodies.collect(),
-            blind: reading == Reading::Resident,
+            blind: readback == Readback::Resident,
             sim,
             mesh,
         }
@@ -259,7 +259,7 @@ fn table_with_contacts(_: &Gpu) {
 }
 
 fn compare(response: Response) {
-    let mut cpu = World::new(Backend::Cpu, Reading::Lockstep, response);
+    let mut cpu = World::new(Backend::Cpu, Readback::Lockstep, response);
     let mut truth = vec![cpu.motions()];
     for step in 0..STEPS {
         cpu.act(step, None);
@@ -267,13 +267,13 @@ fn compare(response: Response) {
         truth.push(cpu.motions());
     }
     let mut wrong = Vec::new();
-    for reading in [Reading::Lockstep, Reading::Latent, Reading::Resident] {
-        let mut world = World::new(Backend::Gpu, reading, response);
+    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
+        let mut world = World::new(Backend::Gpu, readback, response);
         for (step, truth) in truth[..STEPS].iter().enumerate() {
             world.act(step, Some(truth));
             world.sim.step(1);
         }
-        if reading == Reading::Latent {
+        if readback == Readback::Latent {
             world.sim.step(LATENCY);
         }
         for (((name, _), found), wanted) in TABLE.iter().zip(world.motions()).zip(&truth[STEPS]) {
@@ -284,7 +284,7 @@ fn compare(response: Response) {
                 1.0 - found.rotation.dot(wanted.rotation).abs(),
             ];
             if off.iter().any(|&off| off.is_nan() || off > 1.0e-3) {
-                wrong.push(format!("{reading:?}, {name}: {off:?}, {found:?} and not {wanted:?}"));
+                wrong.push(format!("{readback:?}, {name}: {off:?}, {found:?} and not {wanted:?}"));
             }
         }
     }
@@ -294,7 +294,7 @@ fn compare(response: Response) {
 /// Changes are differences to what is seen, two steps late: a body that falls for three steps before that is answered has three
 /// steps' velocity, and is three such steps away.
 fn held_by_changes(_: &Gpu) {
-    let mut world = World::new(Backend::Gpu, Reading::Latent, Response::Impulse);
+    let mut world = World::new(Backend::Gpu, Readback::Latent, Response::Impulse);
     let (body, home) = (world.bodies[0], home(0));
     world
         .sim

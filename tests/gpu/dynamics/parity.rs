@@ -1,9 +1,10 @@
 //! The same scene on both sides.
 
 use super::motion::Motion;
-use crate::world::{World, any_turn, any_vector};
+use crate::world::{World, any_turn};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::{Body, Plane};
+use bevy_faceoff::testing::scenes::any_vector;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
@@ -16,10 +17,10 @@ fn both(scene: impl Fn() -> World) -> [World; 2] {
 
 /// How far apart bodies are on both sides, relative to how large they are, and how much their velocities differ, m/s.
 fn apart([cpu, gpu]: &[World; 2]) -> (f64, f32) {
-    let count = cpu.state.bodies.len();
+    let count = cpu.state.input.bodies.len();
     let mut most = (0.0f64, 0.0f32);
     for i in 0..count {
-        let [a, b] = [cpu, gpu].map(|world| &world.state.bodies);
+        let [a, b] = [cpu, gpu].map(|world| &world.state.input.bodies);
         let size = f64::from(a.radius[i]);
         let turned = 2.0 * (a.rotation[i] * b.rotation[i].dot(a.rotation[i]).signum() - b.rotation[i]).length();
         let moved = cpu.center(i).distance(gpu.center(i)) / size;
@@ -49,12 +50,12 @@ pub fn free() {
         for i in 0..12 {
             let at = Vec3::new(3.0 * i as f32, 2.0, 0.0);
             let mut body = Body {
-                linear_velocity: any_vector(&mut random) * 2.0,
-                angular_velocity: any_vector(&mut random) * 6.0,
+                linear_velocity: any_vector(&mut || random.f32()) * 2.0,
+                angular_velocity: any_vector(&mut || random.f32()) * 6.0,
                 ..Body::at_rest(meshes[i % 3], at, any_turn(&mut random), Vec3::new(0.5, 1.0, 1.3))
             };
-            body.handling.linear_damping = 0.1 * (i % 4) as f32;
-            body.handling.angular_damping = 0.2 * (i % 3) as f32;
+            body.params.linear_damping = 0.1 * (i % 4) as f32;
+            body.params.angular_damping = 0.2 * (i % 3) as f32;
             world.put(&body);
         }
         world
@@ -78,7 +79,7 @@ pub fn single_contact() {
         ("ball on half-space", || {
             let mut world = World::new();
             let ball = world.mesh(&shapes::ball_320());
-            world.state.planes.push(Plane::default());
+            world.state.input.planes.push(Plane::default());
             bouncing(&mut world, ball, Vec3::Y * 0.9, Vec3::X);
             world
         }),
@@ -88,7 +89,7 @@ pub fn single_contact() {
             bouncing(&mut world, ball, Vec3::ZERO, Vec3::X);
             let other = bouncing(&mut world, ball, Vec3::new(1.5, 0.2, 0.1), Vec3::NEG_X);
             // Turned as the first one their points would be equally deep, and the order of such is anybody's.
-            world.state.bodies.rotation[other] = Quat::from_rotation_z(1.1);
+            world.state.input.bodies.rotation[other] = Quat::from_rotation_z(1.1);
             world
         }),
     ];
@@ -165,7 +166,7 @@ pub fn pile() {
         worlds.iter_mut().for_each(World::step);
     }
     let [cpu, gpu] = worlds.each_ref().map(|world| {
-        let count = world.state.bodies.len();
+        let count = world.state.input.bodies.len();
         let heights: Vec<f64> = (1..count).map(|i| world.center(i).y).collect();
         let motion = Motion::of(world);
         let mean = heights.iter().sum::<f64>() / heights.len() as f64;
@@ -174,7 +175,7 @@ pub fn pile() {
             "mean height {mean:.4} m, lowest {lowest:.4} m, kinetic energy {:.2e} J, deepest {:.2e} m, asleep {}",
             motion.kinetic,
             world.deepest(),
-            world.state.asleep.iter().filter(|&&asleep| asleep).count()
+            world.state.results.asleep.iter().filter(|&&asleep| asleep).count()
         );
         (mean, lowest, motion.kinetic, world.deepest())
     });
@@ -199,7 +200,7 @@ pub fn reports() {
             Vec3::X * 1.1,
             Quat::IDENTITY,
         );
-        world.state.planes.push(Plane::default());
+        world.state.input.planes.push(Plane::default());
         let mut random = fastrand::Rng::with_seed(5);
         for i in 0..5 {
             let at = Vec3::new(0.1 * i as f32 - 0.2, 0.6 + 0.8 * i as f32, 0.0);
@@ -212,27 +213,33 @@ pub fn reports() {
     for _ in 0..80 {
         worlds.iter_mut().for_each(World::step);
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
-        assert_eq!(cpu.intervals, gpu.intervals);
-        let bodies = |state: &bevy_faceoff::state::StepState| -> Vec<[u32; 2]> {
-            state.contacts.pairs.iter().map(|pair| pair.bodies).collect()
+        assert_eq!(cpu.results.collision_substeps, gpu.results.collision_substeps);
+        let bodies = |state: &bevy_faceoff::step::StepState| -> Vec<[u32; 2]> {
+            state.results.contacts.pairs.iter().map(|pair| pair.bodies).collect()
         };
         let (of_cpu, of_gpu) = (bodies(cpu), bodies(gpu));
         missed += of_cpu.iter().filter(|pair| !of_gpu.contains(pair)).count();
         missed += of_gpu.iter().filter(|pair| !of_cpu.contains(pair)).count();
         pairs += of_cpu.len();
-        let on_planes = [cpu, gpu].map(|state| state.contacts.planes.len());
+        let on_planes = [cpu, gpu].map(|state| state.results.contacts.planes.len());
         missed += on_planes[0].abs_diff(on_planes[1]);
         planes += on_planes[0];
-        points += gpu.manifolds.points.len();
+        points += gpu.results.manifolds.points.len();
         for (sum, state) in impulses.iter_mut().zip([cpu, gpu]) {
-            *sum += state.contacts.pairs.iter().map(|pair| pair.impulse).sum::<f32>();
+            *sum += state
+                .results
+                .contacts
+                .pairs
+                .iter()
+                .map(|pair| pair.impulse)
+                .sum::<f32>();
         }
         // The device goes on from where the CPU is, so that chaos does not part the two.
-        let poses: Vec<_> = (0..worlds[0].state.bodies.len())
-            .map(|i| worlds[0].state.bodies.motion(i))
+        let poses: Vec<_> = (0..worlds[0].state.input.bodies.len())
+            .map(|i| worlds[0].state.input.bodies.motion(i))
             .collect();
         for (i, motion) in poses.iter().enumerate() {
-            worlds[1].state.bodies.set_motion(i, motion);
+            worlds[1].state.input.bodies.set_motion(i, motion);
         }
         worlds[1].place_frames();
     }

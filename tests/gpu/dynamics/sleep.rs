@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 /// Three cubes on each other, on a floor; they may sleep. Body 0 is the floor.
 fn stack() -> World {
     let mut world = World::new();
-    world.state.config.solver.sleeping = true;
+    world.state.input.config.solver.sleeping = true;
     let cube = world.mesh(&shapes::cube(1.0));
     world.floor(cube);
     for i in 0..3 {
@@ -21,7 +21,7 @@ fn stack() -> World {
 }
 
 fn asleep(world: &World) -> usize {
-    world.state.asleep.iter().filter(|&&asleep| asleep).count()
+    world.state.results.asleep.iter().filter(|&&asleep| asleep).count()
 }
 
 /// Lets all fall asleep; tells after how many steps.
@@ -40,38 +40,38 @@ pub fn falls_asleep_and_wakes() {
     let steps = fall_asleep(&mut world);
     println!("asleep after {steps} steps");
     assert!(steps > 30, "it takes half a second");
-    let before: Vec<_> = (1..4).map(|i| world.state.bodies.motion(i)).collect();
+    let before: Vec<_> = (1..4).map(|i| world.state.input.bodies.motion(i)).collect();
     for _ in 0..20 {
         world.step();
         assert_eq!(asleep(&world), 3);
     }
-    let after: Vec<_> = (1..4).map(|i| world.state.bodies.motion(i)).collect();
+    let after: Vec<_> = (1..4).map(|i| world.state.input.bodies.motion(i)).collect();
     assert_eq!(before, after, "what sleeps does not move by a bit");
-    let points = world.state.manifolds.points.len();
+    let points = world.state.results.manifolds.points.len();
     assert!(points >= 12, "{points} points");
     {
         let mut device = DEVICE.lock().unwrap();
         let device = device.as_mut().unwrap();
-        device.submit(&world.state, &[], Detail::All).unwrap();
+        device.submit(&world.state.input, &[], Detail::All).unwrap();
         let output = device.take().unwrap().unwrap();
         assert_eq!(output.near_triangles, 0, "nobody looks at what sleeps");
         assert_eq!(output.manifolds.points.len(), points, "which keeps its points");
     }
 
-    world.state.bodies.handling[3].forces.impulse = Vec3::X * 0.5;
+    world.state.input.bodies.params[3].forces.impulse = Vec3::X * 0.5;
     world.step();
-    world.state.bodies.handling[3].forces.impulse = Vec3::ZERO;
+    world.state.input.bodies.params[3].forces.impulse = Vec3::ZERO;
     assert_eq!(asleep(&world), 0, "a push wakes the island");
     assert!(world.velocity(3).x > 0.01);
 
     fall_asleep(&mut world);
-    world.state.bodies.handling[2].woken = true;
+    world.state.input.bodies.params[2].woken = true;
     world.step();
-    world.state.bodies.handling[2].woken = false;
+    world.state.input.bodies.params[2].woken = false;
     assert_eq!(asleep(&world), 0, "who is woken wakes the others");
 
     fall_asleep(&mut world);
-    world.state.config.gravity = Vec3::NEG_Y * 5.0;
+    world.state.input.config.gravity = Vec3::NEG_Y * 5.0;
     world.step();
     assert_eq!(asleep(&world), 0, "another gravity wakes all");
 }
@@ -80,12 +80,12 @@ pub fn wakes_when_ground_goes() {
     let mut world = stack();
     fall_asleep(&mut world);
     // The floor stays where it touches, and is another one all the same.
-    world.state.bodies.position[0].x += 0.5;
+    world.state.input.bodies.position[0].x += 0.5;
     world.place_frames();
     world.step();
     assert_eq!(asleep(&world), 0, "a ground that is elsewhere wakes those on it");
     fall_asleep(&mut world);
-    world.state.bodies.position[0].y -= 5.0;
+    world.state.input.bodies.position[0].y -= 5.0;
     world.place_frames();
     for _ in 0..10 {
         world.step();
@@ -97,11 +97,11 @@ pub fn wakes_when_ground_goes() {
 /// Bodies in the middle go, others come: those that stay go on as they were.
 pub fn numbers_change() {
     let mut world = stack();
-    world.state.dynamics.keys = vec![10, 20, 30, 40];
+    world.state.input.keys = vec![10, 20, 30, 40];
     fall_asleep(&mut world);
     // A body far away gets number 1, and all others a higher one.
-    let cube = world.state.bodies.mesh[0];
-    let old = std::mem::take(&mut world.state.bodies);
+    let cube = world.state.input.bodies.mesh[0];
+    let old = std::mem::take(&mut world.state.input.bodies);
     let kinds = [
         RigidBody::Static,
         RigidBody::Dynamic,
@@ -116,11 +116,11 @@ pub fn numbers_change() {
         });
         world.add(kind, cube, scale, at, turn);
     }
-    world.state.dynamics.keys = vec![10, 15, 20, 30, 40];
+    world.state.input.keys = vec![10, 15, 20, 30, 40];
     world.step();
-    assert_eq!(world.state.asleep, [false, false, true, true, true]);
+    assert_eq!(world.state.results.asleep, [false, false, true, true, true]);
     assert!(world.velocity(1).y < 0.0, "the new one falls");
-    assert_eq!(world.state.bodies.position[4], old.position[3]);
+    assert_eq!(world.state.input.bodies.position[4], old.position[3]);
 }
 
 /// A mesh whose centre of mass is not its origin, in another size from one step to the next.
@@ -135,8 +135,8 @@ pub fn sizes_change() {
     };
     world.put(&body);
     world.step();
-    let then = world.state.bodies.motion(0);
-    world.state.bodies.clear();
+    let then = world.state.input.bodies.motion(0);
+    world.state.input.bodies.clear();
     world.put(&Body {
         position: then.position,
         rotation: then.rotation,
@@ -146,6 +146,6 @@ pub fn sizes_change() {
     });
     world.step();
     let wanted = then.position + Vec3::Y / 64.0;
-    let position = world.state.bodies.position[0];
+    let position = world.state.input.bodies.position[0];
     assert!(position.distance(wanted) < 1.0e-6, "{position}, not {wanted}");
 }

@@ -5,7 +5,7 @@ use crate::oracle::body::Body;
 use crate::oracle::product::Product;
 use bevy_faceoff::manifolds::MarginPair;
 use bevy_faceoff::queries::touching;
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use glam::DVec3;
 
 /// Moves the second along `way`, from `start` on, until it overlaps the first by `overlap`; negative for a gap. Nothing if

@@ -9,7 +9,7 @@ use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::{Manifolds, MarginPair};
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::StepError;
 use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use glam::{DVec3, Quat, Vec3};
@@ -51,7 +51,7 @@ pub fn a_margin_around_everything(gpu: &Gpu) {
         bodies: [0, 1],
         margin: f32::INFINITY,
     }];
-    match GpuManifolds::new(gpu).unwrap().run(&state, &pairs) {
+    match GpuManifolds::new(gpu).unwrap().run(&state.input, &pairs) {
         Ok(found) => assert_eq!(found.pairs.len(), 1),
         Err(error) => assert_eq!(error, StepError::CutShort),
     }

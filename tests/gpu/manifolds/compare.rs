@@ -4,7 +4,7 @@ use super::scene::require_sane;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::cpu::planes;
 use bevy_faceoff::manifolds::{ManifoldPoint, Manifolds, MarginPair, cpu};
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use std::collections::BTreeMap;
 
@@ -43,18 +43,18 @@ impl Agreement {
 pub fn on_cpu(state: &StepState, pairs: &[MarginPair]) -> Manifolds {
     let mut found = Manifolds::default();
     cpu::run(
-        &state.bodies,
-        &state.meshes,
+        &state.input.bodies,
+        &state.input.meshes,
         pairs,
         &mut cpu::Scratch::default(),
         &mut found,
     );
     let mut scratch = planes::Scratch::default();
     planes::find(
-        &state.bodies,
-        &state.meshes,
-        &state.planes,
-        &state.config,
+        &state.input.bodies,
+        &state.input.meshes,
+        &state.input.planes,
+        &state.input.config,
         |_| true,
         &mut scratch,
         &mut found,
@@ -75,7 +75,7 @@ pub fn on_cpu(state: &StepState, pairs: &[MarginPair]) -> Manifolds {
 /// What the device finds.
 pub fn on_gpu(gpu: &Gpu, state: &StepState, pairs: &[MarginPair]) -> Manifolds {
     let mut run = GpuManifolds::new(gpu).expect("the kernels compile");
-    let found = run.run(state, pairs).expect("the device does it");
+    let found = run.run(&state.input, pairs).expect("the device does it");
     require_sane(&found);
     assert!(found.pairs.is_sorted_by(|p, q| p.bodies < q.bodies));
     found
@@ -85,11 +85,11 @@ pub fn on_gpu(gpu: &Gpu, state: &StepState, pairs: &[MarginPair]) -> Manifolds {
 fn size(state: &StepState, bodies: [u32; 2]) -> f32 {
     let of = |body: u32| {
         let i = body as usize;
-        if i >= state.bodies.len() {
+        if i >= state.input.bodies.len() {
             return f32::INFINITY;
         }
-        let aabb = state.meshes[state.bodies.mesh[i]].lanes.aabb;
-        ((aabb.max - aabb.min) * state.bodies.scale[i].abs()).max_element()
+        let aabb = state.input.meshes[state.input.bodies.mesh[i]].lanes.aabb;
+        ((aabb.max - aabb.min) * state.input.bodies.scale[i].abs()).max_element()
     };
     of(bodies[0]).min(of(bodies[1]))
 }

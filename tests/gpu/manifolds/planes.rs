@@ -9,7 +9,8 @@ use crate::oracle::rng::Rng;
 use crate::oracle::shapes::Shapes;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::state::{Plane, StepState};
+use bevy_faceoff::state::Plane;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 
@@ -35,14 +36,14 @@ fn bodies_on_planes(rng: &mut Rng, count: usize) -> StepState {
         .collect();
     let mut state = state(&product, &bodies.iter().collect::<Vec<_>>());
     for i in 0..count {
-        state.bodies.linear_velocity[i] = rng.in_ball(3.0).as_vec3();
-        state.bodies.angular_velocity[i] = rng.in_ball(3.0).as_vec3();
+        state.input.bodies.linear_velocity[i] = rng.in_ball(3.0).as_vec3();
+        state.input.bodies.angular_velocity[i] = rng.in_ball(3.0).as_vec3();
         if i % 11 == 5 {
-            state.bodies.kind[i] = RigidBody::Static;
+            state.input.bodies.kind[i] = RigidBody::Static;
         }
-        state.bodies.sensor[i] = i % 13 == 7;
+        state.input.bodies.sensor[i] = i % 13 == 7;
     }
-    state.planes = vec![
+    state.input.planes = vec![
         plane(Vec3::Z, 0.0),
         plane(Vec3::new(0.3, 0.2, 1.0), -1.0),
         plane(-Vec3::X, -4.8),
@@ -75,10 +76,10 @@ pub fn round_ones(gpu: &Gpu) {
         })
         .collect();
     let mut state = state(&Product::default(), &bodies.iter().collect::<Vec<_>>());
-    for velocity in &mut state.bodies.linear_velocity {
+    for velocity in &mut state.input.bodies.linear_velocity {
         *velocity = rng.in_ball(3.0).as_vec3();
     }
-    state.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::new(0.1, 0.2, 1.0), 0.0)];
+    state.input.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::new(0.1, 0.2, 1.0), 0.0)];
     require("round ones", gpu, &state, &[], 0, 0.01);
     let found = on_cpu(&state, &[]);
     assert!(found.points.iter().any(|p| p.roundness[0] > 0.0));
@@ -96,7 +97,7 @@ pub fn among_pairs(gpu: &Gpu) {
         })
         .collect();
     let (mut state, pairs) = scene(&Product::default(), &cases);
-    state.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::Y, -0.4)];
+    state.input.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::Y, -0.4)];
     require("among pairs", gpu, &state, &pairs, 0, 0.01);
     let [wanted, found] = [on_cpu(&state, &pairs), on_gpu(gpu, &state, &pairs)];
     let bodies =

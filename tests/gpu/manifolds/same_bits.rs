@@ -4,9 +4,10 @@ use crate::oracle::rng::Rng;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::manifolds::gpu::ContactSizes;
+use bevy_faceoff::manifolds::gpu::ContactCapacity;
 use bevy_faceoff::manifolds::{Manifolds, MarginPair};
-use bevy_faceoff::state::{Body, Plane, StepState};
+use bevy_faceoff::state::{Body, Plane};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use glam::Vec3;
 
@@ -14,14 +15,14 @@ use glam::Vec3;
 fn heap() -> (StepState, Vec<MarginPair>) {
     let mut state = StepState::default();
     let slots = [shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]
-        .map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
+        .map(|mesh| state.input.meshes.add(CollisionMesh::new(&mesh)));
     let mut rng = Rng::new(16, 0);
     for i in 0..40 {
         let at = rng.in_ball(1.4).as_vec3();
         let body = Body::at_rest(slots[i % 3], at, rng.rotation(), Vec3::ONE);
-        state.bodies.push(&body, &state.meshes).unwrap();
+        state.input.bodies.push(&body, &state.input.meshes).unwrap();
     }
-    state.planes.push(Plane {
+    state.input.planes.push(Plane {
         normal: Vec3::Y,
         distance: -1.0,
         restitution: 0.0,
@@ -39,18 +40,21 @@ fn bits(manifolds: &Manifolds) -> String {
 pub fn twice_and_with_little_room(gpu: &Gpu) {
     let (state, pairs) = heap();
     let mut run = GpuManifolds::new(gpu).unwrap();
-    let first = run.run(&state, &pairs).unwrap();
+    let first = run.run(&state.input, &pairs).unwrap();
     assert!(first.pairs.len() > 100, "{}", first.pairs.len());
     for _ in 0..3 {
-        let again = run.run(&state, &pairs).unwrap();
+        let again = run.run(&state.input, &pairs).unwrap();
         assert_eq!(bits(&again), bits(&first));
     }
-    let mut small = GpuManifolds::with_room(gpu, ContactSizes::default()).unwrap();
-    let grown = small.run(&state, &pairs).unwrap();
+    let mut small = GpuManifolds::with_room(gpu, ContactCapacity::default()).unwrap();
+    let grown = small.run(&state.input, &pairs).unwrap();
     assert_eq!(bits(&grown), bits(&first));
     assert!(small.repeats() > 2, "{}", small.repeats());
     // What is left from a larger run does not matter.
-    let few = run.run(&state, &pairs[..100]).unwrap();
-    let alone = GpuManifolds::new(gpu).unwrap().run(&state, &pairs[..100]).unwrap();
+    let few = run.run(&state.input, &pairs[..100]).unwrap();
+    let alone = GpuManifolds::new(gpu)
+        .unwrap()
+        .run(&state.input, &pairs[..100])
+        .unwrap();
     assert_eq!(bits(&few), bits(&alone));
 }

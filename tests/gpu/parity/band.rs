@@ -6,7 +6,8 @@ use super::scene::Scene;
 use crate::oracle::body::World;
 use crate::oracle::margin::{margin, point_to_triangle};
 use crate::oracle::tritri::meet;
-use bevy_faceoff::state::{Frame, StepState};
+use bevy_faceoff::state::Frame;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use glam::{DMat3, DVec3};
 use std::cell::RefCell;
@@ -56,12 +57,12 @@ impl<'s> Oracle<'s> {
 
     fn size(&self, pair: [u32; 2]) -> f64 {
         pair.iter()
-            .map(|&i| f64::from(self.state.bodies.radius[i as usize]))
+            .map(|&i| f64::from(self.state.input.bodies.radius[i as usize]))
             .sum()
     }
 
     fn frame(&self, i: u32) -> &Frame {
-        &self.state.bodies.frame[i as usize]
+        &self.state.input.bodies.frame[i as usize]
     }
 
     fn apart(&self, [a, b]: [u32; 2]) -> DVec3 {

@@ -7,7 +7,8 @@ use crate::oracle::rng::Rng;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::buffers::Sizes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::state::{Body, StepState};
+use bevy_faceoff::state::Body;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::GpuStep;
 use bevy_faceoff::types::settings::Culling;
 use glam::Vec3;
@@ -67,7 +68,7 @@ impl Churn {
         match self.rng.below(8) {
             0 if self.slots.iter().filter(|slot| slot.1).count() < MESHES => {
                 let shape = self.known[self.rng.below(self.known.len())].clone();
-                let slot = self.state.meshes.add(shape.baked.clone()) as usize;
+                let slot = self.state.input.meshes.add(shape.baked.clone()) as usize;
                 self.slots
                     .resize((slot + 1).max(self.slots.len()), (shape.clone(), false));
                 self.slots[slot] = (shape, true);
@@ -75,13 +76,13 @@ impl Churn {
             1 if self.slots.iter().any(|slot| slot.1) => {
                 let slot = self.rng.below(self.slots.len());
                 self.bodies.retain(|body| body.mesh as usize != slot);
-                self.state.meshes.remove(slot as u32);
+                self.state.input.meshes.remove(slot as u32);
                 self.slots[slot].1 = false;
             }
             2 if !self.slots.is_empty() => {
                 let slot = self.rng.below(self.slots.len());
                 let shape = self.known[self.rng.below(self.known.len())].clone();
-                self.state.meshes.replace(slot as u32, shape.baked.clone());
+                self.state.input.meshes.replace(slot as u32, shape.baked.clone());
                 self.slots[slot] = (shape, true);
             }
             3 if !self.bodies.is_empty() => {
@@ -131,6 +132,7 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
         assert!(
             churn
                 .state
+                .results
                 .contacts
                 .pairs
                 .iter()
@@ -139,7 +141,7 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
         if number % COMPARED == 0 {
             // The same meshes in the same slots.
             let mut cpu = StepState::default();
-            cpu.meshes = std::mem::take(&mut churn.state.meshes);
+            cpu.input.meshes = std::mem::take(&mut churn.state.input.meshes);
             scene.fill(&mut cpu);
             step_on_cpu(&mut cpu);
             let oracle = Oracle::new(&scene, &cpu);
@@ -148,7 +150,7 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
             tally.failures = tally.failures.iter().map(named).collect();
             all.add(tally);
             compared += 1;
-            churn.state.meshes = cpu.meshes;
+            churn.state.input.meshes = cpu.input.meshes;
         }
         scene.take(&churn.state);
         churn.bodies = scene.bodies;

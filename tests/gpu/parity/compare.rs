@@ -2,7 +2,8 @@
 
 use super::band::Oracle;
 use super::scene::Scene;
-use bevy_faceoff::state::{StepState, TouchingPair};
+use bevy_faceoff::state::PairContact;
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -112,26 +113,33 @@ pub struct Found {
 
 /// What a side found of each pair.
 pub fn found(state: &StepState) -> BTreeMap<[u32; 2], Found> {
-    let of_pair = |pair: &TouchingPair| {
-        let mut faces: Vec<_> = state.contacts.faces_of(pair).iter().map(|f| [f.a, f.b]).collect();
+    let of_pair = |pair: &PairContact| {
+        let mut faces: Vec<_> = state
+            .results
+            .contacts
+            .faces_of(pair)
+            .iter()
+            .map(|f| [f.a, f.b])
+            .collect();
         faces.sort_unstable();
         let contained = pair.contained;
         (pair.bodies, Found { faces, contained })
     };
-    state.contacts.pairs.iter().map(of_pair).collect()
+    state.results.contacts.pairs.iter().map(of_pair).collect()
 }
 
 /// Compares one step of a scene. Also tells the pairs on which both agree.
 pub fn compare(scene: &Scene, cpu: &StepState, gpu: &StepState, oracle: &Oracle) -> (Tally, BTreeSet<[u32; 2]>) {
     let mut tally = Tally {
-        spheres: cpu.sphere_pairs.len(),
-        touching: cpu.contacts.pairs.len(),
-        faces: cpu.contacts.faces.len(),
-        contained: cpu.contacts.pairs.iter().filter(|pair| pair.contained).count(),
+        spheres: cpu.results.sphere_pairs.len(),
+        touching: cpu.results.contacts.pairs.len(),
+        faces: cpu.results.contacts.faces.len(),
+        contained: cpu.results.contacts.pairs.iter().filter(|pair| pair.contained).count(),
         ..Default::default()
     };
     form(gpu, &mut tally);
-    let [of_cpu, of_gpu]: [BTreeSet<_>; 2] = [cpu, gpu].map(|state| state.sphere_pairs.iter().copied().collect());
+    let [of_cpu, of_gpu]: [BTreeSet<_>; 2] =
+        [cpu, gpu].map(|state| state.results.sphere_pairs.iter().copied().collect());
     for &pair in of_cpu.symmetric_difference(&of_gpu) {
         if oracle.spheres_in_band(pair) {
             tally.spheres_excused += 1;
@@ -199,8 +207,9 @@ fn compare_pair(tally: &mut Tally, oracle: &Oracle, pair: [u32; 2], cpu: &Found,
 
 /// What must hold of every answer, whatever it is.
 fn form(gpu: &StepState, tally: &mut Tally) {
-    let contacts = &gpu.contacts;
-    if !contacts.pairs.is_sorted_by(|p, q| p.bodies < q.bodies) || !gpu.sphere_pairs.is_sorted_by(|p, q| p < q) {
+    let contacts = &gpu.results.contacts;
+    if !contacts.pairs.is_sorted_by(|p, q| p.bodies < q.bodies) || !gpu.results.sphere_pairs.is_sorted_by(|p, q| p < q)
+    {
         tally.failures.push("pairs out of order or twice".into());
     }
     let mut next = 0;

@@ -1,7 +1,7 @@
 //! Contacts, half-spaces and the bodies after the step, where both sides found the same faces.
 
 use super::scene::Scene;
-use bevy_faceoff::state::StepState;
+use bevy_faceoff::step::StepState;
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -80,18 +80,19 @@ pub fn differences(scene: &Scene, cpu: &StepState, gpu: &StepState, agreed: &BTr
     // Bodies whose contacts differ; and neighbours of such, since a body's share of mass depends on its contacts.
     let mut unlike: BTreeSet<u32> = BTreeSet::new();
     let of_gpu: BTreeMap<_, _> = gpu
+        .results
         .contacts
         .pairs
         .iter()
         .map(|pair| (pair.bodies, pair.contact))
         .collect();
-    for pair in &cpu.contacts.pairs {
+    for pair in &cpu.results.contacts.pairs {
         if !agreed.contains(&pair.bodies) {
             unlike.extend(pair.bodies);
             continue;
         }
         let (on_cpu, on_gpu) = (pair.contact, of_gpu[&pair.bodies]);
-        let size: f32 = pair.bodies.iter().map(|&i| cpu.bodies.radius[i as usize]).sum();
+        let size: f32 = pair.bodies.iter().map(|&i| cpu.input.bodies.radius[i as usize]).sum();
         let coarse = f32::EPSILON * on_cpu.point.abs().max_element();
         let point = (on_cpu.point.distance(on_gpu.point) - 2.0 * coarse).max(0.0) / size;
         let normal = on_cpu.normal.distance(on_gpu.normal);
@@ -106,7 +107,7 @@ pub fn differences(scene: &Scene, cpu: &StepState, gpu: &StepState, agreed: &BTr
     }
     unlike.extend(of_gpu.keys().filter(|pair| !agreed.contains(*pair)).flatten());
     planes(scene, cpu, gpu, &mut d, &mut unlike);
-    let neighbours: BTreeSet<u32> = (cpu.contacts.pairs.iter())
+    let neighbours: BTreeSet<u32> = (cpu.results.contacts.pairs.iter())
         .filter(|pair| pair.bodies.iter().any(|i| unlike.contains(i)))
         .flat_map(|pair| pair.bodies)
         .chain(unlike.iter().copied())
@@ -117,15 +118,15 @@ pub fn differences(scene: &Scene, cpu: &StepState, gpu: &StepState, agreed: &BTr
 
 fn planes(scene: &Scene, cpu: &StepState, gpu: &StepState, d: &mut Differences, unlike: &mut BTreeSet<u32>) {
     let of = |state: &StepState| -> BTreeMap<_, _> {
-        let contacts = state.contacts.planes.iter();
+        let contacts = state.results.contacts.planes.iter();
         contacts.map(|c| ((c.body, c.plane), (c.depth, c.point))).collect()
     };
     let (of_cpu, of_gpu) = (of(cpu), of(gpu));
     let both: BTreeSet<_> = of_cpu.keys().chain(of_gpu.keys()).copied().collect();
     d.planes += of_cpu.len();
     for key in both {
-        let radius = cpu.bodies.radius[key.0 as usize];
-        let far = cpu.bodies.center[key.0 as usize].abs().max_element();
+        let radius = cpu.input.bodies.radius[key.0 as usize];
+        let far = cpu.input.bodies.center[key.0 as usize].abs().max_element();
         let band = 1.0e-5 * radius + 4.0 * f32::EPSILON * (far + scene.planes[key.1 as usize].distance.abs());
         let [on_cpu, on_gpu] = [&of_cpu, &of_gpu].map(|side| side.get(&key).copied());
         let [(depth, point), (other_depth, other_point)] = [on_cpu, on_gpu].map(|c| c.unwrap_or((0.0, Vec3::NAN)));
@@ -153,8 +154,8 @@ fn planes(scene: &Scene, cpu: &StepState, gpu: &StepState, d: &mut Differences, 
 fn bodies(scene: &Scene, cpu: &StepState, gpu: &StepState, unlike: &BTreeSet<u32>, d: &mut Differences) {
     let dt = scene.config.dt;
     let fastest = |of: &dyn Fn(usize) -> Vec3| (0..scene.bodies.len()).map(|i| of(i).length()).fold(1.0e-9, f32::max);
-    let speed = fastest(&|i| cpu.bodies.linear_velocity[i]);
-    let (c, g) = (&cpu.bodies, &gpu.bodies);
+    let speed = fastest(&|i| cpu.input.bodies.linear_velocity[i]);
+    let (c, g) = (&cpu.input.bodies, &gpu.input.bodies);
     for i in (0..scene.bodies.len()).filter(|i| !unlike.contains(&(*i as u32))) {
         d.bodies += 1;
         let radius = c.radius[i];

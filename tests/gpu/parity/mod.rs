@@ -5,6 +5,7 @@ mod churn;
 mod compare;
 mod contacts;
 mod inputs;
+mod overflow;
 mod pairs;
 mod same_bits;
 mod scene;
@@ -16,17 +17,17 @@ use crate::gpu::Test;
 pub const TESTS: &[Test] = &[
     ("same_as_on_the_cpu", pairs::same_as_on_the_cpu),
     ("bits_do_not_depend_on_room", same_bits::again_and_with_other_room),
-    ("growing_lists_change_nothing", same_bits::growing_lists_change_nothing),
+    ("growing_lists_change_nothing", overflow::growing_lists_change_nothing),
     ("fifty_steps_without_response", steps::fifty_steps_without_response),
     ("bodies_and_meshes_come_and_go", churn::bodies_and_meshes_come_and_go),
     ("meshes_of_any_size", inputs::meshes_of_any_size),
     ("none_and_one_of_everything", inputs::none_and_one_of_everything),
     (
         "too_many_places_are_found_or_an_error",
-        inputs::too_many_places_are_found_or_an_error,
+        overflow::too_many_places_are_found_or_an_error,
     ),
     (
         "too_much_is_an_error_that_leaves_no_trace",
-        inputs::too_much_is_an_error_that_leaves_no_trace,
+        overflow::too_much_is_an_error_that_leaves_no_trace,
     ),
 ];

@@ -4,7 +4,8 @@ use crate::oracle::body::{self, Mesh, World};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::projection::{BakeSettings, Progress, bake_pool};
-use bevy_faceoff::state::{Body, Plane, StepConfig, StepState};
+use bevy_faceoff::state::{Body, Plane, StepConfig};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::step::gpu::GpuStep;
 use bevy_faceoff::types::stage::Stage;
 use std::sync::Arc;
@@ -52,7 +53,7 @@ impl Scene {
     pub fn state(&self) -> StepState {
         let mut state = StepState::default();
         for shape in &self.shapes {
-            state.meshes.add(shape.baked.clone());
+            state.input.meshes.add(shape.baked.clone());
         }
         self.fill(&mut state);
         state
@@ -60,21 +61,21 @@ impl Scene {
 
     /// Bodies anew into a state that knows the meshes, as a caller does every step.
     pub fn fill(&self, state: &mut StepState) {
-        state.config = self.config;
-        state.planes.clone_from(&self.planes);
-        state.bodies.clear();
+        state.input.config = self.config;
+        state.input.planes.clone_from(&self.planes);
+        state.input.bodies.clear();
         for body in &self.bodies {
-            state.bodies.push(body, &state.meshes).expect("a good body");
+            state.input.bodies.push(body, &state.input.meshes).expect("a good body");
         }
     }
 
     /// Takes the bodies' new poses and velocities.
     pub fn take(&mut self, state: &StepState) {
         for (i, body) in self.bodies.iter_mut().enumerate() {
-            body.position = state.bodies.position[i];
-            body.rotation = state.bodies.rotation[i];
-            body.linear_velocity = state.bodies.linear_velocity[i];
-            body.angular_velocity = state.bodies.angular_velocity[i];
+            body.position = state.input.bodies.position[i];
+            body.rotation = state.input.bodies.rotation[i];
+            body.linear_velocity = state.input.bodies.linear_velocity[i];
+            body.angular_velocity = state.input.bodies.angular_velocity[i];
         }
     }
 

@@ -43,7 +43,7 @@ pub fn fifty_steps_without_response(gpu: &Gpu) {
     let mut last = Vec::new();
     for number in 0..STEPS {
         let (cpu, gpu) = (scene.on_cpu(), on_device.on_gpu(&mut step));
-        let far = |i: usize| drift(&scene.bodies[i], &on_device.bodies[i], cpu.bodies.radius[i]);
+        let far = |i: usize| drift(&scene.bodies[i], &on_device.bodies[i], cpu.input.bodies.radius[i]);
         let drift = (0..BODIES).map(far).fold(0.0, f64::max);
         worst = worst.max(drift);
         let mut oracle = Oracle::new(&scene, &cpu);
@@ -52,7 +52,7 @@ pub fn fifty_steps_without_response(gpu: &Gpu) {
         let named = |text: &String| format!("step {number}: {text}");
         tally.failures = tally.failures.iter().map(named).collect();
         all.add(tally);
-        let touching: Vec<_> = cpu.contacts.pairs.iter().map(|pair| pair.bodies).collect();
+        let touching: Vec<_> = cpu.results.contacts.pairs.iter().map(|pair| pair.bodies).collect();
         changes += usize::from(touching != last);
         last = touching;
         scene.take(&cpu);

@@ -7,7 +7,8 @@ use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::cpu::planes;
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair, cpu};
 use bevy_faceoff::solver::{Interval, Solver, SolverBodies, WarmStart};
-use bevy_faceoff::state::{Body, Plane, StepConfig, StepState};
+use bevy_faceoff::state::{Body, Plane, StepConfig, StepInput};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
@@ -20,39 +21,39 @@ struct Scene {
 /// Rings, cubes and balls over a floor, nearly touching.
 fn pile() -> Scene {
     let mut state = StepState::default();
-    state.planes.push(Plane {
+    state.input.planes.push(Plane {
         normal: Vec3::Y,
         distance: 0.0,
         restitution: 0.0,
         ..Plane::default()
     });
-    state.config = StepConfig {
+    state.input.config = StepConfig {
         gravity: Vec3::NEG_Y * 9.81,
-        ..state.config
+        ..state.input.config
     };
     let slots = [shapes::torus_240(), shapes::cube(0.6), shapes::ball(0.4, 2)]
-        .map(|mesh| state.meshes.add(CollisionMesh::new(&mesh)));
+        .map(|mesh| state.input.meshes.add(CollisionMesh::new(&mesh)));
     for i in 0..9 {
         let at = Vec3::new(0.3 * (i % 2) as f32, 1.0 + 1.1 * i as f32, 0.2 * (i % 3) as f32);
         let rotation = Quat::from_scaled_axis(Vec3::new(0.5, 0.2 * i as f32, 0.9));
         let body = Body::at_rest(slots[i % 3], at, rotation, Vec3::ONE);
-        state.bodies.push(&body, &state.meshes).unwrap();
+        state.input.bodies.push(&body, &state.input.meshes).unwrap();
     }
-    let keys: Vec<u64> = (0..state.bodies.len() as u64).collect();
+    let keys: Vec<u64> = (0..state.input.bodies.len() as u64).collect();
     let mut bodies = SolverBodies::default();
-    bodies.read(&state.bodies, &state.planes, &keys);
+    bodies.read(&state.input.bodies, &state.input.planes, &keys);
     Scene { state, bodies }
 }
 
 impl Scene {
     fn manifolds(&self) -> Manifolds {
-        let StepState {
+        let StepInput {
             bodies,
             meshes,
             planes,
             config,
             ..
-        } = &self.state;
+        } = &self.state.input;
         let [mut on_planes, mut on_meshes] = [Manifolds::default(), Manifolds::default()];
         planes::find(
             bodies,
@@ -74,7 +75,8 @@ impl Scene {
 
     /// Lets contact generation know where the bodies are.
     fn place(&mut self) {
-        self.bodies.write(&mut self.state.bodies, &self.state.meshes);
+        self.bodies
+            .write(&mut self.state.input.bodies, &self.state.input.meshes);
     }
 }
 
@@ -106,9 +108,9 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
     let mut on_device = GpuSolver::new(gpu).unwrap();
     on_device.put_bodies(&other.bodies).unwrap();
     let interval = Interval {
-        dt: one.state.config.dt,
+        dt: one.state.input.config.dt,
         substeps: settings.substeps,
-        gravity: one.state.config.gravity,
+        gravity: one.state.input.config.gravity,
     };
     let mut most = 0;
     for step in 0..128 {

@@ -42,11 +42,11 @@ impl Twin {
         for _ in 0..count {
             let world = &mut self.world;
             let detections = world.detections.unwrap_or_else(|| {
-                Speeds::of(&world.bodies, |_| false).detections(&world.settings, &world.bodies, world.dt)
+                Speeds::of(&world.bodies, |_| false).collision_substeps(&world.settings, &world.bodies, world.dt)
             });
             let interval = Interval {
                 dt: world.dt / detections as f32,
-                substeps: world.settings.substeps_per_detection(detections),
+                substeps: world.settings.substeps_per_collision_substep(detections),
                 gravity: world.gravity,
             };
             for _ in 0..detections {

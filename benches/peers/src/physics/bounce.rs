@@ -1,9 +1,9 @@
 //! Impacts of balls: outgoing speeds by Newton's law, averaged over how the balls are turned.
 
-use super::scene::{Body, Scene, Shape};
 use super::world::{Engine, Run};
-use super::{Case, HZ, any_turn};
-use bevy::math::{DVec3, Quat, Vec3};
+use super::{Case, HZ};
+use bevy::math::{DVec3, Vec3};
+use bevy_faceoff::testing::scenes::flight;
 
 const RADIUS: f64 = 0.5;
 
@@ -31,16 +31,7 @@ fn on_wall(restitution: f32, degrees: f32, turns: usize) -> Case {
     let velocity = 3.0 * Vec3::new(angle.sin(), -angle.cos(), 0.0);
     let scenes = move |_| {
         let mut random = fastrand::Rng::with_seed(8);
-        let scene = |_| {
-            let mut scene = Scene::new(false);
-            // Not always at the same moment of a step.
-            let at = Vec3::Y * (1.0 + 0.05 * random.f32());
-            let ball = scene.add(smooth(at, any_turn(&mut random), restitution));
-            ball.velocity = velocity;
-            let wall = scene.floor(Vec3::new(20.0, 1.0, 20.0), Quat::IDENTITY);
-            (wall.friction, wall.restitution) = (0.0, restitution);
-            scene
-        };
+        let scene = |_| flight::ball_on_wall(velocity, restitution, &mut || random.f32());
         (0..turns).map(scene).collect()
     };
     let judge = move |runs: &[Run]| {
@@ -62,15 +53,7 @@ fn on_ball(restitution: f32, sideways: f32, turns: usize) -> Case {
     let speeds = [Vec3::X * 2.0, Vec3::X * -1.0];
     let scenes = move |_| {
         let mut random = fastrand::Rng::with_seed(7);
-        let scene = |_| {
-            let mut scene = Scene::new(false);
-            for (k, velocity) in speeds.into_iter().enumerate() {
-                let at = Vec3::new([-1.0 - 0.05 * random.f32(), 1.0][k], [0.0, sideways][k], 0.0);
-                let ball = scene.add(smooth(at, any_turn(&mut random), restitution));
-                ball.velocity = velocity;
-            }
-            scene
-        };
+        let scene = |_| flight::ball_on_ball(speeds, sideways, restitution, &mut || random.f32());
         (0..turns).map(scene).collect()
     };
     let judge = move |runs: &[Run]| {
@@ -88,15 +71,6 @@ fn on_ball(restitution: f32, sideways: f32, turns: usize) -> Case {
         other: Some(Engine::Primitives),
         scenes: Box::new(scenes),
         judge: Box::new(judge),
-    }
-}
-
-/// A ball without friction.
-fn smooth(at: Vec3, turn: Quat, restitution: f32) -> Body {
-    Body {
-        friction: 0.0,
-        restitution,
-        ..Body::new(Shape::Ball, at, turn)
     }
 }
 

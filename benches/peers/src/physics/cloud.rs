@@ -1,10 +1,11 @@
 //! Knots that fly into each other, with nothing outside: what they keep.
 
-use super::motion::{Motion, masses};
-use super::scene::{Body, Scene, Shape};
+use super::Case;
+use super::mass::masses;
+use super::motion::Motion;
 use super::world::{Engine, Run};
-use super::{Case, any_turn, any_vector};
-use bevy::math::Vec3;
+use bevy_faceoff::testing::scenes::{Scene, flight};
+use bevy_faceoff::types::material::Friction;
 
 /// `count` knots of restitution 1, with friction and without.
 pub fn cases(count: usize) -> Vec<Case> {
@@ -22,19 +23,10 @@ pub fn cases(count: usize) -> Vec<Case> {
 
 /// Knots that fly inward and past each other.
 fn cloud(count: usize, friction: f32) -> Scene {
-    let mut scene = Scene::new(false);
     let mut random = fastrand::Rng::with_seed(11);
-    let side = (count as f32).cbrt().ceil() as usize;
-    for i in 0..count {
-        let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
-        let at = 1.05 * (cell - 0.5 * (side - 1) as f32);
-        // All differ: identical ones in a lattice would meet in ways that cancel out.
-        let knot = scene.add(Body::new(Shape::Knot, at, any_turn(&mut random)));
-        knot.velocity = -0.5 * at + any_vector(&mut random) * 1.5;
-        knot.spin = any_vector(&mut random) * 3.0;
-        (knot.restitution, knot.friction) = (1.0, friction);
-    }
-    scene
+    flight::cloud(count, &mut || random.f32(), |knot, _| {
+        (knot.restitution, knot.friction) = (1.0, Friction::new(friction));
+    })
 }
 
 fn judge(runs: &[Run]) -> String {

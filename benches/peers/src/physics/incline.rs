@@ -1,9 +1,10 @@
 //! What happens on a slope: Coulomb's law, and rolling.
 
-use super::scene::{Body, Scene, Shape};
 use super::world::{Engine, Run};
-use super::{Case, HZ, any_turn, mean};
+use super::{Case, HZ, mean};
 use bevy::math::{DVec3, Quat, Vec3};
+use bevy_faceoff::testing::scenes::incline::slope;
+use bevy_faceoff::testing::scenes::{Body, Scene, Shape, any_turn};
 use std::f32::consts::FRAC_PI_2;
 
 const GRAVITY: f64 = 9.81;
@@ -19,19 +20,11 @@ pub fn cases(turns: usize) -> Vec<Case> {
     cases
 }
 
-/// A big static box whose top leads down along x, through the origin.
-fn slope(degrees: f64) -> (Scene, Quat) {
-    let turn = Quat::from_rotation_z(-degrees.to_radians() as f32);
-    let mut scene = Scene::new(true);
-    scene.floor(Vec3::new(80.0, 1.0, 20.0), turn);
-    (scene, turn)
-}
-
 /// Cubes of edge 1 that lie on it, askew, `turns` of them on slopes of their own.
 fn cubes(degrees: f64, turns: usize, gap: f32) -> Vec<Scene> {
     let mut random = fastrand::Rng::with_seed(10);
     let scene = |_| {
-        let (mut scene, turn) = slope(degrees);
+        let (mut scene, turn) = slope(degrees.to_radians());
         let [x, z] = std::array::from_fn(|_| 2.0 * random.f32() - 1.0);
         let at = turn * Vec3::new(x, 0.5 + gap * 3.0f32.sqrt(), z);
         let askew = Quat::from_rotation_y(FRAC_PI_2 * random.f32());
@@ -87,9 +80,9 @@ fn rolls(degrees: f64, turns: usize) -> Case {
     let scenes = move |gap: f32| {
         let mut random = fastrand::Rng::with_seed(9);
         let scene = |_| {
-            let (mut scene, turn) = slope(degrees);
+            let (mut scene, turn) = slope(degrees.to_radians());
             let at = turn * (Vec3::Y * (0.5 + gap));
-            scene.add(Body::new(Shape::Ball, at, any_turn(&mut random)));
+            scene.add(Body::new(Shape::Ball, at, any_turn(&mut || random.f32())));
             scene
         };
         (0..turns).map(scene).collect()

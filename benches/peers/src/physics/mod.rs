@@ -7,21 +7,20 @@ mod bounce;
 mod chain;
 mod cloud;
 mod incline;
+mod mass;
 mod motion;
 mod ours;
 mod overlap;
 mod pour;
 mod rapier;
 mod rest;
-mod scene;
 mod spin;
 mod table;
 mod world;
 
 use crate::report::{Machine, versions};
-use bevy::math::{Quat, Vec3};
+use bevy_faceoff::testing::scenes::Scene;
 use clap::Args;
-use scene::Scene;
 use std::time::Duration;
 use world::{Engine, Run};
 
@@ -159,23 +158,6 @@ impl Case {
             milliseconds: 1e3 * seconds.iter().sum::<f64>() / seconds.len() as f64,
         }
     }
-}
-
-/// A rotation, all alike likely.
-fn any_turn(random: &mut fastrand::Rng) -> Quat {
-    loop {
-        let [x, y, z, w] = std::array::from_fn(|_| 2.0 * random.f32() - 1.0);
-        let turn = Quat::from_xyzw(x, y, z, w);
-        // Inside the ball, so that the cube's corners do not come up more often; away from zero, to have a direction.
-        if (0.1..1.0).contains(&turn.length()) {
-            return turn.normalize();
-        }
-    }
-}
-
-/// A vector in the cube from -1 to 1.
-fn any_vector(random: &mut fastrand::Rng) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|_| 2.0 * random.f32() - 1.0))
 }
 
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {

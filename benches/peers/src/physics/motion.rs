@@ -1,8 +1,9 @@
 //! What closed systems keep, from masses, poses and velocities.
 
-use super::scene::{Mass, Scene};
+use super::mass::Mass;
 use super::world::State;
 use bevy::math::{DMat3, DVec3};
+use bevy_faceoff::testing::scenes::Scene;
 
 /// Sums over all dynamic bodies.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,9 +46,4 @@ impl Motion {
         }
         sum
     }
-}
-
-/// The masses of all bodies.
-pub fn masses(scene: &Scene) -> Vec<Mass> {
-    scene.bodies.iter().map(|body| body.mass()).collect()
 }

@@ -1,14 +1,15 @@
 //! bevy_faceoff: contacts between meshes, on the CPU, by default settings but for sleep.
 
-use super::scene::Scene;
+use super::mass::Mass;
 use super::world::{State, World};
 use crate::scene::STEP;
-use bevy_faceoff::types::material::Friction;
+use bevy_faceoff::testing::scenes::Scene;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
-use bevy_faceoff::state::{Body, Handling, StepConfig, StepState};
+use bevy_faceoff::state::{Body, BodyParams, StepConfig};
+use bevy_faceoff::step::StepState;
 
 /// The stages without an app.
 pub struct Faceoff(StepState);
@@ -17,7 +18,7 @@ impl Faceoff {
     /// A world that is ready for its first step.
     pub fn new(scene: &Scene) -> Self {
         let mut state = StepState::default();
-        state.config = StepConfig {
+        state.input.config = StepConfig {
             dt: STEP.as_secs_f32(),
             gravity: scene.gravity,
             response: Response::Contacts,
@@ -27,8 +28,8 @@ impl Faceoff {
             },
         };
         for body in &scene.bodies {
-            let mesh = state.meshes.add(body.shape.mesh().clone());
-            let mass = body.mass();
+            let mesh = state.input.meshes.add(body.shape.mesh().clone());
+            let mass = Mass::of(body);
             let body = Body {
                 kind: if body.fixed {
                     RigidBody::Static
@@ -40,13 +41,13 @@ impl Faceoff {
                 mass: Some(mass.mass as f32),
                 inertia: Some(mass.inertia.as_mat3()),
                 restitution: body.restitution,
-                handling: Handling {
-                    friction: Friction::new(body.friction),
-                    ..Handling::default()
+                params: BodyParams {
+                    friction: body.friction,
+                    ..BodyParams::default()
                 },
                 ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
             };
-            state.bodies.push(&body, &state.meshes).expect("a usable body");
+            state.input.bodies.push(&body, &state.input.meshes).expect("a usable body");
         }
         Self(state)
     }
@@ -60,7 +61,7 @@ impl World for Faceoff {
     }
 
     fn states(&self) -> Vec<State> {
-        let bodies = &self.0.bodies;
+        let bodies = &self.0.input.bodies;
         let states = (0..bodies.len()).map(|i| State {
             center: bodies.frame[i].center,
             rotation: bodies.rotation[i].as_dquat().normalize(),

@@ -1,9 +1,9 @@
 //! How deep two closed meshes lie in each other: slow, in double precision, from triangles alone.
 
-use super::scene::Shape;
 use super::world::State;
 use crate::judge::{Triangle, above, edges, intersect};
 use bevy::math::DVec3;
+use bevy_faceoff::testing::scenes::Shape;
 
 /// A mesh in the world.
 pub struct Solid {

@@ -1,10 +1,11 @@
 //! Knots poured into a bin.
 
 use super::overlap::{Solid, depth};
-use super::scene::{Body, Scene, Shape};
 use super::world::{Engine, Run, State};
-use super::{Case, HZ, any_turn, mean};
+use super::{Case, HZ, mean};
 use bevy::math::{DVec3, Quat, Vec3};
+use bevy_faceoff::testing::scenes::pour::knots;
+use bevy_faceoff::testing::scenes::{Body, Scene, Shape, any_turn};
 
 /// Width of the bin's inside.
 const WIDTH: f32 = 3.4;
@@ -36,16 +37,11 @@ fn height(count: usize) -> f32 {
 }
 
 fn pour(count: usize) -> Scene {
-    let mut scene = Scene::new(true);
+    let mut scene = Scene::new();
     let bin = scene.add(Body::new(Shape::Bin, Vec3::ZERO, Quat::IDENTITY));
     (bin.fixed, bin.scale) = (true, Vec3::new(WIDTH, height(count), WIDTH));
     let mut random = fastrand::Rng::with_seed(3);
-    for i in 0..count {
-        // Layer by layer, so that none starts in another.
-        let cell = Vec3::new((i % SIDE) as f32, (i / SIDE / SIDE) as f32, (i / SIDE % SIDE) as f32);
-        let at = Vec3::new(1.1, LAYER, 1.1) * (cell - Vec3::new(1.0, 0.0, 1.0) * 0.5 * (SIDE - 1) as f32);
-        scene.add(Body::new(Shape::Knot, at + Vec3::Y, any_turn(&mut random)));
-    }
+    knots(&mut scene, count, SIDE, || any_turn(&mut || random.f32()));
     scene
 }
 

@@ -1,11 +1,12 @@
 //! rapier3d, by default settings but for sleep and the length of a step, with one of three kinds of shapes.
 
-use super::scene::{BIN_WALL, Body, Scene, Shape};
+use super::mass::Mass;
 use super::world::{Engine, State, World};
 use crate::rapier::vector;
 use crate::scene::STEP;
 use crate::timing::time;
 use bevy::math::{DQuat, DVec3, Vec3};
+use bevy_faceoff::testing::scenes::{BIN_WALL, Body, Scene, Shape};
 use rapier3d::math::{Matrix, Pose, Rotation};
 use rapier3d::prelude::{
     ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags,
@@ -40,13 +41,13 @@ impl Rapier {
                     .angvel(vector(body.spin))
                     .can_sleep(false),
             );
-            let mass = body.mass();
+            let mass = Mass::of(body);
             let inertia = Matrix::from_cols_array(&mass.inertia.as_mat3().to_cols_array());
             let mass_properties =
                 MassProperties::with_inertia_matrix(vector(mass.center.as_vec3()), mass.mass as f32, inertia);
             let collider = ColliderBuilder::new(shape(engine, body))
                 .mass_properties(mass_properties)
-                .friction(body.friction)
+                .friction(body.friction.coefficient)
                 .restitution(body.restitution);
             world.insert_collider(collider, Some(handle));
             (handle, mass.center)

@@ -1,10 +1,11 @@
 //! A body that turns freely and whose moments of inertia all differ.
 
-use super::motion::{Motion, masses};
-use super::scene::{Body, Scene, Shape};
+use super::mass::{Mass, masses};
+use super::motion::Motion;
 use super::world::Run;
 use super::{Case, HZ};
-use bevy::math::{Quat, Vec3};
+use bevy::math::Vec3;
+use bevy_faceoff::testing::scenes::flight::squeezed_knot;
 
 /// One that keeps what it has, and one that flips.
 pub fn cases() -> Vec<Case> {
@@ -22,7 +23,7 @@ pub fn cases() -> Vec<Case> {
         case(
             "",
             "drift of angular momentum; lowest and highest energy, of the first",
-            Box::new(move |_| keeps.map(|spin| knot(Vec3::from_array(spin))).to_vec()),
+            Box::new(move |_| keeps.map(|spin| squeezed_knot(Vec3::from_array(spin))).to_vec()),
             drift,
         ),
         case(
@@ -30,7 +31,7 @@ pub fn cases() -> Vec<Case> {
             "flips: 0, some, 0",
             Box::new(move |_| {
                 order
-                    .map(|axis| knot(Vec3::AXES[axis] * 5.0 + Vec3::splat(0.02)))
+                    .map(|axis| squeezed_knot(Vec3::AXES[axis] * 5.0 + Vec3::splat(0.02)))
                     .to_vec()
             }),
             flips,
@@ -38,19 +39,9 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-/// A knot, squeezed, that turns with `spin` in its own axes.
-fn knot(spin: Vec3) -> Scene {
-    let mut scene = Scene::new(false);
-    let turn = Quat::from_scaled_axis(Vec3::new(0.5, 0.2, 0.9));
-    let knot = scene.add(Body::new(Shape::Knot, Vec3::new(1.0, 2.0, 3.0), turn));
-    knot.scale = Vec3::new(0.5, 1.0, 1.7);
-    knot.spin = turn * spin;
-    scene
-}
-
 /// The squeezed knot's own axes, which its symmetry makes principal: that of the least moment first.
 fn axes_by_moment() -> [usize; 3] {
-    let inertia = knot(Vec3::ZERO).bodies[0].mass().inertia;
+    let inertia = Mass::of(&squeezed_knot(Vec3::ZERO).bodies[0]).inertia;
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| inertia.col(i)[i].total_cmp(&inertia.col(j)[j]));
     order

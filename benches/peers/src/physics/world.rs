@@ -1,10 +1,10 @@
 //! A scene that an engine moves, and a thread that it moves in: one that panics or hangs does not take the others along.
 
-use super::scene::Scene;
 use super::{ours, rapier};
 use crate::engine::THREADS;
 use crate::timing::{pool, time};
 use bevy::math::{DQuat, DVec3};
+use bevy_faceoff::testing::scenes::Scene;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};

@@ -1,0 +1,186 @@
+//! Who touched whom in a step, from what the solver did in each of its intervals, and from who passed sensors.
+
+use crate::solver::{Solver, SolverBodies};
+use crate::state::manifolds::{nearest, place};
+use crate::state::{Bodies, Contact, ContactPoint, Contacts, Manifolds, PairContact, PlaneContact};
+use crate::types::solver_settings::SolverSettings;
+
+/// The points of all pairs that touched so far in a step: that pushed each other, lay nearer than bodies at rest do, or passed
+/// each other.
+#[derive(Default)]
+pub(crate) struct Touches {
+    all: Vec<Touch>,
+    /// Memory for merging.
+    pairs: Vec<PairContact>,
+    planes: Vec<PlaneContact>,
+}
+
+/// One point of a pair in one interval.
+#[derive(Clone, Copy)]
+struct Touch {
+    bodies: [u32; 2],
+    point: ContactPoint,
+    /// See [`PairContact::passing`].
+    passing: bool,
+}
+
+impl Touches {
+    /// Forgets all, at the beginning of a step.
+    pub fn clear(&mut self) {
+        self.all.clear();
+    }
+
+    /// Adds those of an interval, which began with `bodies` where they are, and which `solver` has solved.
+    pub fn note(
+        &mut self,
+        bodies: &Bodies,
+        moved: &SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        solver: &Solver,
+    ) {
+        for pair in &manifolds.pairs {
+            let first = pair.first_point as usize;
+            let points = manifolds.points_of(pair);
+            let Some(nearest) = nearest(points) else {
+                continue;
+            };
+            let [a, b] = pair.bodies.map(|i| i as usize);
+            let diameter = 2.0 * moved.bodies[a].radius.min(moved.bodies[b].radius);
+            let near = nearest.separation <= settings.rest_offset * diameter;
+            if near || (first..first + points.len()).any(|point| solver.pushes(point)) {
+                let center = bodies.frame[a].center.as_vec3();
+                self.all.extend(points.iter().enumerate().map(|(k, point)| Touch {
+                    bodies: pair.bodies,
+                    point: point.in_world(center, solver.impulse_of(first + k)),
+                    passing: false,
+                }));
+            }
+        }
+    }
+
+    /// Adds a pair of which one is a sensor, and where it touched on its way.
+    pub fn pass(&mut self, bodies: [u32; 2], contact: Contact) {
+        self.all.push(Touch {
+            bodies,
+            point: ContactPoint {
+                point: contact.point,
+                normal: contact.normal,
+                separation: 0.0,
+                impulse: 0.0,
+            },
+            passing: true,
+        });
+    }
+
+    /// Those that a device found, in any order.
+    #[cfg(feature = "gpu")]
+    pub fn from_device(mut found: Vec<crate::gpu::layout::Touch>) -> Self {
+        found.sort_unstable_by_key(|touch| (touch.interval, touch.a, touch.b, touch.index));
+        let touch = |touch: &crate::gpu::layout::Touch| Touch {
+            bodies: [touch.a, touch.b],
+            point: ContactPoint {
+                point: touch.point.into(),
+                normal: touch.normal.into(),
+                separation: touch.separation,
+                impulse: touch.impulse,
+            },
+            passing: false,
+        };
+        Self {
+            all: found.iter().map(touch).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Adds to what the triangle test found in the step what it did not, and where and how strongly all pushed. Planes are the
+    /// bodies from `planes_from` on.
+    pub fn report(&mut self, planes_from: u32, contacts: &mut Contacts) {
+        let Self { all, pairs, planes } = self;
+        // Stable: each pair's stay in the order of intervals.
+        all.sort_by_key(|touch| place(touch.bodies, planes_from));
+        let meshes_end = all.partition_point(|touch| touch.bodies[1] < planes_from);
+        let points = &mut contacts.points;
+        points.clear();
+
+        pairs.clear();
+        let mut found = contacts.pairs.iter().peekable();
+        for run in all[..meshes_end].chunk_by(|s, t| s.bodies == t.bodies) {
+            while let Some(&pair) = found.next_if(|pair| pair.bodies < run[0].bodies) {
+                pairs.push(pair);
+            }
+            let same = found.next_if(|pair| pair.bodies == run[0].bodies);
+            let (first_point, point_count, impulse) = add(run, points);
+            pairs.push(PairContact {
+                first_point,
+                point_count,
+                impulse,
+                ..same.copied().unwrap_or_else(|| deepest(run).into())
+            });
+        }
+        pairs.extend(found);
+        std::mem::swap(pairs, &mut contacts.pairs);
+
+        planes.clear();
+        let mut found = contacts.planes.iter().peekable();
+        let place = |contact: &PlaneContact| [contact.body, contact.plane];
+        for run in all[meshes_end..].chunk_by(|s, t| s.bodies == t.bodies) {
+            let [body, number] = run[0].bodies;
+            let here = [body, number - planes_from];
+            while let Some(&contact) = found.next_if(|contact| place(contact) < here) {
+                planes.push(contact);
+            }
+            let same = found.next_if(|contact| place(contact) == here);
+            let (first_point, point_count, impulse) = add(run, points);
+            let deepest = deepest(run).point;
+            let (point, depth) = same.map_or((deepest.point, -deepest.separation), |same| (same.point, same.depth));
+            planes.push(PlaneContact {
+                body,
+                plane: here[1],
+                point,
+                normal: deepest.normal,
+                depth,
+                first_point,
+                point_count,
+                impulse,
+            });
+        }
+        planes.extend(found);
+        std::mem::swap(planes, &mut contacts.planes);
+    }
+}
+
+/// Adds the points of a pair, and tells where they begin, how many there are and the sum of their impulses. What only passes a
+/// sensor has none.
+fn add(run: &[Touch], points: &mut Vec<ContactPoint>) -> (u32, u32, f32) {
+    let first = points.len() as u32;
+    points.extend(run.iter().filter(|touch| !touch.passing).map(|touch| touch.point));
+    let impulse = run.iter().map(|touch| touch.point.impulse).sum();
+    (first, points.len() as u32 - first, impulse)
+}
+
+/// The nearest of a pair's points, of the first interval if there are several.
+fn deepest(run: &[Touch]) -> Touch {
+    *run.iter()
+        .min_by(|s, t| s.point.separation.total_cmp(&t.point.separation))
+        .unwrap_or(&run[0])
+}
+
+impl From<Touch> for PairContact {
+    fn from(touch: Touch) -> Self {
+        Self {
+            bodies: touch.bodies,
+            contained: false,
+            first_face: 0,
+            face_count: 0,
+            contact: Contact {
+                point: touch.point.point,
+                normal: touch.point.normal,
+            },
+            first_point: 0,
+            point_count: 0,
+            impulse: 0.0,
+            passing: touch.passing,
+        }
+    }
+}

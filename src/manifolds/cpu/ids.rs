@@ -1,0 +1,43 @@
+//! The names of what contact points are made of.
+
+use super::feature::{Feature, Origin};
+use super::side::Side;
+use crate::types::feature_id::{FeatureId, FeatureKind};
+
+/// The ids of a feature on both sides.
+pub fn ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
+    [0, 1].map(|i| {
+        let (own, triangle) = (&sides[i], feature.triangles[i]);
+        match feature.origin {
+            Origin::Vertex { side, vertex } if usize::from(side) == i => vertex_id(own, triangle, vertex),
+            Origin::Vertex { .. } => FeatureId::new(FeatureKind::Face, own.face(triangle)),
+            Origin::Edges(places) => edge_id(own, triangle, places[i]),
+            Origin::Patch { place, key } => {
+                let index = if usize::from(key.side) == i {
+                    key.edge
+                } else {
+                    key.triangle
+                };
+                FeatureId::new(FeatureKind::Overlap { place }, index)
+            }
+            Origin::Inside => FeatureId::new(FeatureKind::Containment, 0),
+        }
+    })
+}
+
+/// Of a vertex and a triangle that has it.
+fn vertex_id(side: &Side, triangle: u32, vertex: u32) -> FeatureId {
+    let mesh = &side.mesh.mesh;
+    let corners = side.features.triangles[triangle as usize];
+    let corner = corners.iter().position(|&v| v == vertex).unwrap_or(0);
+    let index = mesh.triangles()[triangle as usize][corner];
+    FeatureId::new(FeatureKind::Vertex, mesh.welded()[index as usize])
+}
+
+/// Of the edge in this place of a triangle.
+fn edge_id(side: &Side, triangle: u32, place: u8) -> FeatureId {
+    // Faces that were turned run through their corners the other way than in the input.
+    let place = if side.mesh.mesh.is_flipped() { 2 - place } else { place };
+    let index = side.face(triangle).wrapping_mul(3).wrapping_add(u32::from(place));
+    FeatureId::new(FeatureKind::Edge, index)
+}

@@ -1,0 +1,49 @@
+//! What is reported of contact points where nothing pushes.
+
+use crate::state::manifolds::place;
+use crate::state::{Contacts, Manifold, Manifolds};
+use glam::Vec3;
+
+/// Gives all that touch the points that were found between them, where nothing pushes ([`Response::None`]). `center_of` tells
+/// where the centre of mass of a body was then.
+///
+/// [`Response::None`]: crate::types::settings::Response::None
+pub(crate) fn report_points(
+    manifolds: &Manifolds,
+    planes_from: u32,
+    contacts: &mut Contacts,
+    center_of: impl Fn(u32) -> Vec3,
+) {
+    let Contacts {
+        pairs, planes, points, ..
+    } = contacts;
+    points.clear();
+    let mut add = |pair: &Manifold| {
+        let first = points.len() as u32;
+        let center = center_of(pair.bodies[0]);
+        points.extend(
+            manifolds
+                .points_of(pair)
+                .iter()
+                .map(|point| point.in_world(center, 0.0)),
+        );
+        (first, pair.point_count)
+    };
+    let mut all = manifolds.pairs.iter().peekable();
+    for pair in pairs {
+        while all
+            .next_if(|m| place(m.bodies, planes_from) < (false, pair.bodies))
+            .is_some()
+        {}
+        if let Some(manifold) = all.next_if(|m| m.bodies == pair.bodies) {
+            (pair.first_point, pair.point_count) = add(manifold);
+        }
+    }
+    for plane in planes {
+        let bodies = [plane.body, planes_from + plane.plane];
+        while all.next_if(|m| place(m.bodies, planes_from) < (true, bodies)).is_some() {}
+        if let Some(manifold) = all.next_if(|m| m.bodies == bodies) {
+            (plane.first_point, plane.point_count) = add(manifold);
+        }
+    }
+}

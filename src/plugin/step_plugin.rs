@@ -1,0 +1,255 @@
+//! [`StepPlugin`]: adds the resources, messages and schedule of the fixed step.
+
+#[cfg(feature = "gpu")]
+use crate::gpu::device::Gpu;
+use crate::plugin::backend::{ActiveBackend, BackendFailed, BackendReady, Engine};
+use crate::plugin::clock::{self, Physics};
+use crate::plugin::collisions::{Collisions, StepReport};
+use crate::plugin::components::*;
+use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
+use crate::plugin::renderer;
+use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
+use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
+#[cfg(feature = "gpu")]
+use crate::plugin::sync::latent;
+use crate::plugin::sync::{Step, collect, publish};
+#[cfg(feature = "gpu")]
+use crate::step::gpu::Poses;
+use crate::types::body::*;
+use crate::types::material::{Friction, Restitution};
+use crate::types::settings::{Culling, Response};
+use crate::types::solver_settings::SolverSettings;
+use crate::types::stage::Stage;
+use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings, SingleThreadedExecutor};
+use bevy::prelude::*;
+
+/// Runs the step in every tick of fixed time.
+#[derive(Clone, Debug, Default)]
+pub struct StepPlugin {
+    /// Where the stages run. Default [`Backend::Auto`].
+    pub backend: Backend,
+    /// Number of threads of the CPU stages. 0, the default, means one per core.
+    pub threads: usize,
+    /// When the results of a GPU are published. Default [`Readback::Auto`].
+    pub readback: Readback,
+}
+
+impl Plugin for StepPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(self.backend)
+            .init_resource::<Culling>()
+            .init_resource::<EventHysteresis>()
+            .init_resource::<Gravity>()
+            .init_resource::<Response>()
+            .init_resource::<SolverSettings>()
+            .init_resource::<Collisions>()
+            .init_resource::<Time<Physics>>()
+            .init_resource::<StepReport>()
+            .add_message::<CollisionStart>()
+            .add_message::<CollisionEnd>()
+            .add_message::<BodyRejected>()
+            .add_message::<BackendReady>()
+            .add_message::<BackendFailed>();
+        register_types(app);
+
+        match Engine::new(self.backend, self.threads, self.readback) {
+            Ok(mut engine) => {
+                if !renderer::is_coming(app) {
+                    engine.choose();
+                }
+                app.insert_resource(engine.active().clone())
+                    .insert_resource(Step::new(engine));
+            }
+            Err(reason) => {
+                error!("no collisions are found and no body moves: {reason}");
+                app.insert_resource(ActiveBackend::None { reason });
+                return;
+            }
+        }
+
+        let mut schedule = Schedule::new(FaceoffStep);
+        schedule
+            .set_executor(SingleThreadedExecutor::new())
+            .set_build_settings(ScheduleBuildSettings {
+                ambiguity_detection: LogLevel::Warn,
+                ..default()
+            })
+            .configure_sets(
+                (
+                    FaceoffSystems::Collect,
+                    FaceoffSystems::BroadPhase,
+                    FaceoffSystems::Angles,
+                    FaceoffSystems::TriangleTest,
+                    FaceoffSystems::Manifolds,
+                    FaceoffSystems::ForceScan,
+                    FaceoffSystems::Integrate,
+                    FaceoffSystems::Publish,
+                )
+                    .chain(),
+            )
+            .add_systems((
+                (poll_backend.run_if(clock::is_by_hand), clock::begin)
+                    .chain()
+                    .before(FaceoffSystems::Collect)
+                    .ambiguous_with_all(),
+                collect::collect.in_set(FaceoffSystems::Collect),
+                (
+                    publish::use_up_impulses,
+                    publish::write_back,
+                    publish::publish,
+                    publish::report_failure,
+                    clock::settle.run_if(clock::was_by_hand),
+                )
+                    .chain()
+                    .in_set(FaceoffSystems::Publish),
+                clock::end.after(FaceoffSystems::Publish).ambiguous_with_all(),
+            ));
+        for stage in Stage::ALL {
+            let run = move |mut step: ResMut<Step>| {
+                step.run(stage);
+                if !step.engine.runs() {
+                    // The device is lost. The next step starts on another device, from the components.
+                    step.forget();
+                }
+            };
+            schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
+        }
+        #[cfg(feature = "gpu")]
+        {
+            let release = latent::release.after(collect::collect);
+            schedule.add_systems(release.in_set(FaceoffSystems::Collect));
+            latent::observe(app);
+            let after = RunFixedMainLoopSystems::AfterFixedMainLoop;
+            app.add_systems(RunFixedMainLoop, publish_while_time_stands.in_set(after));
+        }
+        app.add_schedule(schedule)
+            .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep));
+    }
+
+    fn finish(&self, app: &mut App) {
+        choose(app.world_mut());
+    }
+}
+
+/// Chooses the backend, if that is still to be done or if Bevy's renderer has a new device.
+fn choose(world: &mut World) {
+    #[cfg(feature = "bevy_render")]
+    if let Some(gpu) = renderer::new_device(world)
+        && let Some(mut step) = world.get_resource_mut::<Step>()
+        && step.engine.share(gpu)
+    {
+        step.forget();
+    }
+    let Some(mut step) = world.get_resource_mut::<Step>() else {
+        return;
+    };
+    step.engine.choose();
+    let active = world.resource::<Step>().engine.active();
+    if world.resource::<ActiveBackend>() != active {
+        world.insert_resource(active.clone());
+    }
+}
+
+/// Runs the steps of a tick of fixed time, if the backend is ready.
+fn run_step(world: &mut World) {
+    poll_backend(world);
+    let engine = &world.resource::<Step>().engine;
+    if engine.runs() {
+        clock::tick(world);
+    } else if engine.has_failed()
+        && let Err(error) = world.run_system_cached(publish::report_failure)
+    {
+        error!("{error}");
+    }
+}
+
+/// Updates the backend, and logs and publishes it once it is ready.
+fn poll_backend(world: &mut World) {
+    choose(world);
+    let engine = &mut world.resource_mut::<Step>().engine;
+    if let Some(active) = engine.poll() {
+        match &active {
+            ActiveBackend::Gpu { adapter, shared: false } => info!("collisions run on the GPU: {adapter}"),
+            ActiveBackend::Gpu { adapter, shared: true } => {
+                info!("collisions run on the GPU, on the device of Bevy's renderer: {adapter}");
+            }
+            ActiveBackend::Cpu { threads, reason } => {
+                info!("collisions run on the CPU with {threads} threads: {reason}");
+            }
+            ActiveBackend::None { reason } => error!("no collisions are found and no body moves: {reason}"),
+            ActiveBackend::Opening | ActiveBackend::Lost => {}
+        }
+        world.insert_resource(active.clone());
+        world.write_message(BackendReady { active });
+    }
+}
+
+/// While time stands still no step publishes earlier results: publishes those of one pending step per frame.
+#[cfg(feature = "gpu")]
+fn publish_while_time_stands(world: &mut World) {
+    let stands = (world.get_resource::<Time<Virtual>>()).is_some_and(|time| time.delta().is_zero());
+    if stands {
+        publish::land(world);
+    }
+}
+
+fn register_types(app: &mut App) {
+    app.register_type::<RigidBody>()
+        .register_type::<MeshCollider>()
+        .register_type::<PlaneCollider>()
+        .register_type::<LinearVelocity>()
+        .register_type::<AngularVelocity>()
+        .register_type::<CenterOfMass>()
+        .register_type::<Mass>()
+        .register_type::<Density>()
+        .register_type::<AngularInertia>()
+        .register_type::<Restitution>()
+        .register_type::<Friction>()
+        .register_type::<GravityScale>()
+        .register_type::<LinearDamping>()
+        .register_type::<AngularDamping>()
+        .register_type::<MaxLinearSpeed>()
+        .register_type::<MaxAngularSpeed>()
+        .register_type::<LockedAxes>()
+        .register_type::<ExternalForces>()
+        .register_type::<Sleeping>()
+        .register_type::<SleepingDisabled>()
+        .register_type::<ContinuousCollision>()
+        .register_type::<CollisionLayers>()
+        .register_type::<Sensor>()
+        .register_type::<BodyCulling>()
+        .register_type::<CollidingEntities>()
+        .register_type::<CollisionEventsEnabled>()
+        .register_type::<Culling>()
+        .register_type::<EventHysteresis>()
+        .register_type::<Gravity>()
+        .register_type::<Response>()
+        .register_type::<SolverSettings>()
+        .register_type::<Backend>()
+        .register_type::<Time<Physics>>();
+}
+
+/// Number of threads of the CPU stages. 0 without a [`StepPlugin`].
+pub fn threads(world: &World) -> usize {
+    world
+        .get_resource::<Step>()
+        .map_or(0, |step| step.engine.pool.current_num_threads())
+}
+
+/// The device on which the stages run, if they run on a GPU.
+#[cfg(feature = "gpu")]
+pub fn gpu(world: &World) -> Option<&Gpu> {
+    world.get_resource::<Step>()?.engine.device()
+}
+
+/// The poses of all bodies on the GPU, for shaders that draw them without reading results back: buffers with the poses
+/// before and after the last submitted step, and the entities in the same order.
+///
+/// `None` unless the stages run on a GPU with [`Readback::Latent`] or [`Readback::Resident`]. There are no entities
+/// between [`Snapshot::restore`](crate::plugin::snapshot::Snapshot::restore) and the next step.
+#[cfg(feature = "gpu")]
+pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {
+    let step = world.get_resource::<Step>()?;
+    step.engine.latent()?;
+    Some((step.engine.gpu()?.poses(), step.latent.entities()))
+}

@@ -1,0 +1,124 @@
+//! [`HeightImage`]: a mesh drawn along a direction; and a simple reference implementation of visibility.
+
+use super::raster::{BACKGROUND, Raster, sliver_samples, sliver_shows};
+use super::spans::Spans;
+use crate::geometry::TriMesh;
+use crate::geometry::direction::rotation;
+use glam::{DMat3, Vec3};
+
+/// A mesh drawn along a direction, as in figure 4 of Aly & Elawady 2010.
+///
+/// Both images have `size * size` pixels in row-major order. Row 0 has the *lowest* y, so a file format whose first row
+/// is at the top needs the rows in reverse order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightImage {
+    /// Side of the image in pixels.
+    pub size: u32,
+    /// Height above the lowest point of the mesh along the direction, in mesh units; 0 for the background.
+    pub heights: Vec<f32>,
+    /// The visible triangle, as an index into [`TriMesh::triangles`]; [`HeightImage::NONE`] for the background.
+    pub faces: Vec<u32>,
+}
+
+impl HeightImage {
+    /// The value of [`HeightImage::faces`] for the background.
+    pub const NONE: u32 = u32::MAX;
+
+    /// Draws `mesh` as seen from far out in `direction`, given in the mesh's own axes. `size` is in pixels and is
+    /// clamped to 16..=4096.
+    ///
+    /// Each pixel shows the highest triangle; of equally high ones, that with the lowest index. A sliver (see
+    /// [`raster`](super::raster)) is drawn after all other triangles, into the pixels that contain its samples.
+    pub fn draw(mesh: &TriMesh, direction: Vec3, size: u32) -> Self {
+        Raster::new(mesh, size).height_image(&rotation(direction))
+    }
+}
+
+impl Raster {
+    /// Draws the mesh after `rotation`, seen from `+z`; see [`HeightImage::draw`].
+    pub fn height_image(&self, rotation: &DMat3) -> HeightImage {
+        self.draw_by_definition(rotation).0
+    }
+
+    /// The same as [`Raster::visible`], computed pixel by pixel from the definition. It is slow, and serves to check
+    /// the fast implementation.
+    pub fn visible_by_definition(&self, rotation: &DMat3) -> Vec<u32> {
+        self.draw_by_definition(rotation).1
+    }
+
+    fn draw_by_definition(&self, rotation: &DMat3) -> (HeightImage, Vec<u32>) {
+        let size = self.size as usize;
+        let mut heights = vec![BACKGROUND; size * size];
+        let mut faces = vec![HeightImage::NONE; size * size];
+        let mut visible = Vec::new();
+        let mut slivers = Vec::new();
+        self.for_each_drawn(rotation, |t, corners, spans| {
+            let mut covers = false;
+            for_each_pixel(spans, size, |at, height| {
+                covers = true;
+                if height > heights[at] {
+                    heights[at] = height;
+                    faces[at] = t;
+                }
+            });
+            if !covers {
+                slivers.push((t, corners));
+            }
+        });
+        self.for_each_drawn(rotation, |t, _, spans| {
+            let mut highest = false;
+            for_each_pixel(spans, size, |at, height| highest |= height >= heights[at]);
+            if highest {
+                visible.push(t);
+            }
+        });
+        // All slivers are tested before the first is drawn, because slivers do not hide each other.
+        visible.extend(
+            slivers
+                .iter()
+                .filter(|s| sliver_shows(&heights, size, s.1))
+                .map(|s| s.0),
+        );
+        visible.sort_unstable();
+        for (t, corners) in slivers {
+            for [x, y, height] in sliver_samples(corners) {
+                let at = (y + 0.5) as usize * size + (x + 0.5) as usize;
+                if height > heights[at] {
+                    heights[at] = height;
+                    faces[at] = t;
+                }
+            }
+        }
+
+        let (lowest, unit) = self.height_scale(rotation);
+        for (height, &face) in heights.iter_mut().zip(&faces) {
+            *height = if face == HeightImage::NONE {
+                0.0
+            } else {
+                ((*height - lowest).max(0.0) as f64 * unit) as f32
+            };
+        }
+        let image = HeightImage {
+            size: self.size,
+            heights,
+            faces,
+        };
+        (image, visible)
+    }
+}
+
+/// Calls `pixel` for each pixel whose centre the triangle covers, with the index of the pixel and the triangle's
+/// height.
+fn for_each_pixel(spans: Option<Spans>, size: usize, mut pixel: impl FnMut(usize, f32)) {
+    let Some(spans) = spans else { return };
+    let (low, high) = spans.rows;
+    for y in (low..=high).step_by(4) {
+        let four = spans.four(y);
+        for k in 0..((high - y + 1) as usize).min(4) {
+            for x in four.first[k]..=four.last[k] {
+                let height = four.height[k] + spans.x_slope * (x - four.first[k]) as f32;
+                pixel((y as usize + k) * size + x as usize, height);
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Why a body cannot take part in a step, and what to do about it.
+
+use crate::geometry::mesh::MAX_COORDINATE;
+use glam::Vec3;
+#[cfg(feature = "bevy")]
+use std::mem::discriminant;
+use thiserror::Error;
+
+/// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
+pub const MIN_RADIUS: f32 = 1.0e-9;
+
+/// The largest component a velocity may have, in m/s or rad/s: its square stays far from overflow.
+pub const MAX_SPEED: f32 = 1.0e9;
+
+/// Why a body cannot take part in a step.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum BodyFault {
+    /// Some number of its pose is NaN or infinite.
+    #[error("its Transform is not finite: set it to finite numbers")]
+    NonFinitePose,
+    /// Some number of the component of this name is NaN or infinite.
+    #[error("its {0} is not finite: set it to finite numbers")]
+    NonFinite(&'static str),
+    /// Its [`Mass`](crate::plugin::components::Mass) or [`Density`](crate::plugin::components::Density) is infinite.
+    #[error(
+        "its {0} is infinite: for what nothing can push use RigidBody::Static, or RigidBody::Kinematic if it moves by itself"
+    )]
+    Infinite(&'static str),
+    /// Its rotation is the zero quaternion.
+    #[error("its rotation is the zero quaternion: use Quat::IDENTITY")]
+    ZeroRotation,
+    /// Its scale makes it flat or smaller than [`MIN_RADIUS`].
+    #[error("its scale {0} makes it flat or vanishingly small: no component may be (nearly) zero")]
+    ZeroScale(Vec3),
+    /// It is larger, or farther from the origin, than [`MAX_COORDINATE`].
+    #[error("it reaches beyond {MAX_COORDINATE:e} m from the origin: move it closer or scale it down")]
+    TooFar,
+    /// Its mass is not positive, or so small that its inverse is not finite.
+    #[error("its mass {0} is not positive or vanishingly small: set a mass of at least 1e-38, or a positive density")]
+    Mass(f32),
+    /// Its inertia is not finite, not symmetric or not positive definite.
+    #[error("its AngularInertia is not symmetric and positive definite: use AngularInertia::principal")]
+    Inertia,
+    /// It is faster than [`MAX_SPEED`].
+    #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
+    TooFast(f32),
+    /// The normal of a plane has no length.
+    #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
+    PlaneNormal(Vec3),
+    /// It is a child of another entity.
+    #[error(
+        "it is a child of another entity, so that its Transform is no pose in the world: remove its ChildOf. Parts that stay \
+         together are one body: put them into one mesh; what follows another body is a RigidBody::Kinematic of its own, whose \
+         pose a system writes. What is only drawn may be a child"
+    )]
+    Child,
+    /// Its mesh is nowhere, and is not on its way either.
+    #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
+    MeshMissing,
+    /// It is a body and a plane at once. The body goes on; the plane is left out.
+    #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
+    PlaneOnBody,
+    /// The distance of a plane is NaN or infinite.
+    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
+    PlaneDistance(f32),
+    /// Its mesh could not be loaded.
+    #[error(
+        "its CollisionMesh failed to load: see the asset server's error, and despawn it or change its MeshCollider"
+    )]
+    MeshFailed,
+}
+
+impl BodyFault {
+    #[cfg(feature = "bevy")]
+    /// Whether it is the same fault, whatever its numbers: told before, it is not news.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::NonFinite(this), Self::NonFinite(that)) | (Self::Infinite(this), Self::Infinite(that)) => {
+                this == that
+            }
+            _ => discriminant(self) == discriminant(other),
+        }
+    }
+}

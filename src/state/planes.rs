@@ -1,0 +1,32 @@
+//! Solid half-spaces.
+
+use crate::types::material::{CombineRule, Friction};
+use glam::Vec3;
+
+/// A solid half-space: `normal . p < distance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Unit vector out of the solid side.
+    pub normal: Vec3,
+    /// Metres from the origin.
+    pub distance: f32,
+    /// Bounciness.
+    pub restitution: f32,
+    /// The rule for pairs of its restitution.
+    pub restitution_combine: CombineRule,
+    /// Coulomb's coefficient, and the rule for pairs.
+    pub friction: Friction,
+}
+
+impl Default for Plane {
+    /// The ground at height 0.
+    fn default() -> Self {
+        Self {
+            normal: Vec3::Y,
+            distance: 0.0,
+            restitution: 0.0,
+            restitution_combine: CombineRule::default(),
+            friction: Friction::default(),
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Lists that overflow: the step is done again with longer ones, or is an error that changes nothing.
+
+use super::inputs::{agree, heap, strip};
+use super::same_bits::{AMPLE, Bits, TINY, falling};
+use super::scenes::{BALL, CUBE, Kit, TORUS, half_spaces};
+use crate::oracle::rng::Rng;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::gpu::device::Gpu;
+use bevy_faceoff::state::Plane;
+use bevy_faceoff::step::gpu::{GpuStep, StepError};
+use glam::Vec3;
+
+/// A crowd that falls together, so that lists grow from step to step.
+pub fn growing_lists_change_nothing(gpu: &Gpu) {
+    let kit = Kit::new();
+    let mut scene = falling(&kit, &[CUBE, BALL, TORUS], 80, 8.0);
+    for body in &mut scene.bodies {
+        body.linear_velocity = -10.0 * body.position;
+    }
+    let mut tiny = GpuStep::with_room(gpu.clone(), TINY).unwrap();
+    let mut ample = GpuStep::with_room(gpu.clone(), AMPLE).unwrap();
+    let mut growths = 0;
+    for number in 0..8 {
+        let before = tiny.sizes();
+        let (one, other) = (scene.on_gpu(&mut tiny), scene.on_gpu(&mut ample));
+        Bits::of(&one).require(&Bits::of(&other), &format!("step {number}"));
+        growths += usize::from(tiny.sizes() != before);
+        scene.take(&one);
+    }
+    assert!(growths >= 3, "lists grew {growths} times only");
+    assert_eq!(ample.sizes(), AMPLE, "what is ample need not grow");
+}
+
+/// Two meshes that touch in 100,000 places are a long loop. Mesa's llvmpipe leaves loops early; that must not go unnoticed.
+pub fn too_many_places_are_found_or_an_error(gpu: &Gpu) {
+    let mut step = GpuStep::new(gpu.clone()).unwrap();
+    let mut scene = heap(&strip(4096, f32::MAX), 2, 0.1);
+    scene.bodies[1].scale = scene.bodies[0].scale;
+    let mut state = scene.state();
+    match step.run(&mut state) {
+        Ok(()) => {
+            let cpu = scene.on_cpu();
+            let count = cpu.results.contacts.faces.len();
+            assert!(count > 100_000, "{count}");
+            assert!(state.results.contacts.faces.len().abs_diff(count) < count / 200);
+        }
+        Err(error) => {
+            println!("\n{error}");
+            assert_eq!(error, StepError::CutShort);
+        }
+    }
+    // Nothing of it is left.
+    agree(&heap(&strip(64, 60.0), 80, 4.0), &mut step, "64 triangles").require_no_failures();
+}
+
+/// What the device cannot hold is an error, and the next step is as if it had never been tried.
+pub fn too_much_is_an_error_that_leaves_no_trace(gpu: &Gpu) {
+    let limits = gpu.device.limits();
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    // A half-space takes 32 bytes on the device.
+    let planes = limit / 32 + 1;
+    if planes > 1 << 25 {
+        println!("\nthe device holds {limit} bytes, which would take too long to fill");
+        return;
+    }
+    let mut step = GpuStep::new(gpu.clone()).unwrap();
+    let mut scene = heap(&shapes::torus_240(), 40, 2.0);
+    let mut state = scene.state();
+    let plane = Plane {
+        normal: Vec3::Y,
+        distance: -100.0,
+        restitution: 0.0,
+        ..Plane::default()
+    };
+    state.input.planes = vec![plane; planes as usize];
+    let positions = state.input.bodies.position.clone();
+    let error = step.run(&mut state).unwrap_err();
+    assert!(matches!(error, StepError::TooLarge(_)), "{error}");
+    assert_eq!(state.input.bodies.position, positions);
+    scene.planes = half_spaces(&mut Rng::new(9, 9), 0.4);
+    let tally = agree(&scene, &mut step, "after an error");
+    tally.require_no_failures();
+    assert!(tally.touching > 20);
+    // The same state and meshes, not only equal ones.
+    state.input.planes.clear();
+    step.run(&mut state).unwrap();
+    assert!(state.results.contacts.pairs.len() > 20);
+}

@@ -1,0 +1,97 @@
+//! The warm start: impulses of one step begin the next, by the keys of bodies.
+
+use super::same_bits::heap;
+use super::shapes::Shape;
+use super::world::{World, check_below};
+use bevy_faceoff::manifolds::Manifolds;
+use bevy_faceoff::solver::SolverBodies;
+use glam::DVec3;
+
+/// Numbers the bodies the other way round.
+fn renumber(world: &mut World) {
+    let count = world.shapes.len();
+    world.shapes.reverse();
+    let SolverBodies {
+        keys,
+        bodies,
+        motions,
+        forces,
+        sleep,
+    } = &mut world.bodies;
+    keys.reverse();
+    bodies.reverse();
+    motions.reverse();
+    forces.reverse();
+    sleep.reverse();
+    assert_eq!(count, world.bodies.len());
+}
+
+#[test]
+fn impulses_outlive_a_renumbering() {
+    // A tall stack that is warm stands still; one that is cold sinks at first.
+    let stack = || {
+        let mut world = World::heavy();
+        world.floor(0.0);
+        for i in 0..10 {
+            world.dynamic(
+                Shape::Box(DVec3::splat(0.5)),
+                1.0,
+                DVec3::Y * (0.5087 + 1.0087 * i as f64),
+            );
+        }
+        world.seconds(5.0);
+        world
+    };
+    let sinks = |change: &dyn Fn(&mut World)| {
+        let mut world = stack();
+        let top = world.center(10).y;
+        change(&mut world);
+        let mut sunk = 0.0f64;
+        for _ in 0..20 {
+            world.step(1);
+            let highest = world.bodies.motions.iter().map(|m| m.center.y).fold(0.0, f64::max);
+            sunk = sunk.max(top - highest);
+        }
+        sunk
+    };
+    check_below("left alone: sinks, metres", sinks(&|_| {}), 1.0e-5);
+    check_below("renumbered: sinks, metres", sinks(&renumber), 1.0e-4);
+    let twice = |world: &mut World| {
+        renumber(world);
+        world.step(1);
+        renumber(world);
+    };
+    check_below("renumbered twice: sinks, metres", sinks(&twice), 1.0e-4);
+    let cold = sinks(&|world| world.warm.clear());
+    println!("cold: sinks {cold} m");
+    assert!(cold > 3.0e-4, "without warm start nothing would differ: {cold}");
+}
+
+#[test]
+fn bodies_come_and_go() {
+    let mut world = heap();
+    world.step(100);
+    // The first hundred bodies leave.
+    for _ in 0..100 {
+        world.shapes.remove(1);
+        let SolverBodies {
+            keys,
+            bodies,
+            motions,
+            forces,
+            sleep,
+        } = &mut world.bodies;
+        keys.remove(1);
+        bodies.remove(1);
+        motions.remove(1);
+        forces.remove(1);
+        sleep.remove(1);
+    }
+    world.step(200);
+    check_below("deepest, metres", world.deepest() as f64, 0.02);
+    world.manifolds = Manifolds::default();
+    world.bodies.clear();
+    world.shapes.clear();
+    world.step(1);
+    assert_eq!(world.warm.pairs(), 0);
+}
