@@ -1,5 +1,5 @@
 // Solver: the points of every pair, ready to be solved, with last interval's impulses where they fit.
-#import faceoff::constants::solver::{MOST_GROWTH, MOST_MATCHED}
+#import faceoff::constants::solver::{MAX_GROWTH, MAX_MATCHED}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, rotate}
 #import faceoff::overlap as o
@@ -78,7 +78,7 @@ fn fill(pair: s::SolverPair) {
     }
     let substep = bitcast<f32>(solver_counters[s::KEPT_SUBSTEP]);
     // What holds up a weight is proportional to time.
-    let growth = select(1.0, min(interval.h / max(substep, 1.0e-30), MOST_GROWTH), substep > 0.0);
+    let growth = select(1.0, min(interval.h / max(substep, 1.0e-30), MAX_GROWTH), substep > 0.0);
     let reach = interval.match_distance * pair.diameter;
     // A bit for each old point that is given away.
     var taken = vec2(0u);
@@ -97,7 +97,7 @@ fn fill(pair: s::SolverPair) {
         // The nearest old point, as near as either body sees it: what slides along one body rests on the other.
         var nearest = reach * reach;
         var found = s::NOT_KEPT;
-        for (var j = 0u; j < min(old.count, MOST_MATCHED); j += 1u) {
+        for (var j = 0u; j < min(old.count, MAX_MATCHED); j += 1u) {
             let kept = kept_points[old.first + j];
             let turned = o::sign_of(pair) * dot(kept.normal, contact.normal);
             if ((taken[j / 32u] >> (j % 32u)) & 1u) != 0u || kept.impulse <= 0.0 || turned < interval.match_normal {

@@ -70,8 +70,8 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 MAX_ROUNDS = motion::MAX_ROUNDS;
     u32 BOUNCE_SWEEPS = pairs::BOUNCE_SWEEPS;
     f32 REST_PART = pairs::REST_PART;
-    u32 MOST_MATCHED = warm_start::MOST_MATCHED;
-    f32 MOST_GROWTH = warm_start::MOST_GROWTH;
+    u32 MAX_MATCHED = warm_start::MAX_MATCHED;
+    f32 MAX_GROWTH = warm_start::MAX_GROWTH;
     f32 COARSE_DIGIT = upload::COARSE_DIGIT;
 });
 

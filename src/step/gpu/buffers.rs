@@ -64,7 +64,7 @@ buffers! {
         /// What the solver is told about the first interval, and about each other one.
         first_interval: ARRAY Interval, 1u32, "first interval";
         /// The other.
-        other_interval: ARRAY Interval, 1u32, "other intervals";
+        other_interval: ARRAY Interval, 1u32, "other collision_substeps";
         /// The bodies' numbers by those they had before the first interval, and before each other one.
         first_numbers: ARRAY u32, room.bodies, "new numbers of bodies";
         /// The other.
