@@ -6,7 +6,7 @@ use super::lists::{Inputs, Lists};
 use crate::gpu::kernel::{Builder, Groups};
 use crate::gpu::radix_sort::Sort;
 use crate::sleep::gpu as sleep;
-use crate::solver::Interval;
+use crate::solver::CollisionSubstep;
 use crate::types::solver_settings::SolverSettings;
 use wgpu::Buffer;
 
@@ -22,7 +22,7 @@ pub struct Passes {
 
 impl Passes {
     /// Those of an interval.
-    pub fn new(settings: &SolverSettings, interval: &Interval) -> Self {
+    pub fn new(settings: &SolverSettings, interval: &CollisionSubstep) -> Self {
         Self {
             substeps: interval.substeps.max(1),
             bias: settings.bias_iterations,
