@@ -57,7 +57,7 @@ pub(crate) const SAME_PLACE: f64 = 1.0e-4;
 /// How far from there the second one is taken to be, in the same unit...
 pub(crate) const ASIDE: f64 = 1.0e-3;
 /// ...in a direction that is along no side of a mesh.
-pub(crate) const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+pub(crate) const DEFAULT_DIRECTION: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 
 /// The two bodies of a pair. `one_mesh` is whether both have the same.
 pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
@@ -93,7 +93,7 @@ fn aside(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     let same = a.scale == b.scale
         && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
         && a.frame.rotation.abs_diff_eq(b.frame.rotation, SAME_PLACE);
-    if same { ANY_WAY * (ASIDE * size) } else { DVec3::ZERO }
+    if same { DEFAULT_DIRECTION * (ASIDE * size) } else { DVec3::ZERO }
 }
 
 impl Side<'_> {
