@@ -1,7 +1,7 @@
 //! Who touched whom in a step, from what the solver did in each of its intervals, and from who passed sensors.
 
 use crate::solver::{Solver, SolverBodies};
-use crate::state::manifolds::{nearest, place};
+use crate::state::manifolds::{nearest, pair_order};
 use crate::state::{Bodies, Contact, ContactPoint, Contacts, Manifolds, PairContact, PlaneContact};
 use crate::types::solver_settings::SolverSettings;
 
@@ -94,12 +94,12 @@ impl Touches {
     }
 
     /// Adds to what the triangle test found in the step what it did not, and where and how strongly all pushed. Planes are the
-    /// bodies from `planes_from` on.
-    pub fn report(&mut self, planes_from: u32, contacts: &mut Contacts) {
+    /// bodies from `first_plane` on.
+    pub fn report(&mut self, first_plane: u32, contacts: &mut Contacts) {
         let Self { all, pairs, planes } = self;
         // Stable: each pair's stay in the order of intervals.
-        all.sort_by_key(|touch| place(touch.bodies, planes_from));
-        let meshes_end = all.partition_point(|touch| touch.bodies[1] < planes_from);
+        all.sort_by_key(|touch| pair_order(touch.bodies, first_plane));
+        let meshes_end = all.partition_point(|touch| touch.bodies[1] < first_plane);
         let points = &mut contacts.points;
         points.clear();
 
@@ -126,7 +126,7 @@ impl Touches {
         let place = |contact: &PlaneContact| [contact.body, contact.plane];
         for run in all[meshes_end..].chunk_by(|s, t| s.bodies == t.bodies) {
             let [body, number] = run[0].bodies;
-            let here = [body, number - planes_from];
+            let here = [body, number - first_plane];
             while let Some(&contact) = found.next_if(|contact| place(contact) < here) {
                 planes.push(contact);
             }

@@ -2,7 +2,7 @@
 
 mod contour;
 mod feature;
-mod ids;
+mod feature_ids;
 mod inside;
 mod near;
 mod pair;
@@ -13,7 +13,7 @@ mod side;
 mod smooth;
 
 pub(crate) use feature::Feature;
-pub(crate) use ids::ids;
+pub(crate) use feature_ids::feature_ids;
 pub(crate) use pair::{Pair, Worker};
 pub(crate) use side::PlacedMesh;
 
@@ -63,7 +63,7 @@ pub fn run(
             for pair in pairs {
                 let first = task.points.len();
                 add_points(bodies, meshes, pair, &mut worker, &mut task.points);
-                task.close(pair.bodies, first);
+                task.end_pair(pair.bodies, first);
             }
         });
     manifolds.clear();
@@ -71,7 +71,7 @@ pub fn run(
         for pair in &task.pairs {
             let first = manifolds.points.len();
             manifolds.points.extend_from_slice(task.points_of(pair));
-            manifolds.close(pair.bodies, first);
+            manifolds.end_pair(pair.bodies, first);
         }
     }
 }
@@ -80,7 +80,7 @@ pub fn run(
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
     add_points(bodies, meshes, &pair, &mut Worker::default(), &mut manifolds.points);
-    manifolds.close(pair.bodies, 0);
+    manifolds.end_pair(pair.bodies, 0);
     manifolds
 }
 

@@ -15,7 +15,7 @@
 //!    agree with it, and only there may features overlap, within 4 % of the bodies' size. A patch that keeps no overlapping
 //!    feature gets its points by rays along its normal, from five points in it to where they leave the bodies.
 //! 4. One closed body inside the other without a crossing is pushed out the short way.
-//! 5. At most [`MOST_POINTS`] are kept: the deepest, then always the one farthest from those kept, in position and normal.
+//! 5. At most [`MAX_POINTS`] are kept: the deepest, then always the one farthest from those kept, in position and normal.
 //! 6. Finely cut round surfaces touch where the smooth ones would, and if they are round all ways along the normals of these.
 //!
 //! All of it follows from the surfaces alone, without a convex decomposition or a distance field, and finds nothing twice:
@@ -34,7 +34,7 @@ pub use crate::state::manifolds::{Manifold, ManifoldPoint, Manifolds};
 
 /// How many points a pair has at most. With four a stack creeps by centimetres, with eight rings get into each other by
 /// some percent of their size.
-pub const MOST_POINTS: usize = 16;
+pub const MAX_POINTS: usize = 16;
 
 /// A pair of bodies whose contact points are wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 
 use super::placed::Placed;
 use crate::geometry::mesh::MAX_COORDINATE;
-use crate::manifolds::MOST_POINTS;
-use crate::manifolds::cpu::{Feature, Pair, Worker, ids};
+use crate::manifolds;
+use crate::manifolds::cpu::{Feature, Pair, Worker, feature_ids};
 use crate::types::feature_id::FeatureId;
 use glam::{DVec3, Vec3};
 
@@ -47,7 +47,7 @@ pub struct ContactWorker {
 
 impl ContactWorker {
     /// The most points that a manifold has.
-    pub const MAX_POINTS: usize = MOST_POINTS;
+    pub const MAX_POINTS: usize = manifolds::MAX_POINTS;
 
     /// One without memory.
     pub fn new() -> Self {
@@ -92,13 +92,13 @@ impl ContactWorker {
         let pair = Pair::new([&mesh_a, &mesh_b], a.mesh().is_same(b.mesh()));
         let features = of_pair(&mut self.worker, &pair, margin);
         points.extend(features.iter().map(|feature| {
-            let (point, arms) = pair.point(feature);
+            let (point, anchors) = pair.point(feature);
             MeshContact {
-                anchors: [a.arm() + arms[0], b.arm() + arms[1]],
+                anchors: [a.center_offset() + anchors[0], b.center_offset() + anchors[1]],
                 normal: point.normal,
                 separation: point.separation,
                 faces: point.faces,
-                features: ids(&pair.sides, feature),
+                features: feature_ids(&pair.sides, feature),
             }
         }));
     }

@@ -43,8 +43,8 @@ impl<'a> Placed<'a> {
         }
         let (rotation, radius) = check_pose(mesh.radius, rotation, scale)?;
         let frame = Frame::new(DVec3::ZERO, rotation, scale.as_dvec3(), mesh.mass.center);
-        let reach = frame.center.abs().max_element() + f64::from(radius);
-        if reach.is_nan() || reach > f64::from(MAX_COORDINATE) {
+        let extent = frame.center.abs().max_element() + f64::from(radius);
+        if extent.is_nan() || extent > f64::from(MAX_COORDINATE) {
             return Err(BodyFault::TooFar);
         }
         Ok(Self {
@@ -88,12 +88,12 @@ impl<'a> Placed<'a> {
         let Frame { rotation, scale, .. } = self.frame;
         let (matrix, lanes) = (rotation * DMat3::from_diagonal(scale), self.mesh.lanes());
         // Boxes of triangles that cannot make it larger are left out, in single precision about the centre of mass.
-        let (turn, spread) = (Rows::new(matrix.as_mat3()), Rows::new(matrix.as_mat3().abs()));
+        let (rotate, spread) = (Rows::new(matrix.as_mat3()), Rows::new(matrix.as_mat3().abs()));
         let pad = f32x8::splat(2.0 * PAD * self.radius);
         let found = Cell::new([DVec3::INFINITY, DVec3::NEG_INFINITY]);
         let grows = |group: &BoxGroup| {
             let [low, high] = found.get().map(|p| splat((p - self.frame.center).as_vec3()));
-            let (center, half) = (turn.times(group.center), spread.times(group.half));
+            let (center, half) = (rotate.times(group.center), spread.times(group.half));
             let beyond = each(|i| {
                 let half = half[i] + pad;
                 (center[i] + half).simd_gt(high[i]) | (center[i] - half).simd_lt(low[i])
@@ -148,7 +148,7 @@ impl<'a> Placed<'a> {
     }
 
     /// From the translation to the centre of mass.
-    pub(super) fn arm(&self) -> DVec3 {
+    pub(super) fn center_offset(&self) -> DVec3 {
         self.frame.center
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::solver::Interval;
 use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
-use crate::state::still::StillBodies;
+use crate::state::inactive::InactiveBodies;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
@@ -19,7 +19,7 @@ const OVERLAP: f32 = 1.0;
 ///
 /// Around every collision substep: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
 /// [`Sleeper::settle`] after it. The manifolds must hold the pairs of sleeping bodies too; as these do not move, those of
-/// the last interval do (see [`Sleeper::is_still`]).
+/// the last interval do (see [`Sleeper::is_inactive`]).
 #[derive(Clone, Debug, Default)]
 pub struct Sleeper {
     /// Of each body, one nearer to the root of its island.
@@ -33,7 +33,7 @@ pub struct Sleeper {
 impl Sleeper {
     /// Whether nothing about the pair of bodies `a` and `b` can have changed since the last interval: both sleep, or one
     /// sleeps and the other is static.
-    pub fn is_still(bodies: &SolverBodies, a: u32, b: u32) -> bool {
+    pub fn is_inactive(bodies: &SolverBodies, a: u32, b: u32) -> bool {
         let [asleep, fixed] = [
             [a, b].map(|i| bodies.sleep[i as usize].asleep),
             [a, b].map(|i| bodies.bodies[i as usize].kind == RigidBody::Static),
@@ -183,7 +183,7 @@ impl Sleeper {
             let meets = |p: &ManifoldPoint| {
                 let [a, b] = [0, 1].map(|end| {
                     let motion = &bodies.motions[pair.bodies[end] as usize];
-                    motion.linear_velocity + motion.angular_velocity.cross(p.arms[end])
+                    motion.linear_velocity + motion.angular_velocity.cross(p.anchors[end])
                 });
                 p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * interval.dt <= near
             };
@@ -218,10 +218,13 @@ impl Sleeper {
 }
 
 /// Wakes bodies that touch something fixed which is not as it was.
-pub(crate) fn wake_on_new_ground(bodies: &mut SolverBodies, still: &StillBodies, manifolds: &Manifolds) {
+pub(crate) fn wake_on_new_ground(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
     for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies.map(|i| i as usize)) {
         for (sleeper, ground) in [(a, b), (b, a)] {
-            if bodies.sleep[sleeper].asleep && bodies.bodies[ground].kind == RigidBody::Static && !still.still[ground] {
+            if bodies.sleep[sleeper].asleep
+                && bodies.bodies[ground].kind == RigidBody::Static
+                && !inactive.flags[ground]
+            {
                 bodies.sleep[sleeper] = Default::default();
             }
         }

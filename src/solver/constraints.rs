@@ -66,7 +66,7 @@ pub(super) struct Row {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
     /// From the centres of mass to the points on the surfaces, at the start of the interval.
-    pub arms: [Vec3A; 2],
+    pub anchors: [Vec3A; 2],
     /// From the centres of mass to the centres of curvature, at the start of the interval; to the points where it is flat.
     pub rounds: [Vec3A; 2],
     /// How far from the first body's point to the second's impulses act: on that of the sharper body.
@@ -246,7 +246,7 @@ impl Row {
 impl Point {
     /// One that does nothing.
     const NONE: Self = Self {
-        arms: [Vec3A::ZERO; 2],
+        anchors: [Vec3A::ZERO; 2],
         rounds: [Vec3A::ZERO; 2],
         along: 0.5,
         offset: Vec3A::ZERO,
@@ -270,15 +270,15 @@ impl Point {
     fn new(manifold: &ManifoldPoint, between: DVec3, rest_offset: f32) -> Self {
         let sound = manifold.normal.is_normalized()
             && manifold.separation.is_finite()
-            && manifold.turn.is_finite()
-            && manifold.arms.iter().all(|arm| arm.is_finite());
+            && manifold.normal_rotation.is_finite()
+            && manifold.anchors.iter().all(|arm| arm.is_finite());
         if !sound {
             return Self::NONE;
         }
-        let [a, b] = manifold.arms;
+        let [a, b] = manifold.anchors;
         let out = [manifold.normal, -manifold.normal];
         let rounds = [0, 1].map(|end| {
-            let (arm, roundness) = (manifold.arms[end], manifold.roundness[end]);
+            let (arm, roundness) = (manifold.anchors[end], manifold.curvature_radii[end]);
             // No farther than to beside the centre of mass: of a ball that is just where its centre is.
             let inside = arm.dot(out[end]).max(0.0);
             let deep = if roundness < f32::INFINITY {
@@ -289,12 +289,12 @@ impl Point {
             Vec3A::from(arm - deep * out[end])
         });
         Self {
-            arms: manifold.arms.map(Vec3A::from),
+            anchors: manifold.anchors.map(Vec3A::from),
             rounds,
-            along: along(manifold.roundness),
+            along: along(manifold.curvature_radii),
             offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
             first_normal: manifold.normal.into(),
-            turn: manifold.turn,
+            turn: manifold.normal_rotation,
             rows: rows(manifold.normal),
             first_separation: manifold.separation - rest_offset,
             usable: true,

@@ -64,7 +64,7 @@ impl Interval {
     /// One of `collision_substeps` collision substeps of a step.
     pub fn of(config: &StepConfig, collision_substeps: u32) -> Self {
         Self {
-            dt: config.of_interval(collision_substeps).dt,
+            dt: config.per_collision_substep(collision_substeps).dt,
             substeps: config.solver.substeps_per_collision_substep(collision_substeps),
             gravity: config.gravity,
         }

@@ -46,7 +46,7 @@ struct Spin {
     /// At the start of the interval.
     rotation: Quat,
     own_inertia: Mat3,
-    own_inverse_inertia: Mat3,
+    local_inverse_inertia: Mat3,
     /// Whether the inertia is the same about all axes: it need not be turned, and spin does not change by itself.
     isotropic: bool,
     /// Whether it takes part at all; one whose motion is not finite does not.
@@ -297,7 +297,7 @@ impl Spin {
     const NONE: Self = Self {
         rotation: Quat::IDENTITY,
         own_inertia: Mat3::ZERO,
-        own_inverse_inertia: Mat3::ZERO,
+        local_inverse_inertia: Mat3::ZERO,
         isotropic: true,
         moves: false,
         locked: LockedAxes::NONE,
@@ -317,7 +317,7 @@ impl Spin {
         Self {
             rotation,
             own_inertia: if regular { inertia } else { Mat3::ZERO },
-            own_inverse_inertia: inverse,
+            local_inverse_inertia: inverse,
             isotropic,
             moves,
             locked: if pushed { body.locked_axes } else { LockedAxes::NONE },
@@ -330,10 +330,10 @@ impl Spin {
     fn inverse_inertia(&self, rotation: Quat) -> Mat3 {
         let free = self.locked.free_rotation();
         if self.isotropic && free == Vec3::ONE {
-            return self.own_inverse_inertia;
+            return self.local_inverse_inertia;
         }
         let turn = Mat3::from_quat(rotation);
-        let inverse = turn * self.own_inverse_inertia * turn.transpose();
+        let inverse = turn * self.local_inverse_inertia * turn.transpose();
         if free == Vec3::ONE {
             return inverse;
         }
@@ -369,7 +369,7 @@ impl Spin {
         for _ in 0..rounds as u32 {
             let axes = Mat3::from_quat((pose * self.rotation).normalize());
             let inertia = axes * self.own_inertia * axes.transpose();
-            let inverse = axes * self.own_inverse_inertia * axes.transpose();
+            let inverse = axes * self.local_inverse_inertia * axes.transpose();
             let momentum = inertia * next;
             // In axes that turn with the body and start as the world's.
             let after =

@@ -79,8 +79,8 @@ pub(super) fn measure(pair: &Pair, points: &mut [Point], movers: &Movers) {
             // One place for both, or the two impulses would turn the pair.
             let offset = point.offset + offset;
             levers = [
-                point.arms[0] + turns[0] + point.along * offset,
-                point.arms[1] + turns[1] - (1.0 - point.along) * offset,
+                point.anchors[0] + turns[0] + point.along * offset,
+                point.anchors[1] + turns[1] - (1.0 - point.along) * offset,
             ];
         }
         let mut gives = [[0.0; 3]; 2];

@@ -37,7 +37,7 @@ pub(super) struct KeptPair {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct KeptPoint {
     /// From the centres of mass.
-    arms: [Vec3; 2],
+    anchors: [Vec3; 2],
     normal: Vec3,
     impulse: f32,
     friction: Vec3,
@@ -124,7 +124,7 @@ impl KeptPoint {
         // What bounces has left, or is about to: the impulse that stopped it must not be given again.
         let stays = point.usable && point.bounce == 0.0;
         Self {
-            arms: point.arms.map(Vec3::from),
+            anchors: point.anchors.map(Vec3::from),
             normal: point.normal().into(),
             impulse: if stays { point.impulse } else { 0.0 },
             friction: point.friction_vector().into(),
@@ -196,18 +196,20 @@ impl<'a> Match<'a> {
     pub fn take(&mut self, point: &ManifoldPoint) -> Option<(f32, Vec3)> {
         let kept = self.kept?;
         let sign = if kept.swapped { -1.0 } else { 1.0 };
-        let arms = [self.back[0] * point.arms[0], self.back[1] * point.arms[1]];
+        let anchors = [self.back[0] * point.anchors[0], self.back[1] * point.anchors[1]];
         let (mut nearest, mut found) = (self.distance, None);
         for (i, old) in kept.points.iter().enumerate().take(64) {
             if self.taken >> i & 1 == 1 || old.impulse <= 0.0 || sign * old.normal.dot(point.normal) < self.normal {
                 continue;
             }
             let at = if kept.swapped {
-                [old.arms[1], old.arms[0]]
+                [old.anchors[1], old.anchors[0]]
             } else {
-                old.arms
+                old.anchors
             };
-            let distance = at[0].distance_squared(arms[0]).min(at[1].distance_squared(arms[1]));
+            let distance = at[0]
+                .distance_squared(anchors[0])
+                .min(at[1].distance_squared(anchors[1]));
             if distance < nearest {
                 (nearest, found) = (distance, Some((i, old)));
             }

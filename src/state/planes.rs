@@ -10,11 +10,11 @@ pub struct Plane {
     pub normal: Vec3,
     /// Metres from the origin.
     pub distance: f32,
-    /// Bounciness.
+    /// Coefficient of restitution, 0 to 1.
     pub restitution: f32,
-    /// The rule for pairs of its restitution.
+    /// Combine rule of the restitution.
     pub restitution_combine: CombineRule,
-    /// Coulomb's coefficient, and the rule for pairs.
+    /// Coulomb friction coefficient and its combine rule.
     pub friction: Friction,
 }
 

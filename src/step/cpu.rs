@@ -69,8 +69,8 @@ fn run_part(part: Part, step: &mut StepState) {
         scratch,
     } = step;
     let config = input.config;
-    let planes_from = input.bodies.len() as u32;
-    let interval = config.of_interval(results.collision_substeps);
+    let first_plane = input.bodies.len() as u32;
+    let interval = config.per_collision_substep(results.collision_substeps);
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
@@ -93,7 +93,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &input.planes,
             &results.near_pairs,
             &results.manifolds,
-            &scratch.still,
+            &scratch.inactive,
             &mut scratch.triangle_test,
             &mut results.contacts,
         ),
@@ -103,21 +103,21 @@ fn run_part(part: Part, step: &mut StepState) {
             &input.meshes,
             &input.planes,
             &results.near_pairs,
-            &scratch.still,
+            &scratch.inactive,
             &mut scratch.manifolds,
             &mut results.manifolds,
         ),
         Part::ReuseContactPoints => {
             manifolds::step::reuse(
-                &scratch.still,
-                planes_from,
+                &scratch.inactive,
+                first_plane,
                 &mut scratch.manifolds,
                 &mut results.manifolds,
             );
         }
         Part::ReportContactPoints => {
             let center_of = |body: u32| input.bodies.center[body as usize];
-            report_points(&results.manifolds, planes_from, &mut results.contacts, center_of);
+            report_points(&results.manifolds, first_plane, &mut results.contacts, center_of);
         }
         Part::SumImpulses => force_scan::cpu::sum_impulses(
             &config,
@@ -134,7 +134,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &config.solver,
             &Interval::of(&config, results.collision_substeps),
             &results.manifolds,
-            &scratch.still,
+            &scratch.inactive,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
         ),
@@ -159,7 +159,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &results.manifolds,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
-            &mut scratch.still,
+            &mut scratch.inactive,
         ),
         Part::StopFastBodies => integrate::cpu::stop_fast_bodies(
             &interval,
@@ -174,12 +174,12 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::MoveBodies => {
             integrate::cpu::move_bodies(&scratch.solver_bodies, &input.meshes, &mut input.bodies);
-            scratch.margins.set_reach(&mut input.bodies, &config);
+            scratch.margins.set_speculative_radii(&mut input.bodies, &config);
         }
         Part::ReportTouches => {
             let sleep = &scratch.solver_bodies.sleep[..input.bodies.len()];
             results.asleep.extend(sleep.iter().map(|sleep| sleep.asleep));
-            scratch.touches.report(planes_from, &mut results.contacts);
+            scratch.touches.report(first_plane, &mut results.contacts);
         }
         Part::Remember if config.response == Response::Contacts => {
             memory.keep(input, &scratch.solver_bodies, &scratch.stops);

@@ -4,7 +4,7 @@ use super::remap;
 use crate::ccd::stops::Stops;
 use crate::sleep::traits::PlacedTraits;
 use crate::solver::{SleepState, SolverBodies, WarmStart};
-use crate::state::still::{GONE, StillBodies};
+use crate::state::inactive::{GONE, InactiveBodies};
 use crate::state::{Plane, StepInput};
 use crate::types::body::RigidBody;
 use glam::Vec3;
@@ -39,19 +39,19 @@ impl StepMemory {
 
     /// Finds out which of the solver's bodies, which are those of `input` and awake, go on sleeping, and which of them nothing has
     /// changed about.
-    pub(super) fn recall(&self, input: &StepInput, moved: &mut SolverBodies, still: &mut StillBodies) {
+    pub(super) fn recall(&self, input: &StepInput, moved: &mut SolverBodies, inactive: &mut InactiveBodies) {
         let StepInput {
             config, bodies, planes, ..
         } = input;
         let all_wake = self.gravity != config.gravity;
-        still.still.resize(moved.len(), false);
-        still.numbers.resize(self.keys.len(), GONE);
+        inactive.flags.resize(moved.len(), false);
+        inactive.numbers.resize(self.keys.len(), GONE);
         let numbers = remap::numbers_before(self.keys.iter(), &moved.keys[..bodies.len()]);
         for (i, before) in numbers.enumerate() {
             let Some(before) = before.map(|number| number as usize) else {
                 continue;
             };
-            still.numbers[before] = i as u32;
+            inactive.numbers[before] = i as u32;
             let BodyMemory {
                 mut sleep,
                 traits,
@@ -67,13 +67,13 @@ impl StepMemory {
             moved.bodies[i].continuous &= !stopped;
             let (motion, forces) = (&moved.motions[i], &moved.forces[i]);
             let rests = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
-            still.still[i] =
+            inactive.flags[i] =
                 same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && rests && forces.is_zero()));
-            still.has_sleepers |= sleep.asleep;
+            inactive.has_sleepers |= sleep.asleep;
         }
         let same_planes = self.planes == *planes;
-        still.still[bodies.len()..].fill(same_planes);
-        remap::renumber_planes(&mut still.numbers, self.planes.len(), bodies.len(), planes.len());
+        inactive.flags[bodies.len()..].fill(same_planes);
+        remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
     }
 
     /// Keeps what the next step needs.

@@ -3,7 +3,7 @@
 //! Bodies are numbered anew in every step. Keys, in ascending order, tell them from each other; so one walk along both lists
 //! finds who is who. The solver's memory, a device's and the plugin's all use this walk.
 
-use crate::state::still::GONE;
+use crate::state::inactive::GONE;
 
 /// The number that each of `now` had in the step before, if it was there. Both are ascending.
 pub(crate) fn numbers_before<K: Ord>(

@@ -5,8 +5,8 @@ use crate::ccd::stops::Stops;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
 use crate::solver::{Solver, SolverBodies};
-use crate::state::margins::Margins;
-use crate::state::still::StillBodies;
+use crate::state::inactive::InactiveBodies;
+use crate::state::margins::SpeculativeMargins;
 use crate::{angles, broad_phase, force_scan, manifolds, triangle_test};
 
 /// What the stages work on within a step.
@@ -17,9 +17,9 @@ pub struct StepScratch {
     /// The bodies as the solver moves them, and after them the half-spaces.
     pub(crate) solver_bodies: SolverBodies,
     /// Which of them have not changed.
-    pub(crate) still: StillBodies,
+    pub(crate) inactive: InactiveBodies,
     /// How far bodies look for each other in this step.
-    pub(crate) margins: Margins,
+    pub(crate) margins: SpeculativeMargins,
     /// Who touched whom so far.
     pub(crate) touches: Touches,
     /// Who was stopped so far.

@@ -37,7 +37,7 @@ fn require_same(case: usize, meshes: [&CollisionMesh; 2], poses: &[Pose; 2], mar
             (found.anchors[i] - center).as_vec3()
         });
         let found = (arms, found.normal, found.separation, found.faces);
-        let wanted = (wanted.arms, wanted.normal, wanted.separation, wanted.faces);
+        let wanted = (wanted.anchors, wanted.normal, wanted.separation, wanted.faces);
         assert_eq!(found, wanted, "case {case}");
     }
     found.len()

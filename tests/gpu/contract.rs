@@ -285,7 +285,7 @@ fn sizes_of_blocks_are_the_same_in_wgsl() {
 
 fn contact_generation_counts_as_in_wgsl() {
     let types = constants("types.wgsl");
-    assert_eq!(types["MOST_POINTS"] as usize, manifolds::MOST_POINTS);
+    assert_eq!(types["MOST_POINTS"] as usize, manifolds::MAX_POINTS);
     assert_eq!(types["MAX_PLANE_POINTS"] as usize, manifolds::cpu::planes::MAX_POINTS);
     assert_eq!(types["NOTHING"], manifolds::cpu::planes::NO_FACE);
     let sides = constants("sides.wgsl");

@@ -26,13 +26,13 @@ fn a_ring_through_a_ring_touches_on_two_sides() {
     let opposite = found.iter().any(|p| {
         found
             .iter()
-            .any(|q| p.normal.dot(q.normal) < -0.8 && p.arms[0].distance(q.arms[0]) > 0.5)
+            .any(|q| p.normal.dot(q.normal) < -0.8 && p.anchors[0].distance(q.anchors[0]) > 0.5)
     });
     assert!(opposite, "{found:?}");
     assert!(sum.length() < 0.5 * found.len() as f32, "{sum} {found:?}");
     for point in &found {
         // Into the tube in the hole: from the hole's wall to its middle.
-        let inward = -point.arms[0] * Vec3::new(1.0, 1.0, 0.0);
+        let inward = -point.anchors[0] * Vec3::new(1.0, 1.0, 0.0);
         assert!(point.normal.dot(inward.normalize()) > 0.7, "{point:?}");
         assert!(point.separation > -0.03, "{point:?}");
     }

@@ -76,7 +76,7 @@ fn cubes_edge_to_edge() {
             assert!((f64::from(found[0].separation) + depth).abs() < 1e-4, "{found:?}");
             let aside = aside.as_vec3();
             assert!(
-                (found[0].arms[0] - (aside + Vec3::Z * 0.5 * SQRT_2 as f32)).length() < 1e-3,
+                (found[0].anchors[0] - (aside + Vec3::Z * 0.5 * SQRT_2 as f32)).length() < 1e-3,
                 "{found:?}"
             );
         }
@@ -99,7 +99,7 @@ fn a_cubes_corner_on_a_face() {
             assert_eq!(found.len(), 1, "{depth}: {found:?}");
             assert!(found[0].normal.distance(Vec3::Z) < 1e-4, "{found:?}");
             assert!((f64::from(found[0].separation) + depth).abs() < 1e-4, "{found:?}");
-            let on_b = b.translation + found[0].arms[1];
+            let on_b = b.translation + found[0].anchors[1];
             assert!(on_b.as_dvec3().distance(foot) < 1e-4, "{found:?}");
         }
     }
@@ -135,7 +135,7 @@ fn edges_of_cubes_that_nearly_lie_flat_push_along_a_face() {
             // Straight edges of both cross at angles at which their common normal is neither face's.
             let faces = [Vec3::Z, rotation * Vec3::Z].map(|n| point.normal.distance(n));
             assert!(faces[0].min(faces[1]) < 1e-5, "case {case}: {point:?}");
-            let rims = [point.arms[0], rotation.inverse() * point.arms[1]];
+            let rims = [point.anchors[0], rotation.inverse() * point.anchors[1]];
             let on_edge = |p: &Vec3| p.x.abs().max(p.y.abs()) > 0.499;
             crossing_edges += usize::from(rims.iter().all(on_edge));
         }

@@ -33,8 +33,11 @@ fn cubes_face_to_face() {
             );
         }
         // They hold the faces' common middle.
-        let middle: Vec3 = found.iter().map(|p| p.arms[0]).sum::<Vec3>() / found.len() as f32;
-        assert!(found.iter().any(|p| (p.arms[0] - middle).length() > 0.1), "case {case}");
+        let middle: Vec3 = found.iter().map(|p| p.anchors[0]).sum::<Vec3>() / found.len() as f32;
+        assert!(
+            found.iter().any(|p| (p.anchors[0] - middle).length() > 0.1),
+            "case {case}"
+        );
     }
 }
 
@@ -50,7 +53,7 @@ fn aligned_cubes_rest_on_each_other_at_their_corners() {
         let found = points(&product, &a, &b, 0.01);
         for corner in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
             let corner = frame * Vec3::new(corner[0], corner[1], 1.0) * 0.5;
-            let near = |p: &ManifoldPoint| p.arms[0].distance(corner) < 1e-4 + gap.abs() as f32;
+            let near = |p: &ManifoldPoint| p.anchors[0].distance(corner) < 1e-4 + gap.abs() as f32;
             assert!(found.iter().any(near), "{case}, {gap}: {found:?}");
         }
         for point in &found {

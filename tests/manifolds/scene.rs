@@ -65,7 +65,7 @@ pub fn require_sane(manifolds: &Manifolds) {
     }
     assert_eq!(next as usize, manifolds.points.len());
     for point in &manifolds.points {
-        let finite = point.arms.iter().all(|arm| arm.is_finite()) && point.separation.is_finite();
+        let finite = point.anchors.iter().all(|arm| arm.is_finite()) && point.separation.is_finite();
         assert!(finite && (point.normal.length() - 1.0).abs() < 1e-5, "{point:?}");
     }
 }

@@ -201,7 +201,7 @@ impl Contours {
     }
 
     /// Whether a feature counts. Those that overlap need a patch to speak for them, and all those near must agree.
-    pub fn admit(&self, feature: &Feature, overlaps: bool) -> bool {
+    pub fn admits(&self, feature: &Feature, overlaps: bool) -> bool {
         let mut any = false;
         for patch in self.patches.iter().filter(|patch| patch.is_near(feature)) {
             any = true;
@@ -227,11 +227,11 @@ impl Contours {
             all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
         });
         // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
-        let way = match &self.patches[..] {
+        let direction = match &self.patches[..] {
             [patch] => patch.normal.as_vec3(),
             _ => Vec3::ZERO,
         };
-        Window { around, way }
+        Window { around, direction }
     }
 }
 
@@ -295,23 +295,23 @@ impl Patch {
         let own = &segments[self.first..self.end];
         let farthest = |along: &dyn Fn(DVec3) -> f64| {
             let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
-            for arm in own.iter().map(|segment| segment.ends[0] - self.center) {
-                let reach = along(arm);
+            for offset in own.iter().map(|segment| segment.ends[0] - self.center) {
+                let reach = along(offset);
                 if reach > best.0 {
-                    best = (reach, arm);
+                    best = (reach, offset);
                 }
             }
             best.1
         };
-        let first = farthest(&|arm| arm.reject_from_normalized(self.normal).length_squared());
+        let first = farthest(&|p| p.reject_from_normalized(self.normal).length_squared());
         let across = self.normal.cross(first);
-        let arms = [
+        let offsets = [
             first,
-            farthest(&|arm| -arm.dot(first)),
-            farthest(&|arm| arm.dot(across)),
-            farthest(&|arm| -arm.dot(across)),
+            farthest(&|p| -p.dot(first)),
+            farthest(&|p| p.dot(across)),
+            farthest(&|p| -p.dot(across)),
         ];
-        let [p, q, r, s] = arms.map(|arm| self.center + arm * 0.75);
+        let [p, q, r, s] = offsets.map(|p| self.center + p * 0.75);
         [self.center, p, q, r, s]
     }
 }

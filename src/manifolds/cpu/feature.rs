@@ -129,7 +129,7 @@ impl<'a> TrianglePair<'a> {
         let foot = p - over.normal * height;
         for i in 0..3 {
             let edge = over.corners[(i + 1) % 3] - over.corners[i];
-            let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.handed;
+            let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.winding_sign;
             // Nothing lies over a triangle that has collapsed.
             if across <= -OUTSIDE * edge.length_squared() {
                 return None;
@@ -241,7 +241,7 @@ impl<'a> Edge<'a> {
     fn may_face(&self, normal: DVec3, other: Option<DVec3>) -> bool {
         let own = self.triangle.normal;
         let length = self.along.length();
-        let turn = |from: DVec3, to: DVec3| self.triangle.handed * from.cross(to).dot(self.along);
+        let turn = |from: DVec3, to: DVec3| self.triangle.winding_sign * from.cross(to).dot(self.along);
         let least = -ARC * length;
         turn(own, normal) >= least
             && other.is_none_or(|other| turn(own, other) > FLAT * length && turn(normal, other) >= least)

@@ -3,7 +3,7 @@
 use super::contour::{Contours, Patch, Segment};
 use super::feature::{Feature, Key, Origin, TrianglePair};
 use super::inside;
-use super::near::{Near, Setting};
+use super::near::{NearTriangles, PairPose};
 use super::ray::exit;
 use super::reduce::Reduction;
 use super::side::{PlacedMesh, Side, sides};
@@ -30,7 +30,7 @@ const MIDDLE: u8 = 5;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    near: Near,
+    near: NearTriangles,
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
@@ -42,7 +42,7 @@ impl Worker {
     /// its first body. A margin that is negative or not a number is none.
     pub fn all(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
-        self.find(&pair.sides, &pair.setting, margin, pair.size);
+        self.find(&pair.sides, &pair.pose, margin, pair.size);
         &self.features
     }
 
@@ -53,7 +53,7 @@ impl Worker {
     }
 
     /// Fills `features`.
-    fn find(&mut self, sides: &[Side; 2], setting: &Setting, margin: f32, size: f64) {
+    fn find(&mut self, sides: &[Side; 2], pose: &PairPose, margin: f32, size: f64) {
         let Self {
             near,
             contours,
@@ -65,9 +65,9 @@ impl Worker {
         contours.clear();
         let reach = f64::from(margin);
         let touch = TOUCH * size;
-        let rounding = ROUNDING * f64::from(setting.size);
+        let rounding = ROUNDING * f64::from(pose.size);
         let range = -touch..=reach;
-        near.run(sides, setting, margin + touch as f32, None);
+        near.run(sides, pose, margin + touch as f32, None);
         for triangles in near.pairs() {
             if let Some(pair) = TrianglePair::new(sides, triangles, reach + touch) {
                 pair.features(&range, |feature| features.push(feature));
@@ -83,7 +83,7 @@ impl Worker {
         }
 
         contours.join(reach, size);
-        features.retain(|feature| contours.admit(feature, false));
+        features.retain(|feature| contours.admits(feature, false));
         if contours.patches.is_empty() {
             return;
         }
@@ -93,12 +93,12 @@ impl Worker {
         // With a wide margin all pairs are known.
         if most > reach {
             let window = contours.window(0.5 * most);
-            near.run(sides, setting, most as f32, Some(&window));
+            near.run(sides, pose, most as f32, Some(&window));
         }
         for triangles in near.pairs() {
             if let Some(pair) = TrianglePair::new(sides, triangles, most) {
                 pair.features(&range, |feature| {
-                    if contours.admit(&feature, true) {
+                    if contours.admits(&feature, true) {
                         deep.push(feature);
                     }
                 });
@@ -164,7 +164,7 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
 /// Two bodies in the axes of the first.
 pub struct Pair<'a> {
     pub sides: [Side<'a>; 2],
-    pub setting: Setting,
+    pub pose: PairPose,
     /// The smaller one's diameter.
     size: f64,
     /// Out of the first body's axes.
@@ -175,46 +175,46 @@ impl<'a> Pair<'a> {
     /// `one_mesh` is whether both bodies have the same.
     pub fn new([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> Self {
         let sides = sides([a, b], one_mesh);
-        let setting = Setting {
+        let pose = PairPose {
             rotation: (a.frame.rotation.transpose() * b.frame.rotation).as_mat3(),
             translation: sides[1].center.as_vec3(),
             size: a.radius + b.radius,
         };
         Self {
             size: sides[0].diameter().min(sides[1].diameter()),
-            setting,
+            pose,
             sides,
             rotation: a.frame.rotation,
         }
     }
 
-    /// What the solver needs to know of a feature, and its arms in double precision.
+    /// What the solver needs to know of a feature, and its anchors in double precision.
     pub fn point(&self, feature: &Feature) -> (ManifoldPoint, [DVec3; 2]) {
-        let roundness = [0, 1].map(|side| self.roundness(feature, side));
-        let smoothed = smooth::smoothed(&self.sides, feature, roundness.map(f64::from));
+        let curvature_radii = [0, 1].map(|side| self.curvature_radius(feature, side));
+        let smoothed = smooth::smoothed(&self.sides, feature, curvature_radii.map(f64::from));
         let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
-        let arms = [a, b - self.sides[1].center].map(|arm| self.rotation * arm);
+        let anchors = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
         let point = ManifoldPoint {
-            arms: arms.map(|arm| arm.as_vec3()),
+            anchors: anchors.map(|anchor| anchor.as_vec3()),
             normal: (self.rotation * smoothed.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
-            roundness,
-            turn: smoothed.turn as f32,
+            curvature_radii,
+            normal_rotation: smoothed.normal_rotation as f32,
             faces: [0, 1].map(|i| self.sides[i].face(feature.triangles[i])),
         };
-        (point, arms)
+        (point, anchors)
     }
 
     /// Of one body's surface at the feature.
-    fn roundness(&self, feature: &Feature, side: usize) -> f32 {
+    fn curvature_radius(&self, feature: &Feature, side: usize) -> f32 {
         let own = &self.sides[side];
-        let roundness = own.features.curvature_radii[feature.triangles[side] as usize];
+        let radius = own.features.curvature_radii[feature.triangles[side] as usize];
         let is_face = feature.vertex().is_some_and(|(of, _)| usize::from(of) != side);
-        if is_face && roundness == 0.0 {
+        if is_face && radius == 0.0 {
             // Between creases a face is flat.
             f32::INFINITY
         } else {
-            roundness * own.scale.abs().element_sum() / 3.0
+            radius * own.scale.abs().element_sum() / 3.0
         }
     }
 }

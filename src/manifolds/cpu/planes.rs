@@ -29,14 +29,14 @@ const MARGIN: f32 = 0.01;
 pub struct Scratch {
     lists: InOrder<Found>,
     found: Vec<Found>,
-    vertices: PerThread<Vec<Low>>,
+    vertices: PerThread<Vec<LowVertex>>,
 }
 
 /// A vertex that may reach a plane.
-struct Low {
+struct LowVertex {
     separation: f32,
     /// Relative to the centre of mass, in the mesh's axes.
-    place: Vec3,
+    position: Vec3,
     number: u32,
 }
 
@@ -93,7 +93,7 @@ fn manifold(
     index: usize,
     plane: &Plane,
     config: &StepConfig,
-    vertices: &mut Vec<Low>,
+    vertices: &mut Vec<LowVertex>,
 ) -> Option<Found> {
     if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
         return None;
@@ -124,9 +124,9 @@ fn manifold(
         for lane in bits(*held) {
             let separation = heights.as_array()[lane] + height;
             if separation < margin {
-                vertices.push(Low {
+                vertices.push(LowVertex {
                     separation,
-                    place: Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
+                    position: Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
                     number: group * CLUSTER as u32 + lane as u32,
                 });
             }
@@ -142,34 +142,34 @@ fn manifold(
     let size = f64::from(scale.abs().element_sum() / 3.0);
     let center = normal * plane.distance as f64;
     let none = ManifoldPoint {
-        arms: [Vec3::ZERO; 2],
+        anchors: [Vec3::ZERO; 2],
         normal: -plane.normal,
         separation: 0.0,
-        roundness: [0.0, f32::INFINITY],
-        turn: 0.0,
+        curvature_radii: [0.0, f32::INFINITY],
+        normal_rotation: 0.0,
         faces: [NO_FACE; 2],
     };
     let mut points = [none; MAX_POINTS];
     let mut count = 0;
     for &i in chosen.iter().take_while(|&&i| i != usize::MAX) {
-        let Low {
+        let LowVertex {
             separation,
-            place,
+            position,
             number,
         } = vertices[i];
-        let arm = frame.rotation * (frame.scale * place.as_dvec3());
-        let roundness = f64::from(features.vertex_curvature_radii[number as usize]) * size;
+        let anchor = frame.rotation * (frame.scale * position.as_dvec3());
+        let curvature_radius = f64::from(features.vertex_curvature_radii[number as usize]) * size;
         let own_normal = frame.rotation * (features.vertex_normals[number as usize].as_dvec3() / frame.scale);
         // Others are corners, which turn with the body until they touch.
-        let (arm, roundness) = match smooth::slide_of_vertex(own_normal, arm, -normal, roundness) {
-            Some(slide) => (arm + slide, roundness),
-            None => (arm, 0.0),
+        let (anchor, curvature_radius) = match smooth::slide_of_vertex(own_normal, anchor, -normal, curvature_radius) {
+            Some(slide) => (anchor + slide, curvature_radius),
+            None => (anchor, 0.0),
         };
-        let foot = frame.center + arm - normal * separation as f64;
+        let foot = frame.center + anchor - normal * separation as f64;
         points[count] = ManifoldPoint {
-            arms: [arm.as_vec3(), (foot - center).as_vec3()],
+            anchors: [anchor.as_vec3(), (foot - center).as_vec3()],
             separation,
-            roundness: [roundness as f32, f32::INFINITY],
+            curvature_radii: [curvature_radius as f32, f32::INFINITY],
             ..none
         };
         count += 1;
@@ -183,23 +183,23 @@ fn manifold(
 
 /// Picks vertices: the lowest one, then always that farthest from those picked. The first half comes from those as low as the
 /// lowest, on which the body stands; the others tell what it will roll onto. Ends with `usize::MAX` if there are fewer.
-fn choose(vertices: &[Low], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
+fn choose(vertices: &[LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
     let lowest = vertices
         .iter()
         .enumerate()
         .min_by(|(_, a), (_, b)| a.separation.total_cmp(&b.separation));
-    let Some((lowest, &Low { separation: floor, .. })) = lowest else {
+    let Some((lowest, &LowVertex { separation: floor, .. })) = lowest else {
         return chosen;
     };
     chosen[0] = lowest;
     let mut count = 1;
     for (limit, ceiling) in [(MAX_POINTS / 2, floor + level), (MAX_POINTS, f32::INFINITY)] {
         while count < limit {
-            let apart = |low: &Low| {
+            let apart = |low: &LowVertex| {
                 let distances = chosen[..count]
                     .iter()
-                    .map(|&c| (scale * (low.place - vertices[c].place)).length_squared());
+                    .map(|&c| (scale * (low.position - vertices[c].position)).length_squared());
                 distances.fold(f32::INFINITY, f32::min)
             };
             let farthest = vertices

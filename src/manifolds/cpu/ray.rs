@@ -64,16 +64,16 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
 /// What single precision costs a product of three vectors, relative to their lengths.
 const ERROR: f32 = 4.0e-6;
 
-/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: it turns the same way about all
+/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: it volumes the same way about all
 /// three edges.
 fn may_meet(cluster: &Cluster, from: DVec3, way: DVec3) -> u32 {
     let from = splat((from - cluster.origin.as_dvec3()).as_vec3());
     let way = splat(way.as_vec3());
-    let arms = each(|k| sub(cluster.corners[k], from));
-    let turns = each(|k| dot(way, cross(arms[k], arms[(k + 1) % 3])));
-    let errors = each(|k| norm1(arms[k]) * norm1(arms[(k + 1) % 3]) * f32x8::splat(ERROR));
-    let left = |k: usize| turns[k].simd_ge(-errors[k]);
-    let right = |k: usize| turns[k].simd_le(errors[k]);
+    let corners = each(|k| sub(cluster.corners[k], from));
+    let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
+    let errors = each(|k| norm1(corners[k]) * norm1(corners[(k + 1) % 3]) * f32x8::splat(ERROR));
+    let left = |k: usize| volumes[k].simd_ge(-errors[k]);
+    let right = |k: usize| volumes[k].simd_le(errors[k]);
     let same = (left(0) & left(1) & left(2)) | (right(0) & right(1) & right(2));
     same.to_bitmask() & cluster.lanes
 }
@@ -86,8 +86,8 @@ fn meets([a, b, c]: [DVec3; 3], way: DVec3) -> Option<f64> {
     if slope * slope <= 1.0e-18 * way.length_squared() * normal.length_squared() {
         return None;
     }
-    let turn = a.cross(way);
-    let (v, w) = (turn.dot(ac) / slope, -turn.dot(ab) / slope);
+    let moment = a.cross(way);
+    let (v, w) = (moment.dot(ac) / slope, -moment.dot(ab) / slope);
     let distance = a.dot(normal) / slope;
     (v >= -SLACK && w >= -SLACK && v + w <= 1.0 + SLACK && distance >= 0.0).then_some(distance)
 }

@@ -1,7 +1,7 @@
 //! The few points that say what many say.
 
 use super::feature::Feature;
-use crate::manifolds::MOST_POINTS;
+use crate::manifolds::MAX_POINTS;
 
 /// What a difference of normals counts beside a distance in units of the bodies' size, both squared.
 const TURN: f64 = 0.02;
@@ -30,7 +30,7 @@ impl Reduction {
         self.distances.clear();
         self.distances.resize(features.len(), f64::INFINITY);
         let mut next = Some(0);
-        while let Some(index) = next.filter(|_| self.chosen.len() < MOST_POINTS) {
+        while let Some(index) = next.filter(|_| self.chosen.len() < MAX_POINTS) {
             let last = features[index];
             self.chosen.push(last);
             let mut best = 0.0;

@@ -45,7 +45,7 @@ pub struct Triangle {
     /// Unit vector, outward; of triangles with two sides towards the other body.
     pub normal: DVec3,
     /// 1 if the corners run counter-clockwise about the normal, else -1.
-    pub handed: f64,
+    pub winding_sign: f64,
 }
 
 /// Bodies are in the same place if their centres differ by less than this part of their size, and their rotations by as many
@@ -59,9 +59,9 @@ const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 /// The two bodies of a pair. `one_mesh` is whether both have the same.
 pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
     let to_a = a.frame.rotation.transpose();
-    let aside = if one_mesh { aside(a, b) } else { DVec3::ZERO };
-    let center_b = to_a * (b.frame.center - a.frame.center + aside);
-    let side = |own: &PlacedMesh<'a>, rotation: DMat3, aside: DVec3, center: DVec3, other_center: DVec3| {
+    let nudge = if one_mesh { nudge(a, b) } else { DVec3::ZERO };
+    let center_b = to_a * (b.frame.center - a.frame.center + nudge);
+    let side = |own: &PlacedMesh<'a>, rotation: DMat3, nudge: DVec3, center: DVec3, other_center: DVec3| {
         let frame = own.frame;
         let inverse = DMat3::from_diagonal(frame.scale.recip()) * rotation.transpose();
         Side {
@@ -71,7 +71,7 @@ pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] 
             center,
             other_center,
             matrix: rotation * DMat3::from_diagonal(frame.scale),
-            origin: to_a * (frame.position - a.frame.center + aside),
+            origin: to_a * (frame.position - a.frame.center + nudge),
             inverse,
             normal_matrix: inverse.transpose(),
             mirror: frame.scale.element_product().signum(),
@@ -79,13 +79,13 @@ pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] 
     };
     [
         side(a, DMat3::IDENTITY, DVec3::ZERO, DVec3::ZERO, center_b),
-        side(b, to_a * b.frame.rotation, aside, center_b, DVec3::ZERO),
+        side(b, to_a * b.frame.rotation, nudge, center_b, DVec3::ZERO),
     ]
 }
 
 /// By how much the second of two bodies of one mesh is taken to be elsewhere: a little if both are in the same place. Their
 /// surfaces do not cross then but are one, which would leave no way out.
-fn aside(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
+fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     let size = f64::from(a.radius.min(b.radius));
     let same = a.scale == b.scale
         && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
@@ -135,12 +135,12 @@ impl Side<'_> {
         } else {
             self.baked_normal(number)
         };
-        let (normal, handed) = self.towards_other(normal, p);
+        let (normal, winding_sign) = self.towards_other(normal, p);
         Triangle {
             number,
             corners,
             normal,
-            handed,
+            winding_sign,
         }
     }
 
@@ -150,14 +150,14 @@ impl Side<'_> {
     }
 
     /// For eight triangles from `first` on how far a contact's normal at an edge of theirs may turn from their own, radians.
-    pub fn edge_turns(&self, first: u32) -> f32x8 {
+    pub fn edge_normal_rotations(&self, first: u32) -> f32x8 {
         // Unequal scales change angles.
         let scale = self.scale.abs();
-        let is_even = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
-        let turns = &self.features.edge_normal_rotations[first as usize..];
+        let is_uniform = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
+        let rotations = &self.features.edge_normal_rotations[first as usize..];
         let slack = 1.1 * ARC as f32;
-        f32x8::new(std::array::from_fn(|lane| match turns.get(lane) {
-            Some(turn) if is_even && turn + slack < ANY_NORMAL => turn + slack,
+        f32x8::new(std::array::from_fn(|lane| match rotations.get(lane) {
+            Some(rotation) if is_uniform && rotation + slack < ANY_NORMAL => rotation + slack,
             _ => ANY_NORMAL,
         }))
     }
@@ -197,7 +197,7 @@ impl Side<'_> {
     }
 
     /// Along the normal of the smooth surface at a vertex, of any length; zero if it has none.
-    pub fn round_normal(&self, vertex: u32) -> DVec3 {
+    pub fn smooth_normal(&self, vertex: u32) -> DVec3 {
         self.normal_matrix * self.features.vertex_normals[vertex as usize].as_dvec3()
     }
 

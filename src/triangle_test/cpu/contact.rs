@@ -11,16 +11,16 @@ use crate::state::{Bodies, Contact, Frame, NearPair};
 use glam::{DMat3, DVec3, Vec3};
 
 /// The pair in double precision, in the first body's axes about its centre of mass.
-pub struct PairView {
+pub struct PairFrame {
     a: Frame,
     b_matrix: DMat3,
     a_origin: DVec3,
     b_origin: DVec3,
     /// How wrong a placed coordinate can be.
-    pub placing: f64,
+    pub placement_error: f64,
 }
 
-/// A segment in which two faces intersect, in the axes of [`PairView`].
+/// A segment in which two faces intersect, in the axes of [`PairFrame`].
 pub struct Segment {
     pub start: DVec3,
     pub end: DVec3,
@@ -39,18 +39,18 @@ impl Segment {
     }
 }
 
-impl PairView {
+impl PairFrame {
     /// `size` is the sum of the bounding radii.
     pub fn new(a: &Frame, b: &Frame, size: f32) -> Self {
-        // Corners are sums of products no larger than the bodies and the way from each mesh's origin to its centre.
-        let arms = a.position.distance(a.center) + b.position.distance(b.center);
+        // Corners are sums of products no larger than the bodies and the offset from each mesh's origin to its centre.
+        let origin_offsets = a.position.distance(a.center) + b.position.distance(b.center);
         let to_a = a.rotation.transpose();
         Self {
             a: *a,
             b_matrix: to_a * b.rotation * DMat3::from_diagonal(b.scale),
             a_origin: to_a * (a.position - a.center),
             b_origin: to_a * (b.position - a.center),
-            placing: 16.0 * f64::EPSILON * (size as f64 + arms),
+            placement_error: 16.0 * f64::EPSILON * (size as f64 + origin_offsets),
         }
     }
 
@@ -69,7 +69,7 @@ impl PairView {
     /// Decides a pair of faces, given by the corners in their meshes.
     pub fn intersect(&self, a: [Vec3; 3], b: [Vec3; 3]) -> Option<Segment> {
         let (a, b) = (a.map(|p| self.place_a(p)), b.map(|p| self.place_b(p)));
-        let hit = intersect_placed(&a, &b, self.placing)?;
+        let hit = intersect_placed(&a, &b, self.placement_error)?;
         let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
         let forward = (hit.end - hit.start).dot(normal(&a).cross(normal(&b))) >= 0.0;
         let (start, end) = if forward {
@@ -139,7 +139,13 @@ impl Contour {
 const SIGNIFICANT: f64 = 0.02;
 
 /// The pair's contact, from its contour or, without a usable one, along the line of centres.
-pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &Contour, view: &PairView) -> Contact {
+pub fn contact(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pair: &NearPair,
+    contour: &Contour,
+    pair_frame: &PairFrame,
+) -> Contact {
     let [a, b] = pair.bodies.map(|i| i as usize);
     let (center_a, center_b) = (bodies.frame[a].center, bodies.frame[b].center);
     let centers = (center_b - center_a).as_vec3().try_normalize().unwrap_or(Vec3::Y);
@@ -166,12 +172,12 @@ pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &C
     }
     let circle = contour.length * contour.length / (4.0 * std::f64::consts::PI);
     let normal = if area.length() > SIGNIFICANT * circle && sign != 0.0 {
-        view.turn_to_world(area.normalize() * sign)
+        pair_frame.turn_to_world(area.normalize() * sign)
     } else {
         centers
     };
     Contact {
-        point: view.to_world(middle),
+        point: pair_frame.to_world(middle),
         normal,
     }
 }

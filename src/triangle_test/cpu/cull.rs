@@ -22,7 +22,7 @@ pub struct Other {
     /// Support axis, towards the other.
     pub axis: Vec3,
     /// What does not reach this far along the axis is out of the other's reach.
-    pub least: f32,
+    pub min_height: f32,
     /// Rounding allowance.
     pub pad: f32,
 }
@@ -40,7 +40,7 @@ struct Test {
     sphere_square: f32x8,
     axis: Points,
     axis_abs: Points,
-    least: f32x8,
+    min_height: f32x8,
 }
 
 /// Appends to `clusters`, in ascending order, those of `mesh` (scaled by `scale`) that may touch the other body.
@@ -77,7 +77,7 @@ impl Test {
             sphere_square: f32x8::splat((other.radius + pad) * (other.radius + pad)),
             axis: splat(other.axis),
             axis_abs: splat(other.axis.abs()),
-            least: f32x8::splat(other.least - pad),
+            min_height: f32x8::splat(other.min_height - pad),
         }
     }
 
@@ -90,7 +90,7 @@ impl Test {
         let mut alive = within(distance, half, self.own_half);
 
         let reach = dot(center, self.axis) + dot(half, self.axis_abs);
-        alive &= reach.simd_ge(self.least);
+        alive &= reach.simd_ge(self.min_height);
 
         let nearest = each(|i| ((center[i] - self.sphere_center[i]).abs() - half[i]).fast_max(f32x8::ZERO));
         alive &= dot(nearest, nearest).simd_le(self.sphere_square);

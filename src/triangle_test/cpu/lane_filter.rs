@@ -7,14 +7,14 @@ use crate::state::mesh_arena::Points;
 use wide::f32x8;
 
 /// A [`View`], ready to be asked cluster by cluster.
-pub enum Choice<'a> {
+pub enum LaneFilter<'a> {
     All,
     /// A byte per cluster.
     Masks(&'a [u8]),
     Facing(Points),
 }
 
-impl<'a> Choice<'a> {
+impl<'a> LaneFilter<'a> {
     /// `scratch` may be overwritten.
     pub fn new(view: View, mesh: &'a BakedMesh, scratch: &'a mut Vec<u8>) -> Self {
         match (view, &mesh.faces) {

@@ -3,9 +3,9 @@
 //! Down the trees of both meshes, always on at the pair of nodes whose centres are nearest: where bodies overlap, their
 //! surfaces probably cross. What single precision cannot tell is put off until nothing else is left.
 
-use super::placed::{Placed, PlacedList};
-use super::product::first_hit;
-use super::setting::Setting;
+use super::candidates::any_triangles_hit;
+use super::pair_setup::PairSetup;
+use super::placed::{PlacedCluster, PlacedClusters};
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::bits;
 use crate::simd::tree::{Group, Tree};
@@ -36,7 +36,7 @@ struct At {
 #[derive(Default)]
 struct End {
     groups: Vec<Opened>,
-    placed: PlacedList,
+    placed: PlacedClusters,
     /// Where each group lies in `groups`, if that one says so too; else anything, so that nothing needs clearing.
     group_at: Vec<u32>,
     /// The same for clusters and `placed`.
@@ -54,11 +54,11 @@ struct Opened {
 
 impl Search {
     /// Whether two triangles certainly intersect; if not, calls `sure` for those that may until it agrees.
-    pub fn any(&mut self, setting: &Setting, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
-        let trees = setting.trees();
+    pub fn any(&mut self, setup: &PairSetup, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
+        let trees = setup.trees();
         let [a, b] = &mut self.ends;
-        a.start(&trees[0], setting.a.lanes.clusters.len());
-        b.start(&trees[1], setting.b.lanes.clusters.len());
+        a.start(&trees[0], setup.a.lanes.clusters.len());
+        b.start(&trees[1], setup.b.lanes.clusters.len());
         self.stack.clear();
         self.unsure.clear();
         self.stack.push([0, 1].map(|end| At {
@@ -68,7 +68,7 @@ impl Search {
         }));
         while let Some(at) = self.stack.pop() {
             if at.iter().all(|at| at.level == 0) {
-                if self.clusters_hit(setting, at) {
+                if self.any_clusters_hit(setup, at) {
                     return true;
                 }
             } else {
@@ -116,15 +116,15 @@ impl Search {
     }
 
     /// Whether triangles of two clusters certainly intersect. Remembers those that may.
-    fn clusters_hit(&mut self, setting: &Setting, at: [At; 2]) -> bool {
+    fn any_clusters_hit(&mut self, setup: &PairSetup, at: [At; 2]) -> bool {
         let [a, b] = &mut self.ends;
         let a = a.cluster(at[0], |placed, cluster| {
-            setting.place_a(placed, cluster, setting.a.choice.lanes(cluster));
+            setup.place_a(placed, cluster, setup.a.filter.lanes(cluster));
         });
         let b = b.cluster(at[1], |placed, cluster| {
-            setting.place_b(placed, cluster, setting.b.choice.lanes(cluster));
+            setup.place_b(placed, cluster, setup.b.filter.lanes(cluster));
         });
-        first_hit(a, b, &setting.placing, &mut self.unsure)
+        any_triangles_hit(a, b, &setup.pair_scale, &mut self.unsure)
     }
 }
 
@@ -168,7 +168,7 @@ impl End {
     }
 
     /// A cluster, which `place` places if it is not yet.
-    fn cluster(&mut self, at: At, place: impl FnOnce(&mut Placed, u32)) -> &Placed {
+    fn cluster(&mut self, at: At, place: impl FnOnce(&mut PlacedCluster, u32)) -> &PlacedCluster {
         let number = self.number(at);
         let known = &mut self.cluster_at[number as usize];
         let first = number * CLUSTER as u32;

@@ -5,7 +5,7 @@ use super::side::Side;
 use crate::types::feature_id::{FeatureId, FeatureKind};
 
 /// The ids of a feature on both sides.
-pub fn ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
+pub fn feature_ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
     [0, 1].map(|i| {
         let (own, triangle) = (&sides[i], feature.triangles[i]);
         match feature.origin {
