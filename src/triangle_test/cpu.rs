@@ -1,4 +1,4 @@
-//! TriangleTest on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
+//! TriangleTest on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
 mod any_hit;
 mod candidates;
@@ -22,11 +22,11 @@ use rayon::prelude::*;
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    /// A set of lists per task.
+    /// Result lists, one set per task.
     tasks: Vec<Task>,
     workers: PerThread<Worker>,
     planes: planes::Scratch,
-    /// Pairs that sleep and overlap, ascending.
+    /// Inactive pairs that overlap, ascending.
     overlapping: Vec<[u32; 2]>,
 }
 
@@ -44,7 +44,7 @@ struct Worker {
 }
 
 impl Scratch {
-    /// A task for every few of so many pairs, and a worker for every thread.
+    /// The tasks for this many pairs, and a worker for every thread.
     fn ready(&mut self, pairs: usize) -> (&mut [Task], &PerThread<Worker>) {
         let wanted = pairs.div_ceil(TASK);
         if self.tasks.len() < wanted {
@@ -54,11 +54,11 @@ impl Scratch {
     }
 }
 
-/// Pairs per task: small enough to balance, large enough to keep the scratch warm.
+/// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
 const TASK: usize = 16;
 
-/// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies reach into `planes`.
-/// `manifolds` are those of the last interval: pairs that are still touch as they did then.
+/// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies penetrate
+/// `planes`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
 pub(crate) fn run(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -71,7 +71,8 @@ pub(crate) fn run(
 ) {
     let mut overlapping = std::mem::take(&mut scratch.overlapping);
     find_overlapping(manifolds, inactive, &mut overlapping);
-    // What pushes and sleeps has the points it had, and these tell that it touches. Its surfaces do not meet if they say so.
+    // Inactive solid pairs keep their contact points, and these tell whether they touch. If no point overlaps, no faces
+    // intersect, and the test is skipped.
     let is_known = |pair: [u32; 2]| {
         inactive.is_inactive(pair) && bodies.push_each_other(pair) && overlapping.binary_search(&pair).is_err()
     };
@@ -101,7 +102,7 @@ pub(crate) fn run(
     planes::find(bodies, meshes, planes, &mut scratch.planes, &mut contacts.planes);
 }
 
-/// Finds the pairs that sleep and whose surfaces cross, by the points they have from the last interval.
+/// Finds the inactive pairs whose contact points of the last collision substep overlap.
 fn find_overlapping(manifolds: &Manifolds, inactive: &InactiveBodies, overlapping: &mut Vec<[u32; 2]>) {
     overlapping.clear();
     if !inactive.has_sleepers {
@@ -116,8 +117,8 @@ fn find_overlapping(manifolds: &Manifolds, inactive: &InactiveBodies, overlappin
     overlapping.sort_unstable();
 }
 
-/// Which of `near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at the first
-/// hit.
+/// Which of `near_pairs` touch: the pairs of [`run`] without faces and contacts. Each pair's test stops at the first
+/// intersection.
 pub(crate) fn touching(
     bodies: &Bodies,
     meshes: &MeshArena,

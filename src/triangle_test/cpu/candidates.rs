@@ -1,4 +1,4 @@
-//! Pairs of triangles that single precision cannot tell apart.
+//! Candidates: pairs of triangles whose boxes overlap and which cross each other's planes.
 
 use super::cull;
 use super::interval_test::{Eight, beside, decide, decide_by, heights};
@@ -21,17 +21,18 @@ pub struct Scratch {
     b: PlacedClusters,
     boxes: Vec<[Points; 2]>,
     descent: Descent,
-    /// For each of the descent's second clusters its place in `b`.
+    /// Index in `b` of each second cluster of the traversal.
     places: Vec<u32>,
-    /// The result: triangles of the first and second mesh.
+    /// The result.
     candidates: Vec<Candidate>,
 }
 
-/// Pairs of clusters from which on going down the trees is faster than to cull each body's clusters on their own.
+/// Minimum number of cluster pairs from which traversing both trees is faster than culling each body's clusters on
+/// their own.
 const MIN_DESCENT_PAIRS: usize = 20_000;
 
 impl Scratch {
-    /// Finds the candidates, and tells how many pairs of triangles had overlapping boxes.
+    /// Finds the candidates. Returns the number of triangle pairs whose boxes overlap.
     pub fn find(&mut self, setup: &PairSetup) -> u64 {
         self.candidates.clear();
         self.a.clear();
@@ -43,7 +44,7 @@ impl Scratch {
         }
     }
 
-    /// Small meshes: clusters of each body that may touch the other, all against all.
+    /// Small meshes: culls the clusters of each body and compares all survivors.
     fn all(&mut self, setup: &PairSetup) -> u64 {
         let Self {
             nodes, clusters, a, b, ..
@@ -95,7 +96,7 @@ impl Scratch {
         self.product(&setup.pair_scale)
     }
 
-    /// Large meshes: only pairs of clusters that may touch.
+    /// Large meshes: traverses both trees down to pairs of clusters that may touch.
     fn descend(&mut self, setup: &PairSetup) -> u64 {
         let [tree_a, tree_b] = setup.trees();
         self.descent.run(&tree_a, &tree_b);
@@ -121,7 +122,7 @@ impl Scratch {
         tests
     }
 
-    /// All clusters of `a` against all of `b`: boxes of clusters, boxes of triangles, planes.
+    /// Compares all clusters of `a` with all of `b`: boxes of clusters, boxes of triangles, planes.
     fn product(&mut self, pair_scale: &PairScale) -> u64 {
         self.boxes.clear();
         for run in self.b.chunks(CLUSTER) {
@@ -146,7 +147,7 @@ impl Scratch {
     }
 }
 
-/// Whether triangles of two clusters certainly intersect; if not, those that may are added to `unsure`.
+/// Whether triangles of two clusters certainly intersect; if not, the undecided pairs are added to `unsure`.
 pub fn any_triangles_hit(
     a: &PlacedCluster,
     b: &PlacedCluster,
@@ -156,7 +157,7 @@ pub fn any_triangles_hit(
     let (offset, error) = pair_scale.between(a, b);
     let mut hit = false;
     for_each_triangle(a, b, offset, error, |i, left, [heights_a, heights_b]| {
-        // Eight at once, although few are wanted: to collect some first costs more, and these may be enough.
+        // Tests eight lanes even if few remain: gathering candidates first costs more, and these may be enough.
         let error_lanes = f32x8::splat(error);
         let one = Eight {
             corners: each(|k| splat(lane_of(&a.corners[k], i) - offset)),
@@ -202,9 +203,9 @@ fn cluster_pair(
     })
 }
 
-/// Calls `found` for each triangle of `a` that may intersect some of `b`, with the lanes of those, and the heights of each
-/// triangle's corners over the other's plane, until it says no. Tells how many pairs of triangles had overlapping boxes.
-/// `offset` and `error` are [`PairScale::between`] the two.
+/// Calls `found` for each triangle of `a` that may intersect some of `b`, with the lanes of these and the heights of
+/// each triangle's corners over the other's plane, until it returns false. Returns the number of triangle pairs whose
+/// boxes overlap. `offset` and `error` are those of [`PairScale::between`].
 #[inline(always)]
 fn for_each_triangle(
     a: &PlacedCluster,
@@ -238,20 +239,21 @@ fn for_each_triangle(
     tests
 }
 
-/// One candidate, decided.
+/// The decision about a candidate.
 pub struct Decided {
-    /// Triangles of the first and second mesh.
+    /// Triangles of the first and the second mesh.
     pub triangles: [u32; 2],
-    /// The common segment about the first body's centre in its axes; `None` if single precision cannot tell.
+    /// The common segment in the first body's axes about its centre of mass, metres; `None` if single precision cannot
+    /// decide.
     pub segment: Option<[DVec3; 2]>,
 }
 
 impl Scratch {
-    /// Goes through the candidates in order, and reports those that intersect and those that may.
+    /// Decides the candidates in order, and reports those that intersect or are undecided.
     pub fn decide(&self, pair_scale: &PairScale, mut report: impl FnMut(Decided)) {
         let metres = 1.0 / f64::from(pair_scale.unit);
         for run in self.candidates.chunks(CLUSTER) {
-            // Lanes without a candidate repeat the last.
+            // Unused lanes repeat the last candidate.
             let pairs: [Candidate; CLUSTER] = std::array::from_fn(|lane| run[lane.min(run.len() - 1)]);
             let verdicts = decide(&gather(&self.a, &self.b, &pairs));
             let wanted = (1u32 << run.len()) - 1;

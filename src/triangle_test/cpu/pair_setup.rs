@@ -1,4 +1,5 @@
-//! What the test of a pair starts from.
+//! The input of a pair's test: both meshes, their relative pose, filters and error bounds, in the pair's own unit of
+//! length.
 
 use super::contact::PairFrame;
 use super::cull::Other;
@@ -11,14 +12,15 @@ use crate::state::mesh_arena::{MeshArena, MeshLanes};
 use crate::state::{Bodies, NearPair};
 use glam::{DVec3, Mat3, Vec3};
 
-/// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
+/// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
+/// pay off.
 const MAX_COARSE_CLUSTERS: usize = 300;
 
-/// A pair in its own unit of length.
+/// A pair to be tested.
 pub struct PairSetup<'a> {
     pub a: Side<'a>,
     pub b: Side<'a>,
-    /// Rounding allowance, in metres.
+    /// Rounding allowance, metres.
     pub pad: f32,
     pub pair_scale: PairScale,
     pub near: &'a NearPair,
@@ -36,7 +38,7 @@ pub struct Side<'a> {
 }
 
 impl<'a> PairSetup<'a> {
-    /// `masks` may be overwritten.
+    /// Prepares a pair. `masks` may be overwritten.
     pub fn new(
         bodies: &Bodies,
         meshes: &'a MeshArena,
@@ -78,21 +80,21 @@ impl<'a> PairSetup<'a> {
         }
     }
 
-    /// Places `lanes` of a cluster of the first body, but for those that its view does not show.
+    /// Places `lanes` of a cluster of the first body, without those that are not in view.
     #[inline]
     pub fn place_a(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
         let origin = self.pair_frame.place_a(self.a.lanes.clusters[cluster as usize].origin);
         self.a.place(placed, cluster, lanes, origin, &self.pair_scale);
     }
 
-    /// Places `lanes` of a cluster of the second body, but for those that its view does not show.
+    /// Places `lanes` of a cluster of the second body, without those that are not in view.
     #[inline]
     pub fn place_b(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
         let origin = self.pair_frame.place_b(self.b.lanes.clusters[cluster as usize].origin);
         self.b.place(placed, cluster, lanes, origin, &self.pair_scale);
     }
 
-    /// What the first body knows about the second.
+    /// Bounds of the second body for culling the first.
     pub fn a_from_b(&self) -> Other {
         Other {
             rotation: self.back,
@@ -106,7 +108,7 @@ impl<'a> PairSetup<'a> {
         }
     }
 
-    /// What the second body knows about the first.
+    /// Bounds of the first body for culling the second.
     pub fn b_from_a(&self) -> Other {
         Other {
             rotation: self.near.rotation,
@@ -120,7 +122,7 @@ impl<'a> PairSetup<'a> {
         }
     }
 
-    /// Both trees.
+    /// The bounding-volume trees of both bodies.
     pub fn trees(&self) -> [Tree<'a>; 2] {
         let PairScale { unit, pad, .. } = self.pair_scale;
         let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > MAX_COARSE_CLUSTERS;
