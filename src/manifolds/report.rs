@@ -1,11 +1,11 @@
-//! What is reported of contact points where nothing pushes.
+//! Reports contact points when no response is computed.
 
 use crate::state::manifolds::pair_order;
 use crate::state::{Contacts, Manifold, Manifolds};
 use glam::Vec3;
 
-/// Gives all that touch the points that were found between them, where nothing pushes ([`Response::None`]). `center_of` tells
-/// where the centre of mass of a body was then.
+/// Writes the contact points of all touching pairs for [`Response::None`]. `center_of` returns the centre of mass of a body
+/// at the time of detection.
 ///
 /// [`Response::None`]: crate::types::settings::Response::None
 pub(crate) fn report_points(

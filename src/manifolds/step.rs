@@ -1,4 +1,4 @@
-//! Contact generation as parts of a step.
+//! Contact generation within a step: new manifolds of active pairs, reused ones of inactive pairs.
 
 use super::MarginPair;
 use super::cpu::{self, planes};
@@ -12,14 +12,14 @@ use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
 pub(crate) struct Scratch {
     pairs: Vec<MarginPair>,
     found: Manifolds,
-    /// Those of the last interval.
+    /// Manifolds of the last collision substep.
     before: Manifolds,
     meshes: cpu::Scratch,
     planes: planes::Scratch,
 }
 
-/// Writes into `manifolds` those of all pairs that push each other and are not still. What was there is kept for [`reuse`].
-/// `interval.dt` is how long the points must serve.
+/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`. The previous ones are kept for
+/// [`reuse`]. `interval.dt` is the time until the next detection.
 pub(crate) fn find(
     interval: &StepConfig,
     bodies: &Bodies,
@@ -53,8 +53,8 @@ pub(crate) fn find(
     );
 }
 
-/// Adds to `manifolds` those that pairs which are still had in the last interval. Half-spaces have the numbers from
-/// `first_plane` on.
+/// Adds the manifolds that inactive pairs had in the last collision substep. Plane `i` has the number `first_plane +
+/// i`.
 pub(crate) fn reuse(inactive: &InactiveBodies, first_plane: u32, scratch: &mut Scratch, manifolds: &mut Manifolds) {
     if !inactive.has_sleepers {
         return;
@@ -64,8 +64,8 @@ pub(crate) fn reuse(inactive: &InactiveBodies, first_plane: u32, scratch: &mut S
     join(&scratch.before, renumbered, &scratch.found, first_plane, manifolds);
 }
 
-/// Writes the manifolds of `before` whose pairs have numbers now, and those of `found`, into `all`, in order: by bodies, and
-/// after them those with planes, which are numbered after the bodies.
+/// Merges into `all`, in order, the manifolds of `before` whose pairs still exist, with their new indices, and those of
+/// `found`. Manifolds with planes come last.
 fn join(
     before: &Manifolds,
     renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>,

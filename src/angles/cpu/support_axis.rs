@@ -7,7 +7,8 @@ use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, NearPair, View};
 use glam::{DMat3, Vec3};
 
-/// The pair with its best support axis and the visible triangles; `None` if an axis separates the two by more than `margin`.
+/// The pair with its best support axis and visible triangles; `None` if an axis separates the two by more than
+/// `margin`.
 pub fn near_pair(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f32) -> Option<NearPair> {
     let [a, b] = pair.map(|i| i as usize);
     let (fa, fb) = (&bodies.frame[a], &bodies.frame[b]);

@@ -1,8 +1,9 @@
-//! Pairs of triangles that are near each other, down the trees of both meshes.
+//! Pairs of triangles that are near each other, by a traversal of both bounding-volume trees.
 //!
-//! Of finely cut surfaces a wide margin holds very many such pairs, and few of them have a feature: a vertex is over a face
-//! only if the two lie beside each other as seen along the face's normal, and edges push each other only if their faces
-//! look at each other. What can have no feature and cannot intersect is dropped here, eight pairs at a time.
+//! Between finely tessellated surfaces a wide margin holds very many such pairs, and few of them have a feature. A
+//! vertex lies over a face only if the two overlap when projected along the face's normal. Edges form a feature only if
+//! their faces point at each other. Pairs that can neither have a feature nor intersect are dropped here, eight at a
+//! time.
 
 use super::side::{Side, Triangle};
 use crate::geometry::Aabb;
@@ -15,12 +16,13 @@ use crate::state::mesh_arena::Points;
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 
-/// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
+/// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
+/// pay off.
 const MAX_COARSE_CLUSTERS: usize = 300;
 
-/// How the bodies of a pair lie to each other, in single precision.
+/// The relative pose of a pair in single precision.
 pub struct PairPose {
-    /// Turns the second body's axes into the first's.
+    /// Rotation from the second body's axes to the first's.
     pub rotation: Mat3,
     /// From the first body's centre of mass to the second's, in the first's axes, metres.
     pub translation: Vec3,
@@ -28,29 +30,28 @@ pub struct PairPose {
     pub size: f32,
 }
 
-/// Which pairs of triangles matter.
+/// Limits the search to some pairs of triangles.
 pub struct Window {
-    /// Both meet this box.
+    /// Both triangles must meet this box.
     pub around: Aabb,
-    /// The first reaches farther this way than the second does the other way. Zero for any pair.
+    /// The first must extend farther along this direction than the second's lower bound. Zero accepts every pair.
     pub direction: Vec3,
 }
 
-/// Memory kept between pairs, and the result.
+/// The result, and memory kept between pairs.
 #[derive(Default)]
 pub struct NearTriangles {
     descent: Descent,
-    /// Clusters of the second body, as the descent lists them.
+    /// Clusters of the second body, in the order of the traversal.
     seconds: Vec<PlacedCluster>,
-    /// Triangles of the first and of the second body that are near any of the other.
+    /// Triangles of the first and of the second body that are near a triangle of the other.
     triangles: [Vec<Triangle>; 2],
-    /// Places in `triangles`.
+    /// Indices into `triangles`.
     pairs: Vec<[u32; 2]>,
 }
 
 impl NearTriangles {
-    /// Finds all pairs of triangles that may be no farther apart than `reach` and are in the window; some are a
-    /// little farther.
+    /// Finds all pairs of triangles in the window that may be no farther apart than `reach`; some are slightly farther.
     pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, reach: f32, window: Option<&Window>) {
         let Self {
             descent,
@@ -90,45 +91,45 @@ impl NearTriangles {
         }
     }
 
-    /// What [`NearTriangles::run`] has found.
+    /// The pairs that [`NearTriangles::run`] found.
     pub fn pairs(&self) -> impl Iterator<Item = [&Triangle; 2]> {
         let [a, b] = &self.triangles;
         self.pairs.iter().map(|&[i, j]| [&a[i as usize], &b[j as usize]])
     }
 }
 
-/// Eight triangles in single precision, about the first body's centre of mass, to find out which matter; those get double
-/// precision.
+/// Eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near pairs are
+/// computed in double precision.
 struct PlacedCluster {
     corners: [Points; 3],
-    /// Cross products of two sides, and their lengths.
+    /// Cross products of two edges, and their lengths.
     normal: Points,
     length: f32x8,
-    /// The unit normal that leads outward. Zero where single precision does not tell it.
+    /// Outward unit normal; zero where single precision does not determine it.
     direction: Points,
-    /// How wrong a height over the plane can be beside the way to the corner, both times the normal's length.
+    /// Error bound of a height over the plane per distance to the corner, times the normal's length.
     slack: f32x8,
-    /// A circle around the corners.
+    /// Centre and radius of a sphere around the corners.
     middle: Points,
     around: f32x8,
-    /// How far normals at owned edges may turn from the triangle's, radians.
+    /// Largest angle between the triangle's normal and a contact normal at an edge that it owns, radians.
     edge_rotation: f32x8,
     min: Points,
     max: Points,
-    /// From where to where they reach along [`Window::way`].
+    /// Extent along [`Window::direction`].
     min_along: f32x8,
     max_along: f32x8,
-    /// Lanes that count.
+    /// Lanes that take part.
     lanes: u32,
-    /// Triangle in lane 0.
+    /// Index of the triangle in lane 0.
     first: u32,
-    /// Where the lanes are in double precision, or [`NOT_LISTED`].
+    /// Index of each lane's triangle in double precision, or [`NOT_LISTED`].
     triangle_index: [u32; CLUSTER],
 }
 
 const NOT_LISTED: u32 = u32::MAX;
 
-/// What places a body's triangles.
+/// Places a body's triangles.
 struct ClusterTransform {
     rows: Rows,
     /// 1 if placed corners run counter-clockwise seen from outside, else -1.
@@ -144,10 +145,10 @@ impl ClusterTransform {
     }
 }
 
-/// What single precision costs a product of two vectors, relative to their lengths.
+/// Relative rounding error of a product of two vectors in single precision.
 const ERROR: f32 = 2.0e-6;
 
-/// The direction of a normal must be known as well as this, radians.
+/// Largest error of a normal's direction, radians. Less certain normals count as unknown.
 const DIRECTION_ERROR: f32 = 1.0e-3;
 
 impl PlacedCluster {
@@ -160,7 +161,7 @@ impl PlacedCluster {
         let [p, q, r] = each(|k| each(|i| [p, q, r][k][i] + at[i]));
         let length = dot(normal, normal).sqrt();
         let slack = f32x8::splat(ERROR) * norm1(u) * norm1(v);
-        // Also false for what is not a number.
+        // Also false for NaN.
         let known = slack.simd_lt(f32x8::splat(DIRECTION_ERROR) * length);
         let inverse = known.bitselect(f32x8::splat(transform.outward) / length, f32x8::ZERO);
         let middle = each(|i| (p[i] + q[i] + r[i]) * f32x8::splat(1.0 / 3.0));
@@ -196,8 +197,8 @@ impl PlacedCluster {
         placed
     }
 
-    /// Lanes of `other` that are near the triangle in lane `i`: neither their boxes nor a plane of one of the two part them by
-    /// more than `reach`, and they are in the window, whose `pad` is for rounding.
+    /// Lanes of `other` whose triangles are near the triangle in lane `i`: neither their boxes nor one of their planes
+    /// separate them by more than `reach`, and they are in the window. `pad` is the rounding allowance.
     #[inline]
     fn near(&self, i: usize, other: &Self, reach: f32, pad: f32) -> u32 {
         let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
@@ -207,7 +208,7 @@ impl PlacedCluster {
         if boxes & other.lanes == 0 {
             return 0;
         }
-        // No two points of triangles whose boxes are near are farther apart.
+        // Upper bound of the distance between any two points of two triangles whose boxes are near.
         let spread = f32x8::splat((high - low).element_sum() + reach)
             + (other.max[0] - other.min[0])
             + (other.max[1] - other.min[1])
@@ -236,15 +237,16 @@ impl PlacedCluster {
         near & (meet | self.has_features(i, other, reach, pad)).to_bitmask()
     }
 
-    /// Lanes of `other` whose triangles may have a feature with that in lane `i` whose points are no farther apart than
-    /// `reach`. The points of one lie on a line along its normal: that of a face, or one that is at most
-    /// [`PlacedCluster::edge_rotation`] from those of the faces at both its edges.
+    /// Lanes of `other` whose triangles may have a feature of separation up to `reach` with the triangle in lane `i`.
+    /// The points of a feature lie on a line along its normal, which is a face's, or within
+    /// [`PlacedCluster::edge_rotation`] of the normals of the faces at both edges.
     #[inline]
     fn has_features(&self, i: usize, other: &Self, reach: f32, pad: f32) -> f32x8 {
         let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
         let direction = splat(lane_of(&self.direction, i));
         let way = sub(other.middle, splat(lane_of(&self.middle, i)));
-        // How far beside each other they lie, seen along the normal of either. Without a direction it is nothing.
+        // Squared lateral distance of the centres, perpendicular to the normal of either. It is zero if the normal is
+        // unknown.
         let lateral = |direction: Points| {
             let across = cross(way, direction);
             dot(across, across)
@@ -268,7 +270,7 @@ impl PlacedCluster {
         vertices | edges
     }
 
-    /// The place of lane `i` in the list of triangles.
+    /// Index of lane `i` in the list of triangles, to which it is added if needed.
     #[inline]
     fn triangle_index(&mut self, side: &Side, i: usize, triangles: &mut Vec<Triangle>) -> u32 {
         if self.triangle_index[i] == NOT_LISTED {
@@ -279,7 +281,7 @@ impl PlacedCluster {
     }
 }
 
-/// Both trees, whose nodes are found to touch if they are no farther apart than `reach`.
+/// Both trees. Nodes that are no farther apart than `reach` count as touching.
 fn trees<'a>(sides: &[Side<'a>; 2], pose: &PairPose, reach: f32) -> [Tree<'a>; 2] {
     let unit = unit_of(pose.size);
     let clusters = sides.each_ref().map(|side| side.mesh.lanes().clusters.len());
@@ -291,7 +293,7 @@ fn trees<'a>(sides: &[Side<'a>; 2], pose: &PairPose, reach: f32) -> [Tree<'a>; 2
         let relative = RelativePose {
             rotation,
             translation: unit * translation,
-            // No support axis, and nothing beyond it.
+            // No support axis is used here.
             axis: Vec3::ZERO,
             min_height: f32::NEG_INFINITY,
         };
@@ -316,7 +318,7 @@ mod tests {
     use crate::state::{Bodies, Body};
     use glam::{DVec3, Quat};
 
-    /// The features of all pairs of triangles, and those of the pairs that the search keeps.
+    /// The features of all pairs of triangles, and of the pairs that the search keeps.
     fn features(bodies: &Bodies, meshes: &crate::state::mesh_arena::MeshArena, reach: f64) -> [Vec<DVec3>; 2] {
         let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
         let sides = &pair.sides;
