@@ -4,8 +4,8 @@ use crate::state::manifolds::pair_order;
 use crate::state::{Contacts, Manifold, Manifolds};
 use glam::Vec3;
 
-/// Writes the contact points of all touching pairs for [`Response::None`]. `center_of` returns the centre of mass of a body
-/// at the time of detection.
+/// Writes the contact points of all touching pairs for [`Response::None`]. `center_of` returns the centre of mass of a
+/// body at the time of detection.
 ///
 /// [`Response::None`]: crate::types::settings::Response::None
 pub(crate) fn report_points(
