@@ -1,4 +1,4 @@
-//! Scales, windings, orders and small motions that change nothing, or little.
+//! Invariance under scale, winding, order and small motions.
 
 use super::scene::{body, first_touch, points, state};
 use crate::oracle::body::{Body, Mesh};
@@ -9,7 +9,7 @@ use bevy_faceoff::manifolds::ManifoldPoint;
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
-/// Each point of one list has one in the other that says the same.
+/// Requires that each point of one list has an equal one in the other.
 fn require_same(name: &str, found: &[ManifoldPoint], wanted: &[ManifoldPoint], tolerance: f32) {
     assert!(!wanted.is_empty(), "{name}");
     let same = |p: &ManifoldPoint, q: &ManifoldPoint| {
