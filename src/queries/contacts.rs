@@ -1,4 +1,4 @@
-//! Contact points of two placed meshes.
+//! [`ContactWorker`]: contact points of two placed meshes.
 
 use super::placed::Placed;
 use crate::geometry::mesh::MAX_COORDINATE;

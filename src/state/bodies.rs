@@ -25,7 +25,7 @@ pub struct Bodies {
     pub scale: Vec<Vec3>,
     /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec<Vec3>,
-    /// World axes, rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec<Vec3>,
     /// The pose in double precision.
     pub frame: Vec<Frame>,

@@ -12,15 +12,15 @@ pub struct Body {
     pub mesh: u32,
     /// Dynamic, kinematic or static.
     pub kind: RigidBody,
-    /// Where the mesh's origin lies.
+    /// Position of the mesh's origin, metres.
     pub position: Vec3,
     /// Quaternion of any length but zero.
     pub rotation: Quat,
     /// Scale along the mesh's own axes.
     pub scale: Vec3,
-    /// m/s.
+    /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec3,
-    /// rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec3,
     /// Kilograms; `None` computes it from the density.
     pub mass: Option<f32>,
@@ -50,13 +50,13 @@ pub struct BodyParams {
     pub friction: Friction,
     /// Combine rule of the restitution.
     pub restitution_combine: CombineRule,
-    /// 1/s.
+    /// Linear damping, 1/s.
     pub linear_damping: f32,
-    /// 1/s.
+    /// Angular damping, 1/s.
     pub angular_damping: f32,
-    /// m/s.
+    /// Largest speed, m/s.
     pub max_linear_speed: f32,
-    /// rad/s.
+    /// Largest angular speed, rad/s.
     pub max_angular_speed: f32,
     /// Locked translations and rotations.
     pub locked_axes: LockedAxes,
@@ -92,13 +92,13 @@ impl Default for BodyParams {
 /// Pose and velocities of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Where the mesh's origin lies.
+    /// Position of the mesh's origin, metres.
     pub position: Vec3,
     /// Unit quaternion.
     pub rotation: Quat,
     /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec3,
-    /// World axes, rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec3,
 }
 

@@ -28,13 +28,13 @@ pub struct PairContact {
     pub contained: bool,
     /// First of its faces in [`Contacts::faces`].
     pub first_face: u32,
-    /// How many there are.
+    /// Their number.
     pub face_count: u32,
     /// Representative contact of the pair.
     pub contact: Contact,
-    /// Where its points start in [`Contacts::points`].
+    /// First of its points in [`Contacts::points`].
     pub first_point: u32,
-    /// How many there are.
+    /// Their number.
     pub point_count: u32,
     /// Total normal impulse of the pair in the step, newton seconds; 0 unless the response is
     /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
@@ -95,9 +95,9 @@ pub struct PlaneContact {
     pub normal: Vec3,
     /// Depth of the deepest vertex, metres.
     pub depth: f32,
-    /// Where its points start in [`Contacts::points`].
+    /// First of its points in [`Contacts::points`].
     pub first_point: u32,
-    /// How many there are.
+    /// Their number.
     pub point_count: u32,
     /// Total normal impulse, as in a [`PairContact`].
     pub impulse: f32,

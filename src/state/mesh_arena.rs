@@ -1,4 +1,4 @@
-//! The meshes in use.
+//! The mesh arena: the meshes in use, by slot.
 
 pub use crate::geometry::lanes::{BoxGroup, Cluster, MeshLanes, Points, SlabGroup, points};
 
@@ -21,7 +21,7 @@ pub struct MeshSlot {
     pub mesh: CollisionMesh,
     /// Its triangles in groups of eight, for SIMD.
     pub lanes: Arc<MeshLanes>,
-    /// Its vertices and edges.
+    /// Its vertices and edges, for contact features.
     pub features: Arc<MeshFeatures>,
     /// Unique for every mesh that the arena receives, in whatever slot.
     pub version: u64,

@@ -1,4 +1,4 @@
-//! Solid half-spaces.
+//! Planes: solid half-spaces.
 
 use crate::types::material::{CombineRule, Friction};
 use glam::Vec3;
@@ -8,7 +8,7 @@ use glam::Vec3;
 pub struct Plane {
     /// Unit vector out of the solid side.
     pub normal: Vec3,
-    /// Metres from the origin.
+    /// Signed distance of the surface from the origin, metres.
     pub distance: f32,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: f32,

@@ -40,9 +40,9 @@ pub struct StepResults {
 /// A change of velocity, linear and angular.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
-    /// m/s.
+    /// Linear, m/s.
     pub linear: Vec3,
-    /// rad/s, world axes.
+    /// Angular in world axes, rad/s.
     pub angular: Vec3,
 }
 

@@ -64,7 +64,7 @@ pub struct Grid {
 /// A level: bodies whose radii differ by less than a factor of four.
 #[derive(Clone, Copy, Debug)]
 pub struct Level {
-    /// Ascends with the radii.
+    /// Index of the level; ascends with the radii.
     pub number: usize,
     /// Whether its cells have been enlarged.
     pub is_coarsened: bool,

@@ -1,4 +1,4 @@
-//! A nut on a bolt.
+//! A scene of a nut on a bolt.
 
 use super::{Body, Scene, Shape};
 use crate::geometry::TriMesh;
@@ -16,7 +16,7 @@ const CLEARANCE: f32 = 0.06;
 const PITCH: f32 = 0.4;
 /// Segments per turn.
 const AROUND: usize = 40;
-/// Rows per pitch.
+/// Rows of vertices per pitch.
 const ROWS: usize = 10;
 /// Turns of thread of the bolt and of the nut.
 const TURNS: [usize; 2] = [12, 3];

@@ -41,7 +41,7 @@ impl Segment {
 }
 
 impl PairFrame {
-    /// `size` is the sum of the bounding radii.
+    /// The axes of a pair. `size` is the sum of the bounding radii.
     pub fn new(a: &Frame, b: &Frame, size: f32) -> Self {
         // A placed corner is a sum of products no larger than the bodies and the distance from each mesh's origin to
         // its centre of mass.

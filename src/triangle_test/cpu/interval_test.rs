@@ -21,7 +21,7 @@ pub struct Eight {
 
 /// The results of eight pairs, one bit per lane.
 pub struct Verdicts {
-    /// Certainly intersecting.
+    /// Certain intersections.
     pub hit: u32,
     /// Undecided.
     pub unsure: u32,
