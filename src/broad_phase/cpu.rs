@@ -1,7 +1,7 @@
 //! BroadPhase on the CPU: one grid of moving bodies and one of static bodies, searched in parallel.
 
 mod counting_sort;
-mod grid;
+pub(super) mod grid;
 
 use crate::state::Bodies;
 use crate::types::body::RigidBody;

@@ -5,7 +5,10 @@ use crate::types::body::RigidBody;
 use glam::Vec3;
 
 /// How fast a plane pushes a body out: share of the depth per step, and the largest speed in m/s.
-const PUSH: (f32, f32) = (0.2, 1.0);
+pub(super) const PUSH: [f32; 2] = [0.2, 1.0];
+
+/// What falls for so many steps does not bounce.
+pub(super) const BOUNCE_STEPS: f32 = 2.0;
 
 /// Contacts per body that push in this step. One that parts already takes no share of the mass.
 pub(super) fn count_contacts(
@@ -61,7 +64,7 @@ fn wanted_speed(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &P
     } else {
         0.0
     };
-    bounce.max((PUSH.0 * contact.depth / config.dt).min(PUSH.1))
+    bounce.max((PUSH[0] * contact.depth / config.dt).min(PUSH[1]))
 }
 
 /// Velocity at the end of the step if nothing is touched.
@@ -76,7 +79,7 @@ fn free_velocity(bodies: &Bodies, config: &StepConfig, i: usize) -> Vec3 {
 
 /// Closing speeds below this do not bounce, or a body at rest would bounce off what gravity gave it within the step.
 fn bounce_threshold(config: &StepConfig) -> f32 {
-    2.0 * config.gravity.length() * config.dt
+    BOUNCE_STEPS * config.gravity.length() * config.dt
 }
 
 /// One end of a contact: velocity at the point along `n`, and how much a unit impulse along `n` changes it.

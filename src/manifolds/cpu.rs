@@ -1,16 +1,16 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
-mod contour;
-mod feature;
+pub(super) mod contour;
+pub(super) mod feature;
 mod feature_ids;
 mod inside;
-mod near;
-mod pair;
+pub(super) mod near;
+pub(super) mod pair;
 pub mod planes;
 mod ray;
-mod reduce;
-mod side;
-mod smooth;
+pub(super) mod reduce;
+pub(super) mod side;
+pub(super) mod smooth;
 
 pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;

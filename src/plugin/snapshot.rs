@@ -6,7 +6,7 @@ use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
 use crate::step::StepMemory;
 #[cfg(feature = "gpu")]
-use crate::step::gpu::contacts::memory::DeviceMemory;
+use crate::step::gpu::memory::DeviceMemory;
 use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
 use bevy::prelude::*;
 use std::collections::BTreeMap;

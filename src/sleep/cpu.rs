@@ -12,7 +12,7 @@ use glam::Vec3;
 pub(crate) const TOUCH: f32 = 2.0;
 
 /// Bodies that overlap by more than this many rest offsets are being pushed apart, and are not at rest however slow they are.
-const OVERLAP: f32 = 1.0;
+pub(crate) const OVERLAP: f32 = 1.0;
 
 /// Puts bodies at rest to sleep and wakes them. Holds nothing but memory; what it knows of bodies is in
 /// [`SolverBodies::sleep`].

@@ -11,9 +11,9 @@ use rayon::prelude::*;
 const GRAIN: usize = 1024;
 
 /// Free rotation is followed in angles of at most this many radians...
-const FREE_ANGLE: f32 = 0.25;
+pub(super) const FREE_ANGLE: f32 = 0.25;
 /// ...of which there are at most this many in a substep.
-const MAX_ROUNDS: f32 = 32.0;
+pub(super) const MAX_ROUNDS: f32 = 32.0;
 
 /// How a body moves.
 #[derive(Clone, Copy, Debug, Default)]

@@ -7,13 +7,15 @@ use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
 /// Points are opposed if the cosine between their normals is below this.
-const OPPOSED: f32 = -0.5;
+pub(super) const OPPOSED: f32 = -0.5;
 /// Points less deep than this part of D do not start a dispute.
-const DISPUTED_DEPTH: f32 = 0.01;
+pub(super) const DISPUTED_DEPTH: f32 = 0.01;
 /// A dispute lasts until no point is deeper than this part of D.
-const SETTLED_DEPTH: f32 = 0.005;
+pub(super) const SETTLED_DEPTH: f32 = 0.005;
 /// The way out of a pair of bodies with a common centre: any, but always the same.
-const ANY_WAY: Vec3 = Vec3::new(0.36, 0.48, 0.8);
+pub(super) const ANY_WAY: Vec3 = Vec3::new(0.36, 0.48, 0.8);
+/// A way out that is shorter than this part of D has no direction.
+pub(super) const LEAST_WAY: f32 = 1.0e-4;
 
 /// How a pair overlaps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +97,7 @@ fn opposed(points: &[ManifoldPoint], depth: f32) -> bool {
 
 /// The line of centres; away from a body without mass the mean of normals, as its centre says little about its surface.
 fn way_out(points: &[ManifoldPoint], diameter: f32, between: Vec3, has_mass: [bool; 2]) -> Vec3 {
-    let unit = |v: Vec3| (v.length() > 1.0e-4 * diameter).then(|| v.normalize_or_zero());
+    let unit = |v: Vec3| (v.length() > LEAST_WAY * diameter).then(|| v.normalize_or_zero());
     let normals = || points.iter().map(|p| p.normal * (-p.separation).max(0.0)).sum();
     let mean = if has_mass == [true; 2] { None } else { unit(normals()) };
     mean.or_else(|| unit(between))

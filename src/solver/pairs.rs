@@ -7,7 +7,9 @@ use crate::types::solver_settings::SolverSettings;
 use glam::Vec3A;
 
 /// Gauss-Seidel sweeps over the points of a pair that bounces: it happens once per interval, and has to be right.
-const BOUNCE_SWEEPS: u32 = 6;
+pub(super) const BOUNCE_SWEEPS: u32 = 6;
+/// Points push if they come nearer than this part of the rest offset within the substep.
+pub(super) const REST_PART: f32 = 0.5;
 
 /// What holds for all pairs in a pass.
 #[derive(Clone, Copy, Debug)]
@@ -112,7 +114,7 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], movers: &Move
         if point.largest == 0.0 {
             point.impact = parting;
         }
-        point.active = point.impulse > 0.0 || point.separation + parting * pass.h < 0.5 * pair.rest_offset;
+        point.active = point.impulse > 0.0 || point.separation + parting * pass.h < REST_PART * pair.rest_offset;
         if !point.active {
             point.impulse = 0.0;
             point.friction = [0.0; 2];

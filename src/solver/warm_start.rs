@@ -8,6 +8,11 @@ use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
+/// Kept points of a pair beyond this many are not looked at: a bit of a word stands for each.
+pub(super) const MAX_MATCHED: usize = 64;
+/// What holds up a weight is proportional to the length of a substep, up to this factor.
+pub(super) const MAX_GROWTH: f32 = 2.0;
+
 /// The impulses of the last collision substep, by the keys of bodies: bodies may come, go, and be numbered anew.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
@@ -80,7 +85,7 @@ impl WarmStart {
     /// By how much impulses grow for substeps of `h` seconds: what holds up a weight is proportional to time.
     pub(super) fn growth(&self, h: f32) -> f32 {
         if self.substep > 0.0 {
-            (h / self.substep).min(2.0)
+            (h / self.substep).min(MAX_GROWTH)
         } else {
             1.0
         }
@@ -198,7 +203,7 @@ impl<'a> Match<'a> {
         let sign = if kept.swapped { -1.0 } else { 1.0 };
         let anchors = [self.back[0] * point.anchors[0], self.back[1] * point.anchors[1]];
         let (mut nearest, mut found) = (self.distance, None);
-        for (i, old) in kept.points.iter().enumerate().take(64) {
+        for (i, old) in kept.points.iter().enumerate().take(MAX_MATCHED) {
             if self.taken >> i & 1 == 1 || old.impulse <= 0.0 || sign * old.normal.dot(point.normal) < self.normal {
                 continue;
             }

@@ -2,10 +2,10 @@
 
 mod any_hit;
 mod candidates;
-mod contact;
+pub(super) mod contact;
 pub(crate) mod containment;
 mod cull;
-mod interval_test;
+pub(super) mod interval_test;
 mod lane_filter;
 mod pair_setup;
 pub(crate) mod placed;

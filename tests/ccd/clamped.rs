@@ -1,8 +1,8 @@
 //! Many bodies at once.
 
+use super::flights::{Flights, Random, flight, stay};
 use super::oracle::distance;
 use super::shapes::sheet;
-use super::world::{Random, World, flight, stay};
 use bevy_faceoff::ccd::{ClampScratch, Pose, Stop, clamp};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::Plane;
@@ -11,14 +11,14 @@ use glam::{DQuat, DVec3, Vec3};
 
 const SLACK: f32 = 0.005;
 
-fn stops(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<Stop> {
+fn stops(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<Stop> {
     let mut stops = Vec::new();
-    let (bodies, meshes) = (&world.state.input.bodies, &world.state.input.meshes);
+    let (bodies, meshes) = (&flights.input.bodies, &flights.input.meshes);
     clamp(
         bodies,
         meshes,
-        &world.state.input.planes,
-        &world.sweeps,
+        &flights.input.planes,
+        &flights.sweeps,
         continuous,
         pairs,
         |_| SLACK,
@@ -28,28 +28,28 @@ fn stops(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut C
     stops
 }
 
-fn fractions(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<f32> {
-    let mut fractions = vec![1.0; world.sweeps.len()];
-    for stop in stops(world, continuous, pairs, scratch) {
+fn fractions(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<f32> {
+    let mut fractions = vec![1.0; flights.sweeps.len()];
+    for stop in stops(flights, continuous, pairs, scratch) {
         fractions[stop.body as usize] = stop.fraction;
     }
     fractions
 }
 
 /// Three sheets, one behind the other, and two balls on ways through all of them.
-fn gallery() -> World {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
-    world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
-    world.add(0, Vec3::ONE, stay(DVec3::Z * 5.0, DQuat::IDENTITY));
+fn gallery() -> Flights {
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+    flights.add(0, Vec3::ONE, stay(DVec3::Z * 5.0, DQuat::IDENTITY));
     let travel = DVec3::NEG_Z * 20.0;
-    world.add(1, Vec3::ONE, flight(DVec3::Z * 10.0, DQuat::IDENTITY, travel, DVec3::X));
-    world.add(
+    flights.add(1, Vec3::ONE, flight(DVec3::Z * 10.0, DQuat::IDENTITY, travel, DVec3::X));
+    flights.add(
         1,
         Vec3::ONE,
         flight(DVec3::new(1.0, 0.0, 10.0), DQuat::IDENTITY, travel, DVec3::X),
     );
-    world.add(0, Vec3::ONE, stay(DVec3::Z * -5.0, DQuat::IDENTITY));
-    world
+    flights.add(0, Vec3::ONE, stay(DVec3::Z * -5.0, DQuat::IDENTITY));
+    flights
 }
 
 /// The sheet that counts is neither in the first pairs nor in the last.
@@ -57,46 +57,46 @@ const GALLERY: [[u32; 2]; 7] = [[0, 2], [0, 3], [1, 2], [1, 3], [2, 3], [2, 4], 
 
 #[test]
 fn the_first_of_several_counts_and_only_for_those_that_ask() {
-    let world = gallery();
+    let flights = gallery();
     let scratch = &mut ClampScratch::default();
-    let found = fractions(&world, &[false, false, true, false], &GALLERY, scratch);
+    let found = fractions(&flights, &[false, false, true, false], &GALLERY, scratch);
     assert_eq!([found[0], found[1], found[3], found[4]], [1.0; 4]);
     assert!((0.23..0.24).contains(&found[2]), "{found:?}");
-    let both = fractions(&world, &[false, false, true, true], &GALLERY, scratch);
+    let both = fractions(&flights, &[false, false, true, true], &GALLERY, scratch);
     assert_eq!(both[2], found[2]);
     assert!((0.23..0.24).contains(&both[3]), "{found:?}");
     // Without the nearer sheet the other one stops them.
-    let found = fractions(&world, &[false, false, true, false], &GALLERY[..2], scratch);
+    let found = fractions(&flights, &[false, false, true, false], &GALLERY[..2], scratch);
     assert!((0.48..0.49).contains(&found[2]), "{found:?}");
     // Who does not move is met by those that do.
-    let found = fractions(&world, &[true, true], &GALLERY, scratch);
+    let found = fractions(&flights, &[true, true], &GALLERY, scratch);
     assert!(
         (0.23..0.24).contains(&found[1]) && (0.48..0.49).contains(&found[0]),
         "{found:?}"
     );
     assert_eq!(found[2..], [1.0; 3]);
     // Too few flags are none.
-    assert_eq!(fractions(&world, &[], &GALLERY, scratch), [1.0; 5]);
+    assert_eq!(fractions(&flights, &[], &GALLERY, scratch), [1.0; 5]);
 }
 
 #[test]
 fn two_that_meet_stop_at_the_same_time_and_apart() {
-    let mut world = World::new(&[shapes::torus_240()]);
+    let mut flights = Flights::new(&[shapes::torus_240()]);
     let mut random = Random::new(8);
     let mut met = 0;
     for _ in 0..200 {
-        world.clear();
+        flights.clear();
         for side in [-1.0, 1.0] {
             let from = DVec3::X * side * 20.0 + random.direction() * 0.3;
             let travel = DVec3::NEG_X * side * 40.0;
             let turn = random.direction() * 10.0;
-            world.add(0, Vec3::ONE, flight(from, random.rotation(), travel, turn));
+            flights.add(0, Vec3::ONE, flight(from, random.rotation(), travel, turn));
         }
-        let found = fractions(&world, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
+        let found = fractions(&flights, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
         assert_eq!(found[0], found[1]);
         if found[0] < 1.0 {
             met += 1;
-            let gap = distance(&world.movers(), f64::from(found[0]), 1.0) / f64::from(SLACK);
+            let gap = distance(&flights.movers(), f64::from(found[0]), 1.0) / f64::from(SLACK);
             assert!((0.99..1.26).contains(&gap), "{gap} slacks");
         }
     }
@@ -114,14 +114,14 @@ fn seen_from(one: &Pose, other: &Pose) -> Pose {
 
 #[test]
 fn what_meets_a_door_is_carried_by_it() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     for turn in [DVec3::ZERO, DVec3::X * 0.4, DVec3::Z * 2.0] {
-        world.clear();
+        flights.clear();
         let door = flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::new(0.1, 0.2, 0.7), turn);
         let ball = flight(DVec3::new(0.3, 0.5, 5.0), DQuat::IDENTITY, DVec3::Z * -20.0, DVec3::Y);
-        world.add(0, Vec3::ONE, door);
-        world.add(1, Vec3::ONE, ball);
-        let found = stops(&world, &[false, true], &[[0, 1]], &mut ClampScratch::default());
+        flights.add(0, Vec3::ONE, door);
+        flights.add(1, Vec3::ONE, ball);
+        let found = stops(&flights, &[false, true], &[[0, 1]], &mut ClampScratch::default());
         let [Stop { body: 1, fraction, end }] = found[..] else {
             panic!("{found:?}");
         };
@@ -133,26 +133,26 @@ fn what_meets_a_door_is_carried_by_it() {
         );
         assert!(then.center.distance(now.center) < 1.0e-5, "{then:?}, {now:?}");
         // What is held in its place is not.
-        world.state.input.bodies.params[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
-        let held = stops(&world, &[false, true], &[[0, 1]], &mut ClampScratch::default());
+        flights.input.bodies.params[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
+        let held = stops(&flights, &[false, true], &[[0, 1]], &mut ClampScratch::default());
         assert!(held[0].end.center.distance(ball.at(fraction.into()).center) < 1.0e-5);
     }
 }
 
 #[test]
 fn two_that_meet_go_on_with_their_common_momentum_whatever_moves_with_them() {
-    let mut world = World::new(&[shapes::ball(0.5, 2)]);
+    let mut flights = Flights::new(&[shapes::ball(0.5, 2)]);
     let wind = DVec3::new(30.0, -7.0, 11.0);
     let mut ends = Vec::new();
     for wind in [DVec3::ZERO, wind] {
-        world.clear();
+        flights.clear();
         for (i, (from, travel)) in [(0.0, 2.0), (3.0, -4.0)].into_iter().enumerate() {
             let sweep = flight(DVec3::X * from, DQuat::IDENTITY, DVec3::X * travel + wind, DVec3::ZERO);
-            world.add(0, Vec3::ONE, sweep);
+            flights.add(0, Vec3::ONE, sweep);
             // The second one is of twice the mass.
-            world.state.input.bodies.inverse_mass[i] = [1.0, 0.5][i];
+            flights.input.bodies.inverse_mass[i] = [1.0, 0.5][i];
         }
-        let found = stops(&world, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
+        let found = stops(&flights, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
         let middle = (found[0].end.center + 2.0 * found[1].end.center) / 3.0;
         // (3 * 2 - 4 * 2 + 2) / 3: what meets does not change where their common centre goes.
         assert!(
@@ -171,14 +171,14 @@ fn two_that_meet_go_on_with_their_common_momentum_whatever_moves_with_them() {
 /// A door pushes a ball that pushes another one: all three move as one.
 #[test]
 fn what_is_carried_carries_on() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     let door = flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::Z * 2.0, DVec3::ZERO);
-    world.add(0, Vec3::ONE, door);
+    flights.add(0, Vec3::ONE, door);
     for height in [1.0, 2.0] {
-        world.add(1, Vec3::ONE, stay(DVec3::Z * height, DQuat::IDENTITY));
+        flights.add(1, Vec3::ONE, stay(DVec3::Z * height, DQuat::IDENTITY));
     }
     let pairs = [[0, 1], [0, 2], [1, 2]];
-    let found = stops(&world, &[false, true, true], &pairs, &mut ClampScratch::default());
+    let found = stops(&flights, &[false, true, true], &pairs, &mut ClampScratch::default());
     let heights: Vec<f64> = found.iter().map(|stop| stop.end.center.z).collect();
     assert_eq!(heights.len(), 2);
     // A ball's radius and then a diameter above the door, but for slacks and the ball's corners.
@@ -189,7 +189,7 @@ fn what_is_carried_carries_on() {
 
 #[test]
 fn what_is_squeezed_stays_with_what_gives_way_less() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     let (up, down) = (DVec3::Z * 2.0, DVec3::Z * -2.0);
     for (wall_is_first, kind) in [
         (true, RigidBody::Kinematic),
@@ -197,7 +197,7 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
         (true, RigidBody::Dynamic),
         (false, RigidBody::Dynamic),
     ] {
-        world.clear();
+        flights.clear();
         let wall = stay(DVec3::ZERO, DQuat::IDENTITY);
         let door = flight(up, DQuat::IDENTITY, down, DVec3::ZERO);
         let ball = stay(DVec3::Z, DQuat::IDENTITY);
@@ -207,12 +207,12 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
             ([door, wall], [kind, RigidBody::Static])
         };
         for (sweep, kind) in sweeps.into_iter().zip(kinds) {
-            let i = world.add(0, Vec3::ONE, sweep);
-            world.state.input.bodies.kind[i as usize] = kind;
+            let i = flights.add(0, Vec3::ONE, sweep);
+            flights.input.bodies.kind[i as usize] = kind;
         }
-        world.add(1, Vec3::ONE, ball);
+        flights.add(1, Vec3::ONE, ball);
         let pairs = [[0, 2], [1, 2]];
-        let found = stops(&world, &[false, false, true], &pairs, &mut ClampScratch::default());
+        let found = stops(&flights, &[false, false, true], &pairs, &mut ClampScratch::default());
         let [Stop { body: 2, end, .. }] = found[..] else {
             panic!("{found:?}");
         };
@@ -224,16 +224,16 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
 #[test]
 fn nothing_is_carried_into_a_half_space() {
     for with_door in [true, false] {
-        let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
-        world.state.input.planes.push(Plane {
+        let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+        flights.input.planes.push(Plane {
             normal: Vec3::Z,
             ..Plane::default()
         });
-        world.add(1, Vec3::ONE, stay(DVec3::Z * 0.26, DQuat::IDENTITY));
+        flights.add(1, Vec3::ONE, stay(DVec3::Z * 0.26, DQuat::IDENTITY));
         let way = DVec3::new(0.5, 0.0, -3.0);
         let above = flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO);
-        world.add(usize::from(!with_door), Vec3::ONE, above);
-        let found = stops(&world, &[true, !with_door], &[[0, 1]], &mut ClampScratch::default());
+        flights.add(usize::from(!with_door), Vec3::ONE, above);
+        let found = stops(&flights, &[true, !with_door], &[[0, 1]], &mut ClampScratch::default());
         assert_eq!(found[0].body, 0);
         assert!((found[0].end.center.z - 0.26).abs() < 1.0e-9, "{found:?}");
         assert!(found[0].end.center.x > 0.1, "along the ground it is");
@@ -245,19 +245,19 @@ fn nothing_is_carried_into_a_half_space() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let mut world = World::new(&[shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]);
+    let mut flights = Flights::new(&[shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]);
     let mut random = Random::new(9);
     for i in 0..60 {
         let (from, travel) = (random.direction() * 5.0, random.direction() * 12.0);
         let turn = random.direction() * 5.0;
-        world.add(i % 3, Vec3::ONE, flight(from, random.rotation(), travel, turn));
+        flights.add(i % 3, Vec3::ONE, flight(from, random.rotation(), travel, turn));
     }
     let pairs: Vec<[u32; 2]> = (0..60).flat_map(|a| (a + 1..60).map(move |b| [a, b])).collect();
     let flags: Vec<bool> = (0..60).map(|i| i % 4 != 0).collect();
     let mut scratch = ClampScratch::default();
     let runs = [1, 1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found = pool.install(|| fractions(&world, &flags, &pairs, &mut scratch));
+        let found = pool.install(|| fractions(&flights, &flags, &pairs, &mut scratch));
         found.into_iter().map(f32::to_bits).collect::<Vec<_>>()
     });
     let stopped = runs[0].iter().filter(|bits| f32::from_bits(**bits) < 1.0).count();

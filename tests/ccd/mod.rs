@@ -3,10 +3,10 @@
 
 mod bullets;
 mod clamped;
+mod flights;
 mod oracle;
 mod random;
 mod shapes;
 mod special;
 mod time_of_impact;
 mod timing;
-mod world;

@@ -1,7 +1,7 @@
 //! Holes, insides, starts, and input that is not good.
 
+use super::flights::{Flights, Random, flight, stay};
 use super::shapes::sheet;
-use super::world::{Random, World, flight, stay};
 use bevy_faceoff::ccd::{Pose, Sweep, time_of_impact};
 use bevy_faceoff::geometry::shapes;
 use glam::{DQuat, DVec3, Vec3};
@@ -11,12 +11,12 @@ const SLACK: f32 = 0.005;
 /// The ring is of diameter 1, its hole of 0.76; it is about z.
 #[test]
 fn what_flies_through_a_hole_is_not_stopped() {
-    let mut world = World::new(&[shapes::ring(), shapes::ball(0.2, 2)]);
+    let mut flights = Flights::new(&[shapes::ring(), shapes::ball(0.2, 2)]);
     let mut random = Random::new(4);
     for shot in 0..300 {
-        world.clear();
+        flights.clear();
         let ring = random.rotation();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, ring));
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, ring));
         let around = random.range(0.0, 6.3);
         let aside = DVec3::new(around.cos(), around.sin(), 0.0);
         let through = shot % 2 == 0;
@@ -30,21 +30,26 @@ fn what_flies_through_a_hole_is_not_stopped() {
         let way = DVec3::new(0.02, 0.01, -20.0);
         let turn = random.direction() * 20.0;
         let sweep = flight(ring * (aim - way * 0.5), random.rotation(), ring * way, turn);
-        world.add(1, Vec3::ONE, sweep);
-        assert_eq!(world.time(SLACK).is_none(), through, "shot {shot} at {}", aim.length());
+        flights.add(1, Vec3::ONE, sweep);
+        assert_eq!(
+            flights.time(SLACK).is_none(),
+            through,
+            "shot {shot} at {}",
+            aim.length()
+        );
     }
 }
 
 #[test]
 fn what_is_inside_stays_inside() {
-    let mut world = World::new(&[shapes::cube(4.0), shapes::ball(0.2, 1)]);
+    let mut flights = Flights::new(&[shapes::cube(4.0), shapes::ball(0.2, 1)]);
     let mut random = Random::new(5);
     for _ in 0..100 {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
         let way = random.direction() * 300.0;
-        world.add(1, Vec3::ONE, flight(DVec3::ZERO, random.rotation(), way, DVec3::ONE));
-        let reached = way * f64::from(world.time(SLACK).expect("a wall"));
+        flights.add(1, Vec3::ONE, flight(DVec3::ZERO, random.rotation(), way, DVec3::ONE));
+        let reached = way * f64::from(flights.time(SLACK).expect("a wall"));
         let largest = reached.abs().max_element();
         assert!((1.78..1.82).contains(&largest), "{largest}");
     }
@@ -52,17 +57,17 @@ fn what_is_inside_stays_inside() {
 
 #[test]
 fn who_is_near_at_the_start_is_not_stopped() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
     let mut at = |height: f64, slack: f32| {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
         let from = DVec3::new(0.1, 0.2, 0.5 + height);
-        world.add(
+        flights.add(
             1,
             Vec3::ONE,
             flight(from, DQuat::IDENTITY, DVec3::NEG_Z * 50.0, DVec3::ZERO),
         );
-        world.time(slack)
+        flights.time(slack)
     };
     assert_eq!(at(0.004, SLACK), None, "near");
     assert_eq!(at(-0.1, SLACK), None, "across");
@@ -76,12 +81,12 @@ fn who_is_near_at_the_start_is_not_stopped() {
 
 #[test]
 fn ways_that_end_early_or_lead_away_have_no_impact() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
     let mut by = |way: DVec3| {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
-        world.add(1, Vec3::ONE, flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO));
-        world.time(SLACK)
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.add(1, Vec3::ONE, flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO));
+        flights.time(SLACK)
     };
     assert_eq!(by(DVec3::NEG_Z * 0.4), None);
     assert_eq!(by(DVec3::Z * 100.0), None);
@@ -109,23 +114,16 @@ fn a_sweep_between_poses_ends_at_the_later_one() {
 
 #[test]
 fn bad_input_has_no_impact() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
-    world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
+    flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
     let good = flight(DVec3::Z * 2.0, DQuat::IDENTITY, DVec3::NEG_Z * 50.0, DVec3::ZERO);
-    world.add(1, Vec3::ONE, good);
-    assert!(world.time(SLACK).is_some());
-    assert_eq!(world.time(f32::NAN), None);
-    let state = &world.state;
+    flights.add(1, Vec3::ONE, good);
+    assert!(flights.time(SLACK).is_some());
+    assert_eq!(flights.time(f32::NAN), None);
+    let input = &flights.input;
     for pair in [[0, 0], [0, 2], [7, 1]] {
-        let sweeps = [&world.sweeps[0], &world.sweeps[1]];
-        let time = time_of_impact(
-            &state.input.bodies,
-            &state.input.meshes,
-            pair,
-            sweeps,
-            SLACK,
-            &mut world.scratch,
-        );
+        let sweeps = [&flights.sweeps[0], &flights.sweeps[1]];
+        let time = time_of_impact(&input.bodies, &input.meshes, pair, sweeps, SLACK, &mut flights.scratch);
         assert_eq!(time, None);
     }
     let bad = [
@@ -141,7 +139,7 @@ fn bad_input_has_no_impact() {
         flight(DVec3::Z, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), DVec3::Z, DVec3::Z),
     ];
     for sweep in bad {
-        world.sweeps[1] = sweep;
-        assert_eq!(world.time(SLACK), None, "{sweep:?}");
+        flights.sweeps[1] = sweep;
+        assert_eq!(flights.time(SLACK), None, "{sweep:?}");
     }
 }

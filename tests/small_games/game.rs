@@ -13,15 +13,15 @@ pub struct Game {
 
 impl Game {
     pub fn new(backend: Backend) -> Self {
-        Self::with_reading(backend, Reading::Auto)
+        Self::with_reading(backend, Readback::Auto)
     }
 
-    pub fn with_reading(backend: Backend, reading: Reading) -> Self {
+    pub fn with_reading(backend: Backend, readback: Readback) -> Self {
         let mut app = App::new();
         let step = StepPlugin {
             backend,
             threads: 1,
-            reading,
+            readback,
         };
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         app.finish();

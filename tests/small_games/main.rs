@@ -19,7 +19,7 @@
 //! | a cube bounces in any pose | energy is kept within 1 %, never more | 0.98 to 1.12 |
 //! | a cube in a closed room for 30 s | the same | 1.8 |
 //! | a coin spins on a half-space | slows down by 4/3 mu g / R | 0.36 and 1.51 of that: it depends on the triangles |
-//! | a player looks around, another respawns | turning changes no velocity | so it is, in each `Reading`; see also `tests/gpu_writes.rs` |
+//! | a player looks around, another respawns | turning changes no velocity | so it is, in each `Readback`; see also `tests/gpu/apps/writes.rs` |
 //! | a bullet flies past sleepers | they sleep on | on the CPU; on a device it wakes them |
 //! | a ball in a bowl without friction | gains no energy | gains none |
 //! | a box on a turntable | rests | 7.6 mm in 10 s |
@@ -32,8 +32,8 @@
 //! | offset impacts and two dropped balls, on the CPU | `tests/dynamics/elastic.rs` |
 //! | ten cubes on each other, pyramids | `tests/dynamics/rest.rs` |
 //! | overlapping bodies, swarms | `tests/dynamics/small_games.rs` |
-//! | what each write means in each `Reading` | `tests/gpu_writes.rs`, `tests/gpu_reading.rs` |
-//! | a body turns about its centre of mass | `tests/app_headless/motion.rs` |
+//! | what each write means in each `Readback` | `tests/gpu/apps/writes.rs`, `tests/gpu/apps/readback.rs` |
+//! | a body turns about its centre of mass | `tests/plugin/motion.rs` |
 
 mod balls;
 mod bowl;

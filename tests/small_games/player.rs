@@ -23,19 +23,19 @@ fn look_around(mut players: Query<&mut Transform, With<Player>>, mut angle: Loca
 }
 
 pub fn walks_and_respawns_as_told(backend: Backend) {
-    play(backend, Reading::Lockstep);
+    play(backend, Readback::Lockstep);
 }
 
 pub fn walks_and_respawns_as_told_with_latent_results(backend: Backend) {
-    play(backend, Reading::Latent);
+    play(backend, Readback::Latent);
 }
 
 pub fn walks_and_respawns_as_told_with_resident_bodies(backend: Backend) {
-    play(backend, Reading::Resident);
+    play(backend, Readback::Resident);
 }
 
-fn play(backend: Backend, reading: Reading) {
-    let mut game = Game::with_reading(backend, reading);
+fn play(backend: Backend, readback: Readback) {
+    let mut game = Game::with_reading(backend, readback);
     game.app
         .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
         .add_systems(FixedUpdate, look_around);
@@ -64,15 +64,15 @@ fn play(backend: Backend, reading: Reading) {
     for _ in 0..32 {
         game.app.update();
     }
-    if reading == Reading::Latent {
+    if readback == Readback::Latent {
         for _ in 0..LATENCY {
             game.app.update();
         }
     }
     let snapshot = Snapshot::take(game.world());
-    let at = |entity| match reading {
+    let at = |entity| match readback {
         // Only then components do not say where bodies are.
-        Reading::Resident => {
+        Readback::Resident => {
             let mut bodies = snapshot.bodies();
             bodies.find(|&(body, _)| body == entity).unwrap().1.position
         }

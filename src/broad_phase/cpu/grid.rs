@@ -36,6 +36,8 @@ const BLOCK_BITS: [u32; 3] = [3, 2, 2];
 /// Cells per block.
 const BLOCK_CELLS: u32 = 1 << (BLOCK_BITS[0] + BLOCK_BITS[1] + BLOCK_BITS[2]);
 
+/// Factor on the squared sum of the radii in the sphere test, for rounding.
+pub(crate) const SPHERE_SLACK: f32 = 1.0 + 1.0e-6;
 /// Factor that exceeds the rounding error of a distance that the sphere test accepts.
 const ROUNDING: f64 = 1.0 + 2.0e-6;
 
@@ -324,7 +326,7 @@ impl Grid {
             let [p, q, o, other] = self.spheres.each_ref().map(some);
             let [dx, dy, dz] = [x - p, y - q, z - o];
             let reach = r + other;
-            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * f32x8::splat(1.0 + 1.0e-6));
+            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * f32x8::splat(SPHERE_SLACK));
             let mut hits = overlap.to_bitmask();
             while hits != 0 {
                 let i = first + hits.trailing_zeros() as usize;

@@ -6,11 +6,13 @@ use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 
 /// Least cosine between the normals of a patch and of a feature that agrees with it.
-const AGREES: f64 = 0.7;
+pub(crate) const AGREES: f64 = 0.7;
+/// Position of the outer probes of a patch, on the way from its centre to the extremes of its contour.
+pub(crate) const PROBED: f64 = 0.75;
 /// Reach of a patch, in radii of its contour.
-const SPREAD: f64 = 1.3;
+pub(crate) const SPREAD: f64 = 1.3;
 /// Contours of a smaller area, in units of the square of the bodies' size, have no direction.
-const LEAST_AREA: f64 = 1.0e-12;
+pub(crate) const LEAST_ENCLOSED_AREA: f64 = 1.0e-12;
 
 /// Loose ends of contours closer than this, in units of the bodies' size, are the same point.
 const TIE: f64 = 1.0e-6;
@@ -267,7 +269,7 @@ impl Patch {
             radius = radius.max(p.distance_squared(center)).max(q.distance_squared(center));
         }
         let size = area.length() / (size * size);
-        (size > LEAST_AREA).then(|| Self {
+        (size > LEAST_ENCLOSED_AREA).then(|| Self {
             center,
             normal: area.normalize(),
             area: area.length(),
@@ -312,7 +314,7 @@ impl Patch {
             farthest(&|p| p.dot(across)),
             farthest(&|p| -p.dot(across)),
         ];
-        let [p, q, r, s] = offsets.map(|p| self.center + p * 0.75);
+        let [p, q, r, s] = offsets.map(|p| self.center + p * PROBED);
         [self.center, p, q, r, s]
     }
 }

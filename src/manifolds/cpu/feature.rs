@@ -6,17 +6,17 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 
 /// Sine of the largest angle by which an edge of a vertex may lead below the face.
-const BELOW: f64 = 0.02;
+pub(crate) const BELOW: f64 = 0.02;
 /// Sine of the largest angle by which an edge's normal may leave the arc between the normals of its faces. A normal
 /// that close to a face normal is replaced by it.
 pub const ARC: f64 = 0.05;
 /// Sine of the angle between its faces below which an edge counts as flat. Its vertices and faces then give all
 /// features.
-const FLAT: f64 = 1.0e-3;
+pub(crate) const FLAT: f64 = 1.0e-3;
 /// Sine of the angle below which two edges are parallel and have no common normal.
-const PARALLEL: f64 = 1.0e-3;
+pub(crate) const PARALLEL: f64 = 1.0e-3;
 /// How far outside a face the projection of a vertex may lie, relative to the length of the face's edge.
-const OUTSIDE: f64 = 1.0e-6;
+pub(crate) const OUTSIDE: f64 = 1.0e-6;
 
 /// A contact feature: vertex-face, edge-edge, or a point that stands for a deep overlap.
 #[derive(Clone, Copy, Debug)]

@@ -146,10 +146,12 @@ impl ClusterTransform {
 }
 
 /// Relative rounding error of a product of two vectors in single precision.
-const ERROR: f32 = 2.0e-6;
+pub(crate) const ERROR: f32 = 2.0e-6;
 
 /// Largest error of a normal's direction, radians. Less certain normals count as unknown.
-const DIRECTION_ERROR: f32 = 1.0e-3;
+pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
+/// Factor on radii, for rounding.
+pub(crate) const AROUND_ERROR: f32 = 1.001;
 
 impl PlacedCluster {
     fn new(side: &Side, transform: &ClusterTransform, cluster: u32, window: Option<&Window>) -> Self {
@@ -253,7 +255,7 @@ impl PlacedCluster {
         };
         let (lateral_own, lateral_other) = (lateral(direction), lateral(other.direction));
         let slack = f32x8::splat(8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
-        let around = (at(self.around) + other.around) * f32x8::splat(1.001) + slack;
+        let around = (at(self.around) + other.around) * f32x8::splat(AROUND_ERROR) + slack;
         let square = around * around;
         let vertices = lateral_own.simd_le(square) | lateral_other.simd_le(square);
 

@@ -12,17 +12,17 @@ use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays.
-const DEEP: f64 = 0.04;
+pub(crate) const DEEP: f64 = 0.04;
 /// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;
 /// Bound of the error of heights over planes, in units of the sum of the bounding radii.
 const ROUNDING: f64 = 1.0e-14;
 /// Length of rays, in the same unit: through all of the smaller body.
-const RAY: f64 = 1.0;
+pub(crate) const RAY: f64 = 1.0;
 /// A patch whose rays leave no body counts if its area is larger than this, in units of the size squared,
-const LEAST_AREA: f64 = 1.0e-6;
+pub(crate) const LEAST_PROBED_AREA: f64 = 1.0e-6;
 /// and its depth is at most this, in units of the size.
-const SHALLOW: f64 = 0.002;
+pub(crate) const SHALLOW: f64 = 0.002;
 
 /// The `place` of a point that stands for a patch without ray hits; those of rays are smaller.
 const MIDDLE: u8 = 5;
@@ -152,7 +152,7 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
     // Twice the area over the length of a circle is its radius.
     let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
     let half = patch.normal * (0.5 * depth);
-    (patch.area > LEAST_AREA * size * size).then(|| Feature {
+    (patch.area > LEAST_PROBED_AREA * size * size).then(|| Feature {
         points: [patch.center + half, patch.center - half],
         normal: patch.normal,
         separation: -depth,

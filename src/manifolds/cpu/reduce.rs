@@ -4,14 +4,14 @@ use super::feature::Feature;
 use crate::manifolds::MAX_POINTS;
 
 /// Weight of the squared difference of normals against the squared distance in units of the bodies' size.
-const TURN: f64 = 0.02;
+pub(crate) const TURN: f64 = 0.02;
 /// Points closer than this, by that measure, are duplicates.
-const SAME: f64 = 1.0e-8;
+pub(crate) const SAME: f64 = 1.0e-8;
 /// A point's weight falls by a factor of e for every such part of the bodies' size by which it is shallower than the
 /// deepest,
-const SHALLOWER: f64 = 0.01;
+pub(crate) const SHALLOWER: f64 = 0.01;
 /// but not below this.
-const LEAST_WEIGHT: f64 = 0.01;
+pub(crate) const LEAST_WEIGHT: f64 = 0.01;
 
 /// Memory kept between pairs.
 #[derive(Default)]

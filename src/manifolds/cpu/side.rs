@@ -49,13 +49,17 @@ pub struct Triangle {
     pub winding_sign: f64,
 }
 
+/// Rounding allowance, as a factor on [`ARC`], of the angle between a triangle's normal and a contact normal at its
+/// edges.
+pub(crate) const ARC_SLACK: f64 = 1.1;
+
 /// Two bodies coincide if their centres differ by less than this part of their size and their rotations by less than
 /// this many radians.
-const SAME_PLACE: f64 = 1.0e-4;
+pub(crate) const SAME_PLACE: f64 = 1.0e-4;
 /// Offset that separates coinciding bodies, in units of their size,
-const ASIDE: f64 = 1.0e-3;
+pub(crate) const ASIDE: f64 = 1.0e-3;
 /// in a direction that is parallel to no edge of a typical mesh.
-const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+pub(crate) const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 
 /// The two bodies of a pair. `one_mesh` tells whether they share a mesh.
 pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
@@ -158,7 +162,7 @@ impl Side<'_> {
         let scale = self.scale.abs();
         let is_uniform = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
         let rotations = &self.features.edge_normal_rotations[first as usize..];
-        let slack = 1.1 * ARC as f32;
+        let slack = ARC_SLACK as f32 * ARC as f32;
         f32x8::new(std::array::from_fn(|lane| match rotations.get(lane) {
             Some(rotation) if is_uniform && rotation + slack < ANY_NORMAL => rotation + slack,
             _ => ANY_NORMAL,

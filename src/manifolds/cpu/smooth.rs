@@ -11,7 +11,7 @@ use glam::DVec3;
 
 /// Sine of the largest angle between the smooth normal at a vertex and the contact normal: half the angle between the
 /// faces of a cylinder of 32 sides. A coarser surface lies on its facets.
-const SMOOTH: f64 = 0.1;
+pub(crate) const SMOOTH: f64 = 0.1;
 
 /// The contact of the smooth surfaces at a feature.
 pub struct Smoothed {

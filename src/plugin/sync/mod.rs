@@ -18,7 +18,7 @@ use crate::state::fault::BodyFault;
 use crate::state::{Body, Counts, Motion, Plane};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
-use crate::step::gpu::contacts::memory::DeviceMemory;
+use crate::step::gpu::memory::DeviceMemory;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;

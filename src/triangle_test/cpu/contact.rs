@@ -138,7 +138,7 @@ impl Contour {
 
 /// Least area vector that determines a normal, relative to the area of a circle of the contour's length. Patches on
 /// opposite sides cancel, and so do crossings of open sheets.
-const SIGNIFICANT: f64 = 0.02;
+pub(crate) const SIGNIFICANT: f64 = 0.02;
 
 /// The pair's contact, from its contour or, without a usable contour, along the line of centres.
 pub fn contact(

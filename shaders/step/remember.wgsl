@@ -7,7 +7,7 @@
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(3) var<storage, read> source: array<vec4<u32>>;
-@group(0) @binding(4) var<storage, read_write> kept: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read_write> stored: array<vec4<u32>>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -17,6 +17,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         count = solver_counters[constants.x];
     }
     if counters[t::SKIPPED] == 0u && i < count * constants.y {
-        kept[i] = source[i];
+        stored[i] = source[i];
     }
 }

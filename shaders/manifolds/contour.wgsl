@@ -1,23 +1,20 @@
 // Contact generation: the segments of a pair, joined into closed contours, and the patches that these enclose. A workgroup a
-// pair. `stages/manifolds/cpu/contour.rs` explains it.
+// pair. `src/manifolds/cpu/contour.rs` explains it.
+#import faceoff::constants::manifolds::{DEEP, LEAST_ENCLOSED_AREA, SPREAD}
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
-@group(0) @binding(0) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(1) var<storage, read_write> settings: array<t::ContactSetting>;
 @group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
 // Eight words a segment. Of a pair with n segments: a table of 4 n slots for the ends of segments, by what these share
 // with the segment that goes on there (later a list of loose ends); for each end the other end of that, 2 n; the number of
 // the first segment known to belong to the same contour, n; for each first segment how many there are, n.
-@group(0) @binding(3) var<storage, read_write> links: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> contour_links: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> patches: array<t::Patch>;
 
-// How far a patch has a say, beside the radius of its contour.
-const SPREAD: f32 = 1.3;
-// Contours that enclose less than this part of the square of the bodies' size have no direction.
-const LEAST_AREA: f32 = 1.0e-12;
 // Ends of contours that should go on count as the same point if they are this near, beside the rounding of heights.
-const TIE: f32 = 4.0;
+const TIE_ROUNDINGS: f32 = 4.0;
 // More loose ends than this are not tied.
 const MOST_LOOSE: u32 = 1024u;
 
@@ -35,7 +32,7 @@ var<private> count: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -45,7 +42,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     join(thread);
-    tie_loose_ends(thread, TIE * setting.rounding);
+    tie_loose_ends(thread, TIE_ROUNDINGS * setting.rounding);
     label(thread);
     find_patches(index, setting, thread);
 }
@@ -84,14 +81,14 @@ fn place(end: u32) -> vec3<f32> {
 // Finds for each end another with the same key.
 fn join(thread: u32) {
     for (var i = thread; i < 4u * count; i += 64u) {
-        atomicStore(&links[slot(i)], 0u);
+        atomicStore(&contour_links[slot(i)], 0u);
     }
     for (var i = thread; i < 2u * count; i += 64u) {
-        atomicStore(&links[partner_of(i)], t::NOTHING);
+        atomicStore(&contour_links[partner_of(i)], t::NOTHING);
     }
     for (var i = thread; i < count; i += 64u) {
-        atomicStore(&links[label_of(i)], i);
-        atomicStore(&links[size_of(i)], 0u);
+        atomicStore(&contour_links[label_of(i)], i);
+        atomicStore(&contour_links[size_of(i)], 0u);
     }
     if thread == 0u {
         atomicStore(&loose, 0u);
@@ -102,9 +99,9 @@ fn join(thread: u32) {
         let own = key(end);
         var at = hash(own) % (4u * count);
         loop {
-            var held = atomicLoad(&links[slot(at)]);
+            var held = atomicLoad(&contour_links[slot(at)]);
             if held == 0u {
-                let put = atomicCompareExchangeWeak(&links[slot(at)], 0u, end + 1u);
+                let put = atomicCompareExchangeWeak(&contour_links[slot(at)], 0u, end + 1u);
                 if put.exchanged {
                     break;
                 }
@@ -114,8 +111,8 @@ fn join(thread: u32) {
             if held != 0u {
                 if all(key(held - 1u) == own) {
                     // Who comes first holds the slot, and which of several is noted there does not matter.
-                    atomicStore(&links[partner_of(end)], held - 1u);
-                    atomicStore(&links[partner_of(held - 1u)], end);
+                    atomicStore(&contour_links[partner_of(end)], held - 1u);
+                    atomicStore(&contour_links[partner_of(held - 1u)], end);
                     break;
                 }
                 at = (at + 1u) % (4u * count);
@@ -130,7 +127,7 @@ fn join(thread: u32) {
 // Some devices leave a loop that takes long.
 fn check(finished: bool) {
     if !finished {
-        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
 
@@ -143,9 +140,9 @@ fn hash(key: vec2<u32>) -> u32 {
 // Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they are.
 fn tie_loose_ends(thread: u32, reach: f32) {
     for (var end = thread; end < 2u * count; end += 64u) {
-        if atomicLoad(&links[partner_of(end)]) == t::NOTHING {
+        if atomicLoad(&contour_links[partner_of(end)]) == t::NOTHING {
             // Twice as many fit.
-            atomicStore(&links[slot(atomicAdd(&loose, 1u))], end);
+            atomicStore(&contour_links[slot(atomicAdd(&loose, 1u))], end);
         }
     }
     sync();
@@ -154,17 +151,17 @@ fn tie_loose_ends(thread: u32, reach: f32) {
         return;
     }
     for (var i = thread; i < number; i += 64u) {
-        let end = atomicLoad(&links[slot(i)]);
+        let end = atomicLoad(&contour_links[slot(i)]);
         let p = place(end);
         var nearest = t::NOTHING;
         for (var j = 0u; j < number; j += 1u) {
-            let other = atomicLoad(&links[slot(j)]);
+            let other = atomicLoad(&contour_links[slot(j)]);
             let way = place(other) - p;
             if other != end && dot(way, way) <= reach * reach {
                 nearest = min(nearest, other);
             }
         }
-        atomicStore(&links[partner_of(end)], nearest);
+        atomicStore(&contour_links[partner_of(end)], nearest);
     }
     sync();
 }
@@ -180,24 +177,24 @@ fn label(thread: u32) {
     for (var round = 0u; round <= count; round += 1u) {
         var any_change = false;
         for (var end = thread; end < 2u * count; end += 64u) {
-            let partner = atomicLoad(&links[partner_of(end)]);
+            let partner = atomicLoad(&contour_links[partner_of(end)]);
             if partner != t::NOTHING {
-                let own = atomicLoad(&links[label_of(end / 2u)]);
-                let other = atomicLoad(&links[label_of(partner / 2u)]);
+                let own = atomicLoad(&contour_links[label_of(end / 2u)]);
+                let other = atomicLoad(&contour_links[label_of(partner / 2u)]);
                 if own != other {
                     any_change = true;
                     let least = min(own, other);
-                    atomicMin(&links[label_of(end / 2u)], least);
-                    atomicMin(&links[label_of(partner / 2u)], least);
+                    atomicMin(&contour_links[label_of(end / 2u)], least);
+                    atomicMin(&contour_links[label_of(partner / 2u)], least);
                     // And that of the one after which the higher was named.
-                    atomicMin(&links[label_of(max(own, other))], least);
+                    atomicMin(&contour_links[label_of(max(own, other))], least);
                 }
             }
-            let named = atomicLoad(&links[label_of(end / 2u)]);
-            let root = atomicLoad(&links[label_of(named)]);
+            let named = atomicLoad(&contour_links[label_of(end / 2u)]);
+            let root = atomicLoad(&contour_links[label_of(named)]);
             if root < named {
                 any_change = true;
-                atomicMin(&links[label_of(end / 2u)], root);
+                atomicMin(&contour_links[label_of(end / 2u)], root);
             }
         }
         if any_change {
@@ -216,7 +213,7 @@ fn label(thread: u32) {
     }
     check(!go_on);
     for (var i = thread; i < count; i += 64u) {
-        atomicAdd(&links[size_of(atomicLoad(&links[label_of(i)]))], 1u);
+        atomicAdd(&contour_links[size_of(atomicLoad(&contour_links[label_of(i)]))], 1u);
     }
     sync();
 }
@@ -235,7 +232,7 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
         }
         workgroupBarrier();
         for (var i = thread; i < count; i += 64u) {
-            if i >= next && atomicLoad(&links[size_of(i)]) > 1u {
+            if i >= next && atomicLoad(&contour_links[size_of(i)]) > 1u {
                 atomicMin(&lowest, i);
                 break;
             }
@@ -250,7 +247,7 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
         next = root + 1u;
         let found = patch_of(setting, root, thread);
         if found.reach > 0.0 {
-            let half = vec3(found.reach + 0.5 * t::DEEP * setting.size);
+            let half = vec3(found.reach + 0.5 * DEEP * setting.size);
             low = min(low, found.center - half);
             high = max(high, found.center + half);
             // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
@@ -278,7 +275,7 @@ fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
     let origin = segments[first + root].start;
     var sum = vec4(0.0);
     for (var i = thread; i < count; i += 64u) {
-        if atomicLoad(&links[label_of(i)]) == root {
+        if atomicLoad(&contour_links[label_of(i)]) == root {
             let segment = segments[first + i];
             let along = segment.end - segment.start;
             let length = sqrt(dot(along, along));
@@ -294,7 +291,7 @@ fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
     var area = vec3(0.0);
     var square = 0.0;
     for (var i = thread; i < count; i += 64u) {
-        if atomicLoad(&links[label_of(i)]) == root {
+        if atomicLoad(&contour_links[label_of(i)]) == root {
             let segment = segments[first + i];
             let arm = segment.start - center;
             let other = segment.end - center;
@@ -306,7 +303,7 @@ fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
     let radius = sqrt(largest(square, thread));
     let size = sqrt(dot(area, area));
     // A contour that is a line to and fro encloses what rounding makes of it.
-    if !(size > LEAST_AREA * setting.size * setting.size && size > 0.5 * setting.rounding * length) {
+    if !(size > LEAST_ENCLOSED_AREA * setting.size * setting.size && size > 0.5 * setting.rounding * length) {
         return result;
     }
     result.center = center;
@@ -339,7 +336,7 @@ fn farthest(thread: u32, root: u32, center: vec3<f32>, ways: mat3x3<f32>, normal
     var best = vec4(-3.0e38);
     var number = vec4(root);
     for (var i = thread; i < count; i += 64u) {
-        if atomicLoad(&links[label_of(i)]) == root {
+        if atomicLoad(&contour_links[label_of(i)]) == root {
             let arm = segments[first + i].start - center;
             let aside = arm - normal * dot(arm, normal);
             let reach = vec4(dot(aside, aside), arm * ways);

@@ -1,11 +1,11 @@
-// ForceScan of a step with contacts, before bodies fall asleep: who touched whom, and where. `stages/solver/touches.rs` explains it. A thread a pair.
+// ForceScan of a step with contacts, before bodies fall asleep: who touched whom, and where. `src/step/touches.rs` explains it. A thread a pair.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
-@group(0) @binding(1) var<storage, read> counters: array<u32>;
-@group(0) @binding(2) var<storage, read> pairs: array<s::SolverPair>;
+@group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(2) var<storage, read> solver_pairs: array<s::SolverPair>;
 @group(0) @binding(3) var<storage, read> contact_points: array<t::ContactPoint>;
 @group(0) @binding(4) var<storage, read> points: array<s::PointState>;
 @group(0) @binding(5) var<storage, read> states: array<s::BodyState>;
@@ -16,10 +16,10 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if 2u * i >= counters[s::ENTRIES] {
+    if 2u * i >= solver_counters[s::ENTRIES] {
         return;
     }
-    let pair = pairs[i];
+    let pair = solver_pairs[i];
     if (pair.flags & s::VALID) == 0u || pair.count == 0u {
         return;
     }

@@ -4,19 +4,19 @@
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> interval: s::Interval;
-@group(0) @binding(1) var<storage, read> counters: array<u32>;
+@group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(2) var<storage, read> contact_pairs: array<t::ContactPair>;
-@group(0) @binding(3) var<storage, read> bodies: array<s::SolverBody>;
+@group(0) @binding(3) var<storage, read> solver_bodies: array<s::SolverBody>;
 @group(0) @binding(4) var<storage, read> states: array<s::BodyState>;
 @group(0) @binding(5) var<storage, read> masses: array<s::Mass>;
 @group(0) @binding(6) var<storage, read> links: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read> kept_pairs: array<s::KeptPair>;
-@group(0) @binding(8) var<storage, read_write> pairs: array<s::SolverPair>;
+@group(0) @binding(8) var<storage, read_write> solver_pairs: array<s::SolverPair>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
     let contact = contact_pairs[i];
@@ -30,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i > 0u {
         before = contact_pairs[i - 1u].first_point + contact_pairs[i - 1u].point_count;
     }
-    let points = counters[s::POINTS];
+    let points = solver_counters[s::POINTS];
     let fits = contact.first_point <= points && contact.point_count <= points - contact.first_point;
     if fits && contact.first_point >= before {
         pair.first = contact.first_point;
@@ -40,13 +40,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if there {
         let first = masses[pair.a].flags;
         let second = masses[pair.b].flags;
-        let solid = ((bodies[pair.a].flags | bodies[pair.b].flags) & t::SENSOR) == 0u;
+        let solid = ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u;
         if (first & second & s::SOUND) != 0u && solid {
             fill(&pair, first, second);
         }
         remember(&pair);
     }
-    pairs[i] = pair;
+    solver_pairs[i] = pair;
 }
 
 fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
@@ -59,12 +59,12 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
         flags |= s::FROZEN;
     }
     (*pair).flags = flags;
-    let smaller = 2.0 * min(bodies[a].radius, bodies[b].radius);
+    let smaller = 2.0 * min(solver_bodies[a].radius, solver_bodies[b].radius);
     (*pair).diameter = select(0.0, smaller, smaller > 0.0 && smaller < s::ENDLESS);
     (*pair).rest_offset = interval.rest_offset * (*pair).diameter;
-    (*pair).friction = combined(s::FRICTION_RULE, bodies[a].flags, bodies[b].flags, bodies[a].friction, bodies[b].friction);
+    (*pair).friction = combined(s::FRICTION_RULE, solver_bodies[a].flags, solver_bodies[b].flags, solver_bodies[a].friction, solver_bodies[b].friction);
     (*pair).restitution = min(
-        combined(s::RESTITUTION_RULE, bodies[a].flags, bodies[b].flags, bodies[a].restitution, bodies[b].restitution),
+        combined(s::RESTITUTION_RULE, solver_bodies[a].flags, solver_bodies[b].flags, solver_bodies[a].restitution, solver_bodies[b].restitution),
         1.0,
     );
     let coarse = states[b].center - states[a].center;
@@ -76,7 +76,7 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
 // How fast a body's surface turns about its centre.
 fn swing_of(i: u32) -> f32 {
     let w = states[i].angular_velocity;
-    return sqrt(dot(w, w)) * min(bodies[i].radius, s::ENDLESS);
+    return sqrt(dot(w, w)) * min(solver_bodies[i].radius, s::ENDLESS);
 }
 
 // One coefficient from two, by the later rule in the order of `CombineRule`.
@@ -112,7 +112,7 @@ fn remember(pair: ptr<function, s::SolverPair>) {
     let a = min(first, second);
     let b = max(first, second);
     var low = 0u;
-    var high = min(counters[s::KEPT_PAIRS], arrayLength(&kept_pairs));
+    var high = min(solver_counters[s::KEPT_PAIRS], arrayLength(&kept_pairs));
     while low < high {
         let middle = low + (high - low) / 2u;
         let kept = kept_pairs[middle];
@@ -122,7 +122,7 @@ fn remember(pair: ptr<function, s::SolverPair>) {
             high = middle;
         }
     }
-    if low >= counters[s::KEPT_PAIRS] {
+    if low >= solver_counters[s::KEPT_PAIRS] {
         return;
     }
     let kept = kept_pairs[low];

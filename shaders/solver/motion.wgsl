@@ -1,16 +1,12 @@
-#define_import_path faceoff::mover
+#define_import_path faceoff::motion
 
-// What a body does by itself: it speeds up and moves. `stages/solver/motion.rs` explains it.
+// What a body does by itself: it speeds up and moves. `src/solver/motion.rs` explains it.
 
+#import faceoff::constants::solver::{FREE_ANGLE, MAX_ROUNDS}
 #import faceoff::math::{compose, turn}
 #import faceoff::solver_math::{change, finite_rotation, finite_vector, limited, turned_on}
 #import faceoff::solver_types as s
 #import faceoff::tensor::{apply_tensor, inverse_tensor, is_zero, masked_tensor, turned_tensor, Tensor}
-
-// Free rotation is followed in angles of at most this many radians...
-const FREE_ANGLE: f32 = 0.25;
-// ...of which there are at most this many in a substep.
-const MAX_ROUNDS: f32 = 32.0;
 
 // 1 for each axis along which the body may move, else 0.
 fn free_translation(flags: u32) -> vec3<f32> {

@@ -1,26 +1,21 @@
 // Contact generation: patches without an overlapping feature get points by rays along their normal, from five places in
-// each to where they leave the bodies. A workgroup a pair, a thread a place. `stages/manifolds/cpu/ray.rs` explains the
+// each to where they leave the bodies. A workgroup a pair, a thread a place. `src/manifolds/cpu/ray.rs` explains the
 // rays.
 #import faceoff::arena::{meshes, words, vector}
+#import faceoff::constants::manifolds::{LEAST_PROBED_AREA, PROBED, RAY, SHALLOW}
 #import faceoff::dispatch::group_index
 #import faceoff::sides
 #import faceoff::tree
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> settings: array<t::ContactSetting>;
 @group(0) @binding(5) var<storage, read> patches: array<t::Patch>;
 @group(0) @binding(6) var<storage, read_write> features: array<t::Feature>;
 
-// How far rays run, in units of the bodies' size.
-const RAY: f32 = 1.0;
-// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
-const LEAST_AREA: f32 = 1.0e-6;
-// and is taken for this deep at most.
-const SHALLOW: f32 = 0.002;
 // How far outside a triangle a ray may pass, in barycentric coordinates, so that none slips through an edge.
-const SLACK: f32 = 1.0e-5;
+const SLACK_SINGLE: f32 = 1.0e-5;
 // Places in a patch.
 const PLACES: u32 = 5u;
 
@@ -29,7 +24,7 @@ var<workgroup> base: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -50,7 +45,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     if thread == 0u {
         let count = PLACES * alone;
-        base = atomicAdd(&counters[t::FEATURES], count);
+        base = atomicAdd(&contact_counters[t::FEATURES], count);
         let fits = base <= limits.features && count <= limits.features - base;
         settings[index].first_probe = base;
         settings[index].probe_count = select(0u, count, fits);
@@ -75,7 +70,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         let asked = patches[lonely(setting, n)];
         if deepest == t::DROPPED {
-            if asked.area > LEAST_AREA * setting.size * setting.size {
+            if asked.area > LEAST_PROBED_AREA * setting.size * setting.size {
                 features[first] = shallow(asked, setting.size);
             }
         } else if deepest >= -setting.touch && has_feature(setting, asked) {
@@ -124,7 +119,7 @@ fn place_of(asked: t::Patch, k: u32) -> vec3<f32> {
         case 4u: { arm = asked.arm_d; }
         default: {}
     }
-    return asked.center + 0.75 * arm;
+    return asked.center + PROBED * arm;
 }
 
 // The point of a patch by rays from p, if both leave a body. They start a little before it: where the bodies only touch,
@@ -213,7 +208,7 @@ fn leave(side: sides::Side, end: u32, start: vec3<f32>, way: vec3<f32>, most: f3
     }
     // Some devices leave a loop that takes long.
     if depth > 0u {
-        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
     if nearest.triangle != t::NOTHING && dot(way, sides::baked_normal(side, nearest.triangle)) <= 0.0 {
         nearest.triangle = t::NOTHING;
@@ -249,7 +244,7 @@ fn meets(side: sides::Side, number: u32, origin: vec3<f32>, way: vec3<f32>) -> f
     let v = dot(turn, ac) / slope;
     let w = -dot(turn, ab) / slope;
     let distance = dot(a, normal) / slope;
-    if v >= -SLACK && w >= -SLACK && v + w <= 1.0 + SLACK && distance >= 0.0 {
+    if v >= -SLACK_SINGLE && w >= -SLACK_SINGLE && v + w <= 1.0 + SLACK_SINGLE && distance >= 0.0 {
         return distance;
     }
     return t::DROPPED;

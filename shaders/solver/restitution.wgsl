@@ -1,20 +1,19 @@
 // Solver: one pass that turns round the speed at which a pair's points met (Newton's law of impact), with the friction that
 // goes with it.
+#import faceoff::constants::solver::BOUNCE_SWEEPS
 #import faceoff::contact as c
-#import faceoff::contact::{counters, pairs, points}
+#import faceoff::contact::{solver_counters, solver_pairs, points}
 #import faceoff::dispatch::group_index
+#import faceoff::friction::rub
 #import faceoff::solver_types as s
-
-// It happens once per interval, and has to be right.
-const BOUNCE_SWEEPS: u32 = 6u;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
-    let pair = pairs[i];
+    let pair = solver_pairs[i];
     if (pair.flags & s::ACTIVE) == 0u {
         return;
     }
@@ -40,5 +39,5 @@ fn solve(pair: s::SolverPair, k: u32, local: ptr<function, c::Local>) {
     let impulse = max(point.bounce - wanted / give.x, 0.0);
     c::push(local, along, impulse - point.bounce);
     points[k].bounce = impulse;
-    points[k].bounce_friction = c::rub(local, point, give.y, point.bounce_friction, 1.0, pair.friction * impulse);
+    points[k].bounce_friction = rub(local, point, give.y, point.bounce_friction, 1.0, pair.friction * impulse);
 }

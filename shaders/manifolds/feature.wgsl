@@ -1,23 +1,13 @@
 #define_import_path faceoff::features
 
-// Vertices over faces, edges over edges, and segments in which triangles cross: `stages/manifolds/cpu/feature.rs` and
+// Vertices over faces, edges over edges, and segments in which triangles cross: `src/manifolds/cpu/feature.rs` and
 // `contour.rs` explain them.
 
 #import faceoff::arena::words
+#import faceoff::constants::manifolds::{ARC, BELOW, FLAT, OUTSIDE, PARALLEL}
 #import faceoff::sides
 #import faceoff::types as t
 
-// How far, as a sine, an edge may lead below a face at whose vertex it starts.
-const BELOW: f32 = 0.02;
-// How far, as a sine, the normal of an edge may leave the arc between its faces' normals, and how near to a face's
-// normal it becomes that normal.
-const ARC: f32 = 0.05;
-// Edges whose faces differ by less than this, as a sine, are flat, and their vertices and faces say all.
-const FLAT: f32 = 1.0e-3;
-// Edges that differ by less than this, as a sine, are parallel and have no normal.
-const PARALLEL: f32 = 1.0e-3;
-// How far outside a face a vertex's projection may lie, beside the face's edge, and what rounding adds.
-const OUTSIDE: f32 = 1.0e-6;
 // Planes that differ by less than this, as a squared sine, are one.
 const SAME_PLANE: f32 = 1.0e-12;
 

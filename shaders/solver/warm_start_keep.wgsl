@@ -4,8 +4,8 @@
 #import faceoff::solver_types as s
 
 @group(0) @binding(0) var<uniform> interval: s::Interval;
-@group(0) @binding(1) var<storage, read> counters: array<u32>;
-@group(0) @binding(2) var<storage, read> pairs: array<s::SolverPair>;
+@group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(2) var<storage, read> solver_pairs: array<s::SolverPair>;
 @group(0) @binding(3) var<storage, read> shapes: array<s::PointShape>;
 @group(0) @binding(4) var<storage, read> points: array<s::PointState>;
 @group(0) @binding(5) var<storage, read> movers: array<s::Mover>;
@@ -15,10 +15,10 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
-    let pair = pairs[i];
+    let pair = solver_pairs[i];
     var kept: s::KeptPair;
     kept.a = pair.a;
     kept.b = pair.b;

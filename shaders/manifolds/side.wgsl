@@ -5,6 +5,8 @@
 // digits are lost neither far from the world's origin nor between a small body and a large one.
 
 #import faceoff::arena::{meshes, words, vector}
+#import faceoff::constants::manifolds::ARC_SLACK
+#import faceoff::constants::shared::{ANY_NORMAL, MESH_HEADER, MESH_RECORD}
 #import faceoff::math::direction
 #import faceoff::types as t
 
@@ -36,15 +38,6 @@ struct Triangle {
     // Unit vector, outward; of triangles with two sides towards the other body.
     normal: vec3<f32>,
 }
-
-// Words before the records, and of each triangle's record. `src/gpu/mesh_features.rs` writes them.
-const HEADER: u32 = 8u;
-const RECORD: u32 = 16u;
-
-// No two unit vectors are farther apart.
-const ANY_NORMAL: f32 = 2.0;
-// By how much an edge's normal may leave the arc between its faces' normals, radians, and a little more.
-const ARC_SLACK: f32 = 0.055;
 
 fn first(setting: t::ContactSetting) -> Side {
     let identity = mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
@@ -94,7 +87,7 @@ fn to_own(side: Side, p: vec3<f32>) -> vec3<f32> {
 }
 
 fn record(side: Side, number: u32) -> u32 {
-    return side.features + HEADER + RECORD * number;
+    return side.features + MESH_HEADER + MESH_RECORD * number;
 }
 
 fn vertex_count(side: Side) -> u32 {

@@ -4,40 +4,39 @@ use super::oracle::Mover;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::ccd::{Pose, Scratch, Sweep, time_of_impact};
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::Body;
-use bevy_faceoff::step::StepState;
+use bevy_faceoff::state::{Body, StepInput};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
+/// Bodies, and how each moves in an interval.
 #[derive(Default)]
-pub struct World {
-    pub state: StepState,
+pub struct Flights {
+    pub input: StepInput,
     pub sweeps: Vec<Sweep>,
     pub scratch: Scratch,
 }
 
-impl World {
-    /// A world in which bodies of these meshes may be.
+impl Flights {
+    /// For bodies of these meshes.
     pub fn new(meshes: &[TriMesh]) -> Self {
-        let mut world = Self::default();
+        let mut flights = Self::default();
         for mesh in meshes {
-            world.state.input.meshes.add(CollisionMesh::new(mesh));
+            flights.input.meshes.add(CollisionMesh::new(mesh));
         }
-        world
+        flights
     }
 
     /// Without bodies.
     pub fn clear(&mut self) {
-        self.state.input.bodies.clear();
+        self.input.bodies.clear();
         self.sweeps.clear();
     }
 
     /// Adds a body. Its own pose is far from where its sweep is.
     pub fn add(&mut self, mesh: usize, scale: Vec3, sweep: Sweep) -> u32 {
         let body = Body::at_rest(mesh as u32, Vec3::new(-7.0, 70.0, 700.0), Quat::IDENTITY, scale);
-        self.state
-            .input
+        self.input
             .bodies
-            .push(&body, &self.state.input.meshes)
+            .push(&body, &self.input.meshes)
             .expect("a usable body");
         self.sweeps.push(sweep);
         self.sweeps.len() as u32 - 1
@@ -45,8 +44,8 @@ impl World {
 
     pub fn time_of(&mut self, pair: [u32; 2], slack: f32) -> Option<f32> {
         let sweeps = pair.map(|i| &self.sweeps[i as usize]);
-        let Self { state, scratch, .. } = self;
-        time_of_impact(&state.input.bodies, &state.input.meshes, pair, sweeps, slack, scratch)
+        let Self { input, scratch, .. } = self;
+        time_of_impact(&input.bodies, &input.meshes, pair, sweeps, slack, scratch)
     }
 
     /// Of bodies 0 and 1.
@@ -56,8 +55,8 @@ impl World {
 
     /// Body `i` as the oracle has it.
     pub fn mover(&self, i: usize) -> Mover {
-        let slot = &self.state.input.meshes[self.state.input.bodies.mesh[i]].mesh;
-        let (scale, sweep) = (self.state.input.bodies.scale[i].as_dvec3(), &self.sweeps[i]);
+        let slot = &self.input.meshes[self.input.bodies.mesh[i]].mesh;
+        let (scale, sweep) = (self.input.bodies.scale[i].as_dvec3(), &self.sweeps[i]);
         let mass_center = slot.mass.center.as_dvec3();
         let place = |p: Vec3| sweep.before.rotation * (scale * (p.as_dvec3() - mass_center));
         Mover {

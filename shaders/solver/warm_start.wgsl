@@ -1,4 +1,5 @@
 // Solver: the points of every pair, ready to be solved, with last interval's impulses where they fit.
+#import faceoff::constants::solver::{MAX_GROWTH, MAX_MATCHED}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, rotate}
 #import faceoff::overlap as o
@@ -7,8 +8,8 @@
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
-@group(0) @binding(1) var<storage, read> counters: array<u32>;
-@group(0) @binding(3) var<storage, read_write> pairs: array<s::SolverPair>;
+@group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(3) var<storage, read_write> solver_pairs: array<s::SolverPair>;
 @group(0) @binding(6) var<storage, read> movers: array<s::Mover>;
 @group(0) @binding(7) var<storage, read_write> shapes: array<s::PointShape>;
 @group(0) @binding(8) var<storage, read_write> points: array<s::PointState>;
@@ -16,10 +17,10 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
-    var pair = pairs[i];
+    var pair = solver_pairs[i];
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         shapes[k] = no_shape();
         points[k] = no_point();
@@ -29,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let overlap = o::judge(pair);
     if overlap.kind == o::TANGLED && (pair.flags & s::FROZEN) == 0u {
-        pairs[i].flags |= s::DEPENETRATING;
+        solver_pairs[i].flags |= s::DEPENETRATING;
         // One point, which pushes the centres themselves apart.
         var deepest = 0.0;
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
@@ -42,7 +43,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     if overlap.kind == o::DISPUTED {
         pair.direction = overlap.direction;
-        pairs[i].direction = overlap.direction;
+        solver_pairs[i].direction = overlap.direction;
     }
     fill(pair);
 }
@@ -75,9 +76,9 @@ fn fill(pair: s::SolverPair) {
         back_a = compose(first, conjugate(movers[pair.a].rotation));
         back_b = compose(second, conjugate(movers[pair.b].rotation));
     }
-    let substep = bitcast<f32>(counters[s::KEPT_SUBSTEP]);
+    let substep = bitcast<f32>(solver_counters[s::KEPT_SUBSTEP]);
     // What holds up a weight is proportional to time.
-    let growth = select(1.0, min(interval.h / max(substep, 1.0e-30), 2.0), substep > 0.0);
+    let growth = select(1.0, min(interval.h / max(substep, 1.0e-30), MAX_GROWTH), substep > 0.0);
     let reach = interval.match_distance * pair.diameter;
     // A bit for each old point that is given away.
     var taken = vec2(0u);
@@ -96,7 +97,7 @@ fn fill(pair: s::SolverPair) {
         // The nearest old point, as near as either body sees it: what slides along one body rests on the other.
         var nearest = reach * reach;
         var found = s::NOT_KEPT;
-        for (var j = 0u; j < min(old.count, 64u); j += 1u) {
+        for (var j = 0u; j < min(old.count, MAX_MATCHED); j += 1u) {
             let kept = kept_points[old.first + j];
             let turned = o::sign_of(pair) * dot(kept.normal, contact.normal);
             if ((taken[j / 32u] >> (j % 32u)) & 1u) != 0u || kept.impulse <= 0.0 || turned < interval.match_normal {

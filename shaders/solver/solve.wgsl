@@ -1,7 +1,8 @@
 // Solver: one pass over the points of every pair.
 #import faceoff::contact as c
-#import faceoff::contact::{counters, interval, pairs, points}
+#import faceoff::contact::{solver_counters, interval, solver_pairs, points}
 #import faceoff::dispatch::group_index
+#import faceoff::friction::rub
 #import faceoff::solver_types as s
 
 // What the pass does beside solving.
@@ -10,10 +11,10 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
-    let pair = pairs[i];
+    let pair = solver_pairs[i];
     if (pair.flags & s::ACTIVE) == 0u {
         // It hands out nothing already.
         return;
@@ -52,7 +53,7 @@ fn solve(pair: s::SolverPair, k: u32, local: ptr<function, c::Local>) {
     points[k].largest = max(point.largest, impulse);
 
     let limit = select(pair.friction * impulse, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
-    points[k].friction = c::rub(local, point, give.y, point.friction, interval.relaxation, limit);
+    points[k].friction = rub(local, point, give.y, point.friction, interval.relaxation, limit);
 }
 
 // The speed that a point asks for beyond none at all, the part of the rigid answer that is given, and the part of the

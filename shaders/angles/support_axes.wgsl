@@ -1,6 +1,7 @@
 // Angles: how the two bodies of a pair lie to each other, whether a support plane separates them, and what is in view. One
 // thread a pair.
 #import faceoff::arena::{meshes, words, support}
+#import faceoff::constants::angles::AXES
 #import faceoff::dispatch::group_index
 #import faceoff::margins::margin_of
 #import faceoff::math::{angle_of, compose, conjugate, direction, matrix, norm1, rotate}
@@ -12,12 +13,9 @@
 @group(0) @binding(5) var<storage, read_write> near_pairs: array<t::NearPair>;
 @group(0) @binding(6) var<uniform> step: t::Step;
 
-// Axes tried, as on the CPU.
-const AXES: u32 = 8u;
-
 // Error of a placed coordinate in the pair's unit: some 40 roundings of 2^-24. Relative poses are made of products of two
 // rotations, each rounded.
-const ERROR: f32 = 2.5e-6;
+const PLACING_ERROR: f32 = 2.5e-6;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -53,7 +51,7 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let arm_a = rotate(a.rotation, a.scale * mesh_a.center);
     let arm_b = rotate(b.rotation, b.scale * mesh_b.center);
     let apart = rotate(back, ((b.position - a.position) + (arm_b - arm_a)) * unit);
-    let error = ERROR + 1.0e-6 * unit * (norm1(arm_a) + norm1(arm_b));
+    let error = PLACING_ERROR + 1.0e-6 * unit * (norm1(arm_a) + norm1(arm_b));
     let pad = 2.0 * error;
     let margin = unit * margin_of(step, a, b);
 

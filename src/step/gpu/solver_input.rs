@@ -1,8 +1,9 @@
 //! What a step with contacts is told beside where the bodies are.
 
+use super::buffers::StepBuffers;
 use super::lineage::Descent;
-use super::lists::StepLists;
 use crate::gpu::device::Gpu;
+use crate::sleep::cpu::hash;
 use crate::solver::gpu::{Passes, Room, layout, upload};
 use crate::solver::speeds::Speeds;
 use crate::solver::{Interval, SolverBodies};
@@ -82,7 +83,7 @@ impl SolverInput {
             .fold(0.0, f32::max);
         let interval = Interval::of(config, collision_substeps);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
-        let mut arrivals: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, *k)).collect();
+        let mut arrivals: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k) as u32)).collect();
         if descent.new_ground {
             for plane in &mut arrivals[placed.len()..] {
                 plane.asleep = layout::CHANGED;
@@ -140,18 +141,18 @@ impl SolverInput {
     }
 
     /// Writes everything.
-    pub fn write(&self, gpu: &Gpu, lists: &StepLists, room: Room) {
+    pub fn write(&self, gpu: &Gpu, step: &StepBuffers, room: Room) {
         let count = self.room();
         let told = |old| upload::interval(&self.settings, &self.interval, [count, old], room);
         let same: Vec<u32> = (0..count).collect();
         for (buffer, bytes) in [
-            (&lists.first_interval, bytes_of(&told(self.old_bodies()))),
-            (&lists.other_interval, bytes_of(&told(count))),
-            (&lists.first_numbers, cast_slice(&self.descent.renumbered)),
-            (&lists.other_numbers, cast_slice(&same)),
-            (&lists.bodies, cast_slice(&self.bodies)),
-            (&lists.arrivals, cast_slice(&self.arrivals)),
-            (&lists.forces, cast_slice(&self.forces)),
+            (&step.first_interval, bytes_of(&told(self.old_bodies()))),
+            (&step.other_interval, bytes_of(&told(count))),
+            (&step.first_numbers, cast_slice(&self.descent.renumbered)),
+            (&step.other_numbers, cast_slice(&same)),
+            (&step.solver_bodies, cast_slice(&self.bodies)),
+            (&step.arrivals, cast_slice(&self.arrivals)),
+            (&step.forces, cast_slice(&self.forces)),
         ] {
             gpu.queue.write_buffer(buffer, 0, bytes);
         }

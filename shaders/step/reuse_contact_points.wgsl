@@ -7,7 +7,7 @@
 @group(0) @binding(0) var<uniform> step: t::Step;
 @group(0) @binding(1) var<uniform> interval: s::Interval;
 @group(0) @binding(2) var<storage, read> bodies: array<t::Body>;
-@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> slots: array<t::ContactPair>;
 @group(0) @binding(5) var<storage, read_write> staged: array<t::ContactPoint>;
 // What was found last, ascending by the numbers that bodies had then, and how much.
@@ -18,7 +18,7 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= atomicLoad(&counters[t::CONTACT_SLOTS]) {
+    if i >= atomicLoad(&contact_counters[t::CONTACT_SLOTS]) {
         return;
     }
     let slot = slots[i];
@@ -41,7 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if known.point_count == 0u {
         return;
     }
-    let first = atomicAdd(&counters[t::STAGED_POINTS], known.point_count);
+    let first = atomicAdd(&contact_counters[t::STAGED_POINTS], known.point_count);
     if first + known.point_count > arrayLength(&staged) {
         // The list is made longer, by the counter, and the step runs again.
         return;

@@ -1,7 +1,7 @@
 // Solver: every body takes the sum of the impulses at its ends, in the order of pairs, and moves or speeds up if that is
 // next.
 #import faceoff::dispatch::group_index
-#import faceoff::mover as m
+#import faceoff::motion as m
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -14,8 +14,8 @@
 @group(0) @binding(5) var<storage, read_write> shifts: array<s::Shift>;
 @group(0) @binding(6) var<storage, read> links: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read> ends: array<u32>;
-@group(0) @binding(8) var<storage, read> impulses: array<t::Impulse>;
-@group(0) @binding(9) var<storage, read> pairs: array<s::SolverPair>;
+@group(0) @binding(8) var<storage, read> end_impulses: array<t::Impulse>;
+@group(0) @binding(9) var<storage, read> solver_pairs: array<s::SolverPair>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -37,10 +37,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         var pushing = 0u;
         for (var k = link.x; k < link.y; k += 1u) {
             let end = ends[k];
-            linear += impulses[end].linear;
-            angular += impulses[end].angular;
+            linear += end_impulses[end].linear;
+            angular += end_impulses[end].angular;
             if constants.x != 0u {
-                pushing += u32((pairs[end / 2u].flags & s::ACTIVE) != 0u);
+                pushing += u32((solver_pairs[end / 2u].flags & s::ACTIVE) != 0u);
             }
         }
         velocity = m::pushed(velocity, mass, linear, angular);
