@@ -1,4 +1,4 @@
-//! BroadPhase on the CPU.
+//! BroadPhase on the CPU: one grid of moving bodies and one of static bodies, searched in parallel.
 
 mod counting_sort;
 pub(super) mod grid;
@@ -13,10 +13,10 @@ use std::ops::Range;
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    /// Bodies that are not static.
-    moving: Grid,
-    /// The others. It stays as it is while they do.
-    still: Grid,
+    /// Dynamic and kinematic bodies.
+    moving_grid: Grid,
+    /// Static bodies. Rebuilt only when one of them changes.
+    static_grid: Grid,
     members: Vec<u32>,
     found: Vec<Finder>,
     unsorted: Vec<[u32; 2]>,
@@ -24,18 +24,19 @@ pub(crate) struct Scratch {
     sort: CountingSort,
 }
 
-/// How often static bodies are sorted at most until the size of their cells suits them: it is done once.
-const SETTLE: usize = 12;
+/// Maximum number of times that static bodies are sorted until the cell sizes suit them. This happens only when they
+/// change.
+const MAX_STATIC_FILLS: usize = 12;
 
 /// Bodies per task.
 const TASK: usize = 512;
 
-/// Writes the pairs of bodies that may collide and whose spheres overlap, as far as bodies reach, into `sphere_pairs`: `a < b`,
+/// Writes the pairs of bodies that may collide and whose speculative spheres overlap into `sphere_pairs`: `a < b`,
 /// ascending.
 pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec<[u32; 2]>) {
     let Scratch {
-        moving,
-        still,
+        moving_grid,
+        static_grid,
         members,
         found,
         unsorted,
@@ -43,44 +44,47 @@ pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec
         sort,
     } = scratch;
     let Bodies {
-        center, reach, kind, ..
+        center,
+        speculative_radius,
+        kind,
+        ..
     } = bodies;
-    let is_still = |i: usize| kind[i] == RigidBody::Static;
+    let is_static = |i: usize| kind[i] == RigidBody::Static;
     let all = 0..kind.len() as u32;
     members.clear();
-    members.extend(all.clone().filter(|&i| !is_still(i as usize)));
-    moving.fill(members, center, reach);
-    if moving.is_overfull() {
-        moving.fill(members, center, reach);
+    members.extend(all.clone().filter(|&i| !is_static(i as usize)));
+    moving_grid.fill(members, center, speculative_radius);
+    if moving_grid.is_overfull() {
+        moving_grid.fill(members, center, speculative_radius);
     }
-    if !still.holds(kind.len() - members.len(), is_still, center, reach) {
+    if !static_grid.holds(kind.len() - members.len(), is_static, center, speculative_radius) {
         members.clear();
-        members.extend(all.filter(|&i| is_still(i as usize)));
-        for _ in 0..SETTLE {
-            if !still.fill(members, center, reach) {
+        members.extend(all.filter(|&i| is_static(i as usize)));
+        for _ in 0..MAX_STATIC_FILLS {
+            if !static_grid.fill(members, center, speculative_radius) {
                 break;
             }
         }
     }
 
-    let (moving, still) = (&*moving, &*still);
-    let tasks = moving.ids.len().div_ceil(TASK);
-    let still_tasks = still.ids.len().div_ceil(TASK);
-    if found.len() < tasks + still_tasks {
-        found.resize_with(tasks + still_tasks, Finder::default);
+    let (moving_grid, static_grid) = (&*moving_grid, &*static_grid);
+    let tasks = moving_grid.ids.len().div_ceil(TASK);
+    let static_tasks = static_grid.ids.len().div_ceil(TASK);
+    if found.len() < tasks + static_tasks {
+        found.resize_with(tasks + static_tasks, Finder::default);
     }
-    let found = &mut found[..tasks + still_tasks];
+    let found = &mut found[..tasks + static_tasks];
     found.par_iter_mut().enumerate().for_each(|(task, finder)| {
         let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
         finder.found.clear();
         if task < tasks {
-            finder.of_moving(moving, still, range(task, moving), bodies);
+            finder.moving_pairs(moving_grid, static_grid, range(task, moving_grid), bodies);
         } else {
-            finder.of_still(still, moving, range(task - tasks, still), bodies);
+            finder.static_pairs(static_grid, moving_grid, range(task - tasks, static_grid), bodies);
         }
     });
 
-    // The one order that depends on nothing but the bodies.
+    // Ascending order, so that the result does not depend on the grid or on the threads.
     unsorted.clear();
     for finder in found {
         unsorted.extend_from_slice(&finder.found);
@@ -94,7 +98,7 @@ pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec
     runs.for_each(|run| run.sort_unstable());
 }
 
-/// Finds the pairs of some bodies.
+/// Finds the pairs of a range of bodies.
 #[derive(Default)]
 struct Finder {
     found: Vec<[u32; 2]>,
@@ -102,38 +106,39 @@ struct Finder {
 }
 
 impl Finder {
-    /// Finds all pairs of the moving bodies in `range`, in the grid's order, with moving bodies of coarser levels; with those
-    /// of their own level that come later; and with static ones that are no finer.
-    fn of_moving(&mut self, moving: &Grid, still: &Grid, range: Range<usize>, bodies: &Bodies) {
-        for (at, own) in moving.levels.iter().enumerate() {
+    /// Finds the pairs of the moving bodies in `range`, in grid order: with moving bodies of coarser levels, with later
+    /// ones of their own level, and with static bodies of their own and coarser levels.
+    fn moving_pairs(&mut self, moving_grid: &Grid, static_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
+        for (at, own) in moving_grid.levels.iter().enumerate() {
             let some = own.part_of(&range);
             if some.is_empty() {
                 continue;
             }
-            if own.is_sparse {
-                // Each pair once: by the one that comes first.
-                self.reach([moving, moving], own, some.clone(), bodies, |i| i + 1);
+            if own.is_coarsened {
+                // Each pair once, from the body that comes first.
+                self.search_level([moving_grid, moving_grid], own, some.clone(), bodies, |i| i + 1);
             } else {
-                self.own_level(moving, own, some.clone(), bodies);
+                self.own_level(moving_grid, own, some.clone(), bodies);
             }
-            for level in &moving.levels[at + 1..] {
-                self.reach([moving, moving], level, some.clone(), bodies, |_| 0);
+            for level in &moving_grid.levels[at + 1..] {
+                self.search_level([moving_grid, moving_grid], level, some.clone(), bodies, |_| 0);
             }
-            for level in still.levels.iter().filter(|level| level.number >= own.number) {
-                self.reach([moving, still], level, some.clone(), bodies, |_| 0);
+            for level in static_grid.levels.iter().filter(|level| level.number >= own.number) {
+                self.search_level([moving_grid, static_grid], level, some.clone(), bodies, |_| 0);
             }
         }
     }
 
-    /// Finds all pairs of the static bodies in `range` with moving ones of coarser levels. Two static bodies never collide.
-    fn of_still(&mut self, still: &Grid, moving: &Grid, range: Range<usize>, bodies: &Bodies) {
-        for own in &still.levels {
+    /// Finds the pairs of the static bodies in `range` with moving bodies of coarser levels. Two static bodies never
+    /// collide.
+    fn static_pairs(&mut self, static_grid: &Grid, moving_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
+        for own in &static_grid.levels {
             let some = own.part_of(&range);
             if some.is_empty() {
                 continue;
             }
-            for level in moving.levels.iter().filter(|level| level.number > own.number) {
-                self.reach([still, moving], level, some.clone(), bodies, |_| 0);
+            for level in moving_grid.levels.iter().filter(|level| level.number > own.number) {
+                self.search_level([static_grid, moving_grid], level, some.clone(), bodies, |_| 0);
             }
         }
     }
@@ -143,7 +148,7 @@ impl Finder {
         for i in range {
             let own = grid.cell(level, i);
             if cell.replace(own) != Some(own) {
-                end = grid.later(level, own, &mut self.runs);
+                end = grid.later_neighbors(level, own, &mut self.runs);
             }
             let sphere = grid.sphere(i);
             let mut found = |j: usize| add([grid.ids[i], grid.ids[j]], bodies, &mut self.found);
@@ -154,8 +159,9 @@ impl Finder {
         }
     }
 
-    /// Each body of the first grid looks into the cells that it reaches on a level of the second, for those from `first` on.
-    fn reach(
+    /// Tests each body of the first grid against the bodies from `first` on in the cells of a level of the second that
+    /// its sphere may overlap.
+    fn search_level(
         &mut self,
         [own, other]: [&Grid; 2],
         level: &Level,
@@ -163,13 +169,13 @@ impl Finder {
         bodies: &Bodies,
         first: impl Fn(usize) -> usize,
     ) {
-        let mut reach = None;
+        let mut cells = None;
         for i in range {
             let sphere = own.sphere(i);
-            let now = level.reach(sphere);
-            if reach.replace(now) != Some(now) {
+            let wanted = level.cells_overlapping(sphere);
+            if cells.replace(wanted) != Some(wanted) {
                 self.runs.clear();
-                other.rows(level, now, &mut self.runs);
+                other.rows(level, wanted, &mut self.runs);
             }
             for run in &self.runs {
                 other.overlaps(sphere, run.start.max(first(i))..run.end, |j| {

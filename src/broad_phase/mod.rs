@@ -1,9 +1,9 @@
-//! BroadPhase: which bounding spheres overlap.
+//! BroadPhase: finds the pairs of bodies whose bounding spheres overlap, with a hashed grid.
 //!
-//! A hashed grid with a level for every power of four of the radii (of two on the GPU), so that one huge body does not make the cells of all
-//! others as large. A body looks for others on its own level and on the coarser ones: each pair is found from its smaller
-//! body, or on one level from one of the two. On the CPU static bodies have levels of their own, which are searched but do
-//! not search each other.
+//! The grid has a level for every factor of four in the radii (of two on the GPU), so a huge body does not enlarge the
+//! cells of all others. Each body searches its own level and the coarser ones. So a pair is found once: from its
+//! smaller body, or within a level from one of the two. On the CPU static bodies have a grid of their own, which is
+//! searched by moving bodies; two static bodies are never compared.
 
 pub mod cpu;
 #[cfg(feature = "gpu")]

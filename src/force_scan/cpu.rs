@@ -4,7 +4,7 @@ use super::impulse::{count_contacts, pair_closes, pair_impulses, plane_impulse, 
 use crate::parallel::in_order::InOrder;
 use crate::sleep::cpu::{Sleeper, wake_on_changed_static};
 use crate::solver::{CollisionSubstep, Solver, SolverBodies, WarmStart};
-use crate::state::still::StillBodies;
+use crate::state::inactive::InactiveBodies;
 use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
@@ -101,11 +101,11 @@ pub(crate) fn wake(
     settings: &SolverSettings,
     collision_substep: &CollisionSubstep,
     manifolds: &Manifolds,
-    still: &StillBodies,
+    inactive: &InactiveBodies,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
 ) {
-    wake_on_changed_static(bodies, still, manifolds);
+    wake_on_changed_static(bodies, inactive, manifolds);
     sleeper.wake(bodies, manifolds, settings, collision_substep);
 }
 
@@ -129,8 +129,8 @@ pub(crate) fn fall_asleep(
     manifolds: &Manifolds,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
-    still: &mut StillBodies,
+    inactive: &mut InactiveBodies,
 ) {
     sleeper.settle(bodies, manifolds, settings, dt);
-    still.keep_only(|i| bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static);
+    inactive.keep_only(|i| bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static);
 }

@@ -1,7 +1,7 @@
 //! Which pairs touched in a step: in any of its collision substeps, or on the path of a body that passes a sensor.
 
 use crate::solver::{Solver, SolverBodies};
-use crate::state::manifolds::{nearest, place};
+use crate::state::manifolds::{nearest, pair_order};
 use crate::state::{Bodies, Contact, ContactPoint, Contacts, Manifolds, PairContact, PlaneContact};
 use crate::types::solver_settings::SolverSettings;
 
@@ -95,12 +95,12 @@ impl Touches {
     }
 
     /// Adds the touching pairs that the triangle test did not find to `contacts`, and the contact points and impulses
-    /// of all. Planes have the numbers from `planes_from` on.
-    pub fn report(&mut self, planes_from: u32, contacts: &mut Contacts) {
+    /// of all. Planes have the numbers from `first_plane` on.
+    pub fn report(&mut self, first_plane: u32, contacts: &mut Contacts) {
         let Self { all, pairs, planes } = self;
         // A stable sort: the points of a pair stay in the order of collision substeps.
-        all.sort_by_key(|touch| place(touch.bodies, planes_from));
-        let meshes_end = all.partition_point(|touch| touch.bodies[1] < planes_from);
+        all.sort_by_key(|touch| pair_order(touch.bodies, first_plane));
+        let meshes_end = all.partition_point(|touch| touch.bodies[1] < first_plane);
         let points = &mut contacts.points;
         points.clear();
 
@@ -127,7 +127,7 @@ impl Touches {
         let place = |contact: &PlaneContact| [contact.body, contact.plane];
         for run in all[meshes_end..].chunk_by(|s, t| s.bodies == t.bodies) {
             let [body, number] = run[0].bodies;
-            let here = [body, number - planes_from];
+            let here = [body, number - first_plane];
             while let Some(&contact) = found.next_if(|contact| place(contact) < here) {
                 planes.push(contact);
             }

@@ -1,8 +1,8 @@
-//! Contact generation on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
+//! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
 pub(super) mod contour;
 pub(super) mod feature;
-mod ids;
+mod feature_ids;
 mod inside;
 pub(super) mod near;
 pub(super) mod pair;
@@ -13,7 +13,7 @@ pub(super) mod side;
 pub(super) mod smooth;
 
 pub(crate) use feature::Feature;
-pub(crate) use ids::ids;
+pub(crate) use feature_ids::feature_ids;
 pub(crate) use pair::{Pair, Worker};
 pub(crate) use side::PlacedMesh;
 
@@ -26,21 +26,21 @@ use rayon::prelude::*;
 /// Memory kept between steps.
 #[derive(Default)]
 pub struct Scratch {
-    /// One per task.
+    /// Result lists, one per task.
     tasks: Vec<Manifolds>,
     workers: PerThread<Worker>,
 }
 
-/// Pairs per task: small enough to balance, large enough to keep a thread's memory warm.
+/// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
 const TASK: usize = 16;
 
-/// Finds the contact points of `pairs` on rayon's current thread pool, and writes those of pairs that have any into
-/// `manifolds`, in the order of `pairs`. The same input gives the same bits, however many threads there are.
+/// Writes the manifolds of `pairs`, in their order, into `manifolds`; pairs without points have none. Runs on rayon's
+/// current thread pool. The same input gives the same bits, whatever the number of threads.
 ///
-/// `pairs` must hold every pair whose surfaces may be nearer than its margin or overlap, each once, ascending. Stages that
-/// find them must look as far as the margin: the broad phase with radii grown by half of the largest margin of each body's
-/// pairs, and Angles with heights that overlap by no less than minus the margin. A pair of numbers that name no two bodies
-/// has no points; a margin that is negative or not a number is none.
+/// `pairs` must hold every pair whose surfaces may overlap or be closer than its margin, each once, ascending. The
+/// earlier stages must use the same margin: the broad phase with radii enlarged by half of the largest margin of each
+/// body's pairs, and Angles with a limit of minus the margin on the overlap. A pair of invalid indices has no points. A
+/// margin that is negative or NaN counts as 0.
 pub fn run(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -63,7 +63,7 @@ pub fn run(
             for pair in pairs {
                 let first = task.points.len();
                 add_points(bodies, meshes, pair, &mut worker, &mut task.points);
-                task.close(pair.bodies, first);
+                task.end_pair(pair.bodies, first);
             }
         });
     manifolds.clear();
@@ -71,20 +71,20 @@ pub fn run(
         for pair in &task.pairs {
             let first = manifolds.points.len();
             manifolds.points.extend_from_slice(task.points_of(pair));
-            manifolds.close(pair.bodies, first);
+            manifolds.end_pair(pair.bodies, first);
         }
     }
 }
 
-/// The contact points of one pair, without memory between calls.
+/// The manifold of one pair, without memory between calls.
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
     add_points(bodies, meshes, &pair, &mut Worker::default(), &mut manifolds.points);
-    manifolds.close(pair.bodies, 0);
+    manifolds.end_pair(pair.bodies, 0);
     manifolds
 }
 
-/// Appends the points of a pair, if there are such bodies.
+/// Appends the contact points of a pair, if both bodies exist.
 fn add_points(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -98,7 +98,7 @@ fn add_points(
     }
 }
 
-/// Nothing if there are no such bodies.
+/// The two placed bodies; `None` if the indices name no pair of bodies.
 fn pair_of_bodies<'a>(bodies: &'a Bodies, meshes: &'a MeshArena, pair: [u32; 2]) -> Option<Pair<'a>> {
     let [a, b] = pair.map(|i| i as usize);
     if a == b || a.max(b) >= bodies.len() {

@@ -1,16 +1,16 @@
-//! What is reported of contact points where nothing pushes.
+//! Reports contact points when no response is computed.
 
-use crate::state::manifolds::place;
+use crate::state::manifolds::pair_order;
 use crate::state::{Contacts, Manifold, Manifolds};
 use glam::Vec3;
 
-/// Gives all that touch the points that were found between them, where nothing pushes ([`Response::None`]). `center_of` tells
-/// where the centre of mass of a body was then.
+/// Writes the contact points of all touching pairs for [`Response::None`]. `center_of` returns the centre of mass of a
+/// body at the time of detection.
 ///
 /// [`Response::None`]: crate::types::settings::Response::None
 pub(crate) fn report_points(
     manifolds: &Manifolds,
-    planes_from: u32,
+    first_plane: u32,
     contacts: &mut Contacts,
     center_of: impl Fn(u32) -> Vec3,
 ) {
@@ -32,7 +32,7 @@ pub(crate) fn report_points(
     let mut all = manifolds.pairs.iter().peekable();
     for pair in pairs {
         while all
-            .next_if(|m| place(m.bodies, planes_from) < (false, pair.bodies))
+            .next_if(|m| pair_order(m.bodies, first_plane) < (false, pair.bodies))
             .is_some()
         {}
         if let Some(manifold) = all.next_if(|m| m.bodies == pair.bodies) {
@@ -40,8 +40,11 @@ pub(crate) fn report_points(
         }
     }
     for plane in planes {
-        let bodies = [plane.body, planes_from + plane.plane];
-        while all.next_if(|m| place(m.bodies, planes_from) < (true, bodies)).is_some() {}
+        let bodies = [plane.body, first_plane + plane.plane];
+        while all
+            .next_if(|m| pair_order(m.bodies, first_plane) < (true, bodies))
+            .is_some()
+        {}
         if let Some(manifold) = all.next_if(|m| m.bodies == bodies) {
             (plane.first_point, plane.point_count) = add(manifold);
         }

@@ -1,10 +1,10 @@
-//! Contact generation as parts of a step.
+//! Contact generation within a step: new manifolds of active pairs, reused ones of inactive pairs.
 
 use super::MarginPair;
 use super::cpu::{self, planes};
-use crate::state::manifolds::place;
+use crate::state::inactive::InactiveBodies;
+use crate::state::manifolds::pair_order;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::still::StillBodies;
 use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
 
 /// Memory kept between steps.
@@ -12,25 +12,25 @@ use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
 pub(crate) struct Scratch {
     pairs: Vec<MarginPair>,
     found: Manifolds,
-    /// Those of the last interval.
+    /// Manifolds of the last collision substep.
     before: Manifolds,
     meshes: cpu::Scratch,
     planes: planes::Scratch,
 }
 
-/// Writes into `manifolds` those of all pairs that push each other and are not still. What was there is kept for [`reuse`].
-/// `interval.dt` is how long the points must serve.
+/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`. The previous ones are kept for
+/// [`reuse`]. `interval.dt` is the time until the next detection.
 pub(crate) fn find(
     interval: &StepConfig,
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
     near_pairs: &[NearPair],
-    still: &StillBodies,
+    inactive: &InactiveBodies,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
-    let is_awake = |pair| !still.is_still(pair);
+    let is_awake = |pair| !inactive.is_inactive(pair);
     scratch.pairs.clear();
     for &NearPair {
         bodies: pair, margin, ..
@@ -53,24 +53,24 @@ pub(crate) fn find(
     );
 }
 
-/// Adds to `manifolds` those that pairs which are still had in the last interval. Half-spaces have the numbers from
-/// `planes_from` on.
-pub(crate) fn reuse(still: &StillBodies, planes_from: u32, scratch: &mut Scratch, manifolds: &mut Manifolds) {
-    if !still.has_sleepers {
+/// Adds the manifolds that inactive pairs had in the last collision substep. Plane `i` has the number `first_plane +
+/// i`.
+pub(crate) fn reuse(inactive: &InactiveBodies, first_plane: u32, scratch: &mut Scratch, manifolds: &mut Manifolds) {
+    if !inactive.has_sleepers {
         return;
     }
     std::mem::swap(manifolds, &mut scratch.found);
-    let renumbered = |pair| still.renumbered(pair).filter(|&pair| still.is_still(pair));
-    join(&scratch.before, renumbered, &scratch.found, planes_from, manifolds);
+    let renumbered = |pair| inactive.renumbered(pair).filter(|&pair| inactive.is_inactive(pair));
+    join(&scratch.before, renumbered, &scratch.found, first_plane, manifolds);
 }
 
-/// Writes the manifolds of `before` whose pairs have numbers now, and those of `found`, into `all`, in order: by bodies, and
-/// after them those with planes, which are numbered after the bodies.
+/// Merges into `all`, in order, the manifolds of `before` whose pairs still exist, with their new indices, and those of
+/// `found`. Manifolds with planes come last.
 fn join(
     before: &Manifolds,
     renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>,
     found: &Manifolds,
-    planes_from: u32,
+    first_plane: u32,
     all: &mut Manifolds,
 ) {
     all.clear();
@@ -83,16 +83,16 @@ fn join(
         .iter()
         .map(|pair| (pair.bodies, found.points_of(pair)))
         .peekable();
-    let place = |bodies| place(bodies, planes_from);
+    let order = |bodies| pair_order(bodies, first_plane);
     loop {
         let kept_first = match (kept.peek(), found.peek()) {
-            (Some((kept, _)), Some((found, _))) => place(*kept) < place(*found),
+            (Some((kept, _)), Some((found, _))) => order(*kept) < order(*found),
             (kept, _) => kept.is_some(),
         };
         let next = if kept_first { kept.next() } else { found.next() };
         let Some((bodies, points)) = next else { return };
         let first = all.points.len();
         all.points.extend_from_slice(points);
-        all.close(bodies, first);
+        all.end_pair(bodies, first);
     }
 }

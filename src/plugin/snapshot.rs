@@ -105,7 +105,7 @@ impl Snapshot {
             step.forget();
             step.touching.clone_from(&self.touching);
             step.state.memory.clone_from(&self.memory);
-            step.state.results.manifolds.copy(&self.manifolds);
+            step.state.results.manifolds.copy_from(&self.manifolds);
         }
         gone
     }

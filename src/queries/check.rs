@@ -1,4 +1,4 @@
-//! Which of many placed meshes touch.
+//! Overlap queries: which of many placed meshes touch.
 
 use super::placed::Placed;
 use crate::asset::CollisionMesh;
@@ -14,104 +14,104 @@ use glam::{Quat, Vec3};
 use std::mem;
 use thiserror::Error;
 
-/// A mesh placed in the world: scaled, then rotated, then moved.
+/// A mesh with a pose: scaled, then rotated, then translated.
 #[derive(Clone, Debug)]
 pub struct Placement {
-    /// What is placed.
+    /// The mesh.
     pub mesh: CollisionMesh,
-    /// Where its origin lies.
+    /// World position of the mesh's origin, metres.
     pub translation: Vec3,
-    /// How it is turned; normalised before use.
+    /// Rotation; normalised before use.
     pub rotation: Quat,
-    /// How it is scaled along its own axes; no component may be zero.
+    /// Scale along the mesh's own axes; no component may be zero.
     pub scale: Vec3,
 }
 
 impl Placement {
-    /// The same for a [`ContactWorker`](super::ContactWorker).
+    /// The placed mesh for a [`ContactWorker`](super::ContactWorker).
     ///
     /// # Errors
-    /// If it cannot be used.
+    /// If the pose is invalid.
     pub fn placed(&self) -> Result<Placed<'_>, BodyFault> {
         let (translation, rotation) = (self.translation.as_dvec3(), self.rotation.as_dquat());
         Placed::new(&self.mesh, translation, rotation, self.scale)
     }
 }
 
-/// A placement that cannot be used.
+/// An invalid placement.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[error("body {body}: {fault}")]
 pub struct PlacementError {
-    /// Index into the placements.
+    /// Index of the placement.
     pub body: usize,
-    /// What is wrong and what to do.
+    /// The error, and how to fix it.
     pub fault: BodyFault,
 }
 
 /// Two placements that touch, `a < b`.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct TouchingPair {
-    /// The one of smaller index.
+    /// The smaller index.
     pub a: u32,
-    /// The other.
+    /// The larger index.
     pub b: u32,
-    /// One is solid and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
-    /// approximate culling mode some may.
+    /// Whether one body is solid and contains the other, or a connected component of it, without intersecting faces.
+    /// With an approximate culling mode some intersecting faces may have been missed.
     pub contained: bool,
     /// Intersecting faces as indices of the input meshes, `a`'s first, ascending.
     pub faces: Vec<[u32; 2]>,
 }
 
-/// How [`check_with`] checks.
+/// Options of [`check_with`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CheckOptions {
-    /// How triangles are chosen, for all placements. Meshes without a face table run `Exact` where
-    /// [`Culling::FacesOfCollision`] is asked for: nothing is baked here.
+    /// Which triangles are tested, for all placements. With [`Culling::FacesOfCollision`], meshes without a face table
+    /// are tested exactly; nothing is baked here.
     pub culling: Culling,
 }
 
-/// All pairs of placements that touch, ascending, by the exact mode on the CPU.
+/// All touching pairs of placements, ascending, with every triangle tested, on the CPU.
 ///
 /// Runs on rayon's current thread pool: call it inside `ThreadPool::install` to choose one.
 ///
 /// # Errors
-/// If a placement cannot be used; nothing is checked then.
+/// If a placement is invalid. Nothing is tested then.
 pub fn check(placements: &[Placement]) -> Result<Vec<TouchingPair>, PlacementError> {
     check_with(placements, &CheckOptions::default())
 }
 
-/// [`check`] with a choice of [`Culling`].
+/// [`check`] with options.
 ///
 /// # Errors
-/// If a placement cannot be used; nothing is checked then.
+/// If a placement is invalid. Nothing is tested then.
 pub fn check_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<TouchingPair>, PlacementError> {
     Ok(Check::new(placements, options)?.flatten().collect())
 }
 
-/// [`check_with`] bit by bit: an iterator over lists of touching pairs, which one after the other are all of them. For scenes
-/// whose intersecting faces do not fit in memory all at once, and to show how far the check is.
+/// [`check_with`] in batches: an iterator over lists of touching pairs, which together are all of them. For scenes
+/// whose intersecting faces do not fit in memory at once, and to report progress.
 ///
 /// Runs on rayon's current thread pool, like [`check`].
 pub struct Check {
     state: StepState,
-    /// All pairs that may touch; `state` has those that are tested at the time.
+    /// All pairs that may touch; `state` holds the current batch.
     pairs: Vec<NearPair>,
     done: usize,
     batch: usize,
 }
 
 impl Check {
-    /// How many pairs are tested at once, at first and at most.
+    /// First and largest number of pairs per batch.
     const BATCH: [usize; 2] = [64, 1024];
-    /// Batches grow while they find fewer intersecting faces than this, and shrink when they find more.
+    /// Batches grow while they find fewer intersecting faces than this, and shrink otherwise.
     const FACES: usize = 1 << 20;
 
     /// Finds the pairs that may touch, which takes little time.
     ///
     /// # Errors
-    /// If a placement cannot be used; nothing is checked then.
+    /// If a placement is invalid. Nothing is tested then.
     pub fn new(placements: &[Placement], options: &CheckOptions) -> Result<Self, PlacementError> {
-        let mut state = placed(placements, options)?;
+        let mut state = step_of(placements, options)?;
         for stage in [Stage::BroadPhase, Stage::Angles] {
             step::cpu::run(stage, &mut state);
         }
@@ -123,7 +123,7 @@ impl Check {
         })
     }
 
-    /// How many pairs have been tested, and how many there are to test.
+    /// Number of pairs tested so far, and of all pairs.
     pub fn progress(&self) -> (usize, usize) {
         (self.done, self.pairs.len())
     }
@@ -148,23 +148,23 @@ impl Iterator for Check {
     }
 }
 
-/// Which placements touch, `a < b`, ascending: the pairs of [`check`], but not with which faces. A pair's test ends at its
-/// first certain hit, which is several times as fast.
+/// Pairs of placements that touch, `a < b`, ascending: the pairs of [`check`] without their faces. Each pair's test
+/// stops at the first certain intersection, which is several times as fast.
 ///
 /// Runs on rayon's current thread pool, like [`check`].
 ///
 /// # Errors
-/// If a placement cannot be used; nothing is checked then.
+/// If a placement is invalid. Nothing is tested then.
 pub fn touching(placements: &[Placement]) -> Result<Vec<[u32; 2]>, PlacementError> {
     touching_with(placements, &CheckOptions::default())
 }
 
-/// [`touching`] with a choice of [`Culling`]: the pairs of [`check_with`].
+/// [`touching`] with options: the pairs of [`check_with`].
 ///
 /// # Errors
-/// If a placement cannot be used; nothing is checked then.
+/// If a placement is invalid. Nothing is tested then.
 pub fn touching_with(placements: &[Placement], options: &CheckOptions) -> Result<Vec<[u32; 2]>, PlacementError> {
-    let mut state = placed(placements, options)?;
+    let mut state = step_of(placements, options)?;
     for stage in [Stage::BroadPhase, Stage::Angles] {
         step::cpu::run(stage, &mut state);
     }
@@ -175,7 +175,7 @@ pub fn touching_with(placements: &[Placement], options: &CheckOptions) -> Result
 #[cfg(feature = "gpu")]
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CheckError {
-    /// A placement cannot be used.
+    /// A placement is invalid.
     #[error(transparent)]
     Placement(#[from] PlacementError),
     /// The device cannot hold the scene, or failed.
@@ -183,23 +183,23 @@ pub enum CheckError {
     Gpu(#[from] StepError),
 }
 
-/// [`check_with`] on a GPU. See [`Backend`](crate::plugin::settings::Backend) for how its results may differ.
+/// [`check_with`] on a GPU. [`Backend`](crate::plugin::settings::Backend) tells how its results may differ.
 ///
 /// # Errors
-/// If a placement cannot be used, or the device fails.
+/// If a placement is invalid, or the device fails.
 #[cfg(feature = "gpu")]
 pub fn check_on_gpu(
     placements: &[Placement],
     options: &CheckOptions,
     gpu: &mut GpuStep,
 ) -> Result<Vec<TouchingPair>, CheckError> {
-    let mut state = placed(placements, options)?;
+    let mut state = step_of(placements, options)?;
     gpu.run(&mut state)?;
     Ok(touching_pairs(&state))
 }
 
-/// The stages' input for a scene.
-fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
+/// The input of a step for these placements.
+fn step_of(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
     let mut state = StepState::default();
     for (body, placement) in placements.iter().enumerate() {
         let slot = slot_of(&placement.mesh, &mut state.input.meshes);
@@ -216,7 +216,7 @@ fn placed(placements: &[Placement], options: &CheckOptions) -> Result<StepState,
     Ok(state)
 }
 
-/// The slot that has this mesh, or a new one. Scenes have few meshes.
+/// The slot of this mesh, added if needed. Scenes have few meshes, so a linear search will do.
 fn slot_of(mesh: &CollisionMesh, meshes: &mut MeshArena) -> u32 {
     let has_it = |slot: &u32| meshes.get(*slot).is_some_and(|other| other.mesh.is_same(mesh));
     let slot = (0..meshes.len() as u32).find(has_it);

@@ -1,4 +1,4 @@
-//! Questions about placed meshes, without a simulation, an app, or a thread pool: where two of them touch.
+//! Collision queries: contact points and overlap tests of placed meshes, without a simulation, an app or a thread pool.
 //!
 //! ```
 //! use bevy_faceoff::asset::CollisionMesh;
@@ -27,11 +27,12 @@
 //! # Ok::<(), bevy_faceoff::queries::BodyFault>(())
 //! ```
 //!
-//! * [`Placed`] is a mesh in its place, with its bounding box and mass. A [`CollisionMesh`](crate::asset::CollisionMesh) is
-//!   cheap to clone: clones share their data.
-//! * [`ContactWorker`] finds all contact points of two of them, or the few that a solver needs, each with the faces and
-//!   features that touch.
-//! * [`check`](check::check) and [`touching`] say which of many placements touch. They run on rayon's thread pool.
+//! * [`Placed`] is a mesh with a pose, and gives its bounding box and mass. A
+//!   [`CollisionMesh`](crate::asset::CollisionMesh) is cheap to clone: clones share their data.
+//! * [`ContactWorker`] finds all contact points of two placed meshes, or the reduced manifold that a solver needs, each
+//!   point with the faces and features that touch.
+//! * [`check`](check::check) and [`touching`] find the touching pairs of many placements. They run on rayon's thread
+//!   pool.
 //!
 //! Lengths are metres, masses kilograms, angles radians.
 

@@ -1,4 +1,4 @@
-//! [`Placed`]: a baked mesh in the world, in double precision.
+//! [`Placed`]: a baked mesh with a pose in double precision.
 
 use crate::asset::CollisionMesh;
 use crate::geometry::cluster::CLUSTER;
@@ -15,36 +15,35 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::cell::Cell;
 use wide::f32x8;
 
-/// A baked mesh that is scaled, then rotated, then moved to its place.
+/// A baked mesh that is scaled, then rotated, then translated.
 ///
-/// The translation is in double precision, and what is asked about two placed meshes is found from the difference of theirs:
-/// no digit is lost far from the origin. Whoever knows only how one lies to the other places the first at
-/// [`DVec3::ZERO`].
+/// Queries about two placed meshes use the difference of their translations in double precision, so no digit is lost
+/// far from the origin. If only the relative pose is known, place the first mesh at [`DVec3::ZERO`].
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
     mesh: &'a CollisionMesh,
     translation: DVec3,
     scale: Vec3,
-    /// As if the translation were zero.
+    /// The pose without the translation.
     frame: Frame,
-    /// Of the bounding sphere about the centre of mass, metres.
+    /// Radius of the bounding sphere about the centre of mass, metres.
     radius: f32,
 }
 
 impl<'a> Placed<'a> {
-    /// Places a mesh. `rotation` need not have unit length; `scale` is along the mesh's own axes, and may mirror.
+    /// Places a mesh. `rotation` may have any length but zero; `scale` is along the mesh's own axes and may mirror.
     ///
     /// # Errors
-    /// If a number is not finite, the rotation has no length, the scale makes the mesh flat, or it is larger than
-    /// [`MAX_COORDINATE`] metres.
+    /// If a number is not finite, the rotation is zero, the scale makes the mesh flat, or the placed mesh extends
+    /// beyond [`MAX_COORDINATE`] metres.
     pub fn new(mesh: &'a CollisionMesh, translation: DVec3, rotation: DQuat, scale: Vec3) -> Result<Self, BodyFault> {
         if !(translation.is_finite() && rotation.is_finite() && scale.is_finite()) {
             return Err(BodyFault::NonFinitePose);
         }
         let (rotation, radius) = check_pose(mesh.radius, rotation, scale)?;
         let frame = Frame::new(DVec3::ZERO, rotation, scale.as_dvec3(), mesh.mass.center);
-        let reach = frame.center.abs().max_element() + f64::from(radius);
-        if reach.is_nan() || reach > f64::from(MAX_COORDINATE) {
+        let extent = frame.center.abs().max_element() + f64::from(radius);
+        if extent.is_nan() || extent > f64::from(MAX_COORDINATE) {
             return Err(BodyFault::TooFar);
         }
         Ok(Self {
@@ -56,49 +55,50 @@ impl<'a> Placed<'a> {
         })
     }
 
-    /// What is placed.
+    /// The mesh.
     pub fn mesh(&self) -> &'a CollisionMesh {
         self.mesh
     }
 
-    /// Where the mesh's origin lies in the world, metres.
+    /// World position of the mesh's origin, metres.
     pub fn translation(&self) -> DVec3 {
         self.translation
     }
 
-    /// The centre of mass in the world, metres.
+    /// World position of the centre of mass, metres.
     pub fn center_of_mass(&self) -> DVec3 {
         self.translation + self.frame.center
     }
 
-    /// The mass in kilograms at a density in kg/m^3. See [`MassProperties`](crate::geometry::MassProperties) for that of
-    /// meshes that are not closed.
+    /// The mass in kilograms at a density in kg/m^3. [`MassProperties`](crate::geometry::MassProperties) tells how
+    /// meshes that are not closed are treated.
     pub fn mass(&self, density: f64) -> f64 {
         density * f64::from(self.mesh.mass.volume) * self.frame.scale.element_product().abs()
     }
 
-    /// The inertia tensor about the centre of mass at a mass in kilograms, in the mesh's own axes, kg m^2.
+    /// The inertia tensor about the centre of mass for a mass in kilograms, in the mesh's own axes, kg m^2.
     pub fn inertia(&self, mass: f64) -> DMat3 {
         self.mesh.mass.inertia(self.frame.scale, mass)
     }
 
-    /// The smallest box along the world's axes that holds the placed mesh, as its least and its largest coordinates, metres.
-    /// It is exact but for rounding in double precision.
+    /// The axis-aligned bounding box of the placed mesh in the world: least and largest coordinates, metres. Exact up
+    /// to rounding in double precision.
     pub fn bounding_box(&self) -> [DVec3; 2] {
         let Frame { rotation, scale, .. } = self.frame;
         let (matrix, lanes) = (rotation * DMat3::from_diagonal(scale), self.mesh.lanes());
-        // Boxes of triangles that cannot make it larger are left out, in single precision about the centre of mass.
-        let (turn, spread) = (Rows::new(matrix.as_mat3()), Rows::new(matrix.as_mat3().abs()));
+        // Boxes of triangles that cannot enlarge the bounding box are skipped, in single precision relative to the
+        // centre of mass.
+        let (rotate, spread) = (Rows::new(matrix.as_mat3()), Rows::new(matrix.as_mat3().abs()));
         let pad = f32x8::splat(2.0 * PAD * self.radius);
         let found = Cell::new([DVec3::INFINITY, DVec3::NEG_INFINITY]);
         let grows = |group: &BoxGroup| {
             let [low, high] = found.get().map(|p| splat((p - self.frame.center).as_vec3()));
-            let (center, half) = (turn.times(group.center), spread.times(group.half));
+            let (center, half) = (rotate.times(group.center), spread.times(group.half));
             let beyond = each(|i| {
                 let half = half[i] + pad;
                 (center[i] + half).simd_gt(high[i]) | (center[i] - half).simd_lt(low[i])
             });
-            // Lanes without a box have a half size of minus infinity.
+            // Unused lanes have a half size of minus infinity.
             let held = f32x8::ZERO.simd_le(group.half[0]);
             ((beyond[0] | beyond[1] | beyond[2]) & held).to_bitmask()
         };
@@ -117,14 +117,14 @@ impl<'a> Placed<'a> {
         found.get().map(|p| self.translation + p)
     }
 
-    /// Whether no point of this mesh is nearer to one of the other than `distance`, by their bounding spheres.
+    /// Whether the bounding spheres show that the meshes are farther apart than `distance`.
     pub(super) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
         let way = other.translation - self.translation + other.frame.center - self.frame.center;
         let radii = (f64::from(self.radius) + f64::from(other.radius)) * (1.0 + 1.0e-6);
         way.length() > radii + distance
     }
 
-    /// Its pose if `origin` is the world's.
+    /// Its pose relative to `origin`.
     pub(super) fn frame_about(&self, origin: DVec3) -> Frame {
         let position = self.translation - origin;
         Frame {
@@ -134,7 +134,7 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// The mesh in this frame.
+    /// The mesh with this pose.
     pub(super) fn in_frame<'f>(&self, frame: &'f Frame) -> PlacedMesh<'f>
     where
         'a: 'f,
@@ -147,8 +147,8 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// From the translation to the centre of mass.
-    pub(super) fn arm(&self) -> DVec3 {
+    /// Vector from the translation to the centre of mass.
+    pub(super) fn center_offset(&self) -> DVec3 {
         self.frame.center
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::solver::CollisionSubstep;
 use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
-use crate::state::still::StillBodies;
+use crate::state::inactive::InactiveBodies;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
@@ -189,7 +189,7 @@ impl Sleeper {
             let will_touch = |p: &ManifoldPoint| {
                 let [a, b] = [0, 1].map(|side| {
                     let motion = &bodies.motions[pair.bodies[side] as usize];
-                    motion.linear_velocity + motion.angular_velocity.cross(p.arms[side])
+                    motion.linear_velocity + motion.angular_velocity.cross(p.anchors[side])
                 });
                 p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * dt <= distance
             };
@@ -224,10 +224,12 @@ impl Sleeper {
 }
 
 /// Wakes bodies that touch a static body that has changed.
-pub(crate) fn wake_on_changed_static(bodies: &mut SolverBodies, still: &StillBodies, manifolds: &Manifolds) {
+pub(crate) fn wake_on_changed_static(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
     for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies.map(|i| i as usize)) {
         for (sleeper, support) in [(a, b), (b, a)] {
-            if bodies.sleep[sleeper].asleep && bodies.bodies[support].kind == RigidBody::Static && !still.still[support]
+            if bodies.sleep[sleeper].asleep
+                && bodies.bodies[support].kind == RigidBody::Static
+                && !inactive.flags[support]
             {
                 bodies.sleep[sleeper] = Default::default();
             }

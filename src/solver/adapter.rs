@@ -23,8 +23,8 @@ impl SolverBodies {
             let body = SolverBody {
                 kind: bodies.kind[i],
                 inverse_mass: bodies.inverse_mass[i],
-                inverse_inertia: bodies.own_inverse_inertia[i],
-                radius: bodies.own_radius[i],
+                inverse_inertia: bodies.local_inverse_inertia[i],
+                radius: bodies.unpadded_radius[i],
                 thickness: bodies.thickness[i],
                 restitution: bodies.restitution[i],
                 restitution_combine: params.restitution_combine,

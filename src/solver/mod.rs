@@ -76,7 +76,7 @@ impl CollisionSubstep {
     /// One of the `count` collision substeps of a step.
     pub fn of(config: &StepConfig, count: u32) -> Self {
         Self {
-            dt: config.of_interval(count).dt,
+            dt: config.per_collision_substep(count).dt,
             substeps: config.solver.substeps_per_collision_substep(count),
             gravity: config.gravity,
         }

@@ -100,15 +100,15 @@ impl Source<'_> {
 fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, rest_offset: f32) -> Point {
     let valid = manifold.normal.is_normalized()
         && manifold.separation.is_finite()
-        && manifold.turn.is_finite()
-        && manifold.arms.iter().all(|anchor| anchor.is_finite());
+        && manifold.normal_rotation.is_finite()
+        && manifold.anchors.iter().all(|anchor| anchor.is_finite());
     if !valid {
         return Point::NONE;
     }
-    let [a, b] = manifold.arms;
+    let [a, b] = manifold.anchors;
     let outward = [manifold.normal, -manifold.normal];
     let curvature_centers = [0, 1].map(|side| {
-        let (anchor, radius) = (manifold.arms[side], manifold.roundness[side]);
+        let (anchor, radius) = (manifold.anchors[side], manifold.curvature_radii[side]);
         // No deeper than the centre of mass. For a ball that is exactly its centre of curvature.
         let max_depth = anchor.dot(outward[side]).max(0.0);
         let depth = if radius < f32::INFINITY {
@@ -119,12 +119,12 @@ fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, rest_offset: f3
         Vec3A::from(anchor - depth * outward[side])
     });
     Point {
-        anchors: manifold.arms.map(Vec3A::from),
+        anchors: manifold.anchors.map(Vec3A::from),
         curvature_centers,
-        contact_fraction: contact_fraction(manifold.roundness),
+        contact_fraction: contact_fraction(manifold.curvature_radii),
         anchor_offset: (center_offset + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
         initial_normal: manifold.normal.into(),
-        normal_rotation: manifold.turn,
+        normal_rotation: manifold.normal_rotation,
         rows: Row::frame(manifold.normal),
         initial_separation: manifold.separation - rest_offset,
         valid: true,

@@ -205,8 +205,8 @@ impl<'a> PointMatcher<'a> {
         let last = self.last?;
         let sign = if last.swapped { -1.0 } else { 1.0 };
         let anchors = [
-            self.rotations_back[0] * point.arms[0],
-            self.rotations_back[1] * point.arms[1],
+            self.rotations_back[0] * point.anchors[0],
+            self.rotations_back[1] * point.anchors[1],
         ];
         let (mut nearest, mut found) = (self.max_distance_squared, None);
         for (i, saved) in last.points.iter().enumerate().take(MAX_MATCHED) {

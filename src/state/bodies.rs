@@ -1,4 +1,5 @@
-//! All bodies as structures of arrays: what is checked when one enters a step, and what is derived from its pose and mesh.
+//! The bodies of a step as a structure of arrays. [`Bodies::push`] validates a body and derives what follows from its
+//! pose and mesh.
 
 use super::body::{Body, BodyParams, Motion};
 use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
@@ -14,9 +15,9 @@ use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 pub struct Bodies {
     /// Slot in the [`MeshArena`].
     pub mesh: Vec<u32>,
-    /// How the body moves.
+    /// Dynamic, kinematic or static.
     pub kind: Vec<RigidBody>,
-    /// Where the mesh's origin lies.
+    /// Position of the mesh's origin, metres.
     pub position: Vec<Vec3>,
     /// Unit quaternion.
     pub rotation: Vec<Quat>,
@@ -24,67 +25,67 @@ pub struct Bodies {
     pub scale: Vec<Vec3>,
     /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec<Vec3>,
-    /// World axes, rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec<Vec3>,
-    /// The pose in double precision, from the three above.
+    /// The pose in double precision.
     pub frame: Vec<Frame>,
     /// Centre of the bounding sphere: the centre of mass in the world.
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
-    /// The same without what rounding its centre may cost: it does not depend on where the body is.
-    pub own_radius: Vec<f32>,
-    /// Of the thinnest part, metres.
+    /// Radius of the bounding sphere without the allowance for a rounded centre. It does not depend on the position.
+    pub unpadded_radius: Vec<f32>,
+    /// Thickness of the thinnest part, metres.
     pub thickness: Vec<f32>,
-    /// The radius and how far from it the body looks for others: what the broad phase goes by.
-    pub reach: Vec<f32>,
-    /// 0 for what cannot be pushed.
+    /// Radius that the broad phase uses: the bounding radius plus the body's speculative margin, metres.
+    pub speculative_radius: Vec<f32>,
+    /// 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
-    /// In the body's own axes; zero for what cannot be turned.
-    pub own_inverse_inertia: Vec<Mat3>,
-    /// The same in world axes.
+    /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate.
+    pub local_inverse_inertia: Vec<Mat3>,
+    /// Inverse inertia tensor in world axes.
     pub inverse_inertia: Vec<Mat3>,
-    /// Bounciness.
+    /// Coefficient of restitution, 0 to 1.
     pub restitution: Vec<f32>,
     /// Factor on gravity.
     pub gravity_scale: Vec<f32>,
-    /// Who collides with whom.
+    /// Collision filter.
     pub layers: Vec<CollisionLayers>,
-    /// Whether the body only reports.
+    /// Whether the body only reports contacts and exchanges no impulses.
     pub sensor: Vec<bool>,
-    /// Which of its triangles take part in tests.
+    /// Which of its triangles are tested.
     pub culling: Vec<Culling>,
-    /// How the body answers.
+    /// Solver parameters.
     pub params: Vec<BodyParams>,
 }
 
 /// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// Where the mesh's origin lies.
+    /// Position of the mesh's origin, metres.
     pub position: DVec3,
     /// Orthonormal.
     pub rotation: DMat3,
-    /// Along the mesh's own axes.
+    /// Scale along the mesh's own axes.
     pub scale: DVec3,
     /// The centre of mass in the world.
     pub center: DVec3,
 }
 
 impl Bodies {
-    /// How many there are.
+    /// Number of bodies.
     pub fn len(&self) -> usize {
         self.mesh.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no bodies.
     pub fn is_empty(&self) -> bool {
         self.mesh.is_empty()
     }
 
-    /// Removes all, keeping the memory.
+    /// Removes all bodies and keeps the memory.
     pub fn clear(&mut self) {
-        // Every array by name, so that a new one cannot be forgotten.
+        // The pattern names every array, so the compiler rejects a forgotten one.
         let Self {
             mesh,
             kind,
@@ -96,11 +97,11 @@ impl Bodies {
             frame,
             center,
             radius,
-            own_radius,
+            unpadded_radius,
             thickness,
-            reach,
+            speculative_radius,
             inverse_mass,
-            own_inverse_inertia,
+            local_inverse_inertia,
             inverse_inertia,
             restitution,
             gravity_scale,
@@ -119,11 +120,11 @@ impl Bodies {
         frame.clear();
         center.clear();
         radius.clear();
-        own_radius.clear();
+        unpadded_radius.clear();
         thickness.clear();
-        reach.clear();
+        speculative_radius.clear();
         inverse_mass.clear();
-        own_inverse_inertia.clear();
+        local_inverse_inertia.clear();
         inverse_inertia.clear();
         restitution.clear();
         gravity_scale.clear();
@@ -133,13 +134,13 @@ impl Bodies {
         params.clear();
     }
 
-    /// Whether contacts between two bodies move one of them.
+    /// Whether contacts between two bodies can move at least one of them.
     pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (a as usize, b as usize);
         (self.inverse_mass[a] > 0.0 || self.inverse_mass[b] > 0.0) && !self.sensor[a] && !self.sensor[b]
     }
 
-    /// Where body `i` is after a step and how it moves. What follows from the pose is that of before.
+    /// Pose and velocities of body `i`.
     pub fn motion(&self, i: usize) -> Motion {
         Motion {
             position: self.position[i],
@@ -149,7 +150,7 @@ impl Bodies {
         }
     }
 
-    /// Moves body `i`, without what follows from its pose.
+    /// Sets pose and velocities of body `i`. Values derived from the pose are not updated.
     pub fn set_motion(&mut self, i: usize, motion: &Motion) {
         self.position[i] = motion.position;
         self.rotation[i] = motion.rotation;
@@ -157,7 +158,7 @@ impl Bodies {
         self.angular_velocity[i] = motion.angular_velocity;
     }
 
-    /// Checks `body` and adds it, with all that follows from its pose and mesh.
+    /// Validates `body`, derives what follows from its pose and mesh, and appends it.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
         if !pose_finite {
@@ -179,7 +180,7 @@ impl Bodies {
             return Err(BodyFault::TooFast(speed));
         }
         let slot = &meshes[body.mesh];
-        let (rotation, own_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
+        let (rotation, unpadded_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
         if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
             return Err(BodyFault::Mass(mass));
         }
@@ -194,11 +195,11 @@ impl Bodies {
             slot.mesh.mass.center,
         );
         let center = frame.center.as_vec3();
-        let reach = center.abs().max(body.position.abs()).max_element() + own_radius;
-        if reach.is_nan() || reach > MAX_COORDINATE {
+        let extent = center.abs().max(body.position.abs()).max_element() + unpadded_radius;
+        if extent.is_nan() || extent > MAX_COORDINATE {
             return Err(BodyFault::TooFar);
         }
-        let radius = bounding_radius(own_radius, center);
+        let radius = bounding_radius(unpadded_radius, center);
         let (inverse_mass, own_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
         let inverse_inertia = frame.rotation * own_inertia * frame.rotation.transpose();
         if !inverse_mass.is_finite() {
@@ -215,12 +216,12 @@ impl Bodies {
         self.frame.push(frame);
         self.center.push(center);
         self.radius.push(radius);
-        self.own_radius.push(own_radius);
+        self.unpadded_radius.push(unpadded_radius);
         let thickness = slot.mesh.mass.thickness * body.scale.abs().min_element();
         self.thickness.push(thickness);
-        self.reach.push(radius);
+        self.speculative_radius.push(radius);
         self.inverse_mass.push(inverse_mass);
-        self.own_inverse_inertia.push(own_inertia.as_mat3());
+        self.local_inverse_inertia.push(own_inertia.as_mat3());
         self.inverse_inertia.push(inverse_inertia.as_mat3());
         self.restitution.push(body.restitution.clamp(0.0, 1.0));
         self.gravity_scale.push(body.gravity_scale);
@@ -232,8 +233,8 @@ impl Bodies {
     }
 }
 
-/// The unit quaternion along this one. What has unit length but for rounding stays as it is: a rotation
-/// that a step wrote comes back unchanged.
+/// The normalised quaternion. A quaternion of unit length up to rounding is returned unchanged, so a rotation that a
+/// step wrote keeps its bits.
 fn unit(rotation: Quat) -> Quat {
     if (rotation.as_dquat().length_squared() - 1.0).abs() < 1.0e-6 {
         rotation
@@ -242,7 +243,7 @@ fn unit(rotation: Quat) -> Quat {
     }
 }
 
-/// The unit rotation of a mesh of this radius, and its radius at this scale, if a body can have them.
+/// Validates rotation and scale of a mesh of this radius. Returns the unit rotation and the scaled radius.
 pub(crate) fn check_pose(mesh_radius: f32, rotation: DQuat, scale: Vec3) -> Result<(DQuat, f32), BodyFault> {
     if rotation.length_squared() < 1.0e-12 {
         return Err(BodyFault::ZeroRotation);
@@ -255,9 +256,9 @@ pub(crate) fn check_pose(mesh_radius: f32, rotation: DQuat, scale: Vec3) -> Resu
     Ok((rotation.normalize(), radius))
 }
 
-/// The radius of a body's bounding sphere. Scaling and rotating its centre rounds it; the sphere grows by what that can cost.
-pub(crate) fn bounding_radius(own_radius: f32, center: Vec3) -> f32 {
-    own_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element()
+/// Radius of a body's bounding sphere, enlarged by the rounding error of its centre.
+pub(crate) fn bounding_radius(unpadded_radius: f32, center: Vec3) -> f32 {
+    unpadded_radius * (1.0 + 1.0e-6) + 4.0 * f32::EPSILON * center.abs().max_element()
 }
 
 impl Frame {
@@ -273,7 +274,7 @@ impl Frame {
     }
 }
 
-/// Whether a tensor is finite, symmetric and positive definite, its inverse too.
+/// Whether a tensor and its inverse are finite, and the tensor is symmetric and positive definite.
 fn is_inertia(tensor: &Mat3) -> bool {
     let symmetric = (*tensor - tensor.transpose()).abs_diff_eq(Mat3::ZERO, 1.0e-4 * tensor.x_axis.x.abs());
     // Sylvester's criterion.
@@ -282,7 +283,7 @@ fn is_inertia(tensor: &Mat3) -> bool {
     tensor.is_finite() && symmetric && definite && tensor.inverse().is_finite()
 }
 
-/// The component in which a number is NaN, or infinite though it is no limit.
+/// Name of the first component that holds NaN, or an infinity where that is not a valid limit.
 fn not_finite(body: &Body) -> Option<&'static str> {
     let params = &body.params;
     let ExternalForces {

@@ -1,71 +1,73 @@
-//! A body as a caller describes it, before the step derives anything.
+//! A body as the caller describes it: the input of [`Bodies::push`](super::bodies::Bodies::push).
 
 use crate::types::body::{CollisionLayers, ExternalForces, LockedAxes, RigidBody};
 use crate::types::material::{CombineRule, Friction};
 use crate::types::settings::Culling;
 use glam::{Mat3, Quat, Vec3};
 
-/// What a caller knows about a body; [`Bodies::push`] derives the rest.
+/// One body; [`Bodies::push`](super::bodies::Bodies::push) validates it and derives the rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
-    /// Slot in the [`MeshArena`].
+    /// Slot in the [`MeshArena`](super::mesh_arena::MeshArena).
     pub mesh: u32,
-    /// How the body moves.
+    /// Dynamic, kinematic or static.
     pub kind: RigidBody,
-    /// Where the mesh's origin lies.
+    /// Position of the mesh's origin, metres.
     pub position: Vec3,
-    /// Need not have unit length, but must not be zero.
+    /// Quaternion of any length but zero.
     pub rotation: Quat,
     /// Scale along the mesh's own axes.
     pub scale: Vec3,
-    /// m/s.
+    /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec3,
-    /// rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec3,
-    /// Kilograms; `None` for what follows from the density.
+    /// Kilograms; `None` computes it from the density.
     pub mass: Option<f32>,
     /// Kilograms per cubic metre.
     pub density: f32,
-    /// Inertia tensor about the centre of mass in the body's own axes, kg m^2; `None` for what follows from mass and shape.
+    /// Inertia tensor about the centre of mass in the body's own axes, kg m^2; `None` computes it from mass and shape.
     pub inertia: Option<Mat3>,
-    /// 0 to 1.
+    /// Coefficient of restitution, 0 to 1.
     pub restitution: f32,
     /// Factor on gravity.
     pub gravity_scale: f32,
-    /// Who collides with whom.
+    /// Collision filter.
     pub layers: CollisionLayers,
-    /// Whether the body only reports.
+    /// Whether the body only reports contacts and exchanges no impulses.
     pub sensor: bool,
-    /// Which of its triangles take part in tests.
+    /// Which of its triangles are tested.
     pub culling: Culling,
-    /// How it answers.
+    /// Solver parameters.
     pub params: BodyParams,
 }
 
-/// How a body answers contacts and forces, with [`Response::Contacts`]. The components of these names say what each means.
+/// Solver parameters of a body, for [`Response::Contacts`](crate::types::settings::Response::Contacts). Each field
+/// means what the component of the same name documents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyParams {
-    /// Coulomb's coefficient, and the rule for pairs.
+    /// Coulomb friction coefficient and its combine rule.
     pub friction: Friction,
-    /// The rule for pairs of the body's restitution.
+    /// Combine rule of the restitution.
     pub restitution_combine: CombineRule,
-    /// 1/s.
+    /// Linear damping, 1/s.
     pub linear_damping: f32,
-    /// 1/s.
+    /// Angular damping, 1/s.
     pub angular_damping: f32,
-    /// m/s.
+    /// Largest speed, m/s.
     pub max_linear_speed: f32,
-    /// rad/s.
+    /// Largest angular speed, rad/s.
     pub max_angular_speed: f32,
-    /// Where it does not move.
+    /// Locked translations and rotations.
     pub locked_axes: LockedAxes,
-    /// What acts on it. Impulses act in the step that begins.
+    /// External forces and torques. Impulses act once, in the coming step.
     pub forces: ExternalForces,
-    /// Whether it may fall asleep.
+    /// Whether the body may fall asleep.
     pub can_sleep: bool,
-    /// Whether it is to be awake at the beginning of the step.
+    /// Wakes the body at the start of the step.
     pub woken: bool,
-    /// Whether it is stopped by what it meets within a step, and carried by it for the rest.
+    /// Continuous collision detection: the body stops at its first time of impact within a step, and follows the
+    /// obstacle for the rest of the step.
     pub continuous: bool,
 }
 
@@ -87,21 +89,21 @@ impl Default for BodyParams {
     }
 }
 
-/// Where a body is and how it moves.
+/// Pose and velocities of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Where the mesh's origin lies.
+    /// Position of the mesh's origin, metres.
     pub position: Vec3,
     /// Unit quaternion.
     pub rotation: Quat,
     /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec3,
-    /// World axes, rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec3,
 }
 
 impl Body {
-    /// A body that no one moves, at `position`.
+    /// A dynamic body at rest with default parameters.
     pub fn at_rest(mesh: u32, position: Vec3, rotation: Quat, scale: Vec3) -> Self {
         Self {
             mesh,
@@ -123,7 +125,7 @@ impl Body {
         }
     }
 
-    /// Where it is and how it moves.
+    /// Its pose and velocities.
     pub fn motion(&self) -> Motion {
         Motion {
             position: self.position,

@@ -1,19 +1,19 @@
-//! What holds for all bodies in a step.
+//! Parameters of a step that hold for all bodies.
 
 use crate::types::settings::Response;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
-/// What holds for all bodies in a step.
+/// Parameters of a step that hold for all bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct StepConfig {
-    /// Length of the step in seconds, more than 0.
+    /// Length of the step in seconds, positive.
     pub dt: f32,
-    /// Acceleration in m/s^2.
+    /// Gravity, m/s^2.
     pub gravity: Vec3,
-    /// What happens to bodies that touch.
+    /// How bodies that touch respond.
     pub response: Response,
-    /// How contacts are solved.
+    /// Settings of the contact solver.
     pub solver: SolverSettings,
 }
 
@@ -29,8 +29,8 @@ impl Default for StepConfig {
 }
 
 impl StepConfig {
-    /// What holds in each of `collision_substeps` collision substeps of the step.
-    pub(crate) fn of_interval(&self, collision_substeps: u32) -> Self {
+    /// The parameters of each of `collision_substeps` equal collision substeps.
+    pub(crate) fn per_collision_substep(&self, collision_substeps: u32) -> Self {
         Self {
             dt: self.dt / collision_substeps.max(1) as f32,
             ..*self

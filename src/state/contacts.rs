@@ -1,107 +1,110 @@
-//! What touches: pairs of bodies with their intersecting faces, bodies and half-spaces, and the points between them.
+//! Contact reports: touching pairs with their intersecting faces, bodies that penetrate half-spaces, and contact
+//! points.
 
 use glam::Vec3;
 
-/// TriangleTest's result.
+/// What touches in a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
-    /// Pairs that touch, ascending.
+    /// Touching pairs, ascending.
     pub pairs: Vec<PairContact>,
-    /// Intersecting faces of all pairs, one pair's after the other's.
+    /// Intersecting faces of all pairs, grouped by pair.
     pub faces: Vec<FacePair>,
-    /// Bodies that reach into half-spaces, ascending by body, then plane.
+    /// Bodies that penetrate half-spaces, ascending by body, then plane.
     pub planes: Vec<PlaneContact>,
-    /// Where the pairs, and after them bodies and half-spaces, pushed each other: one pair's after the other's.
+    /// Contact points, grouped by pair: first those of `pairs`, then those of `planes`.
     pub points: Vec<ContactPoint>,
-    /// Triangle against triangle tests made (pairs of triangles whose boxes overlap).
+    /// Number of triangle-triangle tests, one per pair of triangles whose boxes overlap.
     pub triangle_tests: u64,
 }
 
-/// Two bodies that touch.
+/// A pair of bodies that touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContact {
     /// The two bodies, `a < b`.
     pub bodies: [u32; 2],
-    /// One is closed and has the other, or a connected component of it, inside, and no faces were found to intersect; with an
-    /// approximate culling mode some may.
+    /// Whether one body is closed and contains the other, or a connected component of it, without intersecting faces.
+    /// With an approximate culling mode some intersecting faces may have been missed.
     pub contained: bool,
-    /// Where its faces start in [`Contacts::faces`].
+    /// First of its faces in [`Contacts::faces`].
     pub first_face: u32,
-    /// How many there are.
+    /// Their number.
     pub face_count: u32,
-    /// Where to push.
+    /// Representative contact of the pair.
     pub contact: Contact,
-    /// Where its points start in [`Contacts::points`].
+    /// First of its points in [`Contacts::points`].
     pub first_point: u32,
-    /// How many there are.
+    /// Their number.
     pub point_count: u32,
-    /// How strongly the two pushed each other along the normals of their points in the step, newton seconds; 0 unless the
-    /// response is [`Response::Contacts`].
+    /// Total normal impulse of the pair in the step, newton seconds; 0 unless the response is
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
     pub impulse: f32,
-    /// They did not touch at the beginning of the step, but on their ways within it: a sensor and another body, one of them with
-    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). The contact is where they first touched.
+    /// The two did not touch at the start of the step but within it. Reported for a sensor and another body of which
+    /// one has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision); `contact` is their first
+    /// contact.
     pub passing: bool,
 }
 
-/// A point at which two bodies push each other.
+/// The representative contact of a pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// In the world, metres.
+    /// World position, metres.
     pub point: Vec3,
     /// Unit vector from the first body to the second.
     pub normal: Vec3,
 }
 
-/// One of the points at which two bodies pushed each other in a step, or might have.
+/// A contact point as it is reported. Speculative points, at which no impulse acted, are included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// Halfway between both surfaces, in the world, metres: where it was as its collision substep began.
+    /// Midpoint between the two surfaces at the start of its collision substep, world position, metres.
     pub point: Vec3,
     /// Unit vector from the first body to the second.
     pub normal: Vec3,
-    /// How far the surfaces were apart, metres; negative where they overlapped.
+    /// Distance of the surfaces along the normal, metres; negative where they overlap.
     pub separation: f32,
-    /// How strongly the two pushed each other there along the normal in that interval, newton seconds; 0 unless the response
-    /// is [`Response::Contacts`], and for bodies asleep.
+    /// Normal impulse in that collision substep, newton seconds; 0 for sleeping bodies, and unless the response is
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
     pub impulse: f32,
 }
 
-/// Two faces that intersect, with their common segment.
+/// Two intersecting faces and their common segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacePair {
-    /// Face of the first body's mesh, an index of the input mesh.
+    /// Face of the first body, an index of the input mesh.
     pub a: u32,
-    /// Face of the second body's mesh.
+    /// Face of the second body.
     pub b: u32,
-    /// One end of the common segment in the world.
+    /// Start of the common segment in the world.
     pub start: Vec3,
-    /// The other end; equal to `start` if they touch in a point. For coplanar faces the longest diagonal.
+    /// End of the segment; equal to `start` if the faces touch in a point. For coplanar faces the segment is the
+    /// longest diagonal of their common area.
     pub end: Vec3,
 }
 
-/// A body that reaches into a half-space.
+/// A body that penetrates a half-space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneContact {
     /// The body.
     pub body: u32,
     /// Index of the half-space.
     pub plane: u32,
-    /// Mean of the vertices inside, weighted by depth, in the world.
+    /// Depth-weighted mean of the penetrating vertices, in the world.
     pub point: Vec3,
     /// Unit vector from the body into the half-space.
     pub normal: Vec3,
-    /// How far the deepest vertex is inside, metres.
+    /// Depth of the deepest vertex, metres.
     pub depth: f32,
-    /// Where its points start in [`Contacts::points`].
+    /// First of its points in [`Contacts::points`].
     pub first_point: u32,
-    /// How many there are.
+    /// Their number.
     pub point_count: u32,
-    /// As that of a [`PairContact`].
+    /// Total normal impulse, as in a [`PairContact`].
     pub impulse: f32,
 }
 
 impl Contacts {
-    /// Removes all, keeping the memory.
+    /// Empties all lists and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();
         self.faces.clear();

@@ -1,4 +1,4 @@
-//! Why a body cannot take part in a step, and what to do about it.
+//! Validation errors of bodies and planes, and how to fix them.
 
 use crate::geometry::mesh::MAX_COORDINATE;
 use glam::Vec3;
@@ -6,19 +6,19 @@ use glam::Vec3;
 use std::mem::discriminant;
 use thiserror::Error;
 
-/// The smallest bounding radius a body may have in the world, in metres: products of three lengths stay normal `f32`s.
+/// The smallest bounding radius of a body in the world, metres. Products of three lengths then stay normal `f32`s.
 pub const MIN_RADIUS: f32 = 1.0e-9;
 
-/// The largest component a velocity may have, in m/s or rad/s: its square stays far from overflow.
+/// The largest component of a velocity, m/s or rad/s. Its square then stays far from overflow.
 pub const MAX_SPEED: f32 = 1.0e9;
 
 /// Why a body cannot take part in a step.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum BodyFault {
-    /// Some number of its pose is NaN or infinite.
+    /// A number of its pose is NaN or infinite.
     #[error("its Transform is not finite: set it to finite numbers")]
     NonFinitePose,
-    /// Some number of the component of this name is NaN or infinite.
+    /// A number of the named component is NaN or infinite.
     #[error("its {0} is not finite: set it to finite numbers")]
     NonFinite(&'static str),
     /// Its [`Mass`](crate::plugin::components::Mass) or [`Density`](crate::plugin::components::Density) is infinite.
@@ -44,7 +44,7 @@ pub enum BodyFault {
     /// It is faster than [`MAX_SPEED`].
     #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
     TooFast(f32),
-    /// The normal of a plane has no length.
+    /// The normal of a plane is zero or not finite.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
     /// It is a child of another entity.
@@ -54,10 +54,10 @@ pub enum BodyFault {
          pose a system writes. What is only drawn may be a child"
     )]
     Child,
-    /// Its mesh is nowhere, and is not on its way either.
+    /// Its mesh does not exist and is not being loaded.
     #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
     MeshMissing,
-    /// It is a body and a plane at once. The body goes on; the plane is left out.
+    /// It is both a body and a plane. The body takes part; the plane is ignored.
     #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
     PlaneOnBody,
     /// The distance of a plane is NaN or infinite.
@@ -72,7 +72,7 @@ pub enum BodyFault {
 
 impl BodyFault {
     #[cfg(feature = "bevy")]
-    /// Whether it is the same fault, whatever its numbers: told before, it is not news.
+    /// Whether both are the same kind of fault, whatever the numbers. A fault of the same kind is reported once.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::NonFinite(this), Self::NonFinite(that)) | (Self::Infinite(this), Self::Infinite(that)) => {

@@ -1,27 +1,28 @@
-//! What a step is told.
+//! The input of a step.
 
 use super::bodies::Bodies;
 use super::config::StepConfig;
 use super::mesh_arena::MeshArena;
 use super::planes::Plane;
 
-/// What a step is told. The step moves the bodies.
+/// The input of a step. The step updates the bodies.
 #[derive(Default)]
 pub struct StepInput {
-    /// What holds for all bodies.
+    /// Parameters of the step.
     pub config: StepConfig,
-    /// The meshes in use.
+    /// Meshes of the bodies.
     pub meshes: MeshArena,
     /// The bodies.
     pub bodies: Bodies,
     /// The half-spaces.
     pub planes: Vec<Plane>,
-    /// What tells a body from others from step to step, ascending. If there are not as many as bodies, their numbers do.
+    /// Stable identifiers of the bodies, ascending, which match bodies between steps. If their number differs from that
+    /// of the bodies, indices serve instead.
     pub keys: Vec<u64>,
 }
 
 impl StepInput {
-    /// Writes what tells each body from others: [`StepInput::keys`], or its number.
+    /// Writes the identifier of each body: [`StepInput::keys`], or the index.
     pub(crate) fn write_keys(&self, keys: &mut Vec<u64>) {
         if self.keys.len() == self.bodies.len() {
             keys.clone_from(&self.keys);

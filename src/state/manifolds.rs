@@ -1,66 +1,68 @@
-//! Where two bodies push each other: the points that a solver works on.
+//! Contact manifolds: the contact points that the solver works on.
 
 use super::contacts::ContactPoint;
 use glam::Vec3;
 
-/// All contact points of a pair of bodies.
+/// The contact points of a pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
     /// The two bodies, `a < b`.
     pub bodies: [u32; 2],
-    /// Where its points start in [`Manifolds::points`].
+    /// First of its points in [`Manifolds::points`].
     pub first_point: u32,
-    /// How many there are.
+    /// Number of its points.
     pub point_count: u32,
 }
 
-/// A point at which two bodies push each other.
+/// A contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
-    /// The point on each body's surface, from its centre of mass, turned with the world, metres. Where a corner of a finely
-    /// cut round surface touches, the point is where the round surface would touch.
-    pub arms: [Vec3; 2],
-    /// Unit vector from the first body to the second. Between finely cut surfaces that are round all ways it lies between the
-    /// centres of the balls that they are at the point.
+    /// Anchors: the point on each body's surface relative to its centre of mass, in world axes, metres. Where a vertex
+    /// of a finely tessellated curved surface touches, the anchor lies on the smooth surface that the mesh
+    /// approximates.
+    pub anchors: [Vec3; 2],
+    /// Unit vector from the first body to the second. Between finely tessellated surfaces that are convex in all
+    /// directions it is the normal of the smooth surfaces, on the line between their centres of curvature.
     pub normal: Vec3,
-    /// How far the second body's point lies from the first's along the normal, metres; negative where they overlap.
+    /// Signed distance from the first anchor to the second along the normal, metres; negative where the bodies overlap.
     pub separation: f32,
-    /// Radius of curvature of each body's surface at its point, metres: 0 on a corner or crease, infinite where it is flat.
-    /// The solver lets the point lie under the centre of curvature, which turns with the body: so that of a ball that rolls
-    /// stays below its centre, and that of a corner goes with the corner.
-    pub roundness: [f32; 2],
-    /// How fast the normal turns as such surfaces slide along each other, radians per metre: as that of balls with the radii
-    /// that they have where they are least round. 0 for others. The solver lets the normal turn until the point pushes.
-    pub turn: f32,
-    /// The faces the points lie on, by the numbers of the input meshes.
+    /// Radius of curvature of each body's surface at its anchor, metres: 0 at a vertex or crease, infinite where the
+    /// surface is flat. As the body rotates, the solver keeps the anchor below the centre of curvature: the contact of
+    /// a rolling ball stays below its centre, and that of a corner rotates with the corner.
+    pub curvature_radii: [f32; 2],
+    /// Rotation of the normal per distance that the smooth surfaces slide along each other, rad/m, from the largest
+    /// radii of curvature of both; 0 for other surfaces. The solver rotates the normal until the point carries an
+    /// impulse.
+    pub normal_rotation: f32,
+    /// Faces on which the anchors lie, indices of the input meshes.
     pub faces: [u32; 2],
 }
 
-/// The contact points of all pairs.
+/// The contact manifolds of all pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Manifolds {
-    /// Ascending by bodies; those with half-spaces come last.
+    /// Manifolds, ascending by bodies; those with half-spaces come last.
     pub pairs: Vec<Manifold>,
-    /// One pair's after the other's.
+    /// Contact points, grouped by pair.
     pub points: Vec<ManifoldPoint>,
 }
 
 impl Manifolds {
-    /// Makes these the same as `others`, in the memory they have.
+    /// Copies `others` into the existing memory.
     #[cfg(feature = "bevy")]
-    pub(crate) fn copy(&mut self, others: &Self) {
+    pub(crate) fn copy_from(&mut self, others: &Self) {
         self.pairs.clone_from(&others.pairs);
         self.points.clone_from(&others.points);
     }
 
-    /// Removes all, keeping the memory.
+    /// Empties both lists and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();
         self.points.clear();
     }
 
-    /// Adds the pair whose points are those from `first` on, if there are any.
-    pub(crate) fn close(&mut self, bodies: [u32; 2], first: usize) {
+    /// Completes a pair whose points start at `first`. A pair without points is not added.
+    pub(crate) fn end_pair(&mut self, bodies: [u32; 2], first: usize) {
         let count = self.points.len() - first;
         if count > 0 {
             self.pairs.push(Manifold {
@@ -71,13 +73,13 @@ impl Manifolds {
         }
     }
 
-    /// The points of these bodies, which are in order; none if there are none. Half-spaces have the numbers from
-    /// `planes_from` on.
-    pub(crate) fn find(&self, bodies: [u32; 2], planes_from: u32) -> &[ManifoldPoint] {
-        let wanted = place(bodies, planes_from);
+    /// Contact points of a pair, which must be in ascending order; empty if it has none. Plane `i` has the number
+    /// `first_plane + i`.
+    pub(crate) fn find(&self, bodies: [u32; 2], first_plane: u32) -> &[ManifoldPoint] {
+        let wanted = pair_order(bodies, first_plane);
         let found = self
             .pairs
-            .binary_search_by_key(&wanted, |pair| place(pair.bodies, planes_from));
+            .binary_search_by_key(&wanted, |pair| pair_order(pair.bodies, first_plane));
         found.map_or(&[], |at| self.points_of(&self.pairs[at]))
     }
 
@@ -89,10 +91,10 @@ impl Manifolds {
 }
 
 impl ManifoldPoint {
-    /// The same as it is reported, for a first body whose centre of mass is at `center`.
+    /// The reported form of the point; `center` is the first body's centre of mass.
     pub(crate) fn in_world(&self, center: Vec3, impulse: f32) -> ContactPoint {
         ContactPoint {
-            point: center + self.arms[0] + self.normal * (0.5 * self.separation),
+            point: center + self.anchors[0] + self.normal * (0.5 * self.separation),
             normal: self.normal,
             separation: self.separation,
             impulse,
@@ -100,12 +102,12 @@ impl ManifoldPoint {
     }
 }
 
-/// Where a pair stands in the order of pairs: those with half-spaces, which are numbered from `planes_from` on, come last.
-pub(crate) fn place(bodies: [u32; 2], planes_from: u32) -> (bool, [u32; 2]) {
-    (bodies[1] >= planes_from, bodies)
+/// Sort key of a pair. Pairs with planes, which have the numbers from `first_plane` on, come last.
+pub(crate) fn pair_order(bodies: [u32; 2], first_plane: u32) -> (bool, [u32; 2]) {
+    (bodies[1] >= first_plane, bodies)
 }
 
-/// Where the surfaces are nearest to each other, or overlap most.
+/// The point of least separation.
 pub(crate) fn nearest(points: &[ManifoldPoint]) -> Option<&ManifoldPoint> {
     points.iter().min_by(|p, q| p.separation.total_cmp(&q.separation))
 }

@@ -1,49 +1,51 @@
-//! Speculative margins: how far apart surfaces get contact points, because they may meet before the next detection.
+//! Speculative margins: surfaces closer than their margin get contact points, because they may meet before the next
+//! detection.
 //!
-//! A pair's margin follows how its two bodies move against each other, so that bodies that fly alike have none. Beyond
-//! twice the thickness of the thinner one it does not grow: fast bodies get more collision substeps instead. What happens
-//! between two bodies because a third one stops or pushes one of them is seen in the next interval.
+//! A pair's margin follows the relative velocity of its bodies, so bodies that move together have none from motion. It
+//! is capped at twice the thickness of the thinner body; fast bodies get more collision substeps instead. If a third
+//! body changes the motion of one of the two, the next collision substep accounts for it.
 
 use crate::state::{Bodies, StepConfig};
 use crate::types::body::RigidBody;
 use glam::Vec3;
 
-/// What bodies may move by, as a factor on what their velocities say: contacts turn and push them meanwhile.
+/// Safety factor on the distance that bodies travel at their current velocities: contacts may change these velocities.
 pub(crate) const SAFETY: f32 = 1.5;
 
-/// How far bodies look for each other.
+/// The rule that determines speculative margins.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Margins {
-    /// Not at all: only what touches is looked at.
+pub enum SpeculativeMargins {
+    /// No margin: only touching surfaces get contacts.
     #[default]
     None,
-    /// As far as the contact margin.
+    /// The contact margin of the solver settings.
     AtRest,
-    /// As far as the contact margin and what bodies may move.
+    /// The contact margin plus the distance that bodies may travel.
     Moving {
-        /// Until they are looked at again, seconds.
-        interval: f32,
-        /// The velocity that bodies have in common, m/s; see [`Speeds::drift`](crate::solver::speeds::Speeds::drift).
+        /// Time until the next detection, seconds.
+        dt: f32,
+        /// Common velocity of the bodies, m/s; see [`Speeds::drift`](crate::solver::speeds::Speeds::drift).
         drift: Vec3,
     },
 }
 
-/// A margin grows with motion by no more than this many times the thickness of the thinner body.
+/// Cap of the part of the margin that grows with motion, in units of the thinner body's thickness.
 pub(crate) const BOUND: f32 = 2.0;
 
-impl Margins {
-    /// Sets how far all bodies look beyond their spheres. Those of two bodies together are no less than their pair's margin.
-    pub fn set_reach(self, bodies: &mut Bodies, config: &StepConfig) {
-        let mut reach = std::mem::take(&mut bodies.reach);
-        reach.clear();
-        // All that a body may meet on its way must be known to stop it there: what is stopped, and what comes towards it.
-        let stops = bodies.params.iter().any(|params| params.continuous);
-        reach.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
+impl SpeculativeMargins {
+    /// Sets [`Bodies::speculative_radius`]. The parts beyond the bounding radii of two bodies add up to at least the
+    /// margin of the pair.
+    pub fn set_speculative_radii(self, bodies: &mut Bodies, config: &StepConfig) {
+        let mut radii = std::mem::take(&mut bodies.speculative_radius);
+        radii.clear();
+        // Continuous collision needs every pair that may meet within the step, so the travel is not capped.
+        let has_continuous = bodies.params.iter().any(|params| params.continuous);
+        radii.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
             let travel = match self {
-                Self::Moving { interval, drift } if bodies.kind[i] != RigidBody::Static => {
-                    let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, interval);
-                    let travel = SAFETY * speed * interval;
-                    if stops {
+                Self::Moving { dt, drift } if bodies.kind[i] != RigidBody::Static => {
+                    let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, dt);
+                    let travel = SAFETY * speed * dt;
+                    if has_continuous {
                         travel
                     } else {
                         travel.min(BOUND * bodies.thickness[i])
@@ -53,29 +55,29 @@ impl Margins {
             };
             radius + self.contact_margin(config) * radius + travel
         }));
-        bodies.reach = reach;
+        bodies.speculative_radius = radii;
     }
 
-    /// How near the surfaces of two bodies must come for points to be found, metres.
+    /// The speculative margin of a pair, metres.
     pub fn of_pair(self, bodies: &Bodies, config: &StepConfig, pair: [u32; 2]) -> f32 {
         let [a, b] = pair.map(|i| i as usize);
         let diameter = 2.0 * bodies.radius[a].min(bodies.radius[b]);
         let travel = match self {
-            Self::Moving { interval, .. } => {
+            Self::Moving { dt, .. } => {
                 let [v, w] = [a, b].map(|i| match bodies.kind[i] {
                     RigidBody::Static => Vec3::ZERO,
                     _ => bodies.linear_velocity[i],
                 });
-                let sway = [a, b].map(|i| sway(bodies, config, i, interval));
+                let sway = [a, b].map(|i| sway(bodies, config, i, dt));
                 let bound = BOUND * bodies.thickness[a].min(bodies.thickness[b]);
-                (SAFETY * ((w - v).length() + sway[0] + sway[1]) * interval).min(bound)
+                (SAFETY * ((w - v).length() + sway[0] + sway[1]) * dt).min(bound)
             }
             _ => 0.0,
         };
         self.contact_margin(config) * diameter + travel
     }
 
-    /// In diameters.
+    /// The contact margin in units of the smaller body's diameter.
     fn contact_margin(self, config: &StepConfig) -> f32 {
         if self == Self::None {
             0.0
@@ -85,12 +87,12 @@ impl Margins {
     }
 }
 
-/// How fast a body's surface may move within `interval` seconds beside the velocity of its centre, m/s.
-fn sway(bodies: &Bodies, config: &StepConfig, i: usize, interval: f32) -> f32 {
+/// Upper bound of the speed that rotation and gravity add to a body's surface within `dt` seconds, m/s.
+fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
     let spin = bodies.angular_velocity[i].length() * bodies.radius[i];
     match bodies.kind[i] {
         RigidBody::Static => 0.0,
         RigidBody::Kinematic => spin,
-        RigidBody::Dynamic => spin + config.gravity.length() * bodies.gravity_scale[i].abs() * interval,
+        RigidBody::Dynamic => spin + config.gravity.length() * bodies.gravity_scale[i].abs() * dt,
     }
 }

@@ -1,4 +1,4 @@
-//! The meshes in use.
+//! The mesh arena: the meshes in use, by slot.
 
 pub use crate::geometry::lanes::{BoxGroup, Cluster, MeshLanes, Points, SlabGroup, points};
 
@@ -7,23 +7,23 @@ use crate::geometry::features::MeshFeatures;
 use std::ops::Index;
 use std::sync::Arc;
 
-/// The meshes in use, by slot.
+/// Meshes by slot. Bodies refer to slots.
 #[derive(Default)]
 pub struct MeshArena {
     slots: Vec<Option<MeshSlot>>,
-    /// Meshes put into slots so far.
+    /// Number of meshes put into slots so far.
     versions: u64,
 }
 
-/// A mesh, with what was derived from it when it was baked or loaded: a step derives nothing.
+/// A mesh with the data derived from it when it was baked or loaded. A step derives nothing more.
 pub struct MeshSlot {
     /// The asset.
     pub mesh: CollisionMesh,
-    /// Its triangles in eights.
+    /// Its triangles in groups of eight, for SIMD.
     pub lanes: Arc<MeshLanes>,
-    /// Its vertices and edges.
+    /// Its vertices and edges, for contact features.
     pub features: Arc<MeshFeatures>,
-    /// Another one for every mesh that an arena gets, in whatever slot.
+    /// Unique for every mesh that the arena receives, in whatever slot.
     pub version: u64,
 }
 
@@ -40,7 +40,7 @@ impl MeshSlot {
 }
 
 impl MeshArena {
-    /// Adds a mesh and tells its slot.
+    /// Adds a mesh and returns its slot.
     pub fn add(&mut self, mesh: CollisionMesh) -> u32 {
         let free = self.slots.iter().position(Option::is_none);
         let slot = free.unwrap_or(self.slots.len());
@@ -51,7 +51,7 @@ impl MeshArena {
         slot as u32
     }
 
-    /// Puts another mesh into a slot.
+    /// Replaces the mesh in a slot.
     pub fn replace(&mut self, slot: u32, mesh: CollisionMesh) {
         self.versions += 1;
         self.slots[slot as usize] = Some(MeshSlot {
@@ -60,22 +60,22 @@ impl MeshArena {
         });
     }
 
-    /// What is in a slot.
+    /// The content of a slot.
     pub fn get(&self, slot: u32) -> Option<&MeshSlot> {
         self.slots.get(slot as usize)?.as_ref()
     }
 
-    /// Slots, in use or free.
+    /// Number of slots, in use or free.
     pub fn len(&self) -> usize {
         self.slots.len()
     }
 
-    /// Whether there is no slot.
+    /// Whether there are no slots.
     pub fn is_empty(&self) -> bool {
         self.slots.is_empty()
     }
 
-    /// Frees a slot, which no body may name any more.
+    /// Frees a slot. No body may refer to it any more.
     pub fn remove(&mut self, slot: u32) {
         self.slots[slot as usize] = None;
     }
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::geometry::shapes;
 
-    /// What is made when a mesh is baked or loaded is not made again in a step.
+    /// Derived data of a mesh is shared, not computed again.
     #[test]
     fn a_slot_shares_what_its_mesh_has() {
         let mesh = CollisionMesh::new(&shapes::cube(1.0));

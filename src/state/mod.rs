@@ -1,21 +1,22 @@
-//! The data that passes between stages, as structures of arrays. Nothing here runs.
+//! The data that passes between stages, as structures of arrays. This module has no algorithms.
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`input`] | what a step is told: [`config`], [`mesh_arena`], [`bodies`], [`planes`] |
-//! | [`body`], [`fault`] | one body, and why it cannot take part |
+//! | [`input`] | the input of a step: [`config`], [`mesh_arena`], [`bodies`], [`planes`] |
+//! | [`body`], [`fault`] | one body, and its validation errors |
 //! | [`pairs`] | pairs that may touch |
-//! | [`contacts`] | what touches |
-//! | [`manifolds`] | the points at which bodies push each other |
-//! | [`results`] | all that a step finds |
-//! | `margins` | how far bodies look for each other |
-//! | `still` | pairs that sleep, and so need no work |
+//! | [`contacts`] | touching pairs, faces and points as they are reported |
+//! | [`manifolds`] | contact manifolds, the input of the solver |
+//! | [`results`] | all results of a step |
+//! | [`margins`] | speculative margins |
+//! | `inactive` | pairs that sleep and need no work |
 
 pub mod bodies;
 pub mod body;
 pub mod config;
 pub mod contacts;
 pub mod fault;
+pub(crate) mod inactive;
 pub mod input;
 pub mod manifolds;
 pub mod margins;
@@ -23,7 +24,6 @@ pub mod mesh_arena;
 pub mod pairs;
 pub mod planes;
 pub mod results;
-pub(crate) mod still;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};

@@ -1,4 +1,4 @@
-//! Pairs of bodies that may touch, and which of their triangles take part.
+//! Pairs of bodies that may touch, with their relative pose, best support axis and visible triangles.
 
 use glam::{Mat3, Vec3};
 
@@ -7,41 +7,42 @@ use glam::{Mat3, Vec3};
 pub struct NearPair {
     /// The two bodies, `a < b`.
     pub bodies: [u32; 2],
-    /// Turns `b`'s axes into `a`'s.
+    /// Rotation from `b`'s axes to `a`'s.
     pub rotation: Mat3,
     /// From `a`'s centre of mass to `b`'s, in `a`'s axes, metres.
     pub translation: Vec3,
-    /// The support axis along which the two overlap least: a unit vector from `a` to `b` in `a`'s axes.
+    /// The support axis of least overlap: a unit vector from `a` to `b` in `a`'s axes.
     pub axis: Vec3,
-    /// No point of `b` reaches below this along the axis, measured from `a`'s centre.
+    /// Lower bound of `b` along the axis, measured from `a`'s centre of mass, metres.
     pub b_above: f32,
-    /// No point of `a` reaches above this along the axis, measured from `a`'s centre.
+    /// Upper bound of `a` along the axis, measured from `a`'s centre of mass, metres.
     pub a_below: f32,
-    /// Which triangles of `a` and of `b` take part.
+    /// Which triangles of `a` and of `b` are tested.
     pub views: [View; 2],
-    /// How near the surfaces must come for contact points to be found, metres.
+    /// Speculative margin, metres.
     pub margin: f32,
 }
 
-/// Which triangles of one end of a pair take part in the test.
+/// Which triangles of one body of a pair are tested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// All of them.
+    /// All triangles.
     All,
-    /// Those of the group of this number in the mesh's [`FaceTable`](crate::projection::FaceTable).
+    /// The triangles of this group of the mesh's [`FaceTable`](crate::projection::FaceTable).
     Group(u32),
-    /// Those whose normal, by the winding of the corners placed in the first body's axes, has a positive product with
-    /// this vector. It points to the other body, or away from it where the winding shows the inner side.
+    /// Triangles whose normal has a positive dot product with this vector. The normal follows from the winding of the
+    /// corners placed in the first body's axes. The vector points to the other body, or away from it if the winding
+    /// shows the inner side.
     Facing(Vec3),
 }
 
 impl NearPair {
-    /// Whether a support plane separates the two: they are listed for the margin between them.
+    /// Whether the support axis separates the two, so that they are listed only for their speculative margin.
     pub fn is_apart(&self) -> bool {
         self.a_below < self.b_above
     }
 
-    /// Whether some triangles are left out although they may touch.
+    /// Whether an approximate culling mode leaves out triangles that may touch.
     pub fn is_approximate(&self) -> bool {
         self.views != [View::All; 2]
     }

@@ -1,4 +1,4 @@
-//! Solid half-spaces.
+//! Planes: solid half-spaces.
 
 use crate::types::material::{CombineRule, Friction};
 use glam::Vec3;
@@ -8,13 +8,13 @@ use glam::Vec3;
 pub struct Plane {
     /// Unit vector out of the solid side.
     pub normal: Vec3,
-    /// Metres from the origin.
+    /// Signed distance of the surface from the origin, metres.
     pub distance: f32,
-    /// Bounciness.
+    /// Coefficient of restitution, 0 to 1.
     pub restitution: f32,
-    /// The rule for pairs of its restitution.
+    /// Combine rule of the restitution.
     pub restitution_combine: CombineRule,
-    /// Coulomb's coefficient, and the rule for pairs.
+    /// Coulomb friction coefficient and its combine rule.
     pub friction: Friction,
 }
 

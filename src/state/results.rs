@@ -1,4 +1,4 @@
-//! What a step finds, and where it says how much that is.
+//! The results of a step, and their counts.
 
 use super::contacts::Contacts;
 use super::manifolds::Manifolds;
@@ -7,46 +7,46 @@ use crate::types::stage::Stage;
 use glam::Vec3;
 use std::time::Duration;
 
-/// What a step finds. Each list is written by one stage, and read by later ones and by the caller.
+/// The results of a step. One stage writes each list; later stages and the caller read it.
 #[derive(Default)]
 pub struct StepResults {
-    /// BroadPhase's result: bodies whose spheres overlap, `a < b`, ascending.
+    /// BroadPhase: pairs of bodies whose bounding spheres overlap, `a < b`, ascending.
     pub sphere_pairs: Vec<[u32; 2]>,
-    /// Angles' result: what is left of them, in the same order.
+    /// Angles: the sphere pairs that no support axis separates, in the same order.
     pub near_pairs: Vec<NearPair>,
-    /// How many of them are tested with some triangles left out.
+    /// Number of `near_pairs` that are tested with some triangles left out.
     pub approximate_pairs: usize,
-    /// TriangleTest's result.
+    /// TriangleTest: touching pairs, intersecting faces and contact points.
     pub contacts: Contacts,
-    /// Manifolds' result: where solid bodies push each other, or may within the step. Empty with [`Response::Impulse`]. Pairs
-    /// that sleep keep theirs in the next step, so this belongs to what a snapshot holds.
+    /// Manifolds: contact points of solid bodies that touch or may touch within the step. Empty with
+    /// [`Response::Impulse`]. Sleeping pairs keep their points in the next step, so snapshots contain this list.
     ///
     /// [`Response::Impulse`]: crate::types::settings::Response::Impulse
     pub manifolds: Manifolds,
-    /// ForceScan's result: one sum per body. Empty or stale with [`Response::Contacts`].
+    /// ForceScan: the summed velocity change of each body. Empty or stale with [`Response::Contacts`].
     ///
     /// [`Response::Contacts`]: crate::types::settings::Response::Contacts
     pub impulses: Vec<Impulse>,
-    /// With [`Response::Contacts`], of each body whether it was asleep at the end of the step; else empty.
+    /// With [`Response::Contacts`], whether each body is asleep at the end of the step; otherwise empty.
     ///
     /// [`Response::Contacts`]: crate::types::settings::Response::Contacts
     pub asleep: Vec<bool>,
-    /// Into how many collision substeps the step was cut.
+    /// Number of collision substeps of the step.
     pub collision_substeps: u32,
-    /// How long each stage took.
+    /// Duration of each stage.
     pub times: [Duration; Stage::COUNT],
 }
 
 /// A change of velocity, linear and angular.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
-    /// m/s.
+    /// Linear, m/s.
     pub linear: Vec3,
-    /// rad/s, world axes.
+    /// Angular in world axes, rad/s.
     pub angular: Vec3,
 }
 
-/// How many of each thing a step found.
+/// Sizes of the results of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Pairs of bodies whose spheres overlap.
@@ -59,14 +59,14 @@ pub struct Counts {
     pub triangle_tests: u64,
     /// Pairs of faces that intersect.
     pub face_pairs: usize,
-    /// Points at which bodies push each other, or may.
+    /// Contact points, speculative ones included.
     pub contact_points: usize,
-    /// Bodies that sleep after the step.
+    /// Bodies asleep after the step.
     pub asleep: usize,
 }
 
 impl StepResults {
-    /// How much the step found.
+    /// The sizes of the results.
     pub fn counts(&self) -> Counts {
         Counts {
             sphere_pairs: self.sphere_pairs.len(),

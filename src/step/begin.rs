@@ -3,7 +3,7 @@
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
 use crate::solver::speeds::Speeds;
-use crate::state::margins::Margins;
+use crate::state::margins::SpeculativeMargins;
 use crate::state::{StepInput, StepResults};
 use crate::types::settings::Response;
 
@@ -11,26 +11,26 @@ use crate::types::settings::Response;
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
     results.collision_substeps = 1;
     results.asleep.clear();
-    scratch.still.clear();
+    scratch.inactive.clear();
     scratch.touches.clear();
     scratch.ccd.clear();
     scratch.margins = match input.config.response {
         Response::Impulse => {
             results.manifolds.clear();
-            Margins::None
+            SpeculativeMargins::None
         }
-        Response::None => Margins::AtRest,
+        Response::None => SpeculativeMargins::AtRest,
         Response::Contacts => {
             let speeds = load_bodies(input, memory, scratch);
             let config = &input.config;
             results.collision_substeps = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
-            Margins::Moving {
-                interval: config.of_interval(results.collision_substeps).dt,
+            SpeculativeMargins::Moving {
+                dt: config.per_collision_substep(results.collision_substeps).dt,
                 drift: speeds.drift(),
             }
         }
     };
-    scratch.margins.set_reach(&mut input.bodies, &input.config);
+    scratch.margins.set_speculative_radii(&mut input.bodies, &input.config);
 }
 
 /// Loads the bodies into the solver, restores their state from the last step, and returns the bounds of their speeds.
@@ -38,11 +38,11 @@ fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch
     let StepScratch {
         keys,
         solver_bodies,
-        still,
+        inactive,
         ..
     } = scratch;
     input.write_keys(keys);
     solver_bodies.read(&input.bodies, &input.planes, keys);
-    memory.restore(input, solver_bodies, still);
+    memory.restore(input, solver_bodies, inactive);
     Speeds::of(solver_bodies, |_| false)
 }

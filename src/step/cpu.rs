@@ -70,7 +70,7 @@ fn run_part(part: Part, step: &mut StepState) {
     } = step;
     let config = input.config;
     let planes_from = input.bodies.len() as u32;
-    let substep_config = config.of_interval(results.collision_substeps);
+    let substep_config = config.per_collision_substep(results.collision_substeps);
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
@@ -93,7 +93,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &input.planes,
             &results.near_pairs,
             &results.manifolds,
-            &scratch.still,
+            &scratch.inactive,
             &mut scratch.triangle_test,
             &mut results.contacts,
         ),
@@ -103,13 +103,13 @@ fn run_part(part: Part, step: &mut StepState) {
             &input.meshes,
             &input.planes,
             &results.near_pairs,
-            &scratch.still,
+            &scratch.inactive,
             &mut scratch.manifolds,
             &mut results.manifolds,
         ),
         Part::ReuseContactPoints => {
             manifolds::step::reuse(
-                &scratch.still,
+                &scratch.inactive,
                 planes_from,
                 &mut scratch.manifolds,
                 &mut results.manifolds,
@@ -134,7 +134,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &config.solver,
             &CollisionSubstep::of(&config, results.collision_substeps),
             &results.manifolds,
-            &scratch.still,
+            &scratch.inactive,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
         ),
@@ -159,7 +159,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &results.manifolds,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
-            &mut scratch.still,
+            &mut scratch.inactive,
         ),
         Part::StopFastBodies => integrate::cpu::stop_fast_bodies(
             &substep_config,
@@ -174,7 +174,7 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::MoveBodies => {
             integrate::cpu::move_bodies(&scratch.solver_bodies, &input.meshes, &mut input.bodies);
-            scratch.margins.set_reach(&mut input.bodies, &config);
+            scratch.margins.set_speculative_radii(&mut input.bodies, &config);
         }
         Part::ReportTouches => {
             let sleep = &scratch.solver_bodies.sleep[..input.bodies.len()];

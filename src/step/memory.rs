@@ -4,7 +4,7 @@ use super::remap;
 use crate::ccd::stage::Ccd;
 use crate::sleep::inputs::PlacedSleepInputs;
 use crate::solver::{SleepState, SolverBodies, WarmStart};
-use crate::state::still::{GONE, StillBodies};
+use crate::state::inactive::{GONE, InactiveBodies};
 use crate::state::{Plane, StepInput};
 use crate::types::body::RigidBody;
 use glam::Vec3;
@@ -39,19 +39,19 @@ impl StepMemory {
 
     /// Restores the sleep state of `solver_bodies`, which are the awake bodies of `input`, and finds out which of them
     /// are unchanged since the last step.
-    pub(super) fn restore(&self, input: &StepInput, solver_bodies: &mut SolverBodies, still: &mut StillBodies) {
+    pub(super) fn restore(&self, input: &StepInput, solver_bodies: &mut SolverBodies, inactive: &mut InactiveBodies) {
         let StepInput {
             config, bodies, planes, ..
         } = input;
         let all_wake = self.gravity != config.gravity;
-        still.still.resize(solver_bodies.len(), false);
-        still.numbers.resize(self.keys.len(), GONE);
+        inactive.flags.resize(solver_bodies.len(), false);
+        inactive.numbers.resize(self.keys.len(), GONE);
         let numbers = remap::previous_numbers(self.keys.iter(), &solver_bodies.keys[..bodies.len()]);
         for (i, before) in numbers.enumerate() {
             let Some(before) = before.map(|number| number as usize) else {
                 continue;
             };
-            still.numbers[before] = i as u32;
+            inactive.numbers[before] = i as u32;
             let SavedBody {
                 mut sleep,
                 inputs,
@@ -68,13 +68,13 @@ impl StepMemory {
             solver_bodies.bodies[i].continuous &= !had_impact;
             let (motion, forces) = (&solver_bodies.motions[i], &solver_bodies.forces[i]);
             let at_rest = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
-            still.still[i] =
+            inactive.flags[i] =
                 same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && at_rest && forces.is_zero()));
-            still.has_sleepers |= sleep.asleep;
+            inactive.has_sleepers |= sleep.asleep;
         }
         let same_planes = self.planes == *planes;
-        still.still[bodies.len()..].fill(same_planes);
-        remap::renumber_planes(&mut still.numbers, self.planes.len(), bodies.len(), planes.len());
+        inactive.flags[bodies.len()..].fill(same_planes);
+        remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
     }
 
     /// Saves the state that the next step needs.

@@ -3,7 +3,7 @@
 //! Bodies are renumbered in every step, but their keys stay the same. Both lists are in ascending order of keys, so one
 //! merge matches them. [`StepMemory`](super::StepMemory), the GPU's memory and the plugin use it.
 
-use crate::state::still::GONE;
+use crate::state::inactive::GONE;
 
 /// For each key of `now` its number in `before`, if it is there. Both are ascending.
 pub(crate) fn previous_numbers<K: Ord>(

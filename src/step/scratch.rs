@@ -5,8 +5,8 @@ use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
 use crate::solver::{Solver, SolverBodies};
-use crate::state::margins::Margins;
-use crate::state::still::StillBodies;
+use crate::state::inactive::InactiveBodies;
+use crate::state::margins::SpeculativeMargins;
 use crate::{angles, broad_phase, force_scan, manifolds, triangle_test};
 
 /// Scratch memory of the stages.
@@ -17,9 +17,9 @@ pub struct StepScratch {
     /// The solver's bodies, followed by the half-spaces.
     pub(crate) solver_bodies: SolverBodies,
     /// Which of them are unchanged since the last collision substep.
-    pub(crate) still: StillBodies,
+    pub(crate) inactive: InactiveBodies,
     /// The speculative margins of this step.
-    pub(crate) margins: Margins,
+    pub(crate) margins: SpeculativeMargins,
     /// The touching pairs of the step so far.
     pub(crate) touches: Touches,
     /// Continuous collision detection, with the impacts of the step so far.

@@ -255,13 +255,13 @@ impl From<&ContactPair> for Manifold {
 impl From<&ContactPoint> for ManifoldPoint {
     fn from(point: &ContactPoint) -> Self {
         // What stands for it on the device.
-        let roundness = |r: f32| if r >= FLAT_ROUNDNESS { f32::INFINITY } else { r };
+        let radius = |r: f32| if r >= FLAT_ROUNDNESS { f32::INFINITY } else { r };
         Self {
-            arms: [Vec3::from(point.arm_a), Vec3::from(point.arm_b)],
+            anchors: [Vec3::from(point.arm_a), Vec3::from(point.arm_b)],
             normal: Vec3::from(point.normal),
             separation: point.separation,
-            roundness: [roundness(point.roundness_a), roundness(point.roundness_b)],
-            turn: point.turn,
+            curvature_radii: [radius(point.roundness_a), radius(point.roundness_b)],
+            normal_rotation: point.turn,
             faces: [point.face_a, point.face_b],
         }
     }

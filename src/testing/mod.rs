@@ -1,5 +1,5 @@
-//! What tests, benchmarks and the command line share and programs do not need: scenes, and parts of a step run by themselves
-//! on a device.
+//! Shared by tests, benchmarks and the command line, and not meant for programs: scenes, and single parts of a step
+//! that run on a device.
 
 #[cfg(feature = "gpu")]
 pub mod gpu_manifolds;

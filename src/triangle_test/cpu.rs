@@ -1,32 +1,32 @@
-//! TriangleTest on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
+//! TriangleTest on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
-mod choice;
+mod any_hit;
+mod candidates;
 pub(super) mod contact;
 pub(crate) mod containment;
 mod cull;
-pub(super) mod decide;
-mod first;
+pub(super) mod interval_test;
+mod lane_filter;
+mod pair_setup;
 pub(crate) mod placed;
 mod planes;
-mod product;
-mod setting;
 
 use crate::parallel::per_thread::PerThread;
+use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::still::StillBodies;
 use crate::state::{Bodies, Contacts, FacePair, Manifolds, NearPair, PairContact, Plane};
+use pair_setup::PairSetup;
 use rayon::prelude::*;
-use setting::Setting;
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    /// A set of lists per task.
+    /// Result lists, one set per task.
     tasks: Vec<Task>,
     workers: PerThread<Worker>,
     planes: planes::Scratch,
-    /// Pairs that sleep and overlap, ascending.
+    /// Inactive pairs that overlap, ascending.
     overlapping: Vec<[u32; 2]>,
 }
 
@@ -38,13 +38,13 @@ struct Task {
 
 #[derive(Default)]
 struct Worker {
-    product: product::Scratch,
-    search: first::Search,
+    candidates: candidates::Scratch,
+    search: any_hit::Search,
     masks: [Vec<u8>; 2],
 }
 
 impl Scratch {
-    /// A task for every few of so many pairs, and a worker for every thread.
+    /// The tasks for this many pairs, and a worker for every thread.
     fn ready(&mut self, pairs: usize) -> (&mut [Task], &PerThread<Worker>) {
         let wanted = pairs.div_ceil(TASK);
         if self.tasks.len() < wanted {
@@ -54,26 +54,27 @@ impl Scratch {
     }
 }
 
-/// Pairs per task: small enough to balance, large enough to keep the scratch warm.
+/// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
 const TASK: usize = 16;
 
-/// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies reach into `planes`.
-/// `manifolds` are those of the last interval: pairs that are still touch as they did then.
+/// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies penetrate
+/// `planes`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
 pub(crate) fn run(
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
     near_pairs: &[NearPair],
     manifolds: &Manifolds,
-    still: &StillBodies,
+    inactive: &InactiveBodies,
     scratch: &mut Scratch,
     contacts: &mut Contacts,
 ) {
     let mut overlapping = std::mem::take(&mut scratch.overlapping);
-    find_overlapping(manifolds, still, &mut overlapping);
-    // What pushes and sleeps has the points it had, and these tell that it touches. Its surfaces do not meet if they say so.
+    find_overlapping(manifolds, inactive, &mut overlapping);
+    // Inactive solid pairs keep their contact points, and these tell whether they touch. If no point overlaps, no faces
+    // intersect, and the test is skipped.
     let is_known = |pair: [u32; 2]| {
-        still.is_still(pair) && bodies.push_each_other(pair) && overlapping.binary_search(&pair).is_err()
+        inactive.is_inactive(pair) && bodies.push_each_other(pair) && overlapping.binary_search(&pair).is_err()
     };
     let (tasks, workers) = scratch.ready(near_pairs.len());
     tasks
@@ -101,23 +102,23 @@ pub(crate) fn run(
     planes::find(bodies, meshes, planes, &mut scratch.planes, &mut contacts.planes);
 }
 
-/// Finds the pairs that sleep and whose surfaces cross, by the points they have from the last interval.
-fn find_overlapping(manifolds: &Manifolds, still: &StillBodies, overlapping: &mut Vec<[u32; 2]>) {
+/// Finds the inactive pairs whose contact points of the last collision substep overlap.
+fn find_overlapping(manifolds: &Manifolds, inactive: &InactiveBodies, overlapping: &mut Vec<[u32; 2]>) {
     overlapping.clear();
-    if !still.has_sleepers {
+    if !inactive.has_sleepers {
         return;
     }
     let crossing = manifolds.pairs.iter().filter(|pair| {
         let nearest = nearest(manifolds.points_of(pair));
         nearest.is_some_and(|point| point.separation <= 0.0)
     });
-    let now = crossing.filter_map(|pair| still.renumbered(pair.bodies));
-    overlapping.extend(now.filter(|&pair| still.is_still(pair)));
+    let now = crossing.filter_map(|pair| inactive.renumbered(pair.bodies));
+    overlapping.extend(now.filter(|&pair| inactive.is_inactive(pair)));
     overlapping.sort_unstable();
 }
 
-/// Which of `near_pairs` touch, as [`run`] would find them, but without faces and contacts: each pair's test ends at the first
-/// hit.
+/// Which of `near_pairs` touch: the pairs of [`run`] without faces and contacts. Each pair's test stops at the first
+/// intersection.
 pub(crate) fn touching(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -141,42 +142,43 @@ fn touch(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Work
     let [a, b] = pair.bodies.map(|i| i as usize);
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh.mesh);
     let size = bodies.radius[a] + bodies.radius[b];
-    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
-    let setting = Setting::new(bodies, meshes, pair, &view, &mut worker.masks);
+    let pair_frame = contact::PairFrame::new(&bodies.frame[a], &bodies.frame[b], size);
+    let setup = PairSetup::new(bodies, meshes, pair, &pair_frame, &mut worker.masks);
     let intersect = |&[ta, tb]: &[u32; 2]| {
-        view.intersect(mesh_a.corners(ta as usize), mesh_b.corners(tb as usize))
+        pair_frame
+            .intersect(mesh_a.corners(ta as usize), mesh_b.corners(tb as usize))
             .is_some()
     };
-    worker.search.any(&setting, intersect) || containment::either_inside(bodies, meshes, pair)
+    worker.search.any(&setup, intersect) || containment::either_inside(bodies, meshes, pair)
 }
 
 fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker, found: &mut Contacts) {
     if pair.is_apart() {
         return;
     }
-    let Worker { product, masks, .. } = worker;
+    let Worker { candidates, masks, .. } = worker;
     let [a, b] = pair.bodies.map(|i| i as usize);
     let size = bodies.radius[a] + bodies.radius[b];
-    let view = contact::PairView::new(&bodies.frame[a], &bodies.frame[b], size);
-    let setting = Setting::new(bodies, meshes, pair, &view, masks);
-    found.triangle_tests += product.find(&setting);
+    let pair_frame = contact::PairFrame::new(&bodies.frame[a], &bodies.frame[b], size);
+    let setup = PairSetup::new(bodies, meshes, pair, &pair_frame, masks);
+    found.triangle_tests += candidates.find(&setup);
 
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
-    product.decide(&setting.placing, |decided| {
+    candidates.decide(&setup.pair_scale, |decided| {
         let [ta, tb] = decided.triangles;
         let hit = match decided.segment {
             Some([start, end]) => Some(contact::Segment::across(start, end)),
-            None => view.intersect(mesh_a.mesh.corners(ta as usize), mesh_b.mesh.corners(tb as usize)),
+            None => pair_frame.intersect(mesh_a.mesh.corners(ta as usize), mesh_b.mesh.corners(tb as usize)),
         };
         if let Some(segment) = hit {
             contour.add(&segment);
             found.faces.push(FacePair {
                 a: mesh_a.mesh.face_ids()[ta as usize],
                 b: mesh_b.mesh.face_ids()[tb as usize],
-                start: view.to_world(segment.start),
-                end: view.to_world(segment.end),
+                start: pair_frame.to_world(segment.start),
+                end: pair_frame.to_world(segment.end),
             });
         }
     });
@@ -188,7 +190,7 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
             contained,
             first_face,
             face_count,
-            contact: contact::contact(bodies, meshes, pair, &contour, &view),
+            contact: contact::contact(bodies, meshes, pair, &contour, &pair_frame),
             first_point: 0,
             point_count: 0,
             impulse: 0.0,

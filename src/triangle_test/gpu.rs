@@ -4,7 +4,7 @@
 //! is found that certainly separates the two triangles: a graphics card has no double precision to ask. So nothing is
 //! missed, and faces nearer than some millionths of the bodies' size may be reported although they do not touch.
 
-use super::cpu::{contact, decide};
+use super::cpu::{contact, interval_test};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::GROUPS_PER_PAIR;
 use crate::gpu::program::{Calls, Groups};
@@ -16,7 +16,7 @@ const PAIRS: Kernel = kernel!("triangle_test/pairs");
 const PLANES: Kernel = kernel!("triangle_test/planes");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::triangle_test", {
-    f32 LEAST_LINE = decide::LEAST_LINE;
+    f32 LEAST_LINE = interval_test::LEAST_LINE;
     f32 SIGNIFICANT = contact::SIGNIFICANT;
 });
 

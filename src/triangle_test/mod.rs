@@ -1,23 +1,25 @@
-//! TriangleTest: which triangles of a pair intersect, and where the bodies push each other.
+//! TriangleTest: finds the intersecting triangles of each pair, and a representative contact.
 //!
-//! Per pair, in single precision and padded so that nothing true is lost:
-//! 1. Small meshes: clusters of eight triangles survive if they reach the other body's half of the best support axis, its
-//!    bounding sphere, its box in either body's axes; what survives is culled against the box of what is left of the
-//!    other, and boxes of clusters are compared eight at a time. Large meshes: both trees of boxes and slabs are opened
-//!    together, down to pairs of clusters that may touch, so that the cost follows the contact.
-//! 2. An approximate [`Culling`](crate::types::settings::Culling) leaves out triangles that the [`View`](super::state::View) of
-//!    their end does not show.
-//! 3. Boxes of triangles are compared eight at a time, in coordinates that are relative to their clusters: rounding is
-//!    small beside the triangles, whatever the size of the bodies.
-//! 4. Pairs whose boxes overlap must cross each other's planes.
+//! Per pair, in single precision with a rounding allowance that keeps every true intersection:
+//! 1. Small meshes: a cluster of eight triangles survives if it meets the other body's bounding sphere, its box in
+//!    either body's axes, and its bound along the best support axis. Surviving clusters are culled against the box of
+//!    the other's survivors, and boxes of clusters are compared eight at a time. Large meshes: the bounding-volume
+//!    trees (boxes and slabs) of both are traversed together down to pairs of clusters that may touch, so the cost
+//!    follows the size of the contact.
+//! 2. An approximate [`Culling`](crate::types::settings::Culling) leaves out triangles that are not in the
+//!    [`View`](super::state::View) of their body.
+//! 3. Boxes of triangles are compared eight at a time, in coordinates relative to their clusters: rounding errors are
+//!    small compared with the triangles, whatever the size of the bodies.
+//! 4. Triangles whose boxes overlap must cross each other's planes.
 //!
-//! What is left, a little more than the true intersections, is decided in double precision by
-//! [`intersect`](crate::geometry::triangle::intersect). A pair without a hit may still be one body inside the other.
+//! Few pairs beyond the true intersections remain. Single precision decides those that are clear, and
+//! [`intersect`](crate::geometry::triangle::intersect) the others in double precision. Without an intersection one body
+//! may still contain the other.
 //!
-//! Whoever asks only which bodies touch gets it from [`cpu::touching`], which ends at the first hit of a pair.
+//! `cpu::touching` finds only which bodies touch, and stops at the first intersection of each pair.
 //!
-//! All culls but the views are conservative, so the approximate modes find exactly those of the exact mode's pairs of
-//! faces whose both faces are in view.
+//! All culls but the views are conservative. So an approximate mode finds exactly those pairs of faces of the exact
+//! mode whose faces are both in view.
 
 pub mod cpu;
 #[cfg(feature = "gpu")]

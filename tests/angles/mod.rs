@@ -1,4 +1,4 @@
-//! The angles at which bodies see each other, and the faces that are culled by them.
+//! View directions between bodies, and the faces that are culled by them.
 
 mod recall;
 mod support_axis;
@@ -31,7 +31,7 @@ pub fn inside_out(mesh: &TriMesh) -> TriMesh {
     TriMesh::new(mesh.vertices().to_vec(), faces).unwrap()
 }
 
-/// Most triangles are hidden from everywhere, so that groups are stored as lists.
+/// Most triangles are invisible from everywhere, so groups are stored as lists.
 pub fn boxed_ball() -> TriMesh {
     let (cube, ball) = (shapes::cube(1.0), shapes::ball(0.3, 3));
     let first = cube.vertices().len() as u32;
@@ -45,7 +45,7 @@ pub fn random_pose(random: &mut fastrand::Rng, size: f32) -> (Vec3, Quat) {
     (vector(size), Quat::from_scaled_axis(vector(3.0)))
 }
 
-/// Runs the three stages that find collisions, on one pair.
+/// Runs the three detection stages on one pair.
 pub fn collide(state: &mut StepState, bodies: [Body; 2], culling: [Culling; 2]) -> BTreeSet<[u32; 2]> {
     state.input.bodies.clear();
     for (body, culling) in bodies.into_iter().zip(culling) {

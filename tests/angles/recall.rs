@@ -1,4 +1,4 @@
-//! Recall of the face table: which pairs of faces the culling modes find of those that meet.
+//! Recall of the face table: which of the intersecting pairs of faces the culling modes find.
 
 use super::{MODES, baked, boxed_ball, collide, inside_out, random_pose};
 use bevy_faceoff::asset::CollisionMesh;
@@ -9,7 +9,8 @@ use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::settings::Culling;
 use glam::{DMat3, DVec3, Vec3};
 
-/// Which input faces of a body look at `other`, worked out in double precision from the definition: `Some` if it is clear.
+/// Which input faces of a body are visible from `other`, computed in double precision from the definition; `None` where
+/// rounding decides.
 struct Seen(Vec<Option<bool>>);
 
 impl Seen {
@@ -42,7 +43,7 @@ impl Seen {
                     let here = near(DVec3::ZERO);
                     around.iter().all(|&by| near(by) == here).then_some(here)
                 }
-                // What is in a room sees every wall.
+                // A body inside a room sees every wall.
                 Culling::FrontFacing if mesh.mesh.orientation() == Orientation::Inward => Some(true),
                 Culling::FrontFacing => {
                     let [p, q, r] = mesh.mesh.corners(t).map(|p| p.as_dvec3());
@@ -51,7 +52,7 @@ impl Seen {
                         Orientation::Outward => normal,
                         _ => panic!("no outside"),
                     };
-                    // Normals go with the inverse transpose.
+                    // Normals transform with the inverse transpose.
                     let world = (matrix.inverse().transpose() * outward).normalize();
                     let cosine = world.dot(direction.normalize());
                     (cosine.abs() > 1.0e-4).then_some(cosine > 0.0)
@@ -136,7 +137,7 @@ fn no_first_contact_of_cubes_is_missed() {
                 },
             )
         };
-        // Convex bodies that approach along the line of centres touch from some distance on.
+        // Convex bodies that approach along the line of centres touch at some distance.
         let (mut touching, mut apart) = (0.0, 4.0);
         for _ in 0..30 {
             let middle = 0.5 * (touching + apart);

@@ -1,4 +1,4 @@
-//! The support-axis cull: what it rejects does not touch, and what it says of an axis holds for every vertex.
+//! The support-axis cull: rejected pairs do not touch, and the bounds along the axis hold for every vertex.
 
 use super::random_pose;
 use bevy_faceoff::asset::CollisionMesh;

@@ -1,4 +1,4 @@
-//! Which faces one body shows another.
+//! Which triangles of a body are in the view of another.
 
 use super::{MODES, baked, boxed_ball, collide};
 use bevy_faceoff::asset::CollisionMesh;
@@ -20,7 +20,7 @@ fn a_body_in_a_baked_direction_looks_up_that_directions_group() {
     let rotation = Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.0);
     let scale = Vec3::new(0.5, -0.8, 1.3);
     for index in 0..grid.len() {
-        // M d, so that the look-up has to invert both scale and rotation.
+        // M d, so that the lookup must invert both scale and rotation.
         let offset = 0.3 * (rotation * (scale * grid.direction(index)));
         let body = |at: Vec3, rotation: Quat, scale: Vec3| {
             Body::at_rest(slot, at - rotation * (scale * mesh.mass.center), rotation, scale)

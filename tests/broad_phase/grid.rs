@@ -1,4 +1,4 @@
-//! The broad phase against all pairs of spheres, tested one by one.
+//! The broad phase against a brute-force test of all pairs of spheres.
 
 use bevy_faceoff::state::Bodies;
 use bevy_faceoff::step::StepState;
@@ -7,7 +7,7 @@ use bevy_faceoff::types::stage::Stage;
 use fastrand::Rng;
 use glam::Vec3;
 
-/// The rule, for all pairs.
+/// Brute force over all pairs.
 fn all_pairs(bodies: &Bodies) -> Vec<[u32; 2]> {
     let n = bodies.center.len();
     let mut pairs = Vec::new();
@@ -40,7 +40,7 @@ fn somewhere(random: &mut Rng, side: f32) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| side * (random.f32() - 0.5)))
 }
 
-/// Some of every kind, in several layers.
+/// Bodies of every kind in several collision layers.
 fn mix(state: &mut StepState, random: &mut Rng) {
     let bodies = &mut state.input.bodies;
     for i in 0..bodies.center.len() {
@@ -53,7 +53,7 @@ fn mix(state: &mut StepState, random: &mut Rng) {
     }
 }
 
-/// All that moves moves, and every time one thing about one static body changes, or nothing.
+/// Moves all moving bodies, and each time changes one property of one static body, or nothing.
 fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&mut StepState) -> usize) {
     let all = 0..state.input.bodies.center.len();
     let (still, moving): (Vec<usize>, Vec<usize>) = all.partition(|&i| state.input.bodies.kind[i] == RigidBody::Static);
@@ -70,7 +70,7 @@ fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&
             0 => {}
             1 => bodies.radius[one] *= 1.5,
             2 => bodies.center[one].z += bodies.radius[one],
-            // As many static bodies as before, but others.
+            // The same number of static bodies, but different ones.
             3 => bodies.kind.swap(one, other),
             4 => bodies.layers[one] = CollisionLayers::default(),
             _ => {
@@ -85,7 +85,8 @@ fn change_one_static(state: &mut StepState, random: &mut Rng, compare: impl Fn(&
     }
 }
 
-/// Compares, as all dynamic and as a mixture, and again after some have moved; returns the pairs of the first.
+/// Compares the scene with all bodies dynamic and with mixed kinds, then again after some have moved. Returns the
+/// number of pairs of the first.
 fn check(state: &mut StepState, random: &mut Rng, what: &str) -> usize {
     let compare = |state: &mut StepState| {
         bevy_faceoff::step::cpu::run(Stage::BroadPhase, state);
@@ -200,7 +201,7 @@ fn far_from_the_origin() {
 #[test]
 fn on_the_borders_of_cells() {
     let mut random = Rng::with_seed(6);
-    // A lattice: neighbours touch exactly, or miss by the last bit.
+    // A lattice: neighbours touch exactly or miss by the last bit.
     for radius in [0.5, 0.5f32.next_up(), 0.5f32.next_down(), 0.49, 1.0, 1.0 / 3.0] {
         let mut state = StepState::default();
         for x in -5..5 {
@@ -255,7 +256,7 @@ fn bodies_spread_out_and_come_together() {
     }
     let mut pairs = Vec::new();
     for side in [4000.0, 20.0, 4000.0, 200.0, 60.0] {
-        // Cells grow or shrink step by step.
+        // Cells grow or shrink from step to step.
         for _ in 0..12 {
             for center in &mut state.input.bodies.center {
                 *center = somewhere(&mut random, side);

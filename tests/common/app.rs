@@ -1,4 +1,4 @@
-//! A headless app on a manual clock, for tests that look at the plugins as a game does.
+//! A headless app on a manual clock, for tests that use the plugins like a game.
 
 #![allow(dead_code)]
 
@@ -10,10 +10,10 @@ use bevy_faceoff::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Whether apps that ask for nothing else run on a GPU.
+/// Whether apps run on a GPU by default.
 pub static ON_GPU: AtomicBool = AtomicBool::new(false);
 
-/// One fixed step, in seconds a power of two, so that times add up exactly.
+/// Length of a fixed step, seconds: a power of two, so that times add up exactly.
 pub const STEP: Duration = Duration::from_nanos(15_625_000);
 pub const DT: f32 = 1.0 / 64.0;
 
@@ -26,13 +26,13 @@ pub struct Sim {
 }
 
 impl Sim {
-    /// Without gravity and on one thread, in the folder of the test assets.
+    /// Without gravity, on one thread, with the folder of test assets.
     pub fn new() -> Self {
         Self::with_threads(1)
     }
 
     pub fn with_threads(threads: usize) -> Self {
-        // What most of these tests expect to the last bit is the CPU's.
+        // Most of these tests expect the bits of the CPU.
         let backend = if ON_GPU.load(Ordering::Relaxed) {
             Backend::Gpu
         } else {
@@ -45,27 +45,27 @@ impl Sim {
         })
     }
 
-    /// With steps that run like this.
+    /// With these settings of the step plugin.
     pub fn with_step(step: StepPlugin) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         Self::of(app)
     }
 
-    /// Tells ends to the step.
+    /// Reports the end of a touch at once, without hysteresis.
     pub fn exact(mut self) -> Self {
         self.world().insert_resource(EventHysteresis(0.0));
         self
     }
 
-    /// Takes over an app that has its plugins.
+    /// Wraps an app that already has its plugins.
     pub fn of(mut app: App) -> Self {
         app.insert_resource(Time::<Fixed>::from_duration(STEP))
             .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
             .insert_resource(Gravity(Vec3::ZERO));
         app.finish();
         app.cleanup();
-        // Bevy's first update has no time behind it and runs no step.
+        // Bevy's first update has zero elapsed time and runs no step.
         app.update();
         Self {
             app,

@@ -1,4 +1,4 @@
-//! An app without window or renderer over a folder of files.
+//! An app without window or renderer that loads assets from a folder.
 #![allow(dead_code)]
 
 use bevy::app::ScheduleRunnerPlugin;
@@ -9,15 +9,15 @@ use std::path::Path;
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
-/// All apps of a process share one pool for bakes and the cores of one machine.
+/// Apps of a process share one bake pool and the cores of one machine.
 static MACHINE: RwLock<()> = RwLock::new(());
 
-/// For tests that ask who waits for whom, or for how long: no other test of the process runs meanwhile.
+/// For tests of waiting times and order: no other test of the process runs meanwhile.
 pub fn alone() -> RwLockWriteGuard<'static, ()> {
     MACHINE.write().unwrap_or_else(|e| e.into_inner())
 }
 
-/// For tests beside which others of their kind may run.
+/// For tests that may run beside others of this kind.
 pub fn beside_others() -> RwLockReadGuard<'static, ()> {
     MACHINE.read().unwrap_or_else(|e| e.into_inner())
 }
@@ -61,7 +61,7 @@ pub fn update_until(app: &mut App, mut done: impl FnMut(&mut App) -> bool) {
     }
 }
 
-/// Runs the app until a handle is loaded, or returns why it is not.
+/// Runs the app until a handle is loaded, or returns the error.
 #[track_caller]
 pub fn settle<A: Asset>(app: &mut App, handle: &Handle<A>) -> Result<(), String> {
     let server = server(app);

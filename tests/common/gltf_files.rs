@@ -1,4 +1,4 @@
-//! Builds glTF files of any kind, right and wrong.
+//! Builds valid and invalid glTF files.
 #![allow(dead_code)]
 
 use base64::Engine;
@@ -101,7 +101,7 @@ impl Gltf {
         glb(gltf.json.to_string().as_bytes(), Some(&self.bin))
     }
 
-    /// Writes the length of the buffer into the document, if that has one.
+    /// Writes the length of the buffer into the document, if it has a buffer.
     pub fn fit(&mut self) {
         if let Some(length) = self.json.pointer_mut("/buffers/0/byteLength") {
             *length = json!(self.bin.len());

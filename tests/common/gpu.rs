@@ -1,8 +1,8 @@
-//! The harness of tests that need a graphics card, real or computed on the CPU as by Mesa's lavapipe.
+//! The harness of tests that need a graphics card, real or emulated on the CPU as by Mesa's lavapipe.
 //!
-//! Without one every test says *ignored*, and why; with `FACEOFF_REQUIRE_GPU=1` it fails instead, so that a machine that
-//! is meant to have one cannot skip them unnoticed. The device is opened once. Tests run one after the other unless told
-//! otherwise: lavapipe uses all cores for each.
+//! Without one every test is reported as *ignored*, with the reason. With `FACEOFF_REQUIRE_GPU=1` it fails instead, so
+//! that a machine that should have one cannot skip the tests unnoticed. The device is opened once. Tests run one after
+//! the other unless configured otherwise: lavapipe uses all cores for each.
 
 #![allow(dead_code)]
 
@@ -11,13 +11,13 @@ use libtest_mimic::{Arguments, Completion, Failed, Trial};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-/// A name, and what to do with the device.
+/// Name and function of a test that needs the device.
 pub type Test = (&'static str, fn(&Gpu));
 
-/// A name, and what to do without a device.
+/// Name and function of a test that needs no device.
 pub type Plain = (&'static str, fn());
 
-/// Runs the tests that the command line names, and ends the process. Each test is called after its group.
+/// Runs the tests that the command line selects, and exits the process. Each test has its group's name as a prefix.
 pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
     let mut arguments = Arguments::from_args();
     arguments.test_threads = arguments.test_threads.or(Some(1));

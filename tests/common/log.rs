@@ -1,4 +1,4 @@
-//! What the library logs, kept for a test to read. A process has one log, so such a test runs in a process of its own.
+//! Captures the library's log for a test. A process has one log, so such a test runs in its own process.
 
 #![allow(dead_code)]
 
@@ -10,10 +10,10 @@ use tracing::{Event, Level, Metadata, span};
 
 static LINES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Set in the process that runs one test alone.
+/// Environment variable that is set in the process of a single test.
 const ALONE: &str = "FACEOFF_TEST_ALONE";
 
-/// Runs the test with this full name in a process of its own and passes its failure on. False in that process.
+/// Runs the test with this full name in its own process and propagates its failure. Returns false in that process.
 pub fn ran_alone(name: &str) -> bool {
     if std::env::var_os(ALONE).is_some() {
         return false;
@@ -29,17 +29,17 @@ pub fn ran_alone(name: &str) -> bool {
     true
 }
 
-/// Keeps the lines of these levels from now on.
+/// Captures lines of these levels from now on.
 pub fn keep(levels: &'static [Level]) {
     tracing::subscriber::set_global_default(Log { levels }).unwrap();
 }
 
-/// All that was kept and not taken.
+/// All captured lines that were not taken.
 pub fn lines() -> MutexGuard<'static, Vec<String>> {
     LINES.lock().unwrap()
 }
 
-/// What was logged since the last call.
+/// Takes the lines logged since the last call.
 pub fn take() -> Vec<String> {
     std::mem::take(&mut lines())
 }

@@ -1,4 +1,4 @@
-//! Bodies of meshes and planes, moved by whole steps.
+//! A world of bodies and planes that advances by whole steps.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
@@ -14,19 +14,19 @@ use bevy_faceoff::types::stage::Stage;
 use glam::{DVec3, Quat, Vec3};
 use std::collections::HashMap;
 
-/// Where worlds move, if not on the CPU: a device for all of them in turn.
+/// The device on which worlds run in turn, if they do not run on the CPU.
 #[cfg(feature = "gpu")]
 pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::step::gpu::GpuStep>> = std::sync::Mutex::new(None);
 
 pub struct World {
     pub state: StepState,
-    /// Whether it moves on the CPU, also if there is a device.
+    /// Whether it runs on the CPU even if there is a device.
     #[cfg(feature = "gpu")]
     pub on_cpu: bool,
 }
 
 impl World {
-    /// Under gravity, without sleep.
+    /// A world with gravity, without sleep.
     pub fn new() -> Self {
         let mut state = StepState::default();
         state.input.config = StepConfig {
@@ -49,7 +49,7 @@ impl World {
         }
     }
 
-    /// With the gravity and the bodies of a scene.
+    /// A world with the gravity and the bodies of a scene.
     pub fn of(scene: &Scene) -> Self {
         let mut world = Self::new();
         world.state.input.config.gravity = scene.gravity;
@@ -77,7 +77,7 @@ impl World {
         world
     }
 
-    /// The same without gravity.
+    /// A world without gravity.
     pub fn weightless() -> Self {
         let mut world = Self::new();
         world.state.input.config.gravity = Vec3::ZERO;
@@ -112,7 +112,7 @@ impl World {
         }
     }
 
-    /// What the plugin does between steps: poses in double precision follow from those in single.
+    /// Updates the double-precision poses from the single-precision ones, as the plugin does between steps.
     #[cfg(feature = "gpu")]
     pub fn place_frames(&mut self) {
         let StepInput { bodies, meshes, .. } = &mut self.state.input;
@@ -168,10 +168,10 @@ impl World {
     }
 }
 
-/// A rotation, all equally likely.
+/// A uniformly distributed rotation.
 pub fn any_turn(random: &mut fastrand::Rng) -> Quat {
     scenes::any_turn(&mut || random.f32())
 }
 
-/// What a cube of edge 1 keeps between itself and others.
+/// The gap that a resting cube of edge 1 keeps.
 pub const GAP: f32 = 0.00866;

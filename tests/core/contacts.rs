@@ -1,4 +1,4 @@
-//! Contact points of two placed meshes, as an engine asks for them.
+//! Contact points of two placed meshes, as another engine requests them.
 
 use crate::scene::{self, identity, manifold, meshes, points, touching};
 use bevy_faceoff::asset::CollisionMesh;
@@ -18,7 +18,7 @@ fn triangle(placed: &Placed, pose: &Pose, face: u32) -> [DVec3; 3] {
         .map(|p| pose.rotation.as_dquat() * (pose.scale.as_dvec3() * p.as_dvec3()))
 }
 
-/// Points lie on the planes of the faces that they name, and are as far apart as they say.
+/// Requires that points lie on the planes of their faces and have the separation that they report.
 fn require_sane(placed: [&Placed; 2], poses: [&Pose; 2], points: &[MeshContact]) {
     for point in points {
         for i in 0..2 {
@@ -86,7 +86,7 @@ fn points_are_appended() {
 fn far_from_the_origin_nothing_is_lost() {
     let mut random = fastrand::Rng::with_seed(2);
     let mut worker = ContactWorker::new();
-    // To these the coordinates of bodies, with their 24 bits, are added without rounding.
+    // Adding these to the bodies' 24-bit coordinates does not round.
     let offsets = [DVec3::new(1.0e6, -1.0e6, 1.0e6), DVec3::new(-3.0e6, 12.0, 0.25)];
     let meshes = meshes();
     for case in 0..200 {

@@ -1,4 +1,4 @@
-//! Feature ids: they name what touches, and last while bodies move a little.
+//! Feature ids identify what touches, and persist under small motions.
 
 use crate::scene::{Pose, identity, manifold, meshes, points, touching};
 use bevy_faceoff::asset::CollisionMesh;
@@ -7,7 +7,7 @@ use bevy_faceoff::queries::{ContactWorker, FeatureId, FeatureKind, MeshContact, 
 use glam::{DVec3, Quat, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
-/// Of the points that are there before and after a small motion, how many there are and how many have the same ids.
+/// Counts points that exist before and after a small motion, and those of equal ids.
 #[derive(Debug, Default)]
 struct Share {
     same: usize,
@@ -30,7 +30,7 @@ impl Share {
     }
 }
 
-/// The point with each pair of ids; no two have the same.
+/// The point of each pair of ids; ids are unique.
 fn by_ids(points: &[MeshContact]) -> HashMap<[FeatureId; 2], &MeshContact> {
     let all: HashMap<_, _> = points.iter().map(|point| (point.features, point)).collect();
     assert_eq!(all.len(), points.len(), "{points:?}");
@@ -39,7 +39,7 @@ fn by_ids(points: &[MeshContact]) -> HashMap<[FeatureId; 2], &MeshContact> {
 
 #[test]
 fn ids_last_while_bodies_move_a_little() {
-    // As a step of 1/60 s moves bodies at 1 cm/s and at 10 cm/s; `least` is how many percent of the ids have to last.
+    // Motions of a step of 1/60 s at 1 cm/s and at 10 cm/s; `least` is the least percentage of ids that must persist.
     for (motion, least) in [(2.0e-4, 99.5), (2.0e-3, 95.0)] {
         for (name, mesh) in &meshes()[..3] {
             for depth in [0.0, 0.03] {
@@ -55,11 +55,12 @@ fn ids_last_while_bodies_move_a_little() {
 
 #[derive(Debug, Default)]
 struct Shares {
-    /// Of all points.
+    /// Share among all points.
     all: Share,
-    /// Of those of manifolds, of which some are chosen that were not before.
+    /// Share among manifold points, some of which are newly selected.
     chosen: Share,
-    /// Points that have ids that a point had before, and how many are far from it. In an overlap places may exchange numbers.
+    /// Number of points whose ids existed before, and of those that moved far. In an overlap the points of a patch may
+    /// swap their numbers.
     named: usize,
     far: usize,
     far_in_overlaps: usize,
@@ -108,7 +109,7 @@ fn a_box_at_rest_keeps_all_its_ids() {
     let mut worker = ContactWorker::new();
     let ground = identity(&large, DVec3::ZERO);
     for turn in 0..20 {
-        // Beside the diagonal of the ground's face, so that no corner crosses it.
+        // Away from the diagonal of the ground's face, so that no corner crosses it.
         let rest = Pose::new(
             Vec3::new(0.03, 1.5, 0.01),
             Quat::from_rotation_y(0.1 + 0.06 * turn as f32),
@@ -117,7 +118,7 @@ fn a_box_at_rest_keeps_all_its_ids() {
         for _ in 0..100 {
             let pose = rest.moved(&mut random, 1.0e-4, 1.0e-4);
             let mut found = manifold(&mut worker, &ground, &pose.place(&small, DVec3::ZERO), 0.01);
-            // Where a corner sinks in by a thousandth of a millimetre there are points of the overlap beside it.
+            // Where a corner penetrates by a thousandth of a millimetre, overlap points exist beside it.
             found.retain(|point| point.features[1].kind() == FeatureKind::Vertex);
             let mut ids: Vec<_> = found.iter().map(|point| point.features).collect();
             ids.sort_unstable();
@@ -127,7 +128,7 @@ fn a_box_at_rest_keeps_all_its_ids() {
     }
 }
 
-/// Which feature of the input mesh an id names.
+/// Requires that the id identifies the feature of the input mesh at the anchor.
 fn names(placed: &Placed, pose: &Pose, input: &TriMesh, id: FeatureId, anchor: DVec3) {
     let place = |v: u32| pose.rotation.as_dquat() * input.vertices()[v as usize].as_dvec3();
     let index = id.index();
@@ -157,7 +158,7 @@ fn names(placed: &Placed, pose: &Pose, input: &TriMesh, id: FeatureId, anchor: D
 fn ids_name_corners_edges_and_faces_of_the_input() {
     let mut random = fastrand::Rng::with_seed(7);
     let mut worker = ContactWorker::new();
-    // Coarse ones: their points do not move to a round surface. The second is turned by the bake.
+    // Coarse meshes: their anchors are not moved to a smooth surface. The bake flips the second one.
     let cube = shapes::cube(0.8);
     let knob = shapes::torus(8, 6, 0.4, 0.15);
     let inward = knob.clone().flipped();

@@ -1,4 +1,4 @@
-//! Placed meshes: what can be placed, boxes, mass.
+//! Placed meshes: validation, bounding boxes, mass.
 
 use crate::scene::{meshes, rotation, vector};
 use bevy_faceoff::asset::CollisionMesh;

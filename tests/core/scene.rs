@@ -5,7 +5,7 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::queries::{ContactWorker, MeshContact, PairMemory, Placed};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-/// Where a mesh is. Coordinates are single precision, as those of a step are.
+/// Pose of a mesh, in single precision like those of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     pub translation: Vec3,
@@ -22,13 +22,13 @@ impl Pose {
         }
     }
 
-    /// A mesh there, and `offset` farther.
+    /// The mesh with this pose, translated by `offset`.
     pub fn place<'a>(&self, mesh: &'a CollisionMesh, offset: DVec3) -> Placed<'a> {
         let translation = self.translation.as_dvec3() + offset;
         Placed::new(mesh, translation, self.rotation.as_dquat(), self.scale).expect("a usable pose")
     }
 
-    /// A little elsewhere.
+    /// A slightly different pose.
     pub fn moved(&self, random: &mut fastrand::Rng, distance: f32, angle: f32) -> Self {
         Self {
             translation: self.translation + distance * vector(random),
@@ -38,7 +38,7 @@ impl Pose {
     }
 }
 
-/// Baked shapes about 1 m large, by name.
+/// Baked shapes about 1 m in size, with names.
 pub fn meshes() -> [(&'static str, CollisionMesh); 4] {
     [
         ("knot", shapes::knot_1120()),
@@ -49,7 +49,7 @@ pub fn meshes() -> [(&'static str, CollisionMesh); 4] {
     .map(|(name, mesh)| (name, CollisionMesh::new(&mesh)))
 }
 
-/// Each coordinate from -1 to 1.
+/// A vector whose coordinates lie between -1 and 1.
 pub fn vector(random: &mut fastrand::Rng) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0))
 }
@@ -59,7 +59,7 @@ pub fn rotation(random: &mut fastrand::Rng) -> Quat {
     Quat::from_xyzw(x, y, z, w).normalize()
 }
 
-/// The first at the origin, and the second where it comes to touch it, up to 1 cm deep.
+/// The first at the origin, and the second where it touches the first, up to 1 cm deep.
 pub fn touching(random: &mut fastrand::Rng, a: &CollisionMesh, b: &CollisionMesh) -> [Pose; 2] {
     let mut worker = ContactWorker::new();
     loop {
@@ -81,14 +81,14 @@ pub fn touching(random: &mut fastrand::Rng, a: &CollisionMesh, b: &CollisionMesh
     }
 }
 
-/// All points of two placed meshes.
+/// All contact points of two placed meshes.
 pub fn points(worker: &mut ContactWorker, a: &Placed, b: &Placed, margin: f32) -> Vec<MeshContact> {
     let mut points = Vec::new();
     worker.points(a, b, margin, &mut points);
     points
 }
 
-/// Their manifold.
+/// Their reduced manifold.
 pub fn manifold(worker: &mut ContactWorker, a: &Placed, b: &Placed, margin: f32) -> Vec<MeshContact> {
     let mut points = Vec::new();
     worker.manifold(a, b, margin, &mut PairMemory::default(), &mut points);

@@ -1,4 +1,4 @@
-//! A worker finds what a step finds.
+//! A `ContactWorker` finds the same points as a step.
 
 use crate::scene::{Pose, manifold, meshes, touching};
 use bevy_faceoff::asset::CollisionMesh;
@@ -8,7 +8,7 @@ use bevy_faceoff::state::mesh_arena::MeshArena;
 use bevy_faceoff::state::{Bodies, Body};
 use glam::{DVec3, Vec3};
 
-/// The points of the step's manifold.
+/// The points of the manifold in a step.
 fn of_step(meshes: [&CollisionMesh; 2], poses: &[Pose; 2], margin: f32) -> Vec<ManifoldPoint> {
     let (mut arena, mut bodies) = (MeshArena::default(), Bodies::default());
     let first = arena.add(meshes[0].clone());
@@ -25,19 +25,19 @@ fn of_step(meshes: [&CollisionMesh; 2], poses: &[Pose; 2], margin: f32) -> Vec<M
     cpu::of_pair(&bodies, &arena, bodies_of_pair).points
 }
 
-/// Compares them to the bit, and tells how many points there are.
+/// Compares both to the bit. Returns the number of points.
 fn require_same(case: usize, meshes: [&CollisionMesh; 2], poses: &[Pose; 2], margin: f32) -> usize {
     let wanted = of_step(meshes, poses, margin);
     let [a, b] = [0, 1].map(|i| poses[i].place(meshes[i], DVec3::ZERO));
     let found = manifold(&mut ContactWorker::new(), &a, &b, margin);
     assert_eq!(found.len(), wanted.len(), "case {case}");
     for (found, wanted) in found.iter().zip(&wanted) {
-        let arms = [0, 1].map(|i| {
+        let anchors = [0, 1].map(|i| {
             let center = [a, b][i].center_of_mass() - [a, b][i].translation();
             (found.anchors[i] - center).as_vec3()
         });
-        let found = (arms, found.normal, found.separation, found.faces);
-        let wanted = (wanted.arms, wanted.normal, wanted.separation, wanted.faces);
+        let found = (anchors, found.normal, found.separation, found.faces);
+        let wanted = (wanted.anchors, wanted.normal, wanted.separation, wanted.faces);
         assert_eq!(found, wanted, "case {case}");
     }
     found.len()

@@ -40,5 +40,5 @@ impl Motion {
 /// The inertia tensor of body `i` in world axes, kg m^2.
 pub fn inertia(world: &World, i: usize) -> DMat3 {
     let axes = world.state.input.bodies.frame[i].rotation;
-    axes * world.state.input.bodies.own_inverse_inertia[i].as_dmat3().inverse() * axes.transpose()
+    axes * world.state.input.bodies.local_inverse_inertia[i].as_dmat3().inverse() * axes.transpose()
 }

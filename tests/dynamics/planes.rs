@@ -28,8 +28,8 @@ fn a_cube_lies_on_four_corners() {
     assert!((position.x - 3.0).hypot(position.z - 1.0) < 0.001, "{position}");
     for point in &world.state.results.manifolds.points {
         assert_eq!(point.normal, Vec3::NEG_Y);
-        assert!((point.arms[0].y + 0.5).abs() < 0.002);
-        assert!(point.arms[1].y.abs() < 1.0e-5);
+        assert!((point.anchors[0].y + 0.5).abs() < 0.002);
+        assert!(point.anchors[1].y.abs() < 1.0e-5);
     }
     let contact = world.state.results.contacts.planes[0];
     assert_eq!((contact.body, contact.plane), (0, 0));

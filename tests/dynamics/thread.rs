@@ -63,7 +63,7 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
     let mut farthest_off = 0.0f64;
     let travel = loop {
         let bodies = &mut world.state.input.bodies;
-        let inertia = bodies.own_inverse_inertia[nut].z_axis.z.recip();
+        let inertia = bodies.local_inverse_inertia[nut].z_axis.z.recip();
         let missing = SPEED - bodies.angular_velocity[nut].z;
         bodies.params[nut].forces.torque = Vec3::Z * (0.5 * 64.0 * inertia * missing);
         let before = bodies.rotation[nut];

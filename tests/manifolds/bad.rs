@@ -1,4 +1,4 @@
-//! One inside the other, and what no one should do.
+//! Containment and degenerate input.
 
 use super::scene::{body, cube, degrees, depth, oracle_mesh, points, push, state};
 use crate::oracle::body::{Body, Mesh};
@@ -101,7 +101,7 @@ fn far_from_the_origin_only_the_poses_are_rounded() {
     }
 }
 
-/// A square of so many quads a side in the plane z = 0, looking up.
+/// A square sheet of `quads` by `quads` quads in the plane z = 0, facing up.
 fn sheet(quads: u32, size: f32) -> Arc<Mesh> {
     let at = |i: u32, j: u32| i * (quads + 1) + j;
     let mut vertices = vec![];

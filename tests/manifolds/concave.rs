@@ -1,4 +1,4 @@
-//! Tori, knots and rings, against a search over all ways out.
+//! Tori, knots and rings, against a search over all separating directions.
 
 use super::scene::{body, degrees, depth, first_touch, oracle_mesh, points, push, way_out};
 use crate::oracle::body::{Body, Mesh};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 #[test]
 fn a_ring_through_a_ring_touches_on_two_sides() {
     let product = Product::default();
-    // The tube is wider than the hole that is left: it touches the hole's inner side and its far side.
+    // The tube is wider than the remaining hole: it touches the hole's inner side and its far side.
     let outer = oracle_mesh("outer", &shapes::torus(24, 12, 0.7, 0.3));
     let inner = oracle_mesh("inner", &shapes::torus(24, 12, 1.2, 0.41));
     let a = body(&outer, DVec3::ZERO, Quat::IDENTITY);
@@ -26,31 +26,31 @@ fn a_ring_through_a_ring_touches_on_two_sides() {
     let opposite = found.iter().any(|p| {
         found
             .iter()
-            .any(|q| p.normal.dot(q.normal) < -0.8 && p.arms[0].distance(q.arms[0]) > 0.5)
+            .any(|q| p.normal.dot(q.normal) < -0.8 && p.anchors[0].distance(q.anchors[0]) > 0.5)
     });
     assert!(opposite, "{found:?}");
     assert!(sum.length() < 0.5 * found.len() as f32, "{sum} {found:?}");
     for point in &found {
-        // Into the tube in the hole: from the hole's wall to its middle.
-        let inward = -point.arms[0] * Vec3::new(1.0, 1.0, 0.0);
+        // From the wall of the hole into the tube inside it.
+        let inward = -point.anchors[0] * Vec3::new(1.0, 1.0, 0.0);
         assert!(point.normal.dot(inward.normalize()) > 0.7, "{point:?}");
         assert!(point.separation > -0.03, "{point:?}");
     }
 }
 
-/// What is found about bodies that overlap a little, beside what a search over all ways out finds.
+/// Quality of the contacts of slightly overlapping bodies, relative to a search over all separating directions.
 struct Quality {
-    /// Degrees between the pushes.
+    /// Angles between the separating directions, degrees.
     mean: f64,
     worst: f64,
-    /// Of the depth, relative to the true one.
+    /// Errors of the depth, relative to the true depth.
     depth: f64,
     points: f64,
     missed: usize,
     cases: usize,
 }
 
-/// Two bodies, and a range of ways that the second goes until it meets the first.
+/// Two bodies, and the range of directions along which the second approaches the first.
 struct Approach {
     bodies: [Body; 2],
     way: DVec3,
@@ -58,7 +58,7 @@ struct Approach {
     to: f64,
 }
 
-/// From anywhere outside.
+/// An approach from any direction outside.
 fn from_outside(mesh: &Arc<Mesh>, rng: &mut Rng) -> Approach {
     let a = body(mesh, DVec3::ZERO, rng.rotation());
     let b = body(mesh, rng.in_ball(0.1), rng.rotation());
@@ -70,7 +70,7 @@ fn from_outside(mesh: &Arc<Mesh>, rng: &mut Rng) -> Approach {
     }
 }
 
-/// Like two links of a chain that is pulled.
+/// An approach like that of two links of a chain under tension.
 fn in_a_chain(mesh: &Arc<Mesh>, rng: &mut Rng) -> Approach {
     let mut spin = |range: f64| rng.range(-range, range) as f32;
     let across = Quat::from_rotation_x(TAU / 4.0 + spin(0.4)) * Quat::from_rotation_z(spin(0.5));
@@ -83,7 +83,7 @@ fn in_a_chain(mesh: &Arc<Mesh>, rng: &mut Rng) -> Approach {
     }
 }
 
-/// The second goes until it overlaps by `overlap` of its diameter.
+/// The second body approaches until it overlaps by `overlap` of its diameter.
 fn quality(
     mesh: &Arc<Mesh>,
     approach: fn(&Arc<Mesh>, &mut Rng) -> Approach,

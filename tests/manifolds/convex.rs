@@ -1,4 +1,4 @@
-//! Balls and cubes, against formulas.
+//! Balls and cubes, against analytic results.
 
 use super::scene::{body, cube, degrees, depth, first_touch, oracle_mesh, points, push, turn};
 use crate::oracle::product::Product;
@@ -7,7 +7,7 @@ use bevy_faceoff::geometry::shapes;
 use glam::{DVec3, Quat, Vec3};
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 
-/// Mean and worst angle to the line of centres, and mean error of the depth relative to the true one.
+/// Mean and largest angle to the line of centres, and the mean error of the depth relative to the true depth.
 fn balls(overlap: f64, margin: f64, cases: usize) -> [f64; 3] {
     let product = Product::default();
     let ball = oracle_mesh("ball", &shapes::ball(0.5, 4));
@@ -17,7 +17,8 @@ fn balls(overlap: f64, margin: f64, cases: usize) -> [f64; 3] {
         let way = rng.direction();
         let a = body(&ball, DVec3::new(0.3, -0.2, 0.9), rng.rotation());
         let b = body(&ball, DVec3::new(0.3, -0.2, 0.9), rng.rotation());
-        // A ball of triangles is up to 3 in 10,000 flatter than a ball, so the true depth starts where these touch.
+        // A tessellated ball is up to 3 in 10,000 flatter than a sphere, so the true depth is measured from the first
+        // contact of the meshes.
         let touch = first_touch(&a, &b, -way, -1.002, -0.99, 0.001).expect("they meet");
         let points = points(&product, &a, &b.moved(way * (-touch - overlap)), margin);
         let angle = degrees(push(&points), way);
@@ -64,7 +65,7 @@ fn cubes_edge_to_edge() {
     let mut rng = Rng::new(3, 0);
     for depth in [0.02, 0.003, -0.003] {
         for _ in 0..20 {
-            // Each stands on an edge; seen from above the edges cross at some angle.
+            // Each stands on an edge; seen from above, the edges cross at some angle.
             let tilt = Quat::from_rotation_x(FRAC_PI_4 as f32);
             let above = Quat::from_rotation_z(rng.range(0.5, 2.6) as f32) * tilt;
             let aside = DVec3::X * rng.range(-0.2, 0.2);
@@ -76,7 +77,7 @@ fn cubes_edge_to_edge() {
             assert!((f64::from(found[0].separation) + depth).abs() < 1e-4, "{found:?}");
             let aside = aside.as_vec3();
             assert!(
-                (found[0].arms[0] - (aside + Vec3::Z * 0.5 * SQRT_2 as f32)).length() < 1e-3,
+                (found[0].anchors[0] - (aside + Vec3::Z * 0.5 * SQRT_2 as f32)).length() < 1e-3,
                 "{found:?}"
             );
         }
@@ -99,7 +100,7 @@ fn a_cubes_corner_on_a_face() {
             assert_eq!(found.len(), 1, "{depth}: {found:?}");
             assert!(found[0].normal.distance(Vec3::Z) < 1e-4, "{found:?}");
             assert!((f64::from(found[0].separation) + depth).abs() < 1e-4, "{found:?}");
-            let on_b = b.translation + found[0].arms[1];
+            let on_b = b.translation + found[0].anchors[1];
             assert!(on_b.as_dvec3().distance(foot) < 1e-4, "{found:?}");
         }
     }
@@ -132,10 +133,10 @@ fn edges_of_cubes_that_nearly_lie_flat_push_along_a_face() {
         let found = points(&product, &a, &b, 0.01);
         assert!(!found.is_empty());
         for point in &found {
-            // Straight edges of both cross at angles at which their common normal is neither face's.
+            // Edges of both cross at angles at which their common normal differs from both faces' normals.
             let faces = [Vec3::Z, rotation * Vec3::Z].map(|n| point.normal.distance(n));
             assert!(faces[0].min(faces[1]) < 1e-5, "case {case}: {point:?}");
-            let rims = [point.arms[0], rotation.inverse() * point.arms[1]];
+            let rims = [point.anchors[0], rotation.inverse() * point.anchors[1]];
             let on_edge = |p: &Vec3| p.x.abs().max(p.y.abs()) > 0.499;
             crossing_edges += usize::from(rims.iter().all(on_edge));
         }
@@ -145,7 +146,7 @@ fn edges_of_cubes_that_nearly_lie_flat_push_along_a_face() {
 
 #[test]
 fn what_reaches_through_a_flat_face_is_as_deep_as_it_is() {
-    // Deeper than features may overlap, so that rays tell; and the contour lies in the face.
+    // Deeper than features may overlap, so rays find the depth; the contour lies in the face.
     let (product, cube) = (Product::default(), cube());
     let ball = oracle_mesh("ball", &shapes::ball(0.5, 4));
     let mut rng = Rng::new(19, 0);

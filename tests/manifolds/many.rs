@@ -1,4 +1,4 @@
-//! Many pairs at once.
+//! Many pairs in parallel.
 
 use super::scene::require_sane;
 use crate::oracle::rng::Rng;

@@ -1,5 +1,5 @@
-//! Contact points between meshes: where they are, which way they push, and how deep, against formulas and against a
-//! search over all ways out with exact predicates.
+//! Contact points of meshes: positions, normals and depths, against analytic results and against a search over all
+//! separating directions with exact predicates.
 
 mod bad;
 mod concave;

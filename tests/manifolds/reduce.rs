@@ -11,7 +11,7 @@ fn cubes_face_to_face() {
     let (product, cube) = (Product::default(), cube());
     let mut rng = Rng::new(2, 0);
     for case in 0..60 {
-        // Turned about the axis, shifted aside, and all of it turned any way.
+        // Rotated about the axis, shifted sideways, and rotated together.
         let frame = rng.rotation();
         let axis = (frame * Vec3::Z).as_dvec3();
         let depth = [0.01, 0.001, 0.0, -0.003][case % 4];
@@ -32,9 +32,12 @@ fn cubes_face_to_face() {
                 "case {case}: {point:?}"
             );
         }
-        // They hold the faces' common middle.
-        let middle: Vec3 = found.iter().map(|p| p.arms[0]).sum::<Vec3>() / found.len() as f32;
-        assert!(found.iter().any(|p| (p.arms[0] - middle).length() > 0.1), "case {case}");
+        // The points surround the middle of the common area.
+        let middle: Vec3 = found.iter().map(|p| p.anchors[0]).sum::<Vec3>() / found.len() as f32;
+        assert!(
+            found.iter().any(|p| (p.anchors[0] - middle).length() > 0.1),
+            "case {case}"
+        );
     }
 }
 
@@ -50,7 +53,7 @@ fn aligned_cubes_rest_on_each_other_at_their_corners() {
         let found = points(&product, &a, &b, 0.01);
         for corner in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
             let corner = frame * Vec3::new(corner[0], corner[1], 1.0) * 0.5;
-            let near = |p: &ManifoldPoint| p.arms[0].distance(corner) < 1e-4 + gap.abs() as f32;
+            let near = |p: &ManifoldPoint| p.anchors[0].distance(corner) < 1e-4 + gap.abs() as f32;
             assert!(found.iter().any(near), "{case}, {gap}: {found:?}");
         }
         for point in &found {

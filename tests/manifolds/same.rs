@@ -1,4 +1,4 @@
-//! Scales, windings, orders and small motions that change nothing, or little.
+//! Invariance under scale, winding, order and small motions.
 
 use super::scene::{body, first_touch, points, state};
 use crate::oracle::body::{Body, Mesh};
@@ -9,11 +9,11 @@ use bevy_faceoff::manifolds::ManifoldPoint;
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
-/// Each point of one list has one in the other that says the same.
+/// Requires that each point of one list has an equal one in the other.
 fn require_same(name: &str, found: &[ManifoldPoint], wanted: &[ManifoldPoint], tolerance: f32) {
     assert!(!wanted.is_empty(), "{name}");
     let same = |p: &ManifoldPoint, q: &ManifoldPoint| {
-        (0..2).all(|i| p.arms[i].distance(q.arms[i]) < tolerance)
+        (0..2).all(|i| p.anchors[i].distance(q.anchors[i]) < tolerance)
             && p.normal.distance(q.normal) < 10.0 * tolerance
             && (p.separation - q.separation).abs() < tolerance
     };
@@ -107,11 +107,11 @@ fn the_order_of_bodies_only_turns_normals() {
         let back: Vec<ManifoldPoint> = points(&product, &b, &a, 0.005)
             .iter()
             .map(|p| ManifoldPoint {
-                arms: [p.arms[1], p.arms[0]],
+                anchors: [p.anchors[1], p.anchors[0]],
                 normal: -p.normal,
                 separation: p.separation,
-                roundness: [p.roundness[1], p.roundness[0]],
-                turn: p.turn,
+                curvature_radii: [p.curvature_radii[1], p.curvature_radii[0]],
+                normal_rotation: p.normal_rotation,
                 faces: [p.faces[1], p.faces[0]],
             })
             .collect();
@@ -129,10 +129,10 @@ fn points_lie_on_the_faces_they_name() {
                 let world = body.world();
                 let t = world.triangle(point.faces[i]).expect("a face");
                 let normal = (t[1] - t[0]).cross(t[2] - t[0]).normalize();
-                let p = frames[i].center + point.arms[i].as_dvec3();
+                let p = frames[i].center + point.anchors[i].as_dvec3();
                 assert!(normal.dot(p - t[0]).abs() < 1e-5, "{point:?}");
             }
-            let way = (frames[1].center - frames[0].center) + (point.arms[1] - point.arms[0]).as_dvec3();
+            let way = (frames[1].center - frames[0].center) + (point.anchors[1] - point.anchors[0]).as_dvec3();
             let along = point.normal.as_dvec3().dot(way);
             assert!((along - f64::from(point.separation)).abs() < 1e-5, "{point:?}");
         }
@@ -158,7 +158,7 @@ fn small_motions_move_points_little() {
                 .filter(|p| {
                     before
                         .iter()
-                        .any(|q| p.arms[0].distance(q.arms[0]) < 0.05 && p.normal.dot(q.normal) > 0.7)
+                        .any(|q| p.anchors[0].distance(q.anchors[0]) < 0.05 && p.normal.dot(q.normal) > 0.7)
                 })
                 .count();
             before = after;

@@ -1,4 +1,4 @@
-//! Two bodies, what the product says about their contact, and how deep they really are.
+//! Two bodies, their contact points, and their true depth.
 
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::brute::surfaces_meet;
@@ -12,7 +12,7 @@ use bevy_faceoff::step::StepState;
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 
-/// A generated mesh of the product as the oracle has it.
+/// A generated mesh of the product in the oracle's form.
 pub fn oracle_mesh(name: &str, mesh: &TriMesh) -> Arc<Mesh> {
     Mesh::new(name, mesh.vertices().to_vec(), mesh.triangles().to_vec())
 }
@@ -22,7 +22,7 @@ pub fn body(mesh: &Arc<Mesh>, translation: DVec3, rotation: Quat) -> Body {
     Body::new(mesh, translation, rotation, 1.0)
 }
 
-/// Bodies as a step has them.
+/// The state of a step with these bodies.
 pub fn state(product: &Product, bodies: &[&Body]) -> StepState {
     let mut state = StepState::default();
     for body in bodies {
@@ -55,7 +55,7 @@ pub fn points(product: &Product, a: &Body, b: &Body, margin: f64) -> Vec<Manifol
     manifolds.points
 }
 
-/// Numbers are numbers, normals have length one, and lists fit together.
+/// Requires finite numbers, unit normals and consistent lists.
 pub fn require_sane(manifolds: &Manifolds) {
     let mut next = 0;
     for pair in &manifolds.pairs {
@@ -65,12 +65,12 @@ pub fn require_sane(manifolds: &Manifolds) {
     }
     assert_eq!(next as usize, manifolds.points.len());
     for point in &manifolds.points {
-        let finite = point.arms.iter().all(|arm| arm.is_finite()) && point.separation.is_finite();
+        let finite = point.anchors.iter().all(|arm| arm.is_finite()) && point.separation.is_finite();
         assert!(finite && (point.normal.length() - 1.0).abs() < 1e-5, "{point:?}");
     }
 }
 
-/// How deep the deepest point is; negative for a gap.
+/// Depth of the deepest point; negative for a gap.
 pub fn depth(points: &[ManifoldPoint]) -> f64 {
     -points
         .iter()
@@ -78,7 +78,7 @@ pub fn depth(points: &[ManifoldPoint]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The mean normal, weighted by depth; across a gap that of the nearest point.
+/// The depth-weighted mean normal; across a gap that of the nearest point.
 pub fn push(points: &[ManifoldPoint]) -> DVec3 {
     let deepest = points.iter().min_by(|p, q| p.separation.total_cmp(&q.separation));
     let sum: DVec3 = points
@@ -89,13 +89,13 @@ pub fn push(points: &[ManifoldPoint]) -> DVec3 {
         .unwrap_or(deepest.expect("a point").normal.as_dvec3())
 }
 
-/// Degrees between unit vectors.
+/// Angle between unit vectors, degrees.
 pub fn degrees(u: DVec3, v: DVec3) -> f64 {
     u.cross(v).length().atan2(u.dot(v)).to_degrees()
 }
 
-/// How far `b` moves along `way`, from far off on, until the surfaces meet first, if it does; `step` is how small a
-/// crossing may be overlooked.
+/// Distance that `b` travels along `way`, from far off, until the surfaces first meet, if they do. Crossings shorter
+/// than `step` may be missed.
 pub fn first_touch(a: &Body, b: &Body, way: DVec3, from: f64, to: f64, step: f64) -> Option<f64> {
     let meets = |t: f64| surfaces_meet(a, &b.moved(way * t));
     let count = ((to - from) / step).ceil() as usize;
@@ -103,7 +103,7 @@ pub fn first_touch(a: &Body, b: &Body, way: DVec3, from: f64, to: f64, step: f64
     Some(bisect(hit - step, hit, meets))
 }
 
-/// Where `holds` becomes true between `low` and `high`.
+/// The value between `low` and `high` at which `holds` becomes true.
 fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..25 {
         let middle = 0.5 * (low + high);
@@ -116,11 +116,11 @@ fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> f64 {
     high
 }
 
-/// The shortest way that frees `b`, near `guess`: its direction and its length, at most `most`. A search over directions
-/// all around, then ever nearer the best.
+/// The shortest separating translation of `b` near `guess`: its direction and its length, at most `most`. It searches
+/// directions all around, then refines the best.
 pub fn way_out(a: &Body, b: &Body, guess: DVec3, most: f64) -> (DVec3, f64) {
     let free = |way: DVec3, t: f64| !surfaces_meet(a, &b.moved(way * t));
-    // The length along `way` if it beats `limit`.
+    // The length along `way` if it is below `limit`.
     let along = |way: DVec3, limit: f64| free(way, limit).then(|| bisect(0.0, limit, |t| free(way, t)));
     let mut best = (guess, along(guess, most).unwrap_or(most));
     let attempt = |way: DVec3, best: &mut (DVec3, f64), part: f64| {
@@ -148,12 +148,12 @@ pub fn way_out(a: &Body, b: &Body, guess: DVec3, most: f64) -> (DVec3, f64) {
     best
 }
 
-/// Turns `from` to `to`.
+/// The rotation from `from` to `to`.
 pub fn turn(from: Vec3, to: Vec3) -> Quat {
     Quat::from_rotation_arc(from.normalize(), to.normalize())
 }
 
-/// With corners at -0.5 and 0.5.
+/// A cube with corners at -0.5 and 0.5.
 pub fn cube() -> Arc<Mesh> {
     Shapes::new().unit_cube
 }

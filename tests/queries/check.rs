@@ -1,4 +1,4 @@
-//! `queries::Check`: a check bit by bit.
+//! `queries::Check`: a check in batches.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 #[test]
 fn the_bits_of_a_check_are_small_and_together_the_whole() {
     let torus = CollisionMesh::new(&shapes::torus_240());
-    // Sixty in each other, with 3120 pairs of faces each, and a row of others.
+    // Sixty coinciding bodies, with 3120 pairs of faces each, and a row of others.
     let placement = |i: usize| Placement {
         mesh: torus.clone(),
         translation: Vec3::X * if i < 60 { 0.0 } else { 0.5 * i as f32 },

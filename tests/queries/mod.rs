@@ -1,3 +1,3 @@
-//! Questions about placed meshes, without a step.
+//! Collision queries without a step.
 
 mod check;

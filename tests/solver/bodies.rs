@@ -179,11 +179,11 @@ fn input_that_makes_no_sense_is_left_out() {
     world.bodies.bodies[odd].linear_damping = f32::NAN;
     world.bodies.bodies[odd].max_linear_speed = f32::NAN;
     let point = |normal: Vec3, separation: f32| ManifoldPoint {
-        arms: [Vec3::ZERO, Vec3::NEG_Y * 0.5],
+        anchors: [Vec3::ZERO, Vec3::NEG_Y * 0.5],
         normal,
         separation,
-        roundness: [0.0, f32::INFINITY],
-        turn: 0.0,
+        curvature_radii: [0.0, f32::INFINITY],
+        normal_rotation: 0.0,
         faces: [0, 0],
     };
     for _ in 0..64 {

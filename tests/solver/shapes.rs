@@ -66,11 +66,11 @@ pub fn contact(shapes: [Shape; 2], motions: [&SolverMotion; 2], margin: f64) -> 
     touches
         .iter()
         .map(|t| ManifoldPoint {
-            arms: [(t.on_a - a.0).as_vec3(), (t.on_b - b.0).as_vec3()],
+            anchors: [(t.on_a - a.0).as_vec3(), (t.on_b - b.0).as_vec3()],
             normal: t.normal.as_vec3().normalize(),
             separation: (t.on_b - t.on_a).dot(t.normal) as f32,
-            roundness: round(shapes),
-            turn: turn(shapes, t),
+            curvature_radii: round(shapes),
+            normal_rotation: turn(shapes, t),
             faces: [0, 0],
         })
         .filter(|p| (p.separation as f64) < margin)

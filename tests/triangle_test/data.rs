@@ -1,4 +1,4 @@
-//! `queries::check` against brute force on meshes that others made, if they lie beside the checkout.
+//! `queries::check` against brute force on third-party meshes, if they lie beside the checkout.
 
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::brute;
@@ -13,7 +13,7 @@ use std::time::Instant;
 
 const POSES: u64 = 100;
 
-/// Compares all the given pairs of bodies; at least `touching` of them have to touch, or the test would be idle.
+/// Compares the given pairs of bodies. At least `touching` of them must touch, else the test would prove nothing.
 fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) -> Tally {
     let product = Product::default();
     let one = |case: usize| {
@@ -37,7 +37,7 @@ fn compare_pairs(name: &str, touching: usize, pairs: Vec<[Body; 2]>) -> Tally {
     tally
 }
 
-/// `a` where it is, and `b` in random rotations, so that some vertex of one is not far from some vertex of the other.
+/// `a` as it is, and `b` in random rotations such that a vertex of one is close to a vertex of the other.
 fn random_poses(a: &Arc<Mesh>, b: &Arc<Mesh>) -> Vec<[Body; 2]> {
     let still = |mesh: &Arc<Mesh>| Body::new(mesh, DVec3::ZERO, Quat::IDENTITY, 1.0);
     let reach = 0.05 * still(a).world().radius.min(still(b).world().radius);
@@ -92,9 +92,9 @@ fn a_nut_on_a_bolt() {
     let (Some(nut), Some(bolt)) = (nut, bolt) else { return };
     let still = Body::new(&bolt, DVec3::ZERO, Quat::IDENTITY, 1.0);
     let nut_at = |height: f64| Body::new(&nut, DVec3::Z * height, Quat::from_rotation_z(0.4), 1.0);
-    // In one of these places the thread has room for the nut, which then neither touches nor contains anything.
+    // At one of these positions the thread leaves room for the nut, which then neither touches nor contains anything.
     let on_the_thread = [0.0007, 0.0053, 0.0101].map(|height| [still.clone(), nut_at(height)]);
     compare_pairs("nut on bolt", 2, on_the_thread.into()).require_few_forgiven();
-    // As drawn it rests on the bolt's head, face on face, so that rounding decides about those faces.
+    // As modelled it rests on the bolt's head face to face, so rounding decides about those faces.
     compare_pairs("nut on the bolt's head", 1, vec![[still, nut_at(0.0)]]);
 }

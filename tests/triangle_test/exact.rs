@@ -1,4 +1,4 @@
-//! `queries::check` against brute force with exact predicates, over every situation we could think of.
+//! `queries::check` against brute force with exact predicates, over many kinds of situations.
 
 use crate::oracle::body::Body;
 use crate::oracle::compare::Tally;
@@ -8,7 +8,7 @@ use crate::oracle::shapes::Shapes;
 use bevy_faceoff::queries::check;
 use glam::{DVec3, Quat, Vec3};
 
-/// Fewer touching pairs than this would prove little.
+/// Least number of touching pairs, so that the test proves something.
 const ENOUGH: usize = 20_000;
 
 #[test]
@@ -29,7 +29,7 @@ fn check_finds_what_brute_force_finds() {
     all.require_no_failures();
     all.require_none_missed();
     assert!(all.touching >= ENOUGH, "only {} touching pairs", all.touching);
-    // Where rounding decides by construction any number may be forgiven; elsewhere very few.
+    // Where rounding decides by construction, any number may be forgiven; elsewhere very few.
     let general: Tally = tallies
         .into_iter()
         .filter(|(rule, _)| *rule != Rule::Rounding)

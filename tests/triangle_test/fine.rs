@@ -1,5 +1,5 @@
-//! `queries::check` and `queries::touching` against brute force on meshes so fine that the product goes down both trees
-//! at once: thousands of triangles each, tens of thousands in a few cases.
+//! `queries::check` and `queries::touching` against brute force on meshes so fine that both trees are traversed:
+//! thousands of triangles each, tens of thousands in a few cases.
 
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::brute;
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// The mesh with each face cut in four, `times` times over. `blown` moves all vertices to the distance 0.5.
+/// The mesh with each face split into four, `times` times. `blown` moves all vertices to the distance 0.5.
 fn cut(mesh: &Mesh, times: u32, blown: bool) -> Arc<Mesh> {
     let (mut vertices, mut faces) = (mesh.vertices.clone(), mesh.faces.clone());
     for _ in 0..times {
@@ -37,7 +37,7 @@ fn cut(mesh: &Mesh, times: u32, blown: bool) -> Arc<Mesh> {
     Mesh::new(&format!("{} cut {times} times", mesh.name), vertices, faces)
 }
 
-/// Meshes of 3,072 to 8,192 triangles, but for one of few.
+/// Meshes of 3,072 to 8,192 triangles, and one coarse mesh.
 struct Fine {
     coarse: Shapes,
     torus: Arc<Mesh>,
@@ -83,7 +83,7 @@ impl Fine {
     }
 }
 
-/// Compares `count` cases; at least `touching` pairs have to touch, or the test would be idle.
+/// Compares `count` cases. At least `touching` pairs must touch, else the test would prove nothing.
 fn run(name: &str, count: usize, touching: usize, make: impl Fn(&Fine, &mut Rng) -> Vec<Body> + Sync) -> Tally {
     let (fine, product) = (Fine::new(), Product::default());
     let seed = name
@@ -157,7 +157,7 @@ fn tiny() {
     run("fine, tiny", 200, 100, tiny).require_few_forgiven();
 }
 
-/// The margin follows the larger body, and is not small for the smaller one's faces.
+/// The margin scales with the larger body, and is not small for the faces of the smaller one.
 #[test]
 fn a_hundred_times_as_large() {
     let dwarf = |fine: &Fine, rng: &mut Rng| {
@@ -194,7 +194,7 @@ fn inside_and_in_holes() {
     assert_eq!(tally.contained, tally.touching);
 }
 
-/// Cubes of 3,072 triangles on a lattice: they share faces exactly, and lie in each other.
+/// Cubes of 3,072 triangles on a lattice: they share faces exactly and overlap.
 #[test]
 fn stacked_cubes() {
     let stack = |fine: &Fine, rng: &mut Rng| {

@@ -1,4 +1,4 @@
-//! Which triangles meet, against brute force in exact arithmetic.
+//! Intersecting triangles, against brute force in exact arithmetic.
 
 mod data;
 mod exact;

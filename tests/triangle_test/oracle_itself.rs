@@ -1,5 +1,5 @@
-//! The oracle tested without the product: against integer arithmetic, against itself without shortcuts, and against
-//! situations whose answer is known.
+//! The oracle tested on its own: against integer arithmetic, against itself without shortcuts, and in situations with
+//! known answers.
 
 use crate::oracle::body::{Body, Bounds, Mesh, World};
 use crate::oracle::brute::{self, Touch};
@@ -26,7 +26,7 @@ fn triangles_of_a_small_lattice_all_against_all() {
     let met = parallel::map(triangles.len(), |i| {
         let mut met = 0;
         for j in 0..triangles.len() {
-            // Both orders of a pair come up, with different corners first.
+            // Both orders of a pair occur, with different corners first.
             let mut other = real[j];
             other.rotate_left((i + j) % 3);
             let expected = lattice::meet(&triangles[i], &triangles[j]);
@@ -59,8 +59,8 @@ fn the_order_of_corners_does_not_matter() {
     }
 }
 
-/// Coordinates so large that determinants do not fit an `f64`, and corners within one unit of the other's plane,
-/// edges or corners: only exact arithmetic gets these right.
+/// Coordinates so large that determinants do not fit an `f64`, and corners within one unit of the other's plane, edges
+/// or corners: only exact arithmetic decides these correctly.
 #[test]
 fn large_and_nearly_degenerate_triangles() {
     let mut rng = Rng::new(1, 1);
@@ -70,7 +70,7 @@ fn large_and_nearly_degenerate_triangles() {
         let a = [point(), point(), point()];
         let mut b = [point(), point(), point()];
         for corner in &mut b {
-            // Weights in quarters of an affine combination of a's corners, rounded to the lattice.
+            // An affine combination of a's corners with weights in quarters, rounded to the lattice.
             let [u, v] = [rng.below(9) as i128 - 3, rng.below(9) as i128 - 3];
             let off = [(); 3].map(|()| rng.below(3) as i128 - 1);
             if rng.chance(0.8) {
@@ -105,7 +105,7 @@ fn random_triangle(rng: &mut Rng, spread: f64) -> Triangle {
     [(); 3].map(|()| center + rng.in_ball(1.0))
 }
 
-/// No shift shorter than the margin changes an answer, or the product would be blamed for nothing.
+/// No shift shorter than the margin changes an answer; otherwise the product would be blamed wrongly.
 #[test]
 fn margins_are_not_too_large() {
     let mut rng = Rng::new(2, 1);
@@ -124,7 +124,7 @@ fn margins_are_not_too_large() {
     }
 }
 
-/// Some shift little longer than the margin changes it, or the product would be forgiven too much.
+/// Some shift slightly longer than the margin changes the answer; otherwise the product would be forgiven too much.
 #[test]
 fn margins_are_not_too_small() {
     let mut rng = Rng::new(3, 1);
@@ -138,7 +138,7 @@ fn margins_are_not_too_small() {
             assert!((0..20_000).any(parts), "no direction parts {a:?} {b:?} by {depth}");
         } else {
             apart += 1;
-            // Points a thirtieth of an edge apart on both: the nearest two are nearly as near as the triangles.
+            // Sample points a thirtieth of an edge apart on both: the closest two are nearly as close as the triangles.
             let points = |t: &Triangle| -> Vec<DVec3> {
                 let [e, f] = [(t[1] - t[0]) / 30.0, (t[2] - t[0]) / 30.0];
                 let at = |i: i32, j: i32| t[0] + e * f64::from(i) + f * f64::from(j);
@@ -163,7 +163,7 @@ fn margins_of_known_pairs() {
     near(margin(&flat, &flat.map(|p| p + DVec3::Z * 0.25)), 0.25);
     near(margin(&flat, &flat), 0.0);
     near(margin(&flat, &flat.map(|p| p - DVec3::X * 3.0)), 2.0);
-    // A needle 0.125 through the middle of the hypotenuse's side of the triangle.
+    // A needle that pierces the middle of the hypotenuse by 0.125.
     let needle = [
         DVec3::new(0.25, 0.25, -0.125),
         DVec3::new(0.25, 0.26, 5.0),
@@ -257,7 +257,7 @@ fn quaternions_of_any_length_and_exact_ones() {
     assert!(q.place(p).abs_diff_eq(library, 1e-12));
 }
 
-/// The boxes and the sorting in front of the triangle test lose nothing.
+/// The box tests and the sorting before the triangle test lose nothing.
 #[test]
 fn brute_force_without_shortcuts() {
     let shapes = Shapes::new();
@@ -282,12 +282,12 @@ fn brute_force_without_shortcuts() {
     assert!(found > 1000, "{found}");
 }
 
-/// The oracle's own answer for bodies of which every corner was moved by about the rounding of `f32`.
+/// The oracle's answer for bodies whose corners are perturbed by about the rounding of `f32`.
 fn rounded_answer(bodies: &[Body]) -> Vec<Touch> {
     let mut rng = Rng::new(9, bodies[0].translation.x.to_bits().into());
     let mut worlds: Vec<World> = bodies.iter().map(Body::world).collect();
     for world in &mut worlds {
-        // Equal corners move equally, as they would by rounding.
+        // Equal corners are perturbed equally, as by rounding.
         let mut moved = std::collections::HashMap::new();
         for t in &mut world.triangles {
             for p in t {
@@ -300,7 +300,7 @@ fn rounded_answer(bodies: &[Body]) -> Vec<Touch> {
     brute::check(&worlds)
 }
 
-/// Rounding passes, in every regime that allows it: the limits are fair.
+/// Rounded answers pass in every regime that allows rounding: the limits are fair.
 #[test]
 fn an_answer_with_rounded_corners_is_accepted() {
     let shapes = Shapes::new();
@@ -334,7 +334,7 @@ fn an_answer_with_rounded_corners_is_accepted() {
         .require_few_forgiven();
 }
 
-/// A comparison that accepted these would be worth nothing.
+/// The comparison refuses wrong answers.
 #[test]
 fn wrong_answers_are_refused() {
     let shapes = Shapes::new();
@@ -375,7 +375,7 @@ fn wrong_answers_are_refused() {
     assert!(failures(&|answer| answer.insert(1, alone.clone())) >= 1);
 }
 
-/// A box that touches another in one face: whoever rounds may lose it, and it is counted.
+/// Two boxes that share one face: a rounded answer may lose it, and the difference is counted.
 #[test]
 fn a_difference_within_the_margin_is_counted() {
     let shapes = Shapes::new();

@@ -1,4 +1,4 @@
-//! Which triangles each end of a pair shows the other.
+//! Visible triangles of each body of a pair.
 
 use crate::asset::BakedMesh;
 use crate::geometry::Orientation;
@@ -7,7 +7,8 @@ use crate::state::{Bodies, NearPair, View};
 use crate::types::settings::Culling;
 use glam::Vec3;
 
-/// The views of both ends. Below a distance of `pad` the direction between the centres is rounding, or none.
+/// The views of both bodies. If the centres are closer than `pad`, rounding determines the direction between them, and
+/// all triangles count.
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, pad: f32) -> [View; 2] {
     let ends = pair.bodies.map(|i| i as usize);
     let exact = ends.iter().all(|&i| bodies.culling[i] == Culling::Exact);
@@ -28,18 +29,18 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, pad: f32) -
                 View::Group(table.group_id(turned / scale))
             }
             (Culling::FrontFacing, _) => facing(mesh, scale, to_other),
-            // Without a table nothing is known of what can be seen.
+            // Without a face table the visible triangles are unknown.
             (Culling::FacesOfCollision, None) | (Culling::Exact, _) => View::All,
         }
     })
 }
 
-/// The front of a mesh that has one. Mirroring turns corners from counter-clockwise to clockwise.
+/// The front-facing triangles of a mesh with an outside. Mirroring reverses the winding.
 fn facing(mesh: &BakedMesh, scale: Vec3, to_other: Vec3) -> View {
     let mirrored = scale.cmplt(Vec3::ZERO).bitmask().count_ones() % 2 == 1;
     match mesh.mesh.orientation() {
         Orientation::Outward => View::Facing(if mirrored { -to_other } else { to_other }),
-        // Of a room, what is in it sees every wall.
+        // A body inside a room sees every wall.
         Orientation::Inward | Orientation::Mixed | Orientation::Open => View::All,
     }
 }

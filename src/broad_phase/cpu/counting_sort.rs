@@ -4,35 +4,35 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// Items that a thread takes at least.
-const FEW: usize = 2048;
+/// Minimum number of items per thread.
+const MIN_ITEMS: usize = 2048;
 
-/// Numbers `0..n` sorted by small keys. The order among equal keys depends on which thread was first.
+/// The numbers `0..n` sorted by small keys. The order among equal keys depends on thread timing.
 #[derive(Default)]
 pub struct CountingSort {
-    /// Where the items of each key begin, and one more that ends the last. Atomic, so that threads may share it without
-    /// waiting: a relaxed load or store is a plain move of the machine.
+    /// Start of each key's items, and the end of the last. The atomics let threads share the array; a relaxed load or
+    /// store compiles to a plain move.
     starts: Vec<AtomicU32>,
     order: Vec<AtomicU32>,
 }
 
 impl CountingSort {
-    /// Sorts by `keys`, all less than `limit`.
+    /// Sorts by `keys`, which are all less than `limit`.
     pub fn sort(&mut self, limit: usize, keys: &[u32]) {
-        // Of the last sort some counts, or more or fewer of them, are left.
+        // Clears the counts of the previous sort, whose size may differ.
         self.starts.truncate(limit + 1);
         self.starts
             .par_iter_mut()
-            .with_min_len(8 * FEW)
+            .with_min_len(8 * MIN_ITEMS)
             .for_each(|start| *start.get_mut() = 0);
         self.starts.resize_with(limit + 1, AtomicU32::default);
         self.order.truncate(keys.len());
         self.order.resize_with(keys.len(), AtomicU32::default);
         let (starts, order) = (&self.starts, &self.order);
-        keys.par_iter().with_min_len(FEW).for_each(|&key| {
+        keys.par_iter().with_min_len(MIN_ITEMS).for_each(|&key| {
             starts[key as usize + 1].fetch_add(1, Relaxed);
         });
-        // Shifted by one: when all items are placed, each entry has moved up to where the next key begins.
+        // Counts are shifted by one: once all items are placed, each entry has advanced to the start of the next key.
         let mut sum = 0;
         for start in &mut self.starts[1..] {
             let count = std::mem::replace(start.get_mut(), sum);
@@ -41,19 +41,19 @@ impl CountingSort {
         let starts = &self.starts;
         keys.par_iter()
             .zip(0u32..keys.len() as u32)
-            .with_min_len(FEW)
+            .with_min_len(MIN_ITEMS)
             .for_each(|(&key, item)| {
                 let at = starts[key as usize + 1].fetch_add(1, Relaxed);
                 order[at as usize].store(item, Relaxed);
             });
     }
 
-    /// The items in order.
+    /// The items in sorted order.
     pub fn order(&self) -> impl IndexedParallelIterator<Item = u32> + '_ {
         self.order.par_iter().map(|item| item.load(Relaxed))
     }
 
-    /// Where in that order the items are whose keys lie from `first` to `last`.
+    /// Range of the sorted items whose keys lie from `first` to `last`.
     #[inline(always)]
     pub fn range(&self, first: u32, last: u32) -> Range<usize> {
         let at = |key: u32| self.starts[key as usize].load(Relaxed) as usize;

@@ -1,32 +1,32 @@
-//! Where surfaces cross: segments, and the patches that they enclose.
+//! Intersection contours: the segments in which triangles cross, and the patches that closed contours enclose.
 
 use super::feature::{Feature, Key, TrianglePair};
 use super::near::Window;
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 
-/// Cosine between the normals of a patch and of a feature that agrees with it.
+/// Least cosine between the normals of a patch and of a feature that agrees with it.
 pub(crate) const AGREES: f64 = 0.7;
-/// Rays probe a patch at its centre, and this part of the way from there to the extremes of its contour.
+/// Position of the outer probes of a patch, on the way from its centre to the extremes of its contour.
 pub(crate) const PROBED: f64 = 0.75;
-/// How far a patch has a say, beside the radius of its contour.
+/// Reach of a patch, in radii of its contour.
 pub(crate) const SPREAD: f64 = 1.3;
-/// Contours that enclose less than this part of the square of the bodies' size have no direction.
+/// Contours of a smaller area, in units of the square of the bodies' size, have no direction.
 pub(crate) const LEAST_ENCLOSED_AREA: f64 = 1.0e-12;
 
-/// Ends of contours that should go on count as the same point if they are this near, in units of the bodies' size.
+/// Loose ends of contours closer than this, in units of the bodies' size, are the same point.
 const TIE: f64 = 1.0e-6;
 
-/// The segment in which two triangles cross, along the cross product of their normals.
+/// The segment in which two triangles cross, oriented along the cross product of their normals.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     pub ends: [DVec3; 2],
     pub triangles: [u32; 2],
-    /// What each end shares with the segment that goes on there.
+    /// The crossing that each end shares with the next segment.
     keys: [Key; 2],
 }
 
-/// The part of both surfaces inside a closed contour.
+/// A patch: the part of both surfaces inside a closed contour.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch {
     pub center: DVec3,
@@ -35,24 +35,24 @@ pub struct Patch {
     pub area: f64,
     /// Length of the contour.
     pub length: f64,
-    /// The patch has a say so far from its centre.
+    /// Distance from the centre up to which features belong to the patch.
     pub reach: f64,
-    /// Its segments in [`Contours::segments`].
+    /// Range of its segments in [`Contours::segments`].
     pub first: usize,
     pub end: usize,
-    /// Whether it keeps an overlapping feature.
+    /// Whether an overlapping feature of it is kept.
     pub kept: bool,
 }
 
-/// Memory kept between pairs, and the result.
+/// The result, and memory kept between pairs.
 #[derive(Default)]
 pub struct Contours {
-    /// As they are found; then one patch's after the other's.
+    /// Segments in the order found; after [`Contours::join`] grouped by contour.
     pub segments: Vec<Segment>,
     pub patches: Vec<Patch>,
-    /// Of both ends of all segments, with the segment and the end.
+    /// Keys of all segment ends, each with its segment and end.
     keys: Vec<(Key, u32, usize)>,
-    /// Ends that no other shares, with their segments.
+    /// Ends without a partner, with their segments.
     loose: Vec<(DVec3, u32)>,
     parents: Vec<u32>,
     order: Vec<(u32, u32)>,
@@ -60,9 +60,9 @@ pub struct Contours {
 }
 
 impl TrianglePair<'_> {
-    /// Where the triangles cross, if they do and are not in one plane. Heights up to `rounding` are none, and then the first
-    /// body counts as a little smaller than it is: its corners are below the second's planes, and the second's above its
-    /// own. So contours are closed even if faces of both lie in one plane.
+    /// The segment in which the triangles cross, if they do and are not coplanar. Heights up to `rounding` are ties.
+    /// Ties are broken as if the first body were slightly smaller: its corners lie below the second's planes, and the
+    /// second's above its own. So contours are closed even if faces of both bodies are coplanar.
     #[inline]
     pub fn segment(&self, rounding: f64) -> Option<Segment> {
         let above = [
@@ -78,7 +78,7 @@ impl TrianglePair<'_> {
             return None;
         }
         let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
-        // Where both end at once, the first body, which counts as smaller, ends first.
+        // At ties the first body, which counts as smaller, ends first.
         let slack = rounding * line.length();
         let start = if chord_a[0].at >= chord_b[0].at - slack {
             chord_a[0]
@@ -97,7 +97,7 @@ impl TrianglePair<'_> {
         })
     }
 
-    /// Where the edges of one triangle pierce the other's plane, in order along the common line.
+    /// The crossings of one triangle's edges with the other's plane, in order along the common line.
     fn chord(&self, side: usize, line: DVec3, above: [bool; 3]) -> [Crossing; 2] {
         let own = self.triangles[side];
         let features = &self.sides[side].features;
@@ -110,11 +110,11 @@ impl TrianglePair<'_> {
             if above[i] == above[j] || count == 2 {
                 continue;
             }
-            // From the same end for both triangles at the edge, so that both get the same point.
+            // Both triangles of an edge compute the point from the same end, so they get the same bits.
             if vertices[i] > vertices[j] {
                 (i, j) = (j, i);
             }
-            // Both may be zero, and then any point of the edge is as good as any other.
+            // If both heights are zero, any point of the edge will do.
             let at = (heights[i] / (heights[i] - heights[j])).clamp(0.0, 1.0);
             let at = if at.is_nan() { 0.5 } else { at };
             let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
@@ -149,7 +149,7 @@ impl Contours {
         self.patches.clear();
     }
 
-    /// Joins the segments into patches. `size` is that of the bodies.
+    /// Joins the segments into contours and patches. `size` is that of the bodies.
     pub fn join(&mut self, margin: f64, size: f64) {
         self.keys.clear();
         self.parents.clear();
@@ -188,8 +188,7 @@ impl Contours {
         }
     }
 
-    /// Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they
-    /// are.
+    /// Joins loose ends by position. Rounding may break a contour where corners of one body lie on edges of the other.
     fn tie_loose_ends(&mut self, reach: f64) {
         self.loose
             .sort_unstable_by(|p, q| p.0.x.total_cmp(&q.0.x).then(p.1.cmp(&q.1)));
@@ -202,8 +201,9 @@ impl Contours {
         }
     }
 
-    /// Whether a feature counts. Those that overlap need a patch to speak for them, and all those near must agree.
-    pub fn admit(&self, feature: &Feature, overlaps: bool) -> bool {
+    /// Whether a feature counts. Overlapping features need a patch nearby, and all patches nearby must agree with the
+    /// feature.
+    pub fn admits(&self, feature: &Feature, overlaps: bool) -> bool {
         let mut any = false;
         for patch in self.patches.iter().filter(|patch| patch.is_near(feature)) {
             any = true;
@@ -214,26 +214,26 @@ impl Contours {
         any || !overlaps
     }
 
-    /// Notes that an overlapping feature is kept.
+    /// Marks the patches of an overlapping feature that is kept.
     pub fn keep(&mut self, feature: &Feature) {
         for patch in self.patches.iter_mut().filter(|patch| patch.is_near(feature)) {
             patch.kept = true;
         }
     }
 
-    /// Where triangles of overlapping features can be that are up to `half` from the feature's middle.
+    /// Bounds of the triangles of overlapping features, which lie up to `half` from the feature's middle.
     pub fn window(&self, half: f64) -> Window {
         let around = self.patches.iter().fold(Aabb::EMPTY, |all, patch| {
             let reach = patch.reach + half;
             let (low, high) = (patch.center - reach, patch.center + reach);
             all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
         });
-        // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
-        let way = match &self.patches[..] {
+        // Features that agree with a single patch overlap along its normal. Several patches have no common direction.
+        let direction = match &self.patches[..] {
             [patch] => patch.normal.as_vec3(),
             _ => Vec3::ZERO,
         };
-        Window { around, way }
+        Window { around, direction }
     }
 }
 
@@ -251,10 +251,10 @@ fn root(parents: &mut [u32], mut i: u32) -> u32 {
 }
 
 impl Patch {
-    /// Nothing if the contour encloses no area.
+    /// `None` if the contour encloses no area.
     fn new(segments: &[Segment], first: usize, end: usize, margin: f64, size: f64) -> Option<Self> {
         let own = &segments[first..end];
-        // Sums are taken about the first point, for digits.
+        // Sums are relative to the first point, for precision.
         let origin = own[0].ends[0];
         let (mut length, mut middle) = (0.0, DVec3::ZERO);
         for Segment { ends: [p, q], .. } in own {
@@ -281,7 +281,7 @@ impl Patch {
         })
     }
 
-    /// The smallest key of its contour, which names it.
+    /// The smallest key of its contour, which identifies it.
     pub fn key(&self, segments: &[Segment]) -> Key {
         let keys = segments[self.first..self.end].iter().flat_map(|segment| segment.keys);
         keys.min().unwrap_or_default()
@@ -291,29 +291,30 @@ impl Patch {
         feature.middle().distance_squared(self.center) < self.reach * self.reach
     }
 
-    /// Five points in the patch: its centre, and the contour's extremes in four directions across the normal, drawn in by a
-    /// quarter. The first is the farthest from the centre, so both bodies choose the same.
+    /// Five points in the patch: its centre, and the extremes of the contour in four directions perpendicular to the
+    /// normal, moved inward by a quarter. The first extreme is the farthest from the centre, so the order of the bodies
+    /// does not matter.
     pub fn places(&self, segments: &[Segment]) -> [DVec3; 5] {
         let own = &segments[self.first..self.end];
         let farthest = |along: &dyn Fn(DVec3) -> f64| {
             let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
-            for arm in own.iter().map(|segment| segment.ends[0] - self.center) {
-                let reach = along(arm);
+            for offset in own.iter().map(|segment| segment.ends[0] - self.center) {
+                let reach = along(offset);
                 if reach > best.0 {
-                    best = (reach, arm);
+                    best = (reach, offset);
                 }
             }
             best.1
         };
-        let first = farthest(&|arm| arm.reject_from_normalized(self.normal).length_squared());
+        let first = farthest(&|p| p.reject_from_normalized(self.normal).length_squared());
         let across = self.normal.cross(first);
-        let arms = [
+        let offsets = [
             first,
-            farthest(&|arm| -arm.dot(first)),
-            farthest(&|arm| arm.dot(across)),
-            farthest(&|arm| -arm.dot(across)),
+            farthest(&|p| -p.dot(first)),
+            farthest(&|p| p.dot(across)),
+            farthest(&|p| -p.dot(across)),
         ];
-        let [p, q, r, s] = arms.map(|arm| self.center + arm * PROBED);
+        let [p, q, r, s] = offsets.map(|p| self.center + p * PROBED);
         [self.center, p, q, r, s]
     }
 }

@@ -1,64 +1,66 @@
-//! Vertices over faces and edges over edges.
+//! Contact features: vertex-face and edge-edge.
 
 use super::side::{Side, Triangle};
 use crate::simd::lanes::each;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// How far, as a sine, an edge may lead below a face at whose vertex it starts.
+/// Sine of the largest angle by which an edge of a vertex may lead below the face.
 pub(crate) const BELOW: f64 = 0.02;
-/// How far, as a sine, the normal of an edge may leave the arc between its faces' normals, and how near to a face's
-/// normal it becomes that normal.
+/// Sine of the largest angle by which an edge's normal may leave the arc between the normals of its faces. A normal
+/// that close to a face normal is replaced by it.
 pub const ARC: f64 = 0.05;
-/// Edges whose faces differ by less than this, as a sine, are flat, and their vertices and faces say all.
+/// Sine of the angle between its faces below which an edge counts as flat. Its vertices and faces then give all
+/// features.
 pub(crate) const FLAT: f64 = 1.0e-3;
-/// Edges that differ by less than this, as a sine, are parallel and have no normal.
+/// Sine of the angle below which two edges are parallel and have no common normal.
 pub(crate) const PARALLEL: f64 = 1.0e-3;
-/// How far outside a face a vertex's projection may lie, beside the face's edge.
+/// How far outside a face the projection of a vertex may lie, relative to the length of the face's edge.
 pub(crate) const OUTSIDE: f64 = 1.0e-6;
 
-/// A point at which the bodies push each other: a vertex over a face, an edge over an edge, or what stands for them.
+/// A contact feature: vertex-face, edge-edge, or a point that stands for a deep overlap.
 #[derive(Clone, Copy, Debug)]
 pub struct Feature {
-    /// The points on the first and on the second body.
+    /// The points on the first and the second body.
     pub points: [DVec3; 2],
     /// Unit vector from the first body to the second.
     pub normal: DVec3,
-    /// From the first point to the second along the normal.
+    /// Signed distance from the first point to the second along the normal.
     pub separation: f64,
     /// Triangles on which the points lie.
     pub triangles: [u32; 2],
-    /// What it was found from.
+    /// What it was derived from.
     pub origin: Origin,
 }
 
-/// What a [`Feature`] was found from.
+/// What a [`Feature`] was derived from.
 ///
-/// Features are sorted by an unstable sort of the standard library, whose order of equals depends on the size of what is
-/// sorted. So another size of this may exchange points that are equally deep.
+/// Features are sorted by an unstable sort of the standard library, whose order of equal elements depends on their
+/// size. A change of this type's size may therefore swap points of equal depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Origin {
-    /// A vertex of this side over the other side's triangle. The triangle of its own side owns it.
+    /// A vertex of this side over the other side's triangle. The triangle of its own side owns the vertex.
     Vertex { side: u8, vertex: u32 },
-    /// Two edges, by their places in the triangles, which own them.
+    /// Two edges, by their positions in the triangles that own them.
     Edges([u8; 2]),
-    /// A place in a patch. The key is the smallest of its contour.
+    /// A point of a patch. `key` is the smallest of its contour.
     Patch { place: u8, key: Key },
-    /// One body inside the other.
+    /// Containment of one body in the other.
     Inside,
 }
 
-/// Where a contour passes from one triangle to the next: an edge of one side pierces a triangle of the other.
+/// Key of a crossing, at which a contour passes from one triangle to the next: an edge of one side pierces a triangle
+/// of the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
-    /// Whose edge it is.
+    /// The side of the edge.
     pub side: u8,
     pub edge: u32,
     pub triangle: u32,
 }
 
 impl Feature {
-    /// For a vertex the side that it belongs to, and its number.
+    /// Side and index of the vertex of a vertex-face feature.
     pub fn vertex(&self) -> Option<(u8, u32)> {
         match self.origin {
             Origin::Vertex { side, vertex } => Some((side, vertex)),
@@ -66,22 +68,22 @@ impl Feature {
         }
     }
 
-    /// Between its points.
+    /// Midpoint of its two points.
     pub fn middle(&self) -> DVec3 {
         (self.points[0] + self.points[1]) * 0.5
     }
 }
 
-/// Two triangles and the heights of their corners over each other's planes.
+/// Two triangles, with the heights of their corners over each other's planes.
 pub struct TrianglePair<'a> {
     pub sides: &'a [Side<'a>; 2],
     pub triangles: [&'a Triangle; 2],
-    /// Of the first triangle's corners over the second's plane, and of the second's over the first's.
+    /// Heights of the first triangle's corners over the second's plane, and of the second's over the first's.
     pub heights: [[f64; 3]; 2],
 }
 
 impl<'a> TrianglePair<'a> {
-    /// Nothing if the two are clearly farther apart than `reach`.
+    /// `None` if the planes show that the two are farther apart than `reach`.
     #[inline]
     pub fn new(sides: &'a [Side<'a>; 2], triangles: [&'a Triangle; 2], reach: f64) -> Option<Self> {
         let [a, b] = triangles;
@@ -99,7 +101,7 @@ impl<'a> TrianglePair<'a> {
         })
     }
 
-    /// Calls `found` for all features that the triangles own whose separation is in `range`.
+    /// Calls `found` for every feature that the triangles own and whose separation is in `range`.
     #[inline]
     pub fn features(&self, range: &RangeInclusive<f64>, mut found: impl FnMut(Feature)) {
         let owned = [0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]);
@@ -122,15 +124,15 @@ impl<'a> TrianglePair<'a> {
         }
     }
 
-    /// Corner `k` of the triangle of `side` over the other triangle.
+    /// The vertex-face feature of corner `k` of `side`'s triangle over the other triangle.
     fn vertex(&self, side: usize, k: usize) -> Option<Feature> {
         let (own, over) = (self.triangles[side], self.triangles[1 - side]);
         let (p, height) = (own.corners[k], self.heights[side][k]);
         let foot = p - over.normal * height;
         for i in 0..3 {
             let edge = over.corners[(i + 1) % 3] - over.corners[i];
-            let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.handed;
-            // Nothing lies over a triangle that has collapsed.
+            let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.winding_sign;
+            // A degenerate triangle has no interior.
             if across <= -OUTSIDE * edge.length_squared() {
                 return None;
             }
@@ -161,13 +163,13 @@ impl<'a> TrianglePair<'a> {
         })
     }
 
-    /// Edge `k` of the first triangle over edge `l` of the second.
+    /// The edge-edge feature of edge `k` of the first triangle and edge `l` of the second.
     fn edges(&self, [k, l]: [usize; 2], range: &RangeInclusive<f64>) -> Option<Feature> {
         let a = Edge::new(&self.sides[0], self.triangles[0], k);
         let b = Edge::new(&self.sides[1], self.triangles[1], l);
         let cross = a.along.cross(b.along);
         let square = cross.length_squared();
-        // The lines' distance comes first, as it rejects most.
+        // The distance of the lines is tested first, because it rejects most pairs.
         let way = b.start - a.start;
         let product = way.dot(cross);
         let most = range.start().abs().max(range.end().abs());
@@ -185,7 +187,8 @@ impl<'a> TrianglePair<'a> {
         let [own_a, own_b] = self.triangles.map(|t| t.normal);
         let (other_a, other_b) = (self.sides[0].across(a.number), self.sides[1].across(b.number));
         let mut normal = cross * square.sqrt().recip();
-        // Rims face every way from one side of the sheet round to the other, so their neighbours decide.
+        // Boundary edges of a sheet have all normals from one side round to the other, so the other body's faces
+        // determine the sign.
         let towards = match (other_a, other_b) {
             (Some(other), _) => own_a + other,
             (None, Some(other)) => -(own_b + other),
@@ -217,7 +220,7 @@ impl<'a> TrianglePair<'a> {
     }
 }
 
-/// An edge and the triangle that owns it.
+/// An edge of the triangle that owns it.
 #[derive(Clone, Copy)]
 struct Edge<'a> {
     triangle: &'a Triangle,
@@ -237,11 +240,12 @@ impl<'a> Edge<'a> {
         }
     }
 
-    /// Whether the edge is convex, or a rim, and `normal` lies between the normals of its owner and of the `other` face.
+    /// Whether `normal` lies between the normals of the owner and of the `other` face, and the edge is convex or a
+    /// boundary edge.
     fn may_face(&self, normal: DVec3, other: Option<DVec3>) -> bool {
         let own = self.triangle.normal;
         let length = self.along.length();
-        let turn = |from: DVec3, to: DVec3| self.triangle.handed * from.cross(to).dot(self.along);
+        let turn = |from: DVec3, to: DVec3| self.triangle.winding_sign * from.cross(to).dot(self.along);
         let least = -ARC * length;
         turn(own, normal) >= least
             && other.is_none_or(|other| turn(own, other) > FLAT * length && turn(normal, other) >= least)

@@ -1,4 +1,4 @@
-//! One body inside the other, and the short way out.
+//! Containment: the contact of a body inside another, along the shortest way out.
 
 use super::feature::{Feature, Origin};
 use super::side::Side;
@@ -12,8 +12,9 @@ use glam::DVec3;
 use std::cell::Cell;
 use wide::f32x8;
 
-/// The contact of two bodies whose surfaces do not cross, if one is solid and has a connected component of the other inside:
-/// from the nearest point of the outer surface to the far end of what is inside, on the line through its middle.
+/// The contact of two bodies whose surfaces do not intersect, if one is solid and contains a connected component of the
+/// other. It leads from the nearest point of the outer surface to the far end of the contained part, on the line
+/// through its middle.
 pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
     (0..2).find_map(|outer| {
         let (outer_side, inner_side) = (&sides[outer], &sides[1 - outer]);
@@ -22,7 +23,7 @@ pub fn contact(sides: &[Side; 2]) -> Option<Feature> {
     })
 }
 
-/// A point of `inner` inside `outer`: its centre of mass, or else a vertex.
+/// A point of `inner` inside `outer`: its centre of mass if that is inside, else a vertex.
 fn component_inside(outer: &Side, inner: &Side) -> Option<DVec3> {
     if !outer.mesh.mesh.is_solid() {
         return None;
@@ -41,14 +42,14 @@ fn is_inside(outer: &Side, p: DVec3) -> bool {
     let p = outer.to_mesh(p);
     let aabb = outer.mesh.lanes().aabb;
     let from = (p - outer.mesh.mass.center.as_dvec3()).as_vec3();
-    // Only saves work: a hair outside the box is outside the body.
+    // The box test only saves work: a point barely outside the box is outside the body.
     from.cmpge(aabb.min).all() && from.cmple(aabb.max).all() && contains(outer.mesh, p)
 }
 
 fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> Feature {
     let (surface, triangle) = nearest(outer, start);
     let way = (surface - start).normalize_or(outer.normal(triangle));
-    // Of several components only what is inside moves the way to the far end.
+    // With several components, only vertices inside determine the far end.
     let several = inner.mesh.lanes().components.len() > 1;
     let mut far = (0.0, 0);
     for (v, position) in (0..).zip(&inner.features.vertices) {
@@ -81,12 +82,12 @@ fn push_out(outer: &Side, inner: &Side, start: DVec3, outer_is_first: bool) -> F
     }
 }
 
-/// The point of a body's surface nearest to `p`, and its triangle.
+/// Nearest point of a body's surface to `p`, and its triangle.
 fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
     let mesh = &side.mesh.mesh;
     let lanes = side.mesh.lanes();
     let local = side.to_mesh(p);
-    // Distances are those of the scaled mesh in its own axes.
+    // Distances are measured in the scaled mesh, in its own axes.
     let scale = side.scale.as_dvec3();
     let center = side.mesh.mass.center.as_dvec3();
     let from = splat(((local - center) * scale).as_vec3());
@@ -117,8 +118,7 @@ fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
     (q, triangle)
 }
 
-/// The point of a triangle nearest to `p`, by the region of its plane over which `p` lies (Ericson 2005, Real-Time Collision
-/// Detection, 5.1.5).
+/// Nearest point of a triangle to `p`, by Voronoi regions (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -135,7 +135,7 @@ fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     }
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        // Corners that were joined leave an edge without length.
+        // Welded corners leave an edge of zero length.
         return a + ab * (d1 / (d1 - d3).max(f64::MIN_POSITIVE));
     }
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {

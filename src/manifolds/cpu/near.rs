@@ -1,8 +1,9 @@
-//! Pairs of triangles that are near each other, down the trees of both meshes.
+//! Pairs of triangles that are near each other, by a traversal of both bounding-volume trees.
 //!
-//! Of finely cut surfaces a wide margin holds very many such pairs, and few of them have a feature: a vertex is over a face
-//! only if the two lie beside each other as seen along the face's normal, and edges push each other only if their faces
-//! look at each other. What can have no feature and cannot intersect is dropped here, eight pairs at a time.
+//! Between finely tessellated surfaces a wide margin holds very many such pairs, and few of them have a feature. A
+//! vertex lies over a face only if the two overlap when projected along the face's normal. Edges form a feature only if
+//! their faces point at each other. Pairs that can neither have a feature nor intersect are dropped here, eight at a
+//! time.
 
 use super::side::{Side, Triangle};
 use crate::geometry::Aabb;
@@ -15,12 +16,13 @@ use crate::state::mesh_arena::Points;
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 
-/// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
-const COARSE: usize = 300;
+/// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
+/// pay off.
+const MAX_COARSE_CLUSTERS: usize = 300;
 
-/// How the bodies of a pair lie to each other, in single precision.
-pub struct Setting {
-    /// Turns the second body's axes into the first's.
+/// The relative pose of a pair in single precision.
+pub struct PairPose {
+    /// Rotation from the second body's axes to the first's.
     pub rotation: Mat3,
     /// From the first body's centre of mass to the second's, in the first's axes, metres.
     pub translation: Vec3,
@@ -28,30 +30,29 @@ pub struct Setting {
     pub size: f32,
 }
 
-/// Which pairs of triangles matter.
+/// Limits the search to some pairs of triangles.
 pub struct Window {
-    /// Both meet this box.
+    /// Both triangles must meet this box.
     pub around: Aabb,
-    /// The first reaches farther this way than the second does the other way. Zero for any pair.
-    pub way: Vec3,
+    /// The first must extend farther along this direction than the second's lower bound. Zero accepts every pair.
+    pub direction: Vec3,
 }
 
-/// Memory kept between pairs, and the result.
+/// The result, and memory kept between pairs.
 #[derive(Default)]
-pub struct Near {
+pub struct NearTriangles {
     descent: Descent,
-    /// Clusters of the second body, as the descent lists them.
-    seconds: Vec<Placed>,
-    /// Triangles of the first and of the second body that are near any of the other.
+    /// Clusters of the second body, in the order of the traversal.
+    seconds: Vec<PlacedCluster>,
+    /// Triangles of the first and of the second body that are near a triangle of the other.
     triangles: [Vec<Triangle>; 2],
-    /// Places in `triangles`.
+    /// Indices into `triangles`.
     pairs: Vec<[u32; 2]>,
 }
 
-impl Near {
-    /// Finds all pairs of triangles that may be no farther apart than `reach` and are in the window; some are a
-    /// little farther.
-    pub fn run(&mut self, sides: &[Side; 2], setting: &Setting, reach: f32, window: Option<&Window>) {
+impl NearTriangles {
+    /// Finds all pairs of triangles in the window that may be no farther apart than `reach`; some are slightly farther.
+    pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, reach: f32, window: Option<&Window>) {
         let Self {
             descent,
             seconds,
@@ -62,18 +63,18 @@ impl Near {
         seconds_near.clear();
         pairs.clear();
         seconds.clear();
-        let pad = PAD * setting.size;
+        let pad = PAD * pose.size;
         let reach = reach + pad;
-        let [tree_a, tree_b] = trees(sides, setting, reach);
+        let [tree_a, tree_b] = trees(sides, pose, reach);
         descent.run(&tree_a, &tree_b);
-        let places = sides.each_ref().map(Place::new);
+        let transforms = sides.each_ref().map(ClusterTransform::new);
         seconds.extend(
             descent
                 .second()
-                .map(|cluster| Placed::new(&sides[1], &places[1], cluster, window)),
+                .map(|cluster| PlacedCluster::new(&sides[1], &transforms[1], cluster, window)),
         );
         for (cluster, others) in descent.pairs() {
-            let mut a = Placed::new(&sides[0], &places[0], cluster, window);
+            let mut a = PlacedCluster::new(&sides[0], &transforms[0], cluster, window);
             if a.lanes == 0 {
                 continue;
             }
@@ -82,60 +83,60 @@ impl Near {
                 for i in bits(a.lanes) {
                     let near = a.near(i, b, reach, pad);
                     if near != 0 {
-                        let first = a.complete(&sides[0], i, firsts_near);
-                        pairs.extend(bits(near).map(|j| [first, b.complete(&sides[1], j, seconds_near)]));
+                        let first = a.triangle_index(&sides[0], i, firsts_near);
+                        pairs.extend(bits(near).map(|j| [first, b.triangle_index(&sides[1], j, seconds_near)]));
                     }
                 }
             }
         }
     }
 
-    /// What [`Near::run`] has found.
+    /// The pairs that [`NearTriangles::run`] found.
     pub fn pairs(&self) -> impl Iterator<Item = [&Triangle; 2]> {
         let [a, b] = &self.triangles;
         self.pairs.iter().map(|&[i, j]| [&a[i as usize], &b[j as usize]])
     }
 }
 
-/// Eight triangles in single precision, about the first body's centre of mass, to find out which matter; those get double
-/// precision.
-struct Placed {
+/// Eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near pairs are
+/// computed in double precision.
+struct PlacedCluster {
     corners: [Points; 3],
-    /// Cross products of two sides, and their lengths.
+    /// Cross products of two edges, and their lengths.
     normal: Points,
     length: f32x8,
-    /// The unit normal that leads outward. Zero where single precision does not tell it.
+    /// Outward unit normal; zero where single precision does not determine it.
     direction: Points,
-    /// How wrong a height over the plane can be beside the way to the corner, both times the normal's length.
+    /// Error bound of a height over the plane per distance to the corner, times the normal's length.
     slack: f32x8,
-    /// A circle around the corners.
+    /// Centre and radius of a sphere around the corners.
     middle: Points,
     around: f32x8,
-    /// How far normals at owned edges may turn from the triangle's, radians.
-    edge_turn: f32x8,
+    /// Largest angle between the triangle's normal and a contact normal at an edge that it owns, radians.
+    edge_rotation: f32x8,
     min: Points,
     max: Points,
-    /// From where to where they reach along [`Window::way`].
-    first_along: f32x8,
-    last_along: f32x8,
-    /// Lanes that count.
+    /// Extent along [`Window::direction`].
+    min_along: f32x8,
+    max_along: f32x8,
+    /// Lanes that take part.
     lanes: u32,
-    /// Triangle in lane 0.
+    /// Index of the triangle in lane 0.
     first: u32,
-    /// Where the lanes are in double precision, or [`NOWHERE`].
-    complete: [u32; CLUSTER],
+    /// Index of each lane's triangle in double precision, or [`NOT_LISTED`].
+    triangle_index: [u32; CLUSTER],
 }
 
-const NOWHERE: u32 = u32::MAX;
+const NOT_LISTED: u32 = u32::MAX;
 
-/// What places a body's triangles.
-struct Place {
+/// Places a body's triangles.
+struct ClusterTransform {
     rows: Rows,
     /// 1 if placed corners run counter-clockwise seen from outside, else -1.
     outward: f32,
 }
 
-impl Place {
+impl ClusterTransform {
     fn new(side: &Side) -> Self {
         Self {
             rows: Rows::new(side.matrix().as_mat3()),
@@ -144,27 +145,27 @@ impl Place {
     }
 }
 
-/// What single precision costs a product of two vectors, relative to their lengths.
+/// Relative rounding error of a product of two vectors in single precision.
 pub(crate) const ERROR: f32 = 2.0e-6;
 
-/// The direction of a normal must be known as well as this, radians.
+/// Largest error of a normal's direction, radians. Less certain normals count as unknown.
 pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
-/// By which factor radii are taken to be larger, for rounding.
+/// Factor on radii, for rounding.
 pub(crate) const AROUND_ERROR: f32 = 1.001;
 
-impl Placed {
-    fn new(side: &Side, place: &Place, cluster: u32, window: Option<&Window>) -> Self {
+impl PlacedCluster {
+    fn new(side: &Side, transform: &ClusterTransform, cluster: u32, window: Option<&Window>) -> Self {
         let own = &side.mesh.lanes().clusters[cluster as usize];
         let at = splat(side.place(own.origin).as_vec3());
-        let [p, q, r] = each(|k| place.rows.times(own.corners[k]));
+        let [p, q, r] = each(|k| transform.rows.times(own.corners[k]));
         let (u, v) = (sub(q, p), sub(r, p));
         let normal = cross(u, v);
         let [p, q, r] = each(|k| each(|i| [p, q, r][k][i] + at[i]));
         let length = dot(normal, normal).sqrt();
         let slack = f32x8::splat(ERROR) * norm1(u) * norm1(v);
-        // Also false for what is not a number.
+        // Also false for NaN.
         let known = slack.simd_lt(f32x8::splat(DIRECTION_ERROR) * length);
-        let inverse = known.bitselect(f32x8::splat(place.outward) / length, f32x8::ZERO);
+        let inverse = known.bitselect(f32x8::splat(transform.outward) / length, f32x8::ZERO);
         let middle = each(|i| (p[i] + q[i] + r[i]) * f32x8::splat(1.0 / 3.0));
         let square = |corner: Points| {
             let way = sub(corner, middle);
@@ -179,37 +180,37 @@ impl Placed {
             slack,
             middle,
             around: square(p).fast_max(square(q)).fast_max(square(r)).sqrt(),
-            edge_turn: side.edge_turns(first),
+            edge_rotation: side.edge_normal_rotations(first),
             min: min(p, min(q, r)),
             max: max(p, max(q, r)),
-            first_along: f32x8::ZERO,
-            last_along: f32x8::ZERO,
+            min_along: f32x8::ZERO,
+            max_along: f32x8::ZERO,
             lanes: own.lanes,
             first,
-            complete: [NOWHERE; CLUSTER],
+            triangle_index: [NOT_LISTED; CLUSTER],
         };
-        if let Some(Window { around, way }) = window {
+        if let Some(Window { around, direction }) = window {
             let meet = boxes_meet(placed.min, placed.max, splat(around.min), splat(around.max));
             placed.lanes &= meet.to_bitmask();
-            let along = each(|k| dot(splat(*way), placed.corners[k]));
-            placed.first_along = along[0].fast_min(along[1]).fast_min(along[2]);
-            placed.last_along = along[0].fast_max(along[1]).fast_max(along[2]);
+            let along = each(|k| dot(splat(*direction), placed.corners[k]));
+            placed.min_along = along[0].fast_min(along[1]).fast_min(along[2]);
+            placed.max_along = along[0].fast_max(along[1]).fast_max(along[2]);
         }
         placed
     }
 
-    /// Lanes of `other` that are near the triangle in lane `i`: neither their boxes nor a plane of one of the two part them by
-    /// more than `reach`, and they are in the window, whose `pad` is for rounding.
+    /// Lanes of `other` whose triangles are near the triangle in lane `i`: neither their boxes nor one of their planes
+    /// separate them by more than `reach`, and they are in the window. `pad` is the rounding allowance.
     #[inline]
     fn near(&self, i: usize, other: &Self, reach: f32, pad: f32) -> u32 {
         let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
-        let last = f32x8::splat(self.last_along.as_array()[i] + pad);
+        let last = f32x8::splat(self.max_along.as_array()[i] + pad);
         let boxes = boxes_meet(splat(low - reach), splat(high + reach), other.min, other.max);
-        let boxes = (boxes & other.first_along.simd_le(last)).to_bitmask();
+        let boxes = (boxes & other.min_along.simd_le(last)).to_bitmask();
         if boxes & other.lanes == 0 {
             return 0;
         }
-        // No two points of triangles whose boxes are near are farther apart.
+        // Upper bound of the distance between any two points of two triangles whose boxes are near.
         let spread = f32x8::splat((high - low).element_sum() + reach)
             + (other.max[0] - other.min[0])
             + (other.max[1] - other.min[1])
@@ -238,64 +239,63 @@ impl Placed {
         near & (meet | self.has_features(i, other, reach, pad)).to_bitmask()
     }
 
-    /// Lanes of `other` whose triangles may have a feature with that in lane `i` whose points are no farther apart than
-    /// `reach`. The points of one lie on a line along its normal: that of a face, or one that is at most
-    /// [`Placed::edge_turn`] from those of the faces at both its edges.
+    /// Lanes of `other` whose triangles may have a feature of separation up to `reach` with the triangle in lane `i`.
+    /// The points of a feature lie on a line along its normal, which is a face's, or within
+    /// [`PlacedCluster::edge_rotation`] of the normals of the faces at both edges.
     #[inline]
     fn has_features(&self, i: usize, other: &Self, reach: f32, pad: f32) -> f32x8 {
         let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
         let direction = splat(lane_of(&self.direction, i));
         let way = sub(other.middle, splat(lane_of(&self.middle, i)));
-        // How far beside each other they lie, seen along the normal of either. Without a direction it is nothing.
-        let beside = |direction: Points| {
+        // Squared lateral distance of the centres, perpendicular to the normal of either. It is zero if the normal is
+        // unknown.
+        let lateral = |direction: Points| {
             let across = cross(way, direction);
             dot(across, across)
         };
-        let (beside_own, beside_other) = (beside(direction), beside(other.direction));
+        let (lateral_own, lateral_other) = (lateral(direction), lateral(other.direction));
         let slack = f32x8::splat(8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
         let around = (at(self.around) + other.around) * f32x8::splat(AROUND_ERROR) + slack;
         let square = around * around;
-        let vertices = beside_own.simd_le(square) | beside_other.simd_le(square);
+        let vertices = lateral_own.simd_le(square) | lateral_other.simd_le(square);
 
-        let turn = at(self.edge_turn) + other.edge_turn;
+        let rotation = at(self.edge_rotation) + other.edge_rotation;
         let sum = each(|k| direction[k] + other.direction[k]);
-        let facing = dot(sum, sum).simd_le(turn * turn);
-        let swing = |turn: f32x8| {
-            let most = around + f32x8::splat(reach) * turn.fast_min(f32x8::ONE);
+        let facing = dot(sum, sum).simd_le(rotation * rotation);
+        let edge_distance = |rotation: f32x8| {
+            let most = around + f32x8::splat(reach) * rotation.fast_min(f32x8::ONE);
             most * most
         };
-        let edges =
-            facing & beside_own.simd_le(swing(at(self.edge_turn))) & beside_other.simd_le(swing(other.edge_turn));
+        let edges = facing
+            & lateral_own.simd_le(edge_distance(at(self.edge_rotation)))
+            & lateral_other.simd_le(edge_distance(other.edge_rotation));
         vertices | edges
     }
 
-    /// The place of lane `i` in the list of triangles.
+    /// Index of lane `i` in the list of triangles, to which it is added if needed.
     #[inline]
-    fn complete(&mut self, side: &Side, i: usize, triangles: &mut Vec<Triangle>) -> u32 {
-        if self.complete[i] == NOWHERE {
-            self.complete[i] = triangles.len() as u32;
+    fn triangle_index(&mut self, side: &Side, i: usize, triangles: &mut Vec<Triangle>) -> u32 {
+        if self.triangle_index[i] == NOT_LISTED {
+            self.triangle_index[i] = triangles.len() as u32;
             triangles.push(side.triangle(self.first + i as u32));
         }
-        self.complete[i]
+        self.triangle_index[i]
     }
 }
 
-/// Both trees, whose nodes are found to touch if they are no farther apart than `reach`.
-fn trees<'a>(sides: &[Side<'a>; 2], setting: &Setting, reach: f32) -> [Tree<'a>; 2] {
-    let unit = unit_of(setting.size);
+/// Both trees. Nodes that are no farther apart than `reach` count as touching.
+fn trees<'a>(sides: &[Side<'a>; 2], pose: &PairPose, reach: f32) -> [Tree<'a>; 2] {
+    let unit = unit_of(pose.size);
     let clusters = sides.each_ref().map(|side| side.mesh.lanes().clusters.len());
-    let slabs = clusters[0].max(clusters[1]) > COARSE;
-    let back = setting.rotation.transpose();
-    let ways = [
-        (back, -(back * setting.translation)),
-        (setting.rotation, setting.translation),
-    ];
+    let slabs = clusters[0].max(clusters[1]) > MAX_COARSE_CLUSTERS;
+    let back = pose.rotation.transpose();
+    let poses = [(back, -(back * pose.translation)), (pose.rotation, pose.translation)];
     [0, 1].map(|i| {
-        let (rotation, translation) = ways[i];
+        let (rotation, translation) = poses[i];
         let relative = RelativePose {
             rotation,
             translation: unit * translation,
-            // No support axis, and nothing beyond it.
+            // No support axis is used here.
             axis: Vec3::ZERO,
             min_height: f32::NEG_INFINITY,
         };
@@ -320,12 +320,12 @@ mod tests {
     use crate::state::{Bodies, Body};
     use glam::{DVec3, Quat};
 
-    /// The features of all pairs of triangles, and those of the pairs that the search keeps.
+    /// The features of all pairs of triangles, and of the pairs that the search keeps.
     fn features(bodies: &Bodies, meshes: &crate::state::mesh_arena::MeshArena, reach: f64) -> [Vec<DVec3>; 2] {
         let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
         let sides = &pair.sides;
-        let mut near = Near::default();
-        near.run(sides, &pair.setting, reach as f32, None);
+        let mut near = NearTriangles::default();
+        near.run(sides, &pair.pose, reach as f32, None);
         let count = |side: &Side| side.features.triangles.len() as u32;
         let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
         let of = |pair: [&Triangle; 2], found: &mut Vec<DVec3>| {

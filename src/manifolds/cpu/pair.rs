@@ -1,9 +1,9 @@
-//! The points of one pair.
+//! Contact generation of one pair: its features, contours and reduced manifold.
 
 use super::contour::{Contours, Patch, Segment};
 use super::feature::{Feature, Key, Origin, TrianglePair};
 use super::inside;
-use super::near::{Near, Setting};
+use super::near::{NearTriangles, PairPose};
 use super::ray::exit;
 use super::reduce::Reduction;
 use super::side::{PlacedMesh, Side, sides};
@@ -11,26 +11,26 @@ use super::smooth;
 use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
 
-/// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
+/// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays.
 pub(crate) const DEEP: f64 = 0.04;
-/// What overlaps by less, in the same unit, touches: rounding must not part bodies that rest on each other.
+/// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;
-/// Heights over planes are wrong by less, in units of the bounding radii together.
+/// Bound of the error of heights over planes, in units of the sum of the bounding radii.
 const ROUNDING: f64 = 1.0e-14;
-/// How far rays run, in the same unit: through all of the smaller body.
+/// Length of rays, in the same unit: through all of the smaller body.
 pub(crate) const RAY: f64 = 1.0;
-/// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
+/// A patch whose rays leave no body counts if its area is larger than this, in units of the size squared,
 pub(crate) const LEAST_PROBED_AREA: f64 = 1.0e-6;
-/// and is taken for this deep at most.
+/// and its depth is at most this, in units of the size.
 pub(crate) const SHALLOW: f64 = 0.002;
 
-/// The place in a patch of a point that no ray found; those of rays are smaller.
+/// The `place` of a point that stands for a patch without ray hits; those of rays are smaller.
 const MIDDLE: u8 = 5;
 
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    near: Near,
+    near: NearTriangles,
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
@@ -38,22 +38,22 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// The points at which the bodies of a pair push each other where their surfaces come as near as `margin`, in the axes of
-    /// its first body. A margin that is negative or not a number is none.
+    /// All contact features of a pair within `margin`, in the axes of its first body. A margin that is negative or NaN
+    /// counts as 0.
     pub fn all(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
-        self.find(&pair.sides, &pair.setting, margin, pair.size);
+        self.find(&pair.sides, &pair.pose, margin, pair.size);
         &self.features
     }
 
-    /// The few of [`Worker::all`] that say what all say.
+    /// The reduced manifold of a pair: the features of [`Worker::all`] that represent all.
     pub fn reduced(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
         self.all(pair, margin);
         self.reduction.run(&mut self.features, pair.size)
     }
 
-    /// Fills `features`.
-    fn find(&mut self, sides: &[Side; 2], setting: &Setting, margin: f32, size: f64) {
+    /// Writes all features of the pair.
+    fn find(&mut self, sides: &[Side; 2], pose: &PairPose, margin: f32, size: f64) {
         let Self {
             near,
             contours,
@@ -65,9 +65,9 @@ impl Worker {
         contours.clear();
         let reach = f64::from(margin);
         let touch = TOUCH * size;
-        let rounding = ROUNDING * f64::from(setting.size);
+        let rounding = ROUNDING * f64::from(pose.size);
         let range = -touch..=reach;
-        near.run(sides, setting, margin + touch as f32, None);
+        near.run(sides, pose, margin + touch as f32, None);
         for triangles in near.pairs() {
             if let Some(pair) = TrianglePair::new(sides, triangles, reach + touch) {
                 pair.features(&range, |feature| features.push(feature));
@@ -83,22 +83,22 @@ impl Worker {
         }
 
         contours.join(reach, size);
-        features.retain(|feature| contours.admit(feature, false));
+        features.retain(|feature| contours.admits(feature, false));
         if contours.patches.is_empty() {
             return;
         }
         deep.clear();
         let most = DEEP * size;
         let range = -most..=-touch;
-        // With a wide margin all pairs are known.
+        // A margin wider than the largest overlap has found all pairs already.
         if most > reach {
             let window = contours.window(0.5 * most);
-            near.run(sides, setting, most as f32, Some(&window));
+            near.run(sides, pose, most as f32, Some(&window));
         }
         for triangles in near.pairs() {
             if let Some(pair) = TrianglePair::new(sides, triangles, most) {
                 pair.features(&range, |feature| {
-                    if contours.admit(&feature, true) {
+                    if contours.admits(&feature, true) {
                         deep.push(feature);
                     }
                 });
@@ -122,16 +122,16 @@ impl Worker {
     }
 }
 
-/// Of the faces under which a vertex is, the one through which it came.
+/// Keeps the shallowest feature of each vertex: the face through which it entered.
 fn keep_shallowest(deep: &mut Vec<Feature>) {
-    // Vertices first, each from its shallowest face on.
+    // Vertices first, each in order of increasing depth.
     let key = |f: &Feature| f.vertex().unwrap_or((u8::MAX, 0));
     deep.sort_unstable_by(|p, q| key(p).cmp(&key(q)).then(q.separation.total_cmp(&p.separation)));
     deep.dedup_by(|later, first| later.vertex().is_some() && later.vertex() == first.vertex());
 }
 
-/// The point of a patch by rays from `p`, if both leave a body. They start a little before it: a contour around what reaches
-/// through a flat face lies in the face, and rounding may have `p` outside.
+/// The contact point of a patch from two rays through `p`, if both leave a body. The rays start slightly before `p`: a
+/// contour around a part that protrudes through a flat face lies in that face, and rounding may put `p` outside.
 fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64, origin: Origin) -> Option<Feature> {
     let (n, back) = (patch.normal, TOUCH * size);
     let most = RAY * size + back;
@@ -147,9 +147,9 @@ fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64, origin: Origin) 
     })
 }
 
-/// What stands for a patch that no ray leaves, if it is not tiny.
+/// A contact for a patch without ray hits, if the patch is not tiny.
 fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<Feature> {
-    // Twice the area over the length is the radius of a circle.
+    // Twice the area over the length of a circle is its radius.
     let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
     let half = patch.normal * (0.5 * depth);
     (patch.area > LEAST_PROBED_AREA * size * size).then(|| Feature {
@@ -161,60 +161,60 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
     })
 }
 
-/// Two bodies in the axes of the first.
+/// A pair of bodies in the axes of the first.
 pub struct Pair<'a> {
     pub sides: [Side<'a>; 2],
-    pub setting: Setting,
-    /// The smaller one's diameter.
+    pub pose: PairPose,
+    /// Diameter of the smaller body.
     size: f64,
-    /// Out of the first body's axes.
+    /// From the first body's axes to the world.
     rotation: DMat3,
 }
 
 impl<'a> Pair<'a> {
-    /// `one_mesh` is whether both bodies have the same.
+    /// `one_mesh` tells whether the bodies share a mesh.
     pub fn new([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> Self {
         let sides = sides([a, b], one_mesh);
-        let setting = Setting {
+        let pose = PairPose {
             rotation: (a.frame.rotation.transpose() * b.frame.rotation).as_mat3(),
             translation: sides[1].center.as_vec3(),
             size: a.radius + b.radius,
         };
         Self {
             size: sides[0].diameter().min(sides[1].diameter()),
-            setting,
+            pose,
             sides,
             rotation: a.frame.rotation,
         }
     }
 
-    /// What the solver needs to know of a feature, and its arms in double precision.
+    /// The manifold point of a feature, and its anchors in double precision.
     pub fn point(&self, feature: &Feature) -> (ManifoldPoint, [DVec3; 2]) {
-        let roundness = [0, 1].map(|side| self.roundness(feature, side));
-        let smoothed = smooth::smoothed(&self.sides, feature, roundness.map(f64::from));
+        let curvature_radii = [0, 1].map(|side| self.curvature_radius(feature, side));
+        let smoothed = smooth::smoothed(&self.sides, feature, curvature_radii.map(f64::from));
         let [a, b] = [0, 1].map(|i| feature.points[i] + smoothed.slides[i]);
-        let arms = [a, b - self.sides[1].center].map(|arm| self.rotation * arm);
+        let anchors = [a, b - self.sides[1].center].map(|anchor| self.rotation * anchor);
         let point = ManifoldPoint {
-            arms: arms.map(|arm| arm.as_vec3()),
+            anchors: anchors.map(|anchor| anchor.as_vec3()),
             normal: (self.rotation * smoothed.normal).normalize().as_vec3(),
             separation: feature.separation as f32,
-            roundness,
-            turn: smoothed.turn as f32,
+            curvature_radii,
+            normal_rotation: smoothed.normal_rotation as f32,
             faces: [0, 1].map(|i| self.sides[i].face(feature.triangles[i])),
         };
-        (point, arms)
+        (point, anchors)
     }
 
-    /// Of one body's surface at the feature.
-    fn roundness(&self, feature: &Feature, side: usize) -> f32 {
+    /// Radius of curvature of one body's surface at the feature.
+    fn curvature_radius(&self, feature: &Feature, side: usize) -> f32 {
         let own = &self.sides[side];
-        let roundness = own.features.curvature_radii[feature.triangles[side] as usize];
+        let radius = own.features.curvature_radii[feature.triangles[side] as usize];
         let is_face = feature.vertex().is_some_and(|(of, _)| usize::from(of) != side);
-        if is_face && roundness == 0.0 {
-            // Between creases a face is flat.
+        if is_face && radius == 0.0 {
+            // The interior of a face between creases is flat.
             f32::INFINITY
         } else {
-            roundness * own.scale.abs().element_sum() / 3.0
+            radius * own.scale.abs().element_sum() / 3.0
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Where bodies lie on half-spaces: a few vertices each, the lowest and spread wide. Of a finely cut round surface not the
-//! vertices touch but the surface around them.
+//! Contact points of bodies on half-spaces: a few vertices, the lowest and widely spread. A finely tessellated curved
+//! surface touches with its smooth surface.
 
 use super::smooth;
 use crate::geometry::cluster::CLUSTER;
@@ -16,13 +16,13 @@ use crate::types::body::RigidBody;
 use glam::Vec3;
 use wide::f32x8;
 
-/// At most this many points of a body and a plane.
+/// Maximum number of points of a body and a plane.
 pub const MAX_POINTS: usize = 8;
-/// The face of a point that lies on none.
+/// In place of a face index: the point lies on none.
 pub const NO_FACE: u32 = u32::MAX;
-/// Vertices this near the lowest one, as a part of the body's diameter, are as low as it.
+/// Vertices within this part of the body's diameter above the lowest one count as equally low.
 pub(crate) const LEVEL: f32 = 0.0025;
-/// Points are made this far from the surface, as a part of the body's diameter, beyond what the body moves.
+/// Margin of contact points as a part of the body's diameter, in addition to the body's travel.
 pub(crate) const MARGIN: f32 = 0.01;
 
 /// Memory kept between calls.
@@ -30,21 +30,21 @@ pub(crate) const MARGIN: f32 = 0.01;
 pub struct Scratch {
     lists: InOrder<Found>,
     found: Vec<Found>,
-    vertices: PerThread<Vec<Low>>,
+    vertices: PerThread<Vec<LowVertex>>,
 }
 
-/// A vertex that may reach a plane.
-struct Low {
+/// A vertex that may reach the plane.
+struct LowVertex {
     separation: f32,
     /// Relative to the centre of mass, in the mesh's axes.
-    place: Vec3,
+    position: Vec3,
     number: u32,
 }
 
 /// Bodies per task.
 const TASK: usize = 64;
 
-/// A body and a plane, with the points they have.
+/// The contact points of a body and a plane.
 #[derive(Clone, Copy)]
 struct Found {
     bodies: [u32; 2],
@@ -52,10 +52,10 @@ struct Found {
     count: usize,
 }
 
-/// Appends a manifold for every solid dynamic body near a plane, by body, then plane, but for pairs that are not `wanted`. In them plane `i` has the number
-/// `bodies.len() + i`, and its centre is its point nearest to the world's origin.
+/// Appends a manifold for every solid dynamic body near a plane, ascending by body, then plane, if the pair is
+/// `wanted`. Plane `i` has the index `bodies.len() + i`, and its centre is its point nearest to the world's origin.
 ///
-/// `config.dt` is how long the points must serve: vertices are listed that may reach the plane within it.
+/// `config.dt` is the time until the next detection: vertices that may reach the plane within it are included.
 pub fn find(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -94,7 +94,7 @@ fn manifold(
     index: usize,
     plane: &Plane,
     config: &StepConfig,
-    vertices: &mut Vec<Low>,
+    vertices: &mut Vec<LowVertex>,
 ) -> Option<Found> {
     if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
         return None;
@@ -125,9 +125,9 @@ fn manifold(
         for lane in bits(*held) {
             let separation = heights.as_array()[lane] + height;
             if separation < margin {
-                vertices.push(Low {
+                vertices.push(LowVertex {
                     separation,
-                    place: Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
+                    position: Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
                     number: group * CLUSTER as u32 + lane as u32,
                 });
             }
@@ -143,34 +143,34 @@ fn manifold(
     let size = f64::from(scale.abs().element_sum() / 3.0);
     let center = normal * plane.distance as f64;
     let none = ManifoldPoint {
-        arms: [Vec3::ZERO; 2],
+        anchors: [Vec3::ZERO; 2],
         normal: -plane.normal,
         separation: 0.0,
-        roundness: [0.0, f32::INFINITY],
-        turn: 0.0,
+        curvature_radii: [0.0, f32::INFINITY],
+        normal_rotation: 0.0,
         faces: [NO_FACE; 2],
     };
     let mut points = [none; MAX_POINTS];
     let mut count = 0;
     for &i in chosen.iter().take_while(|&&i| i != usize::MAX) {
-        let Low {
+        let LowVertex {
             separation,
-            place,
+            position,
             number,
         } = vertices[i];
-        let arm = frame.rotation * (frame.scale * place.as_dvec3());
-        let roundness = f64::from(features.vertex_curvature_radii[number as usize]) * size;
+        let anchor = frame.rotation * (frame.scale * position.as_dvec3());
+        let curvature_radius = f64::from(features.vertex_curvature_radii[number as usize]) * size;
         let own_normal = frame.rotation * (features.vertex_normals[number as usize].as_dvec3() / frame.scale);
-        // Others are corners, which turn with the body until they touch.
-        let (arm, roundness) = match smooth::slide_of_vertex(own_normal, arm, -normal, roundness) {
-            Some(slide) => (arm + slide, roundness),
-            None => (arm, 0.0),
+        // Other vertices are corners, whose anchor rotates with the body.
+        let (anchor, curvature_radius) = match smooth::slide_of_vertex(own_normal, anchor, -normal, curvature_radius) {
+            Some(slide) => (anchor + slide, curvature_radius),
+            None => (anchor, 0.0),
         };
-        let foot = frame.center + arm - normal * separation as f64;
+        let foot = frame.center + anchor - normal * separation as f64;
         points[count] = ManifoldPoint {
-            arms: [arm.as_vec3(), (foot - center).as_vec3()],
+            anchors: [anchor.as_vec3(), (foot - center).as_vec3()],
             separation,
-            roundness: [roundness as f32, f32::INFINITY],
+            curvature_radii: [curvature_radius as f32, f32::INFINITY],
             ..none
         };
         count += 1;
@@ -182,25 +182,26 @@ fn manifold(
     })
 }
 
-/// Picks vertices: the lowest one, then always that farthest from those picked. The first half comes from those as low as the
-/// lowest, on which the body stands; the others tell what it will roll onto. Ends with `usize::MAX` if there are fewer.
-fn choose(vertices: &[Low], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
+/// Selects vertices: the lowest, then repeatedly the one farthest from those selected. The first half is selected among
+/// those as low as the lowest, which support the body; the others are those onto which it may roll. Unused entries are
+/// `usize::MAX`.
+fn choose(vertices: &[LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
     let lowest = vertices
         .iter()
         .enumerate()
         .min_by(|(_, a), (_, b)| a.separation.total_cmp(&b.separation));
-    let Some((lowest, &Low { separation: floor, .. })) = lowest else {
+    let Some((lowest, &LowVertex { separation: floor, .. })) = lowest else {
         return chosen;
     };
     chosen[0] = lowest;
     let mut count = 1;
     for (limit, ceiling) in [(MAX_POINTS / 2, floor + level), (MAX_POINTS, f32::INFINITY)] {
         while count < limit {
-            let apart = |low: &Low| {
+            let apart = |low: &LowVertex| {
                 let distances = chosen[..count]
                     .iter()
-                    .map(|&c| (scale * (low.place - vertices[c].place)).length_squared());
+                    .map(|&c| (scale * (low.position - vertices[c].position)).length_squared());
                 distances.fold(f32::INFINITY, f32::min)
             };
             let farthest = vertices
@@ -208,9 +209,9 @@ fn choose(vertices: &[Low], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
                 .enumerate()
                 .filter(|(_, vertex)| vertex.separation <= ceiling)
                 .map(|(i, vertex)| (i, apart(vertex)))
-                // The first of equals, so that the order of vertices decides.
+                // The first of equal ones, so the result follows the order of the vertices.
                 .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
-            // What is left lies on what was picked.
+            // The remaining vertices coincide with selected ones.
             if farthest.1 <= level * level {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Rays from inside a body to where they leave it.
+//! Ray casts from inside a body to where the ray leaves it.
 
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
@@ -10,21 +10,21 @@ use glam::DVec3;
 use std::cell::Cell;
 use wide::f32x8;
 
-/// How far outside a triangle a ray may pass, in barycentric coordinates, so that none slips through an edge.
+/// Tolerance of a hit in barycentric coordinates, so that no ray slips through an edge.
 const SLACK: f64 = 1.0e-9;
 
-/// How far the ray from `start` along the unit vector `direction` runs until it meets the body, and which triangle is there,
-/// if that is not beyond `most` and the ray leaves the body.
+/// Distance and triangle of the first hit of the ray from `start` along the unit vector `direction`, if it is no
+/// farther than `most` and the ray leaves the body there.
 pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f64, u32)> {
     let mesh = &side.mesh.mesh;
     let lanes = side.mesh.lanes();
     let (from, way) = (side.to_mesh(start), side.direction_to_mesh(direction));
-    // Boxes are met in single precision, about the centre of mass, by the direction's unit vector.
+    // Boxes are tested in single precision, relative to the centre of mass, with the normalised direction.
     let length = way.length();
     let center = side.mesh.mass.center.as_dvec3();
     let local = splat((from - center).as_vec3());
     let inverse = (way / length).to_array().map(|d| {
-        // Far from overflow, and never zero.
+        // Keeps the reciprocal finite.
         let d = if d.abs() < 1.0e-12 { 1.0e-12 } else { d };
         f32x8::splat(d.recip() as f32)
     });
@@ -40,7 +40,7 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
             enter = enter.fast_max(s.fast_min(t));
             leave = leave.fast_min(s.fast_max(t));
         }
-        // Rounding of the products.
+        // Rounding allowance of the products.
         let slack = (enter.abs() + leave.abs()) * f32x8::splat(1.0e-6) + pad;
         held &= enter.simd_le(leave + slack);
         held.to_bitmask()
@@ -61,24 +61,24 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     Some((distance, triangle.filter(leaves)?))
 }
 
-/// What single precision costs a product of three vectors, relative to their lengths.
+/// Relative rounding error of a product of three vectors in single precision.
 const ERROR: f32 = 4.0e-6;
 
-/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: it turns the same way about all
-/// three edges.
+/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: its triple products with all
+/// three edges have the same sign.
 fn may_meet(cluster: &Cluster, from: DVec3, way: DVec3) -> u32 {
     let from = splat((from - cluster.origin.as_dvec3()).as_vec3());
     let way = splat(way.as_vec3());
-    let arms = each(|k| sub(cluster.corners[k], from));
-    let turns = each(|k| dot(way, cross(arms[k], arms[(k + 1) % 3])));
-    let errors = each(|k| norm1(arms[k]) * norm1(arms[(k + 1) % 3]) * f32x8::splat(ERROR));
-    let left = |k: usize| turns[k].simd_ge(-errors[k]);
-    let right = |k: usize| turns[k].simd_le(errors[k]);
+    let corners = each(|k| sub(cluster.corners[k], from));
+    let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
+    let errors = each(|k| norm1(corners[k]) * norm1(corners[(k + 1) % 3]) * f32x8::splat(ERROR));
+    let left = |k: usize| volumes[k].simd_ge(-errors[k]);
+    let right = |k: usize| volumes[k].simd_le(errors[k]);
     let same = (left(0) & left(1) & left(2)) | (right(0) & right(1) & right(2));
     same.to_bitmask() & cluster.lanes
 }
 
-/// How far along `way` the ray from the origin meets the triangle.
+/// Distance along `way` at which the ray from the origin hits the triangle.
 fn meets([a, b, c]: [DVec3; 3], way: DVec3) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
@@ -86,8 +86,8 @@ fn meets([a, b, c]: [DVec3; 3], way: DVec3) -> Option<f64> {
     if slope * slope <= 1.0e-18 * way.length_squared() * normal.length_squared() {
         return None;
     }
-    let turn = a.cross(way);
-    let (v, w) = (turn.dot(ac) / slope, -turn.dot(ab) / slope);
+    let moment = a.cross(way);
+    let (v, w) = (moment.dot(ac) / slope, -moment.dot(ab) / slope);
     let distance = a.dot(normal) / slope;
     (v >= -SLACK && w >= -SLACK && v + w <= 1.0 + SLACK && distance >= 0.0).then_some(distance)
 }

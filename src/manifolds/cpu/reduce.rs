@@ -1,15 +1,16 @@
-//! The few points that say what many say.
+//! Contact reduction: selects the few points that represent a manifold.
 
 use super::feature::Feature;
-use crate::manifolds::MOST_POINTS;
+use crate::manifolds::MAX_POINTS;
 
-/// What a difference of normals counts beside a distance in units of the bodies' size, both squared.
+/// Weight of the squared difference of normals against the squared distance in units of the bodies' size.
 pub(crate) const TURN: f64 = 0.02;
-/// Points nearer than this, by that measure, are one.
+/// Points closer than this, by that measure, are duplicates.
 pub(crate) const SAME: f64 = 1.0e-8;
-/// Points that are shallower by this part of the bodies' size count by a factor of e less.
+/// A point's weight falls by a factor of e for every such part of the bodies' size by which it is shallower than the
+/// deepest,
 pub(crate) const SHALLOWER: f64 = 0.01;
-/// But never less than this.
+/// but not below this.
 pub(crate) const LEAST_WEIGHT: f64 = 0.01;
 
 /// Memory kept between pairs.
@@ -20,7 +21,7 @@ pub struct Reduction {
 }
 
 impl Reduction {
-    /// The deepest point, then always the one that is farthest from those chosen before. Points that are the same come once.
+    /// Selects the deepest point, then repeatedly the one farthest from those selected. Duplicates are dropped.
     pub fn run(&mut self, features: &mut [Feature], size: f64) -> &[Feature] {
         self.chosen.clear();
         features.sort_unstable_by(|p, q| p.separation.total_cmp(&q.separation));
@@ -30,7 +31,7 @@ impl Reduction {
         self.distances.clear();
         self.distances.resize(features.len(), f64::INFINITY);
         let mut next = Some(0);
-        while let Some(index) = next.filter(|_| self.chosen.len() < MOST_POINTS) {
+        while let Some(index) = next.filter(|_| self.chosen.len() < MAX_POINTS) {
             let last = features[index];
             self.chosen.push(last);
             let mut best = 0.0;

@@ -32,7 +32,7 @@ pub mod record;
 
 pub use buffers::{ContactBuffers, ContactCapacity};
 
-use super::MOST_POINTS;
+use super::MAX_POINTS;
 use super::cpu::{contour, feature, near, pair, planes, reduce, side, smooth};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
@@ -69,7 +69,7 @@ const COUNTS: Kernel = kernel!("manifolds/counts");
 const EMIT: Kernel = kernel!("manifolds/emit");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
-    u32 MOST_POINTS = MOST_POINTS;
+    u32 MOST_POINTS = MAX_POINTS;
     u32 MAX_PLANE_POINTS = planes::MAX_POINTS;
     f32 ERROR = near::ERROR;
     f32 DIRECTION_ERROR = near::DIRECTION_ERROR;

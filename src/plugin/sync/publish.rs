@@ -209,7 +209,7 @@ pub(crate) fn publish(
     std::mem::swap(&mut collisions.entities, &mut results.entities);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
     // Copied, because the next step reuses the manifolds of bodies asleep.
-    collisions.manifolds.copy(&step.state.results.manifolds);
+    collisions.manifolds.copy_from(&step.state.results.manifolds);
 }
 
 /// The hysteresis in seconds, 0 or more.

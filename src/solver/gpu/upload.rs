@@ -170,15 +170,15 @@ pub fn contact_pair(manifold: &Manifold) -> ContactPair {
 /// One of its points.
 pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
     ContactPoint {
-        arm_a: point.arms[0].to_array(),
+        arm_a: point.anchors[0].to_array(),
         separation: point.separation,
-        arm_b: point.arms[1].to_array(),
-        roundness_a: length(point.roundness[0]),
+        arm_b: point.anchors[1].to_array(),
+        roundness_a: length(point.curvature_radii[0]),
         normal: point.normal.to_array(),
-        roundness_b: length(point.roundness[1]),
+        roundness_b: length(point.curvature_radii[1]),
         face_a: point.faces[0],
         face_b: point.faces[1],
-        turn: point.turn,
+        turn: point.normal_rotation,
         ..Default::default()
     }
 }

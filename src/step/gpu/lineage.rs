@@ -2,7 +2,7 @@
 
 use crate::gpu::layout::{CARRIED_SLEEP, CONTINUES, WOKEN};
 use crate::sleep::inputs::SleepInputs;
-use crate::state::still::GONE;
+use crate::state::inactive::GONE;
 use crate::state::{Plane, StepInput};
 use crate::step::remap;
 use crate::types::body::RigidBody;

@@ -13,7 +13,7 @@ use crate::gpu::timer::{self, Timer};
 use crate::manifolds::report::report_points;
 use crate::solver::speeds::Speeds;
 use crate::state;
-use crate::state::manifolds::place;
+use crate::state::manifolds::pair_order;
 use crate::state::{
     Contact, Contacts, Counts, FacePair, Manifold, ManifoldPoint, Manifolds, Motion, PairContact, StepResults,
 };
@@ -238,7 +238,7 @@ impl Raw {
         output.motions = self.moved.iter().map(Motion::from).collect();
         output.asleep = self.moved.iter().map(|moved| moved.asleep != 0).collect();
         let mut pairs: Vec<_> = self.contact_pairs.iter().map(Manifold::from).collect();
-        pairs.sort_by_key(|pair| place(pair.bodies, input.len()));
+        pairs.sort_by_key(|pair| pair_order(pair.bodies, input.len()));
         output.manifolds = Manifolds {
             pairs,
             points: self.contact_points.iter().map(ManifoldPoint::from).collect(),

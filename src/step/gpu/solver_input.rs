@@ -63,7 +63,7 @@ impl SolverInput {
             seen.add_along(!linear.axes, motion.linear_velocity);
             motion.linear_velocity = linear.told(motion.linear_velocity);
             motion.angular_velocity = angular.told(motion.angular_velocity);
-            let spin = motion.angular_velocity.length() * placed.own_radius[i];
+            let spin = motion.angular_velocity.length() * placed.unpadded_radius[i];
             let push = Vec3::select(linear.axes, linear.push, Vec3::ZERO).length();
             if angular.axes.any() {
                 added = added.max(push + spin);

@@ -230,7 +230,7 @@ impl Input {
 }
 
 fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) -> layout::Body {
-    let inertia = bodies.own_inverse_inertia[i];
+    let inertia = bodies.local_inverse_inertia[i];
     let scale = bodies.scale[i];
     let mesh = &state.meshes[bodies.mesh[i]].mesh;
     // The device places the centre of mass in single precision: the sphere grows by what that can cost. What the distance

@@ -1,10 +1,10 @@
-//! A chain of rings that hangs from a fixed one, and whether it still hangs together.
+//! A chain of rings that hangs from a fixed one, and a test of whether it is intact.
 
 use super::{Body, RING_LINE, Scene, Shape};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// `count` rings, each through the next, `link` metres apart; the first is fixed. They hang 0.76 m apart.
+/// `count` linked rings, their centres `link` metres apart; the first is fixed. At rest the distance is 0.76 m.
 pub fn chain(count: usize, link: f32) -> Scene {
     let mut scene = Scene::new();
     for i in 0..count {
@@ -15,17 +15,16 @@ pub fn chain(count: usize, link: f32) -> Scene {
     scene
 }
 
-/// How long a chain of `count` rings is when it hangs, from the first centre to the last: two tubes lie on each other inside
-/// both rings.
+/// Length of a hanging chain of `count` rings, from the first centre to the last: inside each ring two tubes touch.
 pub fn length(count: usize) -> f64 {
     (count - 1) as f64 * 2.0 * (RING_LINE - super::RING_TUBE)
 }
 
-/// The linking number of the centre lines of two rings, each given by its centre and rotation: how often the second goes
-/// through the disc of the first, less how often it comes back.
+/// The linking number of the centre lines of two rings, each given by its centre and rotation: the number of times that
+/// the second passes through the disc of the first, with sign.
 pub fn linking_number((from, a): (DVec3, DQuat), (center, b): (DVec3, DQuat)) -> i32 {
     let normal = a * DVec3::Z;
-    // Heights of the second line's points over the disc's plane: mean + x cos(t) + y sin(t).
+    // Height of the second line's points above the disc's plane: mean + x cos(t) + y sin(t).
     let mean = normal.dot(center - from);
     let [x, y] = [DVec3::X, DVec3::Y].map(|axis| RING_LINE * normal.dot(b * axis));
     let swing = x.hypot(y);
@@ -37,7 +36,7 @@ pub fn linking_number((from, a): (DVec3, DQuat), (center, b): (DVec3, DQuat)) ->
         let point = center + b * (RING_LINE * DVec3::new(t.cos(), t.sin(), 0.0));
         i32::from(point.distance(from) < RING_LINE)
     };
-    // Above the plane between the two, below it elsewhere.
+    // The line is above the plane between the two crossings.
     passes(middle - half) - passes(middle + half)
 }
 

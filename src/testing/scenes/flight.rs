@@ -1,4 +1,4 @@
-//! Bodies without gravity: balls that bounce, knots that fly into each other, and one that spins.
+//! Scenes without gravity: bouncing balls, colliding knots, a spinning body.
 
 use super::{Body, Scene, Shape, any_turn, any_vector};
 use crate::types::material::Friction;
@@ -14,10 +14,10 @@ fn smooth(at: Vec3, turn: Quat, velocity: Vec3, restitution: f32) -> Body {
     }
 }
 
-/// A ball that flies at a wall, which is the second body, with `velocity`.
+/// A ball that flies with `velocity` at a wall, which is the second body.
 pub fn ball_on_wall(velocity: Vec3, restitution: f32, random: &mut impl FnMut() -> f32) -> Scene {
     let mut scene = Scene::weightless();
-    // Not always at the same moment of a step.
+    // A random offset, so that the impact falls at any time of a step.
     let at = Vec3::Y * (1.0 + 0.05 * random());
     scene.add(smooth(at, any_turn(random), velocity, restitution));
     let wall = scene.floor(Vec3::new(20.0, 1.0, 20.0), Quat::IDENTITY);
@@ -25,25 +25,26 @@ pub fn ball_on_wall(velocity: Vec3, restitution: f32, random: &mut impl FnMut() 
     scene
 }
 
-/// Two balls that meet with these velocities along x, the second `sideways` metres off the line of the first.
+/// Two balls that collide with these velocities along x; the second is offset by `sideways` metres.
 pub fn ball_on_ball(velocities: [Vec3; 2], sideways: f32, restitution: f32, random: &mut impl FnMut() -> f32) -> Scene {
     let mut scene = Scene::weightless();
     for (k, velocity) in velocities.into_iter().enumerate() {
-        // Not always at the same moment of a step.
+        // A random offset, so that the impact falls at any time of a step.
         let at = Vec3::new([-1.0 - 0.05 * random(), 1.0][k], [0.0, sideways][k], 0.0);
         scene.add(smooth(at, any_turn(random), velocity, restitution));
     }
     scene
 }
 
-/// `count` knots that fly inward and past each other. `surface` changes each before it gets its velocities.
+/// `count` knots that fly towards the centre and past each other. `surface` sets each one's material before it gets its
+/// velocities.
 pub fn cloud<R: FnMut() -> f32>(count: usize, random: &mut R, mut surface: impl FnMut(&mut Body, &mut R)) -> Scene {
     let mut scene = Scene::weightless();
     let side = (count as f32).cbrt().ceil() as usize;
     for i in 0..count {
         let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
         let at = 1.05 * (cell - 0.5 * (side - 1) as f32);
-        // All differ: identical ones in a lattice would meet in ways that cancel out.
+        // Random rotations: identical bodies in a lattice would collide so symmetrically that errors cancel out.
         let knot = scene.add(Body::new(Shape::Knot, at, any_turn(random)));
         surface(knot, random);
         knot.velocity = -0.5 * at + any_vector(random) * 1.5;
@@ -52,7 +53,7 @@ pub fn cloud<R: FnMut() -> f32>(count: usize, random: &mut R, mut surface: impl 
     scene
 }
 
-/// A knot, squeezed, that turns with `spin` in its own axes.
+/// A non-uniformly scaled knot with the angular velocity `spin` in its own axes.
 pub fn squeezed_knot(spin: Vec3) -> Scene {
     let mut scene = Scene::weightless();
     let turn = Quat::from_scaled_axis(Vec3::new(0.5, 0.2, 0.9));

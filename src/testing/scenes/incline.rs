@@ -1,10 +1,10 @@
-//! Bodies on a slope.
+//! Scenes on an inclined plane.
 
 use super::{Body, Scene, Shape};
 use crate::types::material::{CombineRule, Friction};
 use glam::{Quat, Vec3};
 
-/// A fixed box whose top leads down along x, through the origin, by `angle` radians; and how it is turned.
+/// A fixed box whose top passes through the origin and slopes down along x by `angle` radians; and its rotation.
 pub fn slope(angle: f64) -> (Scene, Quat) {
     let turn = Quat::from_rotation_z(-angle as f32);
     let mut scene = Scene::new();
@@ -12,13 +12,13 @@ pub fn slope(angle: f64) -> (Scene, Quat) {
     (scene, turn)
 }
 
-/// Cubes of edge 1 and of friction 0.1 to 0.9 side by side on a slope of 25 degrees, and a ball beside them.
+/// Cubes of edge 1 with friction 0.1 to 0.9 side by side on a slope of 25 degrees, and a ball beside them.
 pub fn frictions() -> Scene {
     let mut scene = Scene::new();
     let slope = Quat::from_rotation_z(-25.0f32.to_radians());
     let ground = scene.block(Vec3::ZERO, Vec3::new(24.0, 1.0, 11.0));
     ground.rotation = slope;
-    // What lies on it has its own friction.
+    // The friction of a pair is that of the body on the slope.
     ground.friction = Friction::new(1.0).with_combine(CombineRule::Multiply);
     let mut on_slope = |shape, z: f32, height: f32, friction: f32| {
         let at = slope * Vec3::new(-9.0, 0.5 + height, z);

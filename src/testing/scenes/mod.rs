@@ -1,6 +1,6 @@
-//! Scenes that the command line, the tests and the benchmarks share: which bodies lie where, how they move and what their
-//! surfaces are like. Plain data, without an engine. Random numbers from 0 to 1 come from the caller, by a function that returns
-//! the next one, so that this crate needs no generator.
+//! Scenes shared by the command line, the tests and the benchmarks: bodies with poses, velocities and materials. Plain
+//! data, without an engine. The caller passes a function that returns the next random number from 0 to 1, so this crate
+//! needs no generator.
 
 pub mod chain;
 pub mod flight;
@@ -19,55 +19,56 @@ use std::sync::OnceLock;
 /// A scene.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// Acceleration, m/s^2.
+    /// Gravity, m/s^2.
     pub gravity: Vec3,
-    /// In the order in which engines get them.
+    /// Bodies, in the order in which engines add them.
     pub bodies: Vec<Body>,
 }
 
 /// A body.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
-    /// Before scaling.
+    /// Shape before scaling.
     pub shape: Shape,
-    /// Along the shape's own axes.
+    /// Scale along the shape's own axes.
     pub scale: Vec3,
-    /// Whether nothing moves it.
+    /// Whether the body is static.
     pub fixed: bool,
-    /// Of the shape's origin, metres.
+    /// Position of the shape's origin, metres.
     pub position: Vec3,
     /// A unit quaternion.
     pub rotation: Quat,
-    /// Of the centre of mass, m/s.
+    /// Velocity of the centre of mass, m/s.
     pub velocity: Vec3,
-    /// World axes, rad/s.
+    /// Angular velocity in world axes, rad/s.
     pub spin: Vec3,
-    /// Of its surface.
+    /// Friction of its surface.
     pub friction: Friction,
-    /// 0 to 1.
+    /// Coefficient of restitution, 0 to 1.
     pub restitution: f32,
     /// Kilograms per cubic metre.
     pub density: f32,
 }
 
-/// What a body looks like before scaling.
+/// The shape of a body before scaling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Shape {
-    /// 5,120 faces with all corners on a sphere of radius 0.5.
+    /// A sphere of radius 0.5 with 5,120 faces.
     Ball,
-    /// The same of radius 0.6.
+    /// A sphere of radius 0.6 with 5,120 faces.
     LargeBall,
-    /// Edge 1.
+    /// A cube of edge 1.
     Cube,
-    /// 384 faces: a torus about z of radius [`RING_LINE`], as thick as twice [`RING_TUBE`].
+    /// A torus about z of 384 faces, of radius [`RING_LINE`] with a tube of radius [`RING_TUBE`].
     Ring,
-    /// 1,120 faces, diameter 1.
+    /// A trefoil knot of diameter 1 with 1,120 faces.
     Knot,
-    /// Open above; the inside is a unit cube whose floor is at height 0, the walls are [`BIN_WALL`] thick.
+    /// A box that is open above. The inside is a unit cube whose floor is at height 0; the walls are [`BIN_WALL`]
+    /// thick.
     Bin,
-    /// Stands on the origin, along y: see [`thread`].
+    /// A bolt along y that stands on the origin: see [`thread`].
     Bolt,
-    /// Fits the bolt near its top.
+    /// A nut that fits the bolt, near its top.
     Nut,
 }
 
@@ -81,7 +82,7 @@ pub const RING_TUBE: f64 = 0.06;
 pub const BIN_WALL: f32 = 0.3;
 
 impl Shape {
-    /// Its triangles, baked once.
+    /// Its baked mesh, shared by all callers.
     pub fn mesh(self) -> &'static CollisionMesh {
         static MESHES: [OnceLock<CollisionMesh>; 8] = [const { OnceLock::new() }; 8];
         MESHES[self as usize].get_or_init(|| {
@@ -100,7 +101,7 @@ impl Shape {
 }
 
 impl Scene {
-    /// An empty one under the gravity of the Earth, which pulls down y.
+    /// An empty scene with the Earth's gravity along -y.
     pub fn new() -> Self {
         Self {
             gravity: Vec3::NEG_Y * 9.81,
@@ -108,7 +109,7 @@ impl Scene {
         }
     }
 
-    /// An empty one without gravity.
+    /// An empty scene without gravity.
     pub fn weightless() -> Self {
         Self::default()
     }
@@ -119,7 +120,7 @@ impl Scene {
         self.bodies.last_mut().expect("one was pushed")
     }
 
-    /// Adds a fixed box of these edges, metres.
+    /// Adds a static box of these edges, metres.
     pub fn block(&mut self, center: Vec3, edges: Vec3) -> &mut Body {
         self.add(Body {
             scale: edges,
@@ -128,7 +129,7 @@ impl Scene {
         })
     }
 
-    /// Adds a fixed box whose top is at height 0, turned about the origin.
+    /// Adds a static box whose top is at height 0, rotated about the origin.
     pub fn floor(&mut self, edges: Vec3, turn: Quat) -> &mut Body {
         let floor = self.block(turn * Vec3::NEG_Y * (0.5 * edges.y), edges);
         floor.rotation = turn;
@@ -137,7 +138,7 @@ impl Scene {
 }
 
 impl Body {
-    /// A dynamic body at rest, of friction 0.5, restitution 0 and density 1.
+    /// A dynamic body at rest with friction 0.5, restitution 0 and density 1.
     pub fn new(shape: Shape, position: Vec3, rotation: Quat) -> Self {
         Self {
             shape,
@@ -154,26 +155,26 @@ impl Body {
     }
 }
 
-/// A rotation, all equally likely.
+/// A uniformly distributed rotation.
 pub fn any_turn(random: &mut impl FnMut() -> f32) -> Quat {
     loop {
         let [x, y, z, w] = std::array::from_fn(|_| 2.0 * random() - 1.0);
         let turn = Quat::from_xyzw(x, y, z, w);
-        // Inside the ball, so that the cube's corners do not come up more often; away from zero, to have a direction.
+        // Rejection sampling in the unit ball gives a uniform direction; a length near zero has none.
         if (0.1..1.0).contains(&turn.length()) {
             return turn.normalize();
         }
     }
 }
 
-/// A vector in the cube from -1 to 1.
+/// A uniformly distributed vector in the cube from -1 to 1.
 pub fn any_vector(random: &mut impl FnMut() -> f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| 2.0 * random() - 1.0))
 }
 
-/// A box with a hole.
+/// A box that is open above.
 fn bin() -> TriMesh {
-    // Corners of a box, its sides seen from outside: x in bit 0, y in bit 1, z in bit 2.
+    // Corners of a box: x in bit 0, y in bit 1, z in bit 2. Sides are counter-clockwise seen from outside.
     let corners = |half: f32, low: f32| {
         (0..8).map(move |k: u32| {
             let side = |bit: u32| (k >> bit & 1) as f32;
@@ -187,7 +188,7 @@ fn bin() -> TriMesh {
     let vertices = corners(0.5 + BIN_WALL, -BIN_WALL).chain(corners(0.5, 0.0));
     let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [0, 2, 3, 1], [4, 5, 7, 6]];
     let outside = sides;
-    // The inside is seen from the other side.
+    // Inner sides have the opposite winding.
     let inside = sides.map(|[a, b, c, d]| [d + 8, c + 8, b + 8, a + 8]);
     let rim = [[2, 6, 14, 10], [6, 7, 15, 14], [7, 3, 11, 15], [3, 2, 10, 11]];
     let faces = outside

@@ -1,10 +1,10 @@
-//! Bodies that are poured into a bin.
+//! Bodies that fall into a bin.
 
 use super::{Body, Scene, Shape};
 use glam::{Quat, Vec3};
 
-/// Adds a floor of edge `floor` at height 0 and four walls 1 m thick around an inside `width` wide. The walls towards +x and
-/// +z are the second and the fourth body.
+/// Adds a floor of edge `floor` at height 0 and four walls, 1 m thick, around an interior of width `width`. The walls
+/// at +x and +z are the second and the fourth body.
 pub fn walls(scene: &mut Scene, floor: f32, width: f32, height: f32) {
     let (half, middle, edge) = (0.5 * width, 0.5 * height, width + 2.0);
     scene.block(Vec3::NEG_Y * 0.5, Vec3::new(floor, 1.0, floor));
@@ -14,7 +14,7 @@ pub fn walls(scene: &mut Scene, floor: f32, width: f32, height: f32) {
     }
 }
 
-/// Where `count` bodies begin, `across` by `across` in a layer, so that none starts in another. `first` is the place of the
+/// Start positions of `count` bodies, `across` by `across` in a layer, without overlaps. `first` is the position of the
 /// first, at a corner of the lowest layer.
 pub fn layers(count: usize, across: usize, spacing: Vec3, first: Vec3) -> impl Iterator<Item = Vec3> {
     (0..count).map(move |i| {
@@ -23,7 +23,7 @@ pub fn layers(count: usize, across: usize, spacing: Vec3, first: Vec3) -> impl I
     })
 }
 
-/// Adds `count` knots of diameter 1, `across` by `across` in a layer, about the axis y.
+/// Adds `count` knots of diameter 1, `across` by `across` in a layer, centred on the y axis.
 pub fn knots(scene: &mut Scene, count: usize, across: usize, mut turn: impl FnMut() -> Quat) {
     let spacing = Vec3::new(1.1, 1.3, 1.1);
     let first = Vec3::Y - spacing * Vec3::new(1.0, 0.0, 1.0) * (0.5 * (across - 1) as f32);
@@ -32,22 +32,22 @@ pub fn knots(scene: &mut Scene, count: usize, across: usize, mut turn: impl FnMu
     }
 }
 
-/// From one layer of falling bodies to the next, and from neighbour to neighbour, in [`heap`], metres.
+/// Distance of layers and of neighbours in [`heap`], metres.
 const SPACING: f32 = 1.05;
 
-/// A bin that `count` bodies of diameter 1 will fill about as high as it is wide.
+/// A bin that bodies of diameter 1 fill to about its width.
 pub struct Heap {
-    /// Floor and walls, no body that moves.
+    /// Floor and walls, without moving bodies.
     pub bin: Scene,
-    /// Of the bin's inside, metres.
+    /// Width of the interior, metres.
     pub width: f32,
-    /// Of the walls, metres.
+    /// Height of the walls, metres.
     pub height: f32,
-    /// Bodies side by side.
+    /// Bodies per row.
     across: usize,
 }
 
-/// The bin for so many bodies.
+/// The bin for `count` bodies.
 pub fn heap(count: usize) -> Heap {
     let across = (count as f32).cbrt().ceil().max(2.0) as usize;
     let width = SPACING * across as f32 + 0.3;

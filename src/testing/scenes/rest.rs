@@ -1,4 +1,4 @@
-//! Bodies that stand and lie on each other. `gap` is what bodies at rest keep between each other, metres.
+//! Bodies at rest on each other. `gap` is the distance that resting bodies keep, metres.
 
 use super::{Body, RING_TUBE, Scene, Shape};
 use glam::{Quat, Vec3};
@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_PI_2;
 
 const FLOOR: Vec3 = Vec3::new(40.0, 1.0, 40.0);
 
-/// A cube of edge 1 on a floor, scaled by `edge`.
+/// A cube of edge `edge` on a floor.
 pub fn cube(edge: f32, gap: f32) -> Scene {
     let mut scene = Scene::new();
     scene.floor(FLOOR, Quat::IDENTITY);
@@ -15,7 +15,7 @@ pub fn cube(edge: f32, gap: f32) -> Scene {
     scene
 }
 
-/// `count` cubes of edge 1 on each other, each turned a little against the one below.
+/// A stack of `count` cubes of edge 1, each rotated slightly against the one below.
 pub fn stack(count: usize, gap: f32) -> Scene {
     let mut scene = Scene::new();
     scene.floor(FLOOR, Quat::IDENTITY);
@@ -26,13 +26,13 @@ pub fn stack(count: usize, gap: f32) -> Scene {
     scene
 }
 
-/// Rows of cubes in a plane, each one shorter than that below.
+/// A plane pyramid of cubes: each row is one shorter than the row below.
 pub fn pyramid(rows: usize, gap: f32) -> Scene {
     let mut scene = Scene::new();
     scene.floor(FLOOR, Quat::IDENTITY);
     for row in 0..rows {
         for k in 0..rows - row {
-            // Neighbours are out of each other's sight.
+            // Neighbours are farther apart than their margin.
             let x = 1.05 * (k as f32 + 0.5 * row as f32);
             let y = 0.5 + gap + (1.0 + gap) * row as f32;
             scene.add(Body::new(Shape::Cube, Vec3::new(x, y, 0.0), Quat::IDENTITY));
@@ -41,7 +41,7 @@ pub fn pyramid(rows: usize, gap: f32) -> Scene {
     scene
 }
 
-/// Five rings that lie on each other, each shifted by `shift` against that below, to and fro.
+/// Five rings on each other, alternately shifted by `shift`.
 pub fn rings(shift: f32, gap: f32) -> Scene {
     let mut scene = Scene::new();
     scene.floor(FLOOR, Quat::IDENTITY);

@@ -1,8 +1,8 @@
-//! Where, and in which direction, two bodies push each other.
+//! The representative contact of a pair: its point and normal.
 //!
-//! One contact per pair: the centroid of the intersection contour, and the contour's area vector, which is the
-//! direction in which the overlap shrinks fastest. It follows from the winding of the faces alone, so an open mesh pushes
-//! towards the side from which its faces run counter-clockwise.
+//! The point is the centroid of the intersection contour. The normal is the contour's area vector, the direction in
+//! which the overlap volume shrinks fastest. It follows from the winding of the faces alone, so an open mesh pushes
+//! towards the side from which its faces are counter-clockwise.
 
 use crate::geometry::Orientation;
 use crate::geometry::triangle::intersect_placed;
@@ -10,26 +10,27 @@ use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Contact, Frame, NearPair};
 use glam::{DMat3, DVec3, Vec3};
 
-/// The pair in double precision, in the first body's axes about its centre of mass.
-pub struct PairView {
+/// The pair in double precision, in the first body's axes relative to its centre of mass.
+pub struct PairFrame {
     a: Frame,
     b_matrix: DMat3,
     a_origin: DVec3,
     b_origin: DVec3,
-    /// How wrong a placed coordinate can be.
-    pub placing: f64,
+    /// Error bound of a placed coordinate, metres.
+    pub placement_error: f64,
 }
 
-/// A segment in which two faces intersect, in the axes of [`PairView`].
+/// The intersection segment of two faces, in the axes of [`PairFrame`].
 pub struct Segment {
     pub start: DVec3,
     pub end: DVec3,
-    /// Whether it runs along the cross product of the faces' normals, and not across a common plane.
+    /// Whether it has the direction of the cross product of the faces' normals. Coplanar faces give an undirected
+    /// segment.
     directed: bool,
 }
 
 impl Segment {
-    /// Two faces in different planes; from `start` to `end` along the cross product of their normals.
+    /// The segment of two faces in different planes, from `start` to `end` along the cross product of their normals.
     pub fn across(start: DVec3, end: DVec3) -> Self {
         Self {
             start,
@@ -39,37 +40,38 @@ impl Segment {
     }
 }
 
-impl PairView {
-    /// `size` is the sum of the bounding radii.
+impl PairFrame {
+    /// The axes of a pair. `size` is the sum of the bounding radii.
     pub fn new(a: &Frame, b: &Frame, size: f32) -> Self {
-        // Corners are sums of products no larger than the bodies and the way from each mesh's origin to its centre.
-        let arms = a.position.distance(a.center) + b.position.distance(b.center);
+        // A placed corner is a sum of products no larger than the bodies and the distance from each mesh's origin to
+        // its centre of mass.
+        let origin_offsets = a.position.distance(a.center) + b.position.distance(b.center);
         let to_a = a.rotation.transpose();
         Self {
             a: *a,
             b_matrix: to_a * b.rotation * DMat3::from_diagonal(b.scale),
             a_origin: to_a * (a.position - a.center),
             b_origin: to_a * (b.position - a.center),
-            placing: 16.0 * f64::EPSILON * (size as f64 + arms),
+            placement_error: 16.0 * f64::EPSILON * (size as f64 + origin_offsets),
         }
     }
 
-    /// A point of the first mesh.
+    /// Places a point of the first mesh.
     #[inline]
     pub fn place_a(&self, p: Vec3) -> DVec3 {
         self.a.scale * p.as_dvec3() + self.a_origin
     }
 
-    /// A point of the second mesh.
+    /// Places a point of the second mesh.
     #[inline]
     pub fn place_b(&self, p: Vec3) -> DVec3 {
         self.b_matrix * p.as_dvec3() + self.b_origin
     }
 
-    /// Decides a pair of faces, given by the corners in their meshes.
+    /// The intersection of two faces, given by their corners in the meshes.
     pub fn intersect(&self, a: [Vec3; 3], b: [Vec3; 3]) -> Option<Segment> {
         let (a, b) = (a.map(|p| self.place_a(p)), b.map(|p| self.place_b(p)));
-        let hit = intersect_placed(&a, &b, self.placing)?;
+        let hit = intersect_placed(&a, &b, self.placement_error)?;
         let normal = |t: &[DVec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]);
         let forward = (hit.end - hit.start).dot(normal(&a).cross(normal(&b))) >= 0.0;
         let (start, end) = if forward {
@@ -93,10 +95,10 @@ impl PairView {
     }
 }
 
-/// Sums over the segments in which the surfaces intersect.
+/// The intersection contour, as sums over its segments.
 #[derive(Default)]
 pub struct Contour {
-    /// Sums are taken about the first point, for digits.
+    /// Sums are relative to the first point, for precision.
     origin: Option<DVec3>,
     count: f64,
     length: f64,
@@ -122,7 +124,7 @@ impl Contour {
         }
     }
 
-    /// Centroid and area vector about it.
+    /// Centroid, and the area vector about it.
     fn finish(&self) -> Option<(DVec3, DVec3)> {
         let origin = self.origin?;
         let middle = if self.length > 0.0 {
@@ -134,17 +136,23 @@ impl Contour {
     }
 }
 
-/// The share of a circle's area that a contour must enclose for its area vector to say anything: patches on opposite
-/// sides cancel, and so do crossings of open sheets.
+/// Least area vector that determines a normal, relative to the area of a circle of the contour's length. Patches on
+/// opposite sides cancel, and so do crossings of open sheets.
 pub(crate) const SIGNIFICANT: f64 = 0.02;
 
-/// The pair's contact, from its contour or, without a usable one, along the line of centres.
-pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &Contour, view: &PairView) -> Contact {
+/// The pair's contact, from its contour or, without a usable contour, along the line of centres.
+pub fn contact(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pair: &NearPair,
+    contour: &Contour,
+    pair_frame: &PairFrame,
+) -> Contact {
     let [a, b] = pair.bodies.map(|i| i as usize);
     let (center_a, center_b) = (bodies.frame[a].center, bodies.frame[b].center);
     let centers = (center_b - center_a).as_vec3().try_normalize().unwrap_or(Vec3::Y);
     let Some((middle, area)) = contour.finish() else {
-        // One inside the other: push apart at the centre of the smaller one.
+        // Containment: separate the two at the centre of the smaller one.
         let inner = if bodies.radius[a] < bodies.radius[b] {
             center_a
         } else {
@@ -166,12 +174,12 @@ pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &C
     }
     let circle = contour.length * contour.length / (4.0 * std::f64::consts::PI);
     let normal = if area.length() > SIGNIFICANT * circle && sign != 0.0 {
-        view.turn_to_world(area.normalize() * sign)
+        pair_frame.turn_to_world(area.normalize() * sign)
     } else {
         centers
     };
     Contact {
-        point: view.to_world(middle),
+        point: pair_frame.to_world(middle),
         normal,
     }
 }

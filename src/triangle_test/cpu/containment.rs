@@ -1,7 +1,7 @@
-//! Whether one body lies inside the other when no faces intersect.
+//! Containment: whether one body lies inside the other when no faces intersect.
 //!
-//! Without intersecting faces each connected component lies inside a closed mesh as a whole or not at all, so one
-//! vertex of each decides, by the winding number along a ray.
+//! Without intersecting faces each connected component lies completely inside or outside a closed mesh. So one vertex
+//! of each component decides, by its winding number along a ray.
 
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
@@ -14,7 +14,7 @@ use crate::state::{Bodies, Frame, NearPair};
 use glam::{DVec3, Mat3, Vec3};
 use wide::f32x8;
 
-/// Whether either body of the pair is a solid and has some component of the other inside.
+/// Whether either body of the pair is solid and contains a component of the other.
 pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
     let [a, b] = pair.bodies.map(|i| {
         let i = i as usize;
@@ -36,7 +36,7 @@ struct End<'a> {
 }
 
 impl End<'_> {
-    /// Whether `outer` has a component of this body inside. `rotation` and `translation` lead from the axes of this body,
+    /// Whether `outer` contains a component of this body. `rotation` and `translation` lead from the axes of this body,
     /// about its centre of mass, to those of `outer`.
     fn any_inside(&self, outer: &End, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
         if !outer.slot.mesh.mesh.is_solid() {
@@ -47,7 +47,7 @@ impl End<'_> {
         let aabb = outer.slot.lanes.aabb;
         let middle = splat(translation - aabb.center() * outer.scale);
         let outer_half = splat(aabb.half_size() * outer.scale.abs() + pad);
-        // Only saves work, so it may be a little large.
+        // The box test only saves work, so the boxes may be slightly too large.
         let boxed = |group: &BoxGroup| {
             let (center, half) = (turn.times(group.center), spread.times(group.half));
             let near = |i: usize| (center[i] + middle[i]).abs().simd_le(half[i] + outer_half[i]);
@@ -69,16 +69,17 @@ impl End<'_> {
     }
 }
 
-/// Whether a closed mesh has `p`, in its own space, inside: the signed crossings of the ray from `p` along +z do not
-/// cancel, or, if neighbouring faces disagree about the outside, their number is odd. Corners that count as one are joined, so
-/// that no ray slips through a seam.
+/// Whether a closed mesh contains `p`, a point in the mesh's space: the signed crossings of the ray from `p` along +z
+/// do not cancel, or, if the winding of the faces is inconsistent, their number is odd. Welded corners are used, so no
+/// ray slips through a seam.
 ///
-/// Only clusters whose boxes the ray meets are asked: no other triangle can be crossed.
+/// Only clusters whose boxes the ray meets are tested.
 pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
     let (mesh, lanes) = (&baked.mesh, baked.lanes());
     let from = (p - baked.mass.center.as_dvec3()).as_vec3();
     let start = splat(from);
-    // Boxes and start are rounded, by less than a millionth of the mesh, which is about as far as the start can be.
+    // The rounding errors of boxes and start point are below a millionth of the mesh, which is also about how far
+    // outside the start can be.
     let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
     let met = |group: &BoxGroup| {
         let [x, y, z] = sub(group.center, start);
@@ -104,12 +105,11 @@ pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
     }
 }
 
-/// Whether the ray from the origin along +z crosses the triangle, and from which side. A ray through an edge or corner
-/// is moved aside by an infinitely small step, the same for all triangles, so that neighbours never both count it, nor
-/// neither.
+/// Sign of the crossing of a triangle by the ray from the origin along +z, if it crosses. A ray through an edge or
+/// corner is shifted by an infinitesimal step, the same for all triangles, so exactly one of two neighbours counts it.
 fn crossing(t: &[DVec3; 3]) -> Option<i32> {
     let left = |p: DVec3, q: DVec3| {
-        // Exactly antisymmetric in p and q, as are the ties: both triangles at an edge agree.
+        // Exactly antisymmetric in p and q, ties included, so both triangles of an edge agree.
         let side = p.x * q.y - p.y * q.x;
         if side != 0.0 {
             side > 0.0
@@ -121,7 +121,7 @@ fn crossing(t: &[DVec3; 3]) -> Option<i32> {
     if sides != [sides[0]; 3] {
         return None;
     }
-    // The plane's height over the origin.
+    // Whether the plane lies above the origin.
     let normal = (t[1] - t[0]).cross(t[2] - t[0]);
     let above = normal.dot(t[0]) * normal.z > 0.0;
     above.then_some(if sides[0] { 1 } else { -1 })

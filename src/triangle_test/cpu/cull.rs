@@ -1,4 +1,4 @@
-//! Which clusters of one body can touch the other body at all.
+//! Cluster culling: the clusters of one body that may touch the other body.
 
 use crate::geometry::Aabb;
 use crate::simd::lanes::{Rows, bits, dot, each, mul, splat};
@@ -6,23 +6,23 @@ use crate::state::mesh_arena::{BoxGroup, MeshLanes, Points};
 use glam::{Mat3, Vec3};
 use wide::f32x8;
 
-/// What one body knows about the other when it culls its clusters. Everything is in the body's own scaled axes, about
-/// its centre of mass, unless said otherwise.
+/// The bounds of the other body against which a body's clusters are culled. All are in the culled body's scaled axes
+/// about its centre of mass, unless said otherwise.
 pub struct Other {
-    /// Turns the body's axes into the other's.
+    /// Rotation from the body's axes to the other's.
     pub rotation: Mat3,
-    /// The body's centre of mass, seen from the other's, in the other's axes.
+    /// From the other's centre of mass to the body's, in the other's axes.
     pub translation: Vec3,
-    /// The other's box in its own axes.
+    /// The other's bounding box in its own axes.
     pub aabb: Aabb,
-    /// The other's centre.
+    /// The other's centre of mass.
     pub center: Vec3,
     /// The other's bounding radius.
     pub radius: f32,
-    /// Support axis, towards the other.
+    /// Best support axis, towards the other.
     pub axis: Vec3,
-    /// What does not reach this far along the axis is out of the other's reach.
-    pub least: f32,
+    /// Lower bound of the other along the axis. Clusters below it cannot touch.
+    pub min_height: f32,
     /// Rounding allowance.
     pub pad: f32,
 }
@@ -40,14 +40,15 @@ struct Test {
     sphere_square: f32x8,
     axis: Points,
     axis_abs: Points,
-    least: f32x8,
+    min_height: f32x8,
 }
 
-/// Appends to `clusters`, in ascending order, those of `mesh` (scaled by `scale`) that may touch the other body.
+/// Writes into `clusters`, in ascending order, those clusters of `mesh` (scaled by `scale`) that may touch the other
+/// body.
 pub fn clusters(mesh: &MeshLanes, scale: Vec3, other: &Other, nodes: &mut Vec<u32>, clusters: &mut Vec<u32>) {
     let test = Test::new(scale, other);
-    // Down the implicit tree, level by level: child `8 g + lane` of group `g` is the group of that number one level
-    // below, and a cluster at the bottom.
+    // Traverses the implicit tree level by level: child `8 g + lane` of group `g` is the group of that number one level
+    // below, or a cluster at the bottom.
     clusters.clear();
     clusters.push(0);
     for level in mesh.levels.iter().rev() {
@@ -77,7 +78,7 @@ impl Test {
             sphere_square: f32x8::splat((other.radius + pad) * (other.radius + pad)),
             axis: splat(other.axis),
             axis_abs: splat(other.axis.abs()),
-            least: f32x8::splat(other.least - pad),
+            min_height: f32x8::splat(other.min_height - pad),
         }
     }
 
@@ -90,7 +91,7 @@ impl Test {
         let mut alive = within(distance, half, self.own_half);
 
         let reach = dot(center, self.axis) + dot(half, self.axis_abs);
-        alive &= reach.simd_ge(self.least);
+        alive &= reach.simd_ge(self.min_height);
 
         let nearest = each(|i| ((center[i] - self.sphere_center[i]).abs() - half[i]).fast_max(f32x8::ZERO));
         alive &= dot(nearest, nearest).simd_le(self.sphere_square);

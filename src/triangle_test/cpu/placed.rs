@@ -1,10 +1,11 @@
-//! Clusters of triangles in the axes of a pair's first body, in the pair's own unit of length.
+//! Placed clusters: triangles in the axes of a pair's first body, in the pair's own unit of length.
 //!
-//! Corners are relative to one of the cluster's own, whose place is known in double precision: so rounding is small
-//! beside the cluster, however much larger the bodies are, and single precision can decide about small triangles too.
+//! Corners are relative to a corner of their cluster, whose position is known in double precision. Rounding errors are
+//! therefore small compared with the cluster, however large the bodies are, and single precision can decide about small
+//! triangles too.
 
-use super::choice::Choice;
-use super::decide::Eight;
+use super::interval_test::Eight;
+use super::lane_filter::LaneFilter;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
@@ -13,123 +14,124 @@ use glam::{DVec3, Mat3, Vec3};
 use std::ops::{Deref, DerefMut};
 use wide::f32x8;
 
-/// Placed clusters. Memory is kept, and clusters are placed where they stay: they are large, and moving them costs as much
-/// as placing them.
+/// A list of placed clusters that keeps its memory. Clusters are placed at their final address: they are large, and
+/// moving them costs as much as placing them.
 #[derive(Default)]
-pub struct PlacedList {
-    /// In the first `len`.
-    slots: Vec<Placed>,
+pub struct PlacedClusters {
+    /// The first `len` are in use.
+    slots: Vec<PlacedCluster>,
     len: usize,
 }
 
-impl PlacedList {
+impl PlacedClusters {
     pub fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Room for one more, which holds anything.
+    /// Appends a cluster with unspecified content.
     #[inline(always)]
-    pub fn push(&mut self) -> &mut Placed {
+    pub fn push(&mut self) -> &mut PlacedCluster {
         if self.len == self.slots.len() {
-            self.slots.push(Placed::default());
+            self.slots.push(PlacedCluster::default());
         }
         self.len += 1;
         &mut self.slots[self.len - 1]
     }
 
-    /// Forgets the last.
+    /// Removes the last.
     #[inline(always)]
     pub fn pop(&mut self) {
         self.len -= 1;
     }
 }
 
-impl Deref for PlacedList {
-    type Target = [Placed];
+impl Deref for PlacedClusters {
+    type Target = [PlacedCluster];
     #[inline(always)]
-    fn deref(&self) -> &[Placed] {
+    fn deref(&self) -> &[PlacedCluster] {
         &self.slots[..self.len]
     }
 }
 
-impl DerefMut for PlacedList {
+impl DerefMut for PlacedClusters {
     #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [Placed] {
+    fn deref_mut(&mut self) -> &mut [PlacedCluster] {
         &mut self.slots[..self.len]
     }
 }
 
-/// Eight triangles.
+/// Eight placed triangles.
 #[derive(Default)]
-pub struct Placed {
-    /// Triangle in lane 0.
+pub struct PlacedCluster {
+    /// Index of the triangle in lane 0.
     pub first: u32,
-    /// What the corners and boxes are relative to: about the first body's centre of mass.
+    /// Origin of corners and boxes, relative to the first body's centre of mass.
     pub origin: DVec3,
-    /// The same, rounded.
+    /// The origin in single precision.
     pub at: Vec3,
     pub corners: [Points; 3],
     pub min: Points,
     pub max: Points,
     pub normal: Points,
-    /// How wrong a height over the triangle's plane, times the normal's length, can be, per error of a coordinate.
-    pub slack: f32x8,
-    /// Lanes that still matter.
+    /// Error of a height over the triangle's plane, times the normal's length, per error of a coordinate.
+    pub height_error: f32x8,
+    /// Lanes that remain in the test.
     pub lanes: u32,
-    /// Around those lanes.
+    /// Bounding box of those lanes.
     pub aabb: Aabb,
-    /// The largest coordinate of all corners.
+    /// Largest absolute coordinate of all corners.
     pub extent: f32,
 }
 
-/// Error of a coordinate beside the extents of two clusters that meet: a handful of roundings of `2^-24`.
+/// Relative error of a coordinate, in units of the extents of two clusters that meet: a handful of roundings of
+/// `2^-24`.
 const ERROR: f32 = 2.0e-6;
 
-/// What holds for all clusters of a pair.
-pub struct Placing {
-    /// The pair's unit of length per metre: a power of two near the inverse of the pair's size. Products of five lengths
-    /// occur, and in this unit none overflows or vanishes, whatever the size of the bodies.
+/// Unit of length and error bounds of a pair.
+pub struct PairScale {
+    /// Units per metre: a power of two near the inverse of the pair's size. Products of five lengths occur; in this
+    /// unit none overflows or underflows, whatever the size of the bodies.
     pub unit: f32,
-    /// Longest sides of both meshes together.
-    pub reach: f32,
+    /// Sum of the longest triangle sides of both meshes.
+    pub longest_sides: f32,
     /// Rounding allowance of boxes.
     pub pad: f32,
-    /// How wrong an origin can be.
+    /// Error bound of an origin.
     pub origin_error: f32,
 }
 
-impl Placing {
-    /// From the coordinates of `a` to those of `b`, and how wrong a coordinate can be if their boxes meet.
+impl PairScale {
+    /// Offset from the coordinates of `a` to those of `b`, and the error bound of a coordinate if their boxes meet.
     #[inline]
-    pub fn between(&self, a: &Placed, b: &Placed) -> (Vec3, f32) {
-        let way = (b.origin - a.origin).as_vec3();
-        (way, ERROR * (a.extent + b.extent) + self.origin_error)
+    pub fn between(&self, a: &PlacedCluster, b: &PlacedCluster) -> (Vec3, f32) {
+        let offset = (b.origin - a.origin).as_vec3();
+        (offset, ERROR * (a.extent + b.extent) + self.origin_error)
     }
 }
 
-/// Brings the clusters of a mesh into the pair.
-pub struct Place {
+/// Transforms the clusters of a mesh into the axes and unit of the pair.
+pub struct ClusterTransform {
     matrix: Rows,
 }
 
-impl Place {
-    /// From the mesh's axes.
+impl ClusterTransform {
+    /// `matrix` maps the mesh's axes.
     pub fn new(matrix: Mat3) -> Self {
         Self {
             matrix: Rows::new(matrix),
         }
     }
 
-    /// Places `lanes` of a cluster, whose origin is at `origin`, in metres.
+    /// Places `lanes` of a cluster. `origin` is the placed position of its origin, metres.
     #[inline(always)]
-    pub fn cluster(
+    pub fn place(
         &self,
-        placed: &mut Placed,
+        placed: &mut PlacedCluster,
         mesh: &MeshLanes,
         cluster: u32,
         lanes: u32,
         origin: DVec3,
-        placing: &Placing,
+        pair_scale: &PairScale,
     ) {
         let Cluster {
             corners, lanes: all, ..
@@ -138,14 +140,15 @@ impl Place {
         let (u, v) = (sub(q, p), sub(r, p));
         let normal = cross(u, v);
         placed.first = cluster * CLUSTER as u32;
-        placed.origin = origin * f64::from(placing.unit);
+        placed.origin = origin * f64::from(pair_scale.unit);
         placed.at = placed.origin.as_vec3();
         placed.corners = [p, q, r];
         placed.normal = normal;
-        // The height n . (x - p) is wrong by the error of x and p along n, and by the error of n along x - p, which is
-        // no longer than the two triangles together if their boxes overlap.
-        placed.slack = f32x8::splat(3.0) * (norm1(normal) + (norm1(u) + norm1(v)) * f32x8::splat(placing.reach));
-        let pad = splat(Vec3::splat(0.5 * placing.pad));
+        // The height n . (x - p) errs by the errors of x and p along n, and by the error of n along x - p, which is at
+        // most as long as both triangles together if their boxes overlap.
+        placed.height_error =
+            f32x8::splat(3.0) * (norm1(normal) + (norm1(u) + norm1(v)) * f32x8::splat(pair_scale.longest_sides));
+        let pad = splat(Vec3::splat(0.5 * pair_scale.pad));
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
         placed.min = sub(low, pad);
         placed.max = each(|i| high[i] + pad[i]);
@@ -159,7 +162,7 @@ impl Place {
     }
 }
 
-impl Placed {
+impl PlacedCluster {
     #[inline]
     fn keep(&mut self, mask: f32x8) {
         let lanes = self.lanes & mask.to_bitmask();
@@ -169,23 +172,23 @@ impl Placed {
         }
     }
 
-    /// Lanes that `choice` looks at.
+    /// Keeps the lanes in view.
     #[inline]
-    pub fn keep_chosen(&mut self, choice: &Choice) {
-        if let Some(facing) = choice.facing(self.normal) {
+    pub fn keep_visible(&mut self, filter: &LaneFilter) {
+        if let Some(facing) = filter.facing(self.normal) {
             self.keep(facing);
         }
     }
 
-    /// Lanes that reach at least `least` along an axis.
+    /// Keeps the lanes that extend to at least `min_height` along an axis.
     #[inline]
-    pub fn keep_beyond(&mut self, axis: Vec3, least: f32) {
+    pub fn keep_beyond(&mut self, axis: Vec3, min_height: f32) {
         let along = each(|k| dot(self.corners[k], splat(axis)));
-        let least = f32x8::splat(least - self.at.dot(axis));
-        self.keep(along[0].fast_max(along[1]).fast_max(along[2]).simd_ge(least));
+        let min_height = f32x8::splat(min_height - self.at.dot(axis));
+        self.keep(along[0].fast_max(along[1]).fast_max(along[2]).simd_ge(min_height));
     }
 
-    /// Lanes in a box that is about the first body's centre.
+    /// Keeps the lanes that meet a box given relative to the first body's centre of mass.
     #[inline]
     pub fn keep_inside(&mut self, aabb: Aabb) {
         self.keep(boxes_meet(
@@ -196,7 +199,7 @@ impl Placed {
         ));
     }
 
-    /// The box about the first body's centre.
+    /// The bounding box relative to the first body's centre of mass.
     #[inline]
     pub fn around(&self) -> Aabb {
         Aabb {
@@ -217,29 +220,28 @@ impl Placed {
     }
 }
 
-/// Two triangles that may intersect.
+/// A candidate: two triangles that may intersect.
 #[derive(Clone, Copy)]
 pub struct Candidate {
-    /// Lanes of placed clusters: eight times the place of the cluster, and the lane.
+    /// Lanes of placed clusters: eight times the index of the cluster plus the lane.
     pub lanes: [u32; 2],
-    /// [`Placing::between`] their clusters.
-    pub way: Vec3,
+    /// [`PairScale::between`] for their clusters.
+    pub offset: Vec3,
     pub error: f32,
 }
 
-/// Eight pairs of triangles from anywhere among the placed ones: those of the first body, and those of the second in the
-/// coordinates of the first.
+/// Gathers eight candidates: the triangles of the first body, and those of the second in the coordinates of the first.
 #[inline(always)]
-pub fn gather(a: &[Placed], b: &[Placed], pairs: &[Candidate; CLUSTER]) -> [Eight; 2] {
+pub fn gather(a: &[PlacedCluster], b: &[PlacedCluster], pairs: &[Candidate; CLUSTER]) -> [Eight; 2] {
     let error = f32x8::new(pairs.each_ref().map(|pair| pair.error));
-    let way = points(|lane| pairs[lane].way);
+    let offset = points(|lane| pairs[lane].offset);
     let mut of_b = eight(b, pairs, 1, error);
-    of_b.corners = each(|k| each(|i| of_b.corners[k][i] + way[i]));
+    of_b.corners = each(|k| each(|i| of_b.corners[k][i] + offset[i]));
     [eight(a, pairs, 0, error), of_b]
 }
 
 #[inline(always)]
-fn eight(placed: &[Placed], pairs: &[Candidate; CLUSTER], end: usize, error: f32x8) -> Eight {
+fn eight(placed: &[PlacedCluster], pairs: &[Candidate; CLUSTER], end: usize, error: f32x8) -> Eight {
     let mut rows = [[0f32; CLUSTER]; 13];
     for (lane, pair) in pairs.iter().enumerate() {
         let at = pair.lanes[end] as usize;
@@ -250,7 +252,7 @@ fn eight(placed: &[Placed], pairs: &[Candidate; CLUSTER], end: usize, error: f32
             }
             rows[9 + axis][lane] = from.normal[axis].as_array()[i];
         }
-        rows[12][lane] = from.slack.as_array()[i];
+        rows[12][lane] = from.height_error.as_array()[i];
     }
     let at = |row: usize| each(|i| f32x8::new(rows[row + i]));
     Eight {

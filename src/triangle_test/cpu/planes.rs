@@ -1,4 +1,4 @@
-//! Bodies that reach into half-spaces.
+//! Contacts of bodies that penetrate half-spaces.
 
 use crate::parallel::in_order::InOrder;
 use crate::simd::lanes::{bits, dot, splat};
@@ -16,7 +16,7 @@ pub type Scratch = InOrder<PlaneContact>;
 /// Bodies per task.
 const TASK: usize = 64;
 
-/// Appends the contacts of all dynamic bodies with all planes, by body, then plane.
+/// Appends the contacts of all dynamic bodies with all planes, ascending by body, then plane.
 pub fn find(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -45,11 +45,12 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
     let direction = splat(local.as_vec3());
-    // Vertices inside, weighted by depth: a body lying flat is held over its whole face, one on its corner there. Each
-    // counts once, however many triangles meet there: a cube that lands flat must not begin to turn.
+    // Depth-weighted mean of the penetrating vertices: a body that lies flat is supported over its whole face, one on
+    // its corner there. Each vertex counts once, however many triangles share it, so a cube that lands flat does not
+    // start to rotate.
     let (mut deepest, mut weight, mut sum) = (0f32, 0f32, Vec3::ZERO);
     let lanes = &meshes[bodies.mesh[body]].lanes;
-    // Only vertices inside count, so leaving out others, in whatever order, changes no bit of the sums.
+    // Only penetrating vertices contribute, so skipping the others changes no bit of the sums.
     let size = splat(local.as_vec3().abs());
     let limit = f32x8::splat(PAD * bodies.radius[body] - height);
     let reaches = |group: &BoxGroup| {

@@ -1,23 +1,23 @@
-//! Meshes and their poses, as the oracle sees them.
+//! The oracle's meshes and poses.
 
 use super::tritri::{Triangle, degenerate};
 use glam::{DMat3, DVec3, Quat, Vec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A mesh and what the oracle derives from it.
+/// A mesh with the data that the oracle derives.
 #[derive(Debug)]
 pub struct Mesh {
     pub name: String,
     pub vertices: Vec<Vec3>,
     pub faces: Vec<[u32; 3]>,
-    /// Indices of the faces that have an area.
+    /// Indices of the faces of non-zero area.
     pub solid: Vec<u32>,
-    /// Every edge, taken by the places of its ends, has an even number of faces.
+    /// Whether every edge, identified by the positions of its ends, has an even number of faces.
     pub closed: bool,
     /// A vertex of every connected component.
     pub components: Vec<u32>,
-    /// The closed curve in the middle of a tube, for the linking number; else empty.
+    /// The centre curve of a tube, for the linking number; else empty.
     pub core: Vec<DVec3>,
 }
 
@@ -47,7 +47,7 @@ impl Mesh {
     }
 }
 
-/// For each vertex a number that is the same for all vertices at its place. Adding zero makes -0 and 0 one.
+/// For each vertex, a number shared by all vertices at its position. Adding zero makes -0 equal to 0.
 fn places(vertices: &[Vec3]) -> Vec<usize> {
     let mut numbers = HashMap::new();
     vertices
@@ -79,7 +79,7 @@ fn closed(faces: &[[u32; 3]], places: &[usize]) -> bool {
     odd.is_empty()
 }
 
-/// Floods from face to face over common places, and takes a vertex wherever a new flood starts.
+/// Flood fill from face to face over shared positions; returns one vertex of each component.
 fn components(faces: &[[u32; 3]], solid: &[u32], places: &[usize]) -> Vec<u32> {
     let mut faces_at: HashMap<usize, Vec<u32>> = HashMap::new();
     for &f in solid {
@@ -129,7 +129,7 @@ impl Body {
         }
     }
 
-    /// The same, `by` farther; rounded to `f32` as any place is.
+    /// The same body translated by `by`; rounded to `f32` like any position.
     pub fn moved(&self, by: DVec3) -> Self {
         Self {
             translation: (self.translation.as_dvec3() + by).as_vec3(),
@@ -137,12 +137,12 @@ impl Body {
         }
     }
 
-    /// Where a point of the mesh lies in the world.
+    /// World position of a point of the mesh.
     pub fn place(&self, p: DVec3) -> DVec3 {
         self.translation.as_dvec3() + rotation_matrix(self.rotation) * (self.scale.as_dvec3() * p)
     }
 
-    /// All its triangles in the world.
+    /// Its triangles in the world.
     pub fn world(&self) -> World {
         let matrix = rotation_matrix(self.rotation);
         let [translation, scale] = [self.translation.as_dvec3(), self.scale.as_dvec3()];
@@ -192,12 +192,12 @@ fn rotation_matrix(q: Quat) -> DMat3 {
 
 /// A body's triangles in the world.
 pub struct World {
-    /// For each triangle its face in the input.
+    /// Input face of each triangle.
     pub faces: Vec<u32>,
     pub triangles: Vec<Triangle>,
     pub boxes: Vec<Bounds>,
     pub bounds: Bounds,
-    /// Of the sphere about the middle of `bounds`.
+    /// Radius of the sphere about the centre of `bounds`.
     pub radius: f64,
     pub closed: bool,
     /// A point of every connected component.
@@ -205,7 +205,7 @@ pub struct World {
 }
 
 impl World {
-    /// The triangle of input face `face`, if that face has an area.
+    /// The triangle of input face `face`, if the face has an area.
     pub fn triangle(&self, face: u32) -> Option<&Triangle> {
         self.faces.binary_search(&face).ok().map(|i| &self.triangles[i])
     }
@@ -237,7 +237,7 @@ impl Bounds {
         }
     }
 
-    /// Whether the closed boxes have a common point.
+    /// Whether the closed boxes share a point.
     pub fn meets(&self, other: &Self) -> bool {
         (0..3).all(|k| self.low[k] <= other.high[k] && other.low[k] <= self.high[k])
     }

@@ -1,6 +1,6 @@
 //! Brute force: every triangle of one body against every triangle of the other, every body against every other.
 //!
-//! The only shortcut is that triangles whose boxes are apart are apart.
+//! The only shortcut is that triangles with disjoint boxes do not meet.
 
 use super::body::{Body, World};
 use super::inside::contained;
@@ -13,7 +13,7 @@ pub struct Touch {
     pub a: u32,
     pub b: u32,
     pub contained: bool,
-    /// Input faces, `a`'s first, ascending.
+    /// Pairs of input faces, `a`'s first, ascending.
     pub faces: Vec<[u32; 2]>,
 }
 
@@ -57,7 +57,7 @@ pub fn surfaces_meet(a: &Body, b: &Body) -> bool {
 }
 
 fn for_each_meeting(a: &World, b: &World, mut visit: impl FnMut([u32; 2]) -> ControlFlow<()>) -> ControlFlow<()> {
-    // Only triangles whose box meets the other body's box can count.
+    // Only triangles whose box meets the other body's box can meet it.
     let near = |body: &World, other: &World| -> Vec<usize> {
         (0..body.triangles.len())
             .filter(|&i| body.boxes[i].meets(&other.bounds))
@@ -67,7 +67,7 @@ fn for_each_meeting(a: &World, b: &World, mut visit: impl FnMut([u32; 2]) -> Con
     let mut of_b = near(b, a);
     of_b.sort_by(|&i, &j| b.boxes[i].low.x.total_cmp(&b.boxes[j].low.x));
     for &i in &of_a {
-        // From the first box that starts beyond this one's end, all are apart along x.
+        // From the first box that starts beyond this one's end on, all are separated along x.
         let end = of_b.partition_point(|&j| b.boxes[j].low.x <= a.boxes[i].high.x);
         for &j in &of_b[..end] {
             if a.boxes[i].meets(&b.boxes[j]) && meet(&a.triangles[i], &b.triangles[j]) {

@@ -1,7 +1,7 @@
-//! Comparing answers, case by case, and adding the outcome up.
+//! Compares answers case by case, and sums up the outcome.
 //!
 //! The product may round: a pair of faces on which the two disagree is forgiven if its margin is below a millionth of
-//! the bodies' size. Forgiven pairs are counted, and `regimes` bounds how many there may be.
+//! the bodies' size. Forgiven pairs are counted, and `regimes` limits their number.
 
 use super::body::{Body, World};
 use super::brute::Touch;
@@ -10,10 +10,10 @@ use super::tritri::meet;
 use std::collections::BTreeMap;
 use std::iter::Sum;
 
-/// Margins below this part of the sum of the two bodies' radii forgive a disagreement.
+/// Disagreements with a margin below this part of the sum of the radii are forgiven.
 pub const FORGIVEN: f64 = 1e-6;
 
-/// What came out of comparing.
+/// The outcome of comparisons.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Pairs of bodies whose boxes meet.
@@ -23,11 +23,11 @@ pub struct Tally {
     pub face_pairs: usize,
     /// Pairs of faces on which the answers differ within the margin.
     pub forgiven: usize,
-    /// Those among them that the product does not report.
+    /// Forgiven pairs that the product does not report.
     pub missed: usize,
-    /// Seconds of thread time that the oracle and the other side took.
+    /// Thread time of the oracle and of the other side, seconds.
     pub seconds: [f64; 2],
-    /// Everything that is wrong.
+    /// Descriptions of all failures.
     pub failures: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ impl Sum for Tally {
 }
 
 impl Tally {
-    /// The head of the table that [`Tally::row`] fills.
+    /// The header of the table whose lines [`Tally::row`] returns.
     pub fn head() -> String {
         format!(
             "{:24} {:>7} {:>9} {:>10} {:>11} {:>9} {:>9} {:>9}",
@@ -92,7 +92,7 @@ impl Tally {
         assert_eq!(self.missed, 0, "face pairs missed of {}", self.face_pairs);
     }
 
-    /// Panics if more than one pair in 100,000 was forgiven; a few are, however small the sample.
+    /// Panics if more than one pair in 100,000 was forgiven; a few are allowed however small the sample.
     pub fn require_few_forgiven(&self) {
         let allowed = (self.face_pairs as f64 * 1e-5).max(3.0);
         assert!(
@@ -172,7 +172,7 @@ fn compare_pair(
             expected_faces.len()
         ));
     }
-    // Where a forgiven pair decides whether the surfaces meet at all, it decides about containment too.
+    // If a forgiven pair decides whether the surfaces meet at all, it also decides about containment.
     if expected_faces.is_empty() == got_faces.is_empty() && contained(expected) != contained(got) {
         return Some(format!(
             "contained is {}, should be {}",
@@ -183,7 +183,7 @@ fn compare_pair(
     None
 }
 
-/// What is wrong with the form of an answer.
+/// Errors in the form of an answer.
 fn malformed<'a>(worlds: &'a [World], answer: &'a [Touch]) -> impl Iterator<Item = String> + 'a {
     let unsorted = answer.windows(2).filter(|w| (w[0].a, w[0].b) >= (w[1].a, w[1].b));
     let unsorted = unsorted.map(|w| format!("pairs {:?} stand in the wrong order or twice", [w[0].b, w[1].b]));

@@ -5,7 +5,7 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The file of that name, if the data lies beside the checkout; else a line says what was not run.
+/// The file of this name, if the data lies beside the checkout; else prints what is skipped.
 pub fn file(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
     if path.is_file() {
@@ -15,7 +15,7 @@ pub fn file(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// A mesh of that folder, if it is there.
+/// A mesh of that folder, if it exists.
 pub fn mesh(name: &str) -> Option<Arc<Mesh>> {
     let path = file(&format!("meshes/{name}"))?;
     let text = std::fs::read_to_string(&path).unwrap();
@@ -23,7 +23,7 @@ pub fn mesh(name: &str) -> Option<Arc<Mesh>> {
     Some(Mesh::new(name, vertices, faces))
 }
 
-/// Vertices and faces of a Wavefront file; polygons become fans, faces keep the order of the file.
+/// Vertices and faces of a Wavefront file. Polygons become fans; faces keep the order of the file.
 pub fn parse_obj(text: &str) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut vertices: Vec<Vec3> = vec![];
     let mut faces = vec![];

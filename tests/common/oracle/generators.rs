@@ -1,4 +1,4 @@
-//! Random pairs of bodies in the situations that matter. What is "first contact" or "linked" is decided by the oracle.
+//! Random pairs of bodies in the situations that matter. The oracle decides what is a first contact or a link.
 
 use super::body::{Body, Mesh};
 use super::brute::surfaces_meet;
@@ -7,13 +7,13 @@ use super::rng::Rng;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// The diameters of the bodies in the scenes.
+/// A diameter as in the scenes.
 pub fn diameter(rng: &mut Rng) -> f64 {
     rng.range(0.25, 2.0)
 }
 
-/// Two bodies of the given diameters, the first about the origin, the second in a uniform place where the bounding
-/// spheres are nearer than `reach` times the sum of their radii.
+/// Two bodies of the given diameters, the first at the origin, the second at a uniform position where the bounding
+/// spheres are closer than `reach` times the sum of their radii.
 pub fn near(rng: &mut Rng, meshes: [&Arc<Mesh>; 2], [a, b]: [f64; 2], reach: f64) -> [Body; 2] {
     let first = Body::new(meshes[0], rng.in_cube(5.0), rng.rotation(), a);
     let second = Body::new(meshes[1], DVec3::ZERO, rng.rotation(), b);
@@ -21,14 +21,14 @@ pub fn near(rng: &mut Rng, meshes: [&Arc<Mesh>; 2], [a, b]: [f64; 2], reach: f64
     [first.clone(), second.moved(first.translation.as_dvec3() + offset)]
 }
 
-/// As bodies of random size meet in a scene: the spheres overlap.
+/// Two bodies of random size as in a scene: their spheres overlap.
 pub fn scene(rng: &mut Rng, meshes: [&Arc<Mesh>; 2]) -> [Body; 2] {
     let diameters = [diameter(rng), diameter(rng)];
     near(rng, meshes, diameters, 1.0)
 }
 
-/// Bodies that have come `depth` times their mean diameter beyond the place of a contact. A pair that touches is drawn
-/// apart along a random direction, and the way halved until the place where the surfaces part is known.
+/// Bodies that penetrate by `depth` times their mean diameter. A touching pair is moved apart along a random direction,
+/// and bisection finds where the surfaces separate.
 pub fn contact(rng: &mut Rng, meshes: [&Arc<Mesh>; 2], depth: f64) -> [Body; 2] {
     loop {
         let [a, b] = scene(rng, meshes);
@@ -42,7 +42,7 @@ pub fn contact(rng: &mut Rng, meshes: [&Arc<Mesh>; 2], depth: f64) -> [Body; 2] 
     }
 }
 
-/// The shift along `way`, up to some accuracy, at which `b` parts from `a`: they meet at 0 and are apart at `end`.
+/// The shift along `way`, to some accuracy, at which `b` separates from `a`: they meet at 0 and are separated at `end`.
 fn last_contact(a: &Body, b: &Body, way: DVec3, end: f64) -> f64 {
     let [mut together, mut apart] = [0.0, end];
     while apart - together > 2e-4 {
@@ -72,11 +72,11 @@ pub fn linked(rng: &mut Rng, meshes: [&Arc<Mesh>; 2]) -> [Body; 2] {
     }
 }
 
-/// Linked tubes, one of which then moved until they touched, and up to one part in a hundred farther.
+/// Linked tubes, one of which was moved until they touched, and up to one part in a hundred farther.
 pub fn linked_contact(rng: &mut Rng, meshes: [&Arc<Mesh>; 2]) -> [Body; 2] {
     let [a, b] = linked(rng, meshes);
     let way = rng.direction() * mean_diameter(&a, &b);
-    // Linked tubes cannot part without touching, and the steps are thinner than the tubes.
+    // Linked tubes cannot separate without touching, and the steps are thinner than the tubes.
     let mut step = 0.0;
     while !surfaces_meet(&a, &b.moved(way * step)) {
         step += 0.01;
@@ -88,7 +88,7 @@ pub fn linked_contact(rng: &mut Rng, meshes: [&Arc<Mesh>; 2]) -> [Body; 2] {
     [a, touching.moved(way * (deeper - before))]
 }
 
-/// Mirrored and stretched at random, each axis by 0.3 to 1.
+/// Scales each axis by 0.3 to 1 and mirrors at random.
 pub fn deform(rng: &mut Rng, body: &Body) -> Body {
     let mut axis = || (rng.range(0.3, 1.0) * if rng.chance(0.5) { -1.0 } else { 1.0 }) as f32;
     let factor = Vec3::new(axis(), axis(), axis());
@@ -98,7 +98,8 @@ pub fn deform(rng: &mut Rng, body: &Body) -> Body {
     }
 }
 
-/// A body within the open ball of the given radius about `center`, `outer`'s own coordinates. `outer` has equal scales.
+/// A body within the open ball of the given radius about `center`, in the coordinates of `outer`, which has a uniform
+/// scale.
 pub fn placed_inside(rng: &mut Rng, outer: &Body, center: DVec3, radius: f64, mesh: &Arc<Mesh>) -> Body {
     let scale = f64::from(outer.scale.x);
     let diameter = radius * rng.range(0.2, 1.6);

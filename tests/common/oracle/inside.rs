@@ -5,8 +5,8 @@ use super::tritri::Triangle;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Whether a connected component of one body lies inside the other, closed body. The surfaces must not meet: then a
-/// component is inside as a whole or not at all, and one of its points decides.
+/// Whether a connected component of one body lies inside the other, closed body. The surfaces must not meet: then each
+/// component is completely inside or outside, and one of its points decides.
 pub fn contained(a: &World, b: &World) -> bool {
     a.components.iter().any(|&p| inside(p, b)) || b.components.iter().any(|&p| inside(p, a))
 }
@@ -16,7 +16,8 @@ pub fn inside(p: DVec3, body: &World) -> bool {
     body.closed && body.bounds.contains(p) && winding_number(p, &body.triangles).abs() > 0.5
 }
 
-/// How often the triangles wrap around `p`: the solid angles they fill, in whole spheres (Van Oosterom and Strackee).
+/// The winding number of the triangles about `p`: the sum of their solid angles, in full spheres (Van Oosterom and
+/// Strackee).
 pub fn winding_number(p: DVec3, triangles: &[Triangle]) -> f64 {
     let solid_angle = |t: &Triangle| {
         let [a, b, c] = t.map(|v| v - p);
@@ -41,7 +42,7 @@ pub fn linking_number(a: &Body, b: &Body) -> i32 {
             let w = q - p;
             let s = (w.x * f.y - w.y * f.x) / turn;
             let t = (w.x * e.y - w.y * e.x) / turn;
-            // Parallel shadows give no number, which lies in no range.
+            // Parallel projections give NaN, which lies in no range.
             if (0.0..1.0).contains(&s) && (0.0..1.0).contains(&t) {
                 let a_is_above = p.z + s * e.z > q.z + t * f.z;
                 crossings += if (turn > 0.0) == a_is_above { 1 } else { -1 };

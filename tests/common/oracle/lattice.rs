@@ -1,4 +1,4 @@
-//! Triangles with whole coordinates, where everything degenerate is common and a second, unrelated test is exact:
+//! Triangles with integer coordinates, where degenerate cases are common and a second, unrelated test is exact:
 //! separating axes in 128-bit integers.
 
 use super::tritri::Triangle;
@@ -7,7 +7,7 @@ use glam::DVec3;
 /// A point of the lattice.
 pub type Point = [i128; 3];
 
-/// All triangles with an area and corners in `0..n` cubed, each once.
+/// All triangles of non-zero area with corners in `0..n` cubed, each once.
 pub fn all_triangles(n: i128) -> Vec<[Point; 3]> {
     let points: Vec<Point> = (0..n * n * n).map(|i| [i % n, i / n % n, i / n / n]).collect();
     let mut triangles = vec![];
@@ -23,7 +23,7 @@ pub fn all_triangles(n: i128) -> Vec<[Point; 3]> {
     triangles
 }
 
-/// The same corners in `f64`; exact up to 2^53.
+/// The corners as `f64`; exact up to 2^53.
 pub fn real(t: &[Point; 3]) -> Triangle {
     t.map(|p| DVec3::from_array(p.map(|c| c as f64)))
 }
@@ -33,11 +33,11 @@ pub fn on_a_line(&[a, b, c]: &[Point; 3]) -> bool {
     cross(sub(b, a), sub(c, a)) == [0; 3]
 }
 
-/// Whether the closed triangles have a common point.
+/// Whether the closed triangles share a point.
 ///
-/// Convex sets are apart if and only if their shadows on some axis are. For polygons the normals of the difference
-/// body's faces are axes enough: both normals and the products of edges; if the triangles are parallel that body is
-/// flat, and the normals of its rim are needed instead: edges turned in the plane.
+/// Convex sets are disjoint if and only if their projections on some axis are. For polygons the normals of the faces of
+/// the Minkowski difference suffice as axes: both normals and the cross products of edges. If the triangles are
+/// parallel, that body is flat, and the normals of its boundary are needed instead: edges rotated in the plane.
 pub fn meet(a: &[Point; 3], b: &[Point; 3]) -> bool {
     let edges = |&[a, b, c]: &[Point; 3]| [sub(b, a), sub(c, b), sub(a, c)];
     let normal = |&[a, b, c]: &[Point; 3]| cross(sub(b, a), sub(c, a));

@@ -1,14 +1,14 @@
-//! How far a pair of triangles is from changing its answer.
+//! The margin of a pair of triangles: how far it is from the opposite answer.
 //!
 //! Rounding in the product moves corners by about 1e-7 of the bodies' size. It may change an answer only where a shift
-//! of that order changes the truth; the margin is the length of the smallest such shift.
+//! of that order changes the true answer; the margin is the length of the smallest such shift.
 
 use super::tritri::{Triangle, meet};
 use glam::DVec3;
 
 /// The length of the smallest translation of one triangle that changes whether the two meet.
 pub fn margin(a: &Triangle, b: &Triangle) -> f64 {
-    // About a corner, so that a distant place costs no digits.
+    // Relative to a corner, so that positions far from the origin cost no digits.
     let origin = a[0];
     let [near_a, near_b] = [a, b].map(|t| t.map(|p| p - origin));
     if meet(a, b) {
@@ -18,7 +18,7 @@ pub fn margin(a: &Triangle, b: &Triangle) -> f64 {
     }
 }
 
-/// The distance of two triangles that do not meet: reached between a corner and a face or between two edges.
+/// The distance of two disjoint triangles, which occurs between a corner and a face or between two edges.
 pub fn distance(a: &Triangle, b: &Triangle) -> f64 {
     let corners_a = a.iter().map(|&p| point_to_triangle(p, b));
     let corners_b = b.iter().map(|&p| point_to_triangle(p, a));
@@ -26,10 +26,10 @@ pub fn distance(a: &Triangle, b: &Triangle) -> f64 {
     corners_a.chain(corners_b).chain(edges).fold(f64::INFINITY, f64::min)
 }
 
-/// The length of the smallest translation that parts two triangles that meet.
+/// The length of the smallest translation that separates two triangles that meet.
 ///
-/// The translations that keep them in touch form the convex set a - b; the origin's distance to its boundary is the
-/// least overlap along the normals its faces can have: those of the triangles and the products of their edges.
+/// The translations under which they still meet form the convex set a - b. The origin's distance to its boundary is the
+/// least overlap along the normals of its possible faces: those of the triangles and the cross products of their edges.
 pub fn depth(a: &Triangle, b: &Triangle) -> f64 {
     let directions = |t: &Triangle| edges(t).map(|[p, q]| q - p);
     let [of_a, of_b] = [directions(a), directions(b)];
@@ -58,7 +58,8 @@ fn extent(t: &Triangle, n: DVec3) -> [f64; 2] {
     ]
 }
 
-/// The distance of `p` from the closed triangle: from its plane where the foot is inside, else from the nearest edge.
+/// The distance of `p` from the closed triangle: from its plane where the projection is inside, else from the nearest
+/// edge.
 pub fn point_to_triangle(p: DVec3, t: &Triangle) -> f64 {
     let n = (t[1] - t[0]).cross(t[2] - t[0]).normalize();
     let foot_inside = edges(t).iter().all(|[u, v]| n.cross(*v - *u).dot(p - *u) >= 0.0);
@@ -76,7 +77,7 @@ fn point_to_edge(p: DVec3, [u, v]: [DVec3; 2]) -> f64 {
     p.distance(u + (v - u) * along)
 }
 
-/// The distance of two segments: between the lines where the nearest points are inside both, else from an end.
+/// The distance of two segments: between the lines where the closest points are inside both, else from an end.
 fn edge_to_edge([p, q]: [DVec3; 2], [u, v]: [DVec3; 2]) -> f64 {
     let ends = [
         point_to_edge(p, [u, v]),

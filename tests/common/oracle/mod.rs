@@ -1,7 +1,8 @@
-//! The oracle: which triangles of which bodies touch, decided by brute force with exact predicates.
+//! The oracle: finds which triangles of which bodies touch, by brute force with exact predicates.
 //!
-//! It shares nothing with the product: poses, boxes, triangle tests, connectivity and containment are all written a
-//! second time, on `f64`, in the most direct way that is fast enough. `tests/oracle_itself.rs` tests the oracle.
+//! It shares nothing with the product: poses, boxes, triangle tests, connectivity and containment are all implemented a
+//! second time, on `f64`, in the most direct way that is fast enough. `tests/triangle_test/oracle_itself.rs` tests the
+//! oracle.
 
 // Every test binary compiles this module and uses a part of it.
 #![allow(dead_code)]

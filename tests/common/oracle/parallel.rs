@@ -1,5 +1,5 @@
-//! Plain threads. On workers of a pool a wait for the product's own pool would start further cases in between, on the
-//! same stack and inside the same locks.
+//! Plain threads. On the workers of a pool, waiting for the product's own pool would start further cases in between, on
+//! the same stack and inside the same locks.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -9,14 +9,14 @@ use bevy_faceoff::queries::{self, Placement, check};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// Asks the product, and bakes every mesh once.
+/// Runs the product, and bakes every mesh once.
 #[derive(Default)]
 pub struct Product {
     baked: Mutex<HashMap<usize, (Arc<Mesh>, CollisionMesh)>>,
 }
 
 impl Product {
-    /// What `queries::check` says. `queries::touching` has to name the same pairs.
+    /// The result of `queries::check`. `queries::touching` must return the same pairs.
     pub fn check(&self, bodies: &[Body]) -> Vec<Touch> {
         let placements: Vec<Placement> = bodies.iter().map(|body| self.placement(body)).collect();
         let touching = check(&placements).unwrap_or_else(|error| panic!("{error}: {bodies:?}"));
@@ -34,7 +34,7 @@ impl Product {
             .collect()
     }
 
-    /// A body as the product wants it.
+    /// A body in the product's form.
     pub fn placement(&self, body: &Body) -> Placement {
         let Body {
             mesh,
@@ -42,7 +42,7 @@ impl Product {
             rotation,
             scale,
         } = body;
-        // The address is a key as long as the entry keeps the mesh alive.
+        // The address is a valid key as long as the entry keeps the mesh alive.
         let (_, baked) = self
             .baked
             .lock()
@@ -59,7 +59,7 @@ impl Product {
     }
 }
 
-/// As the oracle sees meshes: corners are one only at the same place, and whatever is closed is solid.
+/// Bakes a mesh with the oracle's rules: only corners at the same position are welded, and whatever is closed is solid.
 fn bake(mesh: &Mesh) -> CollisionMesh {
     let mesh = TriMesh::new(mesh.vertices.clone(), mesh.faces.clone())
         .unwrap_or_else(|error| panic!("{}: {error}", mesh.name));

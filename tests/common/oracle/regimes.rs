@@ -1,4 +1,4 @@
-//! The situations in which the product is compared with the oracle, as a table, and running them.
+//! The regimes: a table of situations in which the product is compared with the oracle, and code that runs them.
 
 use super::body::{Body, Mesh};
 use super::brute::{self, Touch};
@@ -11,19 +11,19 @@ use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How disagreement on a pair of faces is judged.
+/// How a disagreement on a pair of faces is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// All coordinates are exact in `f32`: no disagreement at all.
+    /// All coordinates are exact in `f32`: no disagreement is allowed.
     Exact,
-    /// Within the margin it is forgiven, but may be no more than one in 100,000.
+    /// Forgiven within the margin, for at most one pair in 100,000.
     General,
-    /// Rounding decides about many pairs: surfaces coincide, or one body is so small that the margin, which follows the
-    /// larger one, is not small for it. Within the margin it is forgiven, however often.
+    /// Always forgiven within the margin. Rounding decides many pairs: surfaces coincide, or one body is so small that
+    /// the margin, which scales with the larger one, is not small for it.
     Rounding,
 }
 
-/// What must hold for every pair by construction, whatever the oracle says.
+/// A property that holds for every pair by construction, whatever the oracle finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expect {
     Any,
@@ -32,7 +32,7 @@ pub enum Expect {
     Contained,
 }
 
-/// A situation, how many cases of it are tried, and how one is made.
+/// A situation, its number of cases, and how to make one.
 pub struct Regime {
     pub name: &'static str,
     pub cases: u64,
@@ -51,7 +51,7 @@ const fn general(name: &'static str, cases: u64, expect: Expect, make: fn(&Shape
     }
 }
 
-/// All of them.
+/// All regimes.
 pub const REGIMES: &[Regime] = &[
     general("scene, tori", 6000, Expect::Any, |s, r| {
         scene(r, [&s.torus, &s.torus]).into()
@@ -209,7 +209,7 @@ fn resized(shapes: &Shapes, rng: &mut Rng, diameter: f64) -> Vec<Body> {
     let ratio = rng.range(0.5, 2.0);
     let meshes = shapes.two(rng);
     let [a, b] = near(rng, meshes, [1.0, ratio], 0.7);
-    // Shrunk or blown up about the first body, and put a few diameters from the origin.
+    // Scaled about the first body, and placed a few diameters from the origin.
     let place = rng.in_ball(10.0 * diameter);
     let origin = a.translation.as_dvec3();
     let resized_body = |body: &Body| Body {
@@ -220,12 +220,12 @@ fn resized(shapes: &Shapes, rng: &mut Rng, diameter: f64) -> Vec<Body> {
     vec![resized_body(&a), resized_body(&b)]
 }
 
-/// A body inside the material of a closed one, of which a part is known to hold a ball.
+/// A body inside the material of a closed one, in a part known to contain a ball.
 fn contained(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     let s = shapes;
     let torus_core = *rng.pick(&s.torus.core);
     let shell = rng.direction() * 0.385;
-    // The outer mesh, and a ball inside its material: center and radius.
+    // The outer mesh, and a ball inside its material: centre and radius.
     let places = [
         (&s.ball, DVec3::ZERO, 0.46),
         (&s.inward_ball, DVec3::ZERO, 0.46),
@@ -245,7 +245,7 @@ fn contained(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     };
     let mut bodies = vec![placed_inside(rng, &outer, center, radius, inner), outer];
     if rng.chance(0.2) {
-        // One of two components inside is enough: a ball around one end.
+        // It is enough that one of two components is inside: a ball around one end.
         let pair = Body::new(&s.two_balls, rng.in_cube(5.0), rng.rotation(), diameter(rng));
         let ball = Body::new(
             &s.ball,
@@ -257,7 +257,7 @@ fn contained(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     } else if rng.chance(0.3) {
         let mirror = Vec3::new(-1.0, 1.0, 1.0);
         bodies.iter_mut().for_each(|body| body.scale *= mirror);
-        // The mirror acts on the outer body's own axes, so the inner one has to follow.
+        // The mirror acts along the outer body's own axes, so the inner body must follow.
         let outer = bodies[1].clone();
         bodies[0].translation = (outer.place(center)).as_vec3();
     }
@@ -267,7 +267,7 @@ fn contained(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     bodies
 }
 
-/// A body in a hole of another, so not inside: in the ring of a torus, in a hollow ball, between two balls.
+/// A body in a hole of another, so not contained: in the ring of a torus, in a hollow ball, between two balls.
 fn in_holes(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     let s = shapes;
     let places = [
@@ -287,7 +287,7 @@ fn in_holes(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     }
 }
 
-/// One of the rotations that take the axes to axes and are exact in `f32`: half turns, and turns about a diagonal.
+/// A random rotation that maps axes to axes and is exact in `f32`: half turns, and turns about a diagonal.
 fn exact_rotation(rng: &mut Rng) -> Quat {
     if rng.chance(0.5) {
         let mut q = [0.0; 4];
@@ -298,7 +298,7 @@ fn exact_rotation(rng: &mut Rng) -> Quat {
     }
 }
 
-/// Boxes with corners on a lattice: they share faces, edges and corners exactly, lie in and across each other.
+/// Boxes with corners on a lattice: they share faces, edges and corners exactly, overlap, and contain each other.
 fn stacked_boxes(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     let corner = rng.in_cube(16.0).round();
     let mut coordinate = |count: usize, step: f64| step * rng.below(count) as f64;
@@ -318,7 +318,8 @@ fn stacked_boxes(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
         .collect()
 }
 
-/// Unit cubes stacked three by three by three: neighbours share a face, an edge or a corner, and others are one apart.
+/// A stack of three by three by three unit cubes: neighbours share a face, an edge or a corner; others are a distance
+/// of one apart.
 fn cube_of_cubes(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     let corner = rng.in_cube(100.0).round();
     let places = (0..27).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)));
@@ -327,14 +328,14 @@ fn cube_of_cubes(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
         .collect()
 }
 
-/// A closed body twice in one pose.
+/// Two equal closed bodies in the same pose.
 fn coincident(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     let mesh = *rng.pick(&shapes.solids());
     let body = Body::new(mesh, rng.in_cube(5.0), rng.rotation(), diameter(rng));
     vec![body.clone(), body]
 }
 
-/// Two parts of a torus in one pose: they share edges.
+/// Two parts of a torus in the same pose: they share edges.
 fn common_edges(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
     let [a, b] = &shapes.half_tori;
     let body = Body::new(a, rng.in_cube(5.0), rng.rotation(), diameter(rng));
@@ -355,7 +356,7 @@ fn crowd(shapes: &Shapes, rng: &mut Rng, side: f64) -> Vec<Body> {
 }
 
 impl Regime {
-    /// The bodies of one case; the same for the same number, whatever else runs.
+    /// The bodies of one case. They depend only on its number.
     pub fn bodies(&self, shapes: &Shapes, case: u64) -> Vec<Body> {
         let seed = self
             .name
@@ -364,7 +365,7 @@ impl Regime {
         (self.make)(shapes, &mut Rng::new(seed, case))
     }
 
-    /// Compares `answer` with the oracle over the first `cases` cases.
+    /// Compares `answer` with the oracle on the first `cases` cases.
     pub fn run(&self, shapes: &Shapes, cases: u64, answer: &(dyn Fn(&[Body]) -> Vec<Touch> + Sync)) -> Tally {
         let tallies = parallel::map(cases as usize, |case| self.run_case(shapes, case as u64, answer));
         let mut tally: Tally = tallies.into_iter().sum();
@@ -407,7 +408,7 @@ impl Regime {
             Expect::Apart => touches.is_empty(),
             Expect::Contained => touches.len() == 1 && touches[0].contained,
             Expect::Touching => {
-                // Two bodies touch; cubes on a lattice do if no coordinate differs by more than one.
+                // Two bodies must touch; cubes on a lattice touch if no coordinate differs by more than one.
                 let near = |a: &Body, b: &Body| (a.translation - b.translation).abs().max_element() <= 1.0;
                 let all = |i: usize| {
                     bodies[i + 1..]

@@ -1,15 +1,15 @@
-//! A small generator of random numbers, so that a case is known by its seed for ever.
+//! A small random number generator, so that a case is reproducible from its seed for ever.
 
 use glam::{DVec3, Quat};
 
-/// xorshift64*: a shift register, multiplied.
+/// xorshift64*.
 pub struct Rng(u64);
 
 impl Rng {
-    /// Streams of different `seed` or `stream` are unrelated.
+    /// Streams of different `seed` or `stream` are independent.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut rng = Self((seed.wrapping_mul(0xA076_1D64_78BD_642F) ^ stream.wrapping_mul(0xE703_7ED1_A0B4_28DB)) | 1);
-        // The first numbers of similar seeds are similar.
+        // Discards the first numbers: those of similar seeds are similar.
         for _ in 0..16 {
             rng.next();
         }

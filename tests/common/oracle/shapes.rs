@@ -1,4 +1,4 @@
-//! The meshes of the test cases, each within a sphere of diameter 1 about the origin unless said otherwise.
+//! The meshes of the test cases, each within a sphere of diameter 1 about the origin unless stated otherwise.
 
 use super::body::Mesh;
 use super::rng::Rng;
@@ -6,13 +6,13 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// All of them.
+/// All meshes.
 pub struct Shapes {
-    /// 240 triangles, as thick as a bun.
+    /// A thick torus of 240 triangles.
     pub torus: Arc<Mesh>,
     /// A trefoil of 1120 triangles.
     pub knot: Arc<Mesh>,
-    /// The same curve with a thin tube, which leaves room to link.
+    /// The same curve with a thin tube, which leaves room for links.
     pub thin_knot: Arc<Mesh>,
     /// A thin torus that links easily.
     pub ring: Arc<Mesh>,
@@ -20,20 +20,20 @@ pub struct Shapes {
     pub tetrahedron: Arc<Mesh>,
     /// 128 triangles, convex.
     pub ball: Arc<Mesh>,
-    /// The same turned inside out.
+    /// The same mesh inside out.
     pub inward_ball: Arc<Mesh>,
-    /// A shell: the ball, and in it a ball of 0.6 of its size that looks inward.
+    /// A shell: the ball, and inside it an inward-facing ball of 0.6 of its size.
     pub hollow_ball: Arc<Mesh>,
     /// Two balls of 0.3 of the size in one mesh, at x = -0.35 and 0.35.
     pub two_balls: Arc<Mesh>,
-    /// A torus of separate corners per face, some faces without an area in between.
+    /// A torus with separate corners for each face, and some degenerate faces in between.
     pub unwelded_torus: Arc<Mesh>,
-    /// The torus cut in two open meshes along two circles of common edges.
+    /// The torus split into two open meshes along two circles of shared edges.
     pub half_tori: [Arc<Mesh>; 2],
     pub triangle: Arc<Mesh>,
-    /// Open soups of 60 triangles.
+    /// Open triangle soups of 60 triangles.
     pub soups: Vec<Arc<Mesh>>,
-    /// The corners at -0.5 and 0.5, so not within diameter 1: for exact stacks.
+    /// A cube with corners at -0.5 and 0.5, so larger than diameter 1: for exact stacks.
     pub unit_cube: Arc<Mesh>,
 }
 
@@ -78,7 +78,7 @@ impl Shapes {
         }
     }
 
-    /// Closed, outward and in one piece.
+    /// Meshes that are closed, outward and connected.
     pub fn solids(&self) -> [&Arc<Mesh>; 7] {
         [
             &self.torus,
@@ -91,12 +91,12 @@ impl Shapes {
         ]
     }
 
-    /// Any two meshes of diameter 1.
+    /// Two random meshes of diameter 1.
     pub fn two(&self, rng: &mut Rng) -> [&Arc<Mesh>; 2] {
         [self.any(rng), self.any(rng)]
     }
 
-    /// Any mesh of diameter 1.
+    /// A random mesh of diameter 1.
     pub fn any(&self, rng: &mut Rng) -> &Arc<Mesh> {
         let solids = self.solids();
         match rng.below(12) {
@@ -110,7 +110,7 @@ impl Shapes {
     }
 }
 
-/// Moves the middle of the box to the origin and brings the farthest vertex to the distance 0.5.
+/// Moves the centre of the bounding box to the origin and scales the farthest vertex to the distance 0.5.
 fn unit_sized(name: &str, vertices: Vec<DVec3>, faces: Vec<[u32; 3]>, core: Vec<DVec3>) -> Arc<Mesh> {
     let low = vertices.iter().copied().reduce(DVec3::min).unwrap();
     let high = vertices.iter().copied().reduce(DVec3::max).unwrap();
@@ -129,7 +129,8 @@ fn circle(t: f64) -> DVec3 {
     DVec3::new(t.cos(), t.sin(), 0.0)
 }
 
-/// A point of the trefoil and two directions across it. The first is the normal of the torus on which the curve lies.
+/// A point of the trefoil and two directions perpendicular to it. The first is the normal of the torus on which the
+/// curve lies.
 fn trefoil(t: f64) -> (DVec3, DVec3, DVec3) {
     let on_torus = |t: f64| (2.0 + (3.0 * t).cos()) * circle(2.0 * t) + DVec3::Z * (3.0 * t).sin();
     let normal = (3.0 * t).cos() * circle(2.0 * t) + DVec3::Z * (3.0 * t).sin();
@@ -137,7 +138,7 @@ fn trefoil(t: f64) -> (DVec3, DVec3, DVec3) {
     (on_torus(t), normal, tangent.cross(normal))
 }
 
-/// A tube of `radius` about the closed curve: for each parameter a point and two directions across.
+/// A tube of `radius` about a closed curve that gives for each parameter a point and two perpendicular directions.
 fn tube(name: &str, curve: impl Fn(f64) -> (DVec3, DVec3, DVec3), along: u32, around: u32, radius: f64) -> Arc<Mesh> {
     let mut vertices = vec![];
     let mut core = vec![];
@@ -192,7 +193,7 @@ fn tetrahedron() -> Arc<Mesh> {
     unit_sized("tetrahedron", vertices, faces, vec![])
 }
 
-/// An octahedron whose sides are cut into 16 and blown up to the sphere.
+/// An octahedron whose faces are split into 16 and projected onto the sphere.
 fn ball() -> Arc<Mesh> {
     let mut vertices = vec![];
     let mut faces = vec![];
@@ -225,7 +226,7 @@ fn ball() -> Arc<Mesh> {
     Mesh::new("ball", vertices.iter().map(|v| v.as_vec3()).collect(), faces)
 }
 
-/// Several copies of meshes in one, each moved and scaled; a negative scale turns the copy inside out.
+/// Several meshes combined into one, each translated and scaled; a negative scale turns the copy inside out.
 fn assembled(name: &str, parts: &[(&Arc<Mesh>, DVec3, f64)]) -> Arc<Mesh> {
     let mut vertices = vec![];
     let mut faces = vec![];
@@ -237,7 +238,7 @@ fn assembled(name: &str, parts: &[(&Arc<Mesh>, DVec3, f64)]) -> Arc<Mesh> {
     Mesh::new(name, vertices, faces)
 }
 
-/// Corners of their own for every face, and after every seventh face one without an area.
+/// Separate corners for every face, and a degenerate face after every seventh.
 fn unwelded(mesh: &Mesh) -> Arc<Mesh> {
     let mut vertices = vec![];
     let mut faces = vec![];

@@ -1,8 +1,8 @@
-//! Triangle against triangle as closed sets, exactly, for `f64` corners in any position.
+//! Exact triangle-triangle test as closed sets, for `f64` corners in any position.
 //!
 //! Two triangles meet if and only if an edge of one meets the other: if their planes cross, the common part is a point
-//! or a segment, and its ends lie on edges; if they lie in one plane, the common part is a polygon bounded by edges.
-//! Every decision is the sign of an orientation determinant, which `robust` finds without rounding.
+//! or a segment whose ends lie on edges; if they are coplanar, it is a polygon bounded by edges. Every decision is the
+//! sign of an orientation determinant, which `robust` computes without rounding errors.
 
 use glam::DVec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
@@ -10,7 +10,7 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 /// Three corners that do not lie on one line.
 pub type Triangle = [DVec3; 3];
 
-/// Whether the closed triangles have a common point. Neither may be degenerate.
+/// Whether the closed triangles share a point. Neither may be degenerate.
 pub fn meet(a: &Triangle, b: &Triangle) -> bool {
     let b_sides = b.map(|p| side(a, p));
     if strictly_one_side(b_sides) {
@@ -36,12 +36,12 @@ pub fn general_position(a: &Triangle, b: &Triangle) -> bool {
     a.iter().all(|&p| side(b, p) != 0.0) && b.iter().all(|&p| side(a, p) != 0.0)
 }
 
-/// Whether the corners lie on one line: they do if all three shadows on the coordinate planes have no area.
+/// Whether the corners are collinear: they are if their projections on all three coordinate planes have no area.
 pub fn degenerate(t: &Triangle) -> bool {
     (0..3).all(|axis| orient_2d(t.map(|p| drop_axis(p, axis))) == 0.0)
 }
 
-/// Of the sign of the side of `t`'s plane on which `p` lies; zero if it lies in it.
+/// A number whose sign tells on which side of `t`'s plane `p` lies; zero in the plane.
 pub fn side(t: &Triangle, p: DVec3) -> f64 {
     orient_3d(t[0], t[1], t[2], p)
 }
@@ -58,14 +58,14 @@ pub fn edge_meets([p, q]: [DVec3; 2], [p_side, q_side]: [f64; 2], t: &Triangle) 
     if p_side == 0.0 && q_side == 0.0 {
         return edge_meets_in_plane(p, q, t);
     }
-    // The segment crosses the plane in one point. The line through it turns the same way about all three edges if and
-    // only if that point is inside; zero means that it passes through the edge's line.
+    // The segment crosses the plane in one point, which is inside if and only if the triple products of the line with
+    // all three edges have the same sign; zero means that the line meets the edge's line.
     let turns = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| orient_3d(p, q, t[i], t[j]));
     turns.iter().all(|&s| s >= 0.0) || turns.iter().all(|&s| s <= 0.0)
 }
 
-/// The same for a segment in the plane of `t`, on the coordinate plane where the triangle's shadow is largest: there
-/// the projection is one to one.
+/// The same for a segment in the plane of `t`, projected on the coordinate plane in which the triangle is largest:
+/// there the projection is one to one.
 fn edge_meets_in_plane(p: DVec3, q: DVec3, t: &Triangle) -> bool {
     let area = |axis: usize| orient_2d(t.map(|c| drop_axis(c, axis))).abs();
     let axis = (0..3).max_by(|&i, &j| area(i).total_cmp(&area(j))).unwrap();
@@ -92,7 +92,7 @@ fn segments_meet(p: [f64; 2], q: [f64; 2], u: [f64; 2], v: [f64; 2]) -> bool {
     if [pu, pv, up, uq] != [0.0; 4] {
         return true;
     }
-    // All on one line: they meet if and only if their boxes do.
+    // Collinear segments meet if and only if their boxes do.
     (0..2).all(|k| p[k].min(q[k]) <= u[k].max(v[k]) && u[k].min(v[k]) <= p[k].max(q[k]))
 }
 

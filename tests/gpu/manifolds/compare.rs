@@ -94,7 +94,7 @@ fn size(state: &StepState, bodies: [u32; 2]) -> f32 {
     of(bodies[0]).min(of(bodies[1]))
 }
 
-fn same_roundness(p: f32, q: f32) -> bool {
+fn same_radius(p: f32, q: f32) -> bool {
     p == q || (p - q).abs() <= 1e-3 * p.abs().max(q.abs())
 }
 
@@ -127,11 +127,11 @@ pub fn agreement(name: &str, gpu: &Gpu, state: &StepState, pairs: &[MarginPair])
             result.pairs += from;
             result.points += points.len();
             let like = |p: &ManifoldPoint, q: &ManifoldPoint| {
-                p.arms[0].distance(q.arms[0]) < SAME_PLACE * size
+                p.anchors[0].distance(q.anchors[0]) < SAME_PLACE * size
                     && p.normal.distance(q.normal) < SAME_WAY
                     && (p.separation - q.separation).abs() < SAME_PLACE * size
-                    && (0..2).all(|i| same_roundness(p.roundness[i], q.roundness[i]))
-                    && same_roundness(p.turn, q.turn)
+                    && (0..2).all(|i| same_radius(p.curvature_radii[i], q.curvature_radii[i]))
+                    && same_radius(p.normal_rotation, q.normal_rotation)
             };
             let named = |p: &&ManifoldPoint| others.iter().any(|q| like(p, q) && p.faces == q.faces);
             result.named += points.iter().filter(named).count();

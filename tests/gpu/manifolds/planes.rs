@@ -82,7 +82,7 @@ pub fn round_ones(gpu: &Gpu) {
     state.input.planes = vec![plane(Vec3::Z, 0.0), plane(Vec3::new(0.1, 0.2, 1.0), 0.0)];
     require("round ones", gpu, &state, &[], 0, 0.01);
     let found = on_cpu(&state, &[]);
-    assert!(found.points.iter().any(|p| p.roundness[0] > 0.0));
+    assert!(found.points.iter().any(|p| p.curvature_radii[0] > 0.0));
 }
 
 /// Pairs of bodies and bodies on half-spaces are one ascending list.

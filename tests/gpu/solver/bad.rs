@@ -16,11 +16,11 @@ const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
 
 fn point(normal: Vec3, separation: f32) -> ManifoldPoint {
     ManifoldPoint {
-        arms: [Vec3::ZERO, Vec3::NEG_Y * 0.5],
+        anchors: [Vec3::ZERO, Vec3::NEG_Y * 0.5],
         normal,
         separation,
-        roundness: [0.0, f32::INFINITY],
-        turn: 0.0,
+        curvature_radii: [0.0, f32::INFINITY],
+        normal_rotation: 0.0,
         faces: [0, 0],
     }
 }
@@ -72,7 +72,7 @@ pub fn bad_input_is_left_out(gpu: &Gpu) {
             point(Vec3::Y, f32::NAN),
             point(Vec3::Y * f32::INFINITY, -0.1),
             ManifoldPoint {
-                arms: [Vec3::splat(f32::NAN), Vec3::ZERO],
+                anchors: [Vec3::splat(f32::NAN), Vec3::ZERO],
                 ..point(Vec3::Y, -0.1)
             },
         ]);

@@ -137,11 +137,11 @@ fn web() -> World {
         });
         // Near enough to touch, and too far away to push.
         world.manifolds.points.push(ManifoldPoint {
-            arms: [Vec3::Y, Vec3::Y],
+            anchors: [Vec3::Y, Vec3::Y],
             normal: Vec3::Y,
             separation: 0.015,
-            roundness: [0.0; 2],
-            turn: 0.0,
+            curvature_radii: [0.0; 2],
+            normal_rotation: 0.0,
             faces: [0; 2],
         });
     }

@@ -1,9 +1,10 @@
-//! What the test of a pair starts from.
+//! The input of a pair's test: both meshes, their relative pose, filters and error bounds, in the pair's own unit of
+//! length.
 
-use super::choice::Choice;
-use super::contact::PairView;
+use super::contact::PairFrame;
 use super::cull::Other;
-use super::placed::{Place, Placed, Placing};
+use super::lane_filter::LaneFilter;
+use super::placed::{ClusterTransform, PairScale, PlacedCluster};
 use crate::geometry::Aabb;
 use crate::simd::rounding::{PAD, unit_of};
 use crate::simd::tree::{RelativePose, Tree};
@@ -11,37 +12,38 @@ use crate::state::mesh_arena::{MeshArena, MeshLanes};
 use crate::state::{Bodies, NearPair};
 use glam::{DVec3, Mat3, Vec3};
 
-/// Meshes of so many clusters at most have nodes too round for slabs to be worth their time.
-const COARSE: usize = 300;
+/// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
+/// pay off.
+const MAX_COARSE_CLUSTERS: usize = 300;
 
-/// A pair in its own unit of length.
-pub struct Setting<'a> {
+/// A pair to be tested.
+pub struct PairSetup<'a> {
     pub a: Side<'a>,
     pub b: Side<'a>,
-    /// Rounding allowance, in metres.
+    /// Rounding allowance, metres.
     pub pad: f32,
-    pub placing: Placing,
+    pub pair_scale: PairScale,
     pub near: &'a NearPair,
-    view: &'a PairView,
+    pair_frame: &'a PairFrame,
     back: Mat3,
 }
 
 /// One body of a pair.
 pub struct Side<'a> {
     pub lanes: &'a MeshLanes,
-    pub choice: Choice<'a>,
+    pub filter: LaneFilter<'a>,
     pub scale: Vec3,
     pub radius: f32,
-    place: Place,
+    transform: ClusterTransform,
 }
 
-impl<'a> Setting<'a> {
-    /// `masks` may be overwritten.
+impl<'a> PairSetup<'a> {
+    /// Prepares a pair. `masks` may be overwritten.
     pub fn new(
         bodies: &Bodies,
         meshes: &'a MeshArena,
         near: &'a NearPair,
-        view: &'a PairView,
+        pair_frame: &'a PairFrame,
         masks: &'a mut [Vec<u8>; 2],
     ) -> Self {
         let [masks_a, masks_b] = masks;
@@ -53,46 +55,46 @@ impl<'a> Setting<'a> {
             let scale = bodies.scale[i];
             Side {
                 lanes: &slot.lanes,
-                choice: Choice::new(view, &slot.mesh, masks),
+                filter: LaneFilter::new(view, &slot.mesh, masks),
                 scale,
                 radius: bodies.radius[i],
-                place: Place::new(rotation * Mat3::from_diagonal(unit * scale)),
+                transform: ClusterTransform::new(rotation * Mat3::from_diagonal(unit * scale)),
             }
         };
         let a = side(ia, near.views[0], masks_a, Mat3::IDENTITY);
         let b = side(ib, near.views[1], masks_b, near.rotation);
-        let reach = |side: &Side| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();
+        let longest_side = |side: &Side| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();
         Self {
             pad,
-            placing: Placing {
+            pair_scale: PairScale {
                 unit,
-                reach: unit * (reach(&a) + reach(&b)),
+                longest_sides: unit * (longest_side(&a) + longest_side(&b)),
                 pad: unit * pad,
-                origin_error: 2.0 * unit * view.placing as f32,
+                origin_error: 2.0 * unit * pair_frame.placement_error as f32,
             },
             a,
             b,
             near,
-            view,
+            pair_frame,
             back: near.rotation.transpose(),
         }
     }
 
-    /// Places `lanes` of a cluster of the first body, but for those that its view does not show.
+    /// Places `lanes` of a cluster of the first body, without those that are not in view.
     #[inline]
-    pub fn place_a(&self, placed: &mut Placed, cluster: u32, lanes: u32) {
-        let origin = self.view.place_a(self.a.lanes.clusters[cluster as usize].origin);
-        self.a.placed(placed, cluster, lanes, origin, &self.placing);
+    pub fn place_a(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
+        let origin = self.pair_frame.place_a(self.a.lanes.clusters[cluster as usize].origin);
+        self.a.place(placed, cluster, lanes, origin, &self.pair_scale);
     }
 
-    /// Places `lanes` of a cluster of the second body, but for those that its view does not show.
+    /// Places `lanes` of a cluster of the second body, without those that are not in view.
     #[inline]
-    pub fn place_b(&self, placed: &mut Placed, cluster: u32, lanes: u32) {
-        let origin = self.view.place_b(self.b.lanes.clusters[cluster as usize].origin);
-        self.b.placed(placed, cluster, lanes, origin, &self.placing);
+    pub fn place_b(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
+        let origin = self.pair_frame.place_b(self.b.lanes.clusters[cluster as usize].origin);
+        self.b.place(placed, cluster, lanes, origin, &self.pair_scale);
     }
 
-    /// What the first body knows about the second.
+    /// Bounds of the second body for culling the first.
     pub fn a_from_b(&self) -> Other {
         Other {
             rotation: self.back,
@@ -101,12 +103,12 @@ impl<'a> Setting<'a> {
             center: self.near.translation,
             radius: self.b.radius,
             axis: self.near.axis,
-            least: self.near.b_above,
+            min_height: self.near.b_above,
             pad: self.pad,
         }
     }
 
-    /// What the second body knows about the first.
+    /// Bounds of the first body for culling the second.
     pub fn b_from_a(&self) -> Other {
         Other {
             rotation: self.near.rotation,
@@ -115,21 +117,21 @@ impl<'a> Setting<'a> {
             center: -(self.back * self.near.translation),
             radius: self.a.radius,
             axis: -(self.back * self.near.axis),
-            least: self.near.translation.dot(self.near.axis) - self.near.a_below,
+            min_height: self.near.translation.dot(self.near.axis) - self.near.a_below,
             pad: self.pad,
         }
     }
 
-    /// Both trees.
+    /// The bounding-volume trees of both bodies.
     pub fn trees(&self) -> [Tree<'a>; 2] {
-        let Placing { unit, pad, .. } = self.placing;
-        let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > COARSE;
+        let PairScale { unit, pad, .. } = self.pair_scale;
+        let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > MAX_COARSE_CLUSTERS;
         let tree = |side: &Side<'a>, second, other: Other| {
             let relative = RelativePose {
                 rotation: other.rotation,
                 translation: unit * other.translation,
                 axis: other.axis,
-                min_height: unit * other.least,
+                min_height: unit * other.min_height,
             };
             Tree::new(side.lanes, second, unit * side.scale, relative, pad, slabs)
         };
@@ -142,9 +144,10 @@ impl<'a> Setting<'a> {
 
 impl Side<'_> {
     #[inline(always)]
-    fn placed(&self, placed: &mut Placed, cluster: u32, lanes: u32, origin: DVec3, placing: &Placing) {
-        self.place.cluster(placed, self.lanes, cluster, lanes, origin, placing);
-        placed.keep_chosen(&self.choice);
+    fn place(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32, origin: DVec3, pair_scale: &PairScale) {
+        self.transform
+            .place(placed, self.lanes, cluster, lanes, origin, pair_scale);
+        placed.keep_visible(&self.filter);
     }
 }
 

@@ -1,4 +1,4 @@
-//! The lanes of clusters that a view leaves in the test.
+//! View culling: the lanes of each cluster that a [`View`] leaves in the test.
 
 use crate::asset::BakedMesh;
 use crate::simd::lanes::{dot, splat};
@@ -6,16 +6,16 @@ use crate::state::View;
 use crate::state::mesh_arena::Points;
 use wide::f32x8;
 
-/// A [`View`], ready to be asked cluster by cluster.
-pub enum Choice<'a> {
+/// A [`View`], prepared for tests cluster by cluster.
+pub enum LaneFilter<'a> {
     All,
-    /// A byte per cluster.
+    /// Lane masks, a byte per cluster.
     Masks(&'a [u8]),
     Facing(Points),
 }
 
-impl<'a> Choice<'a> {
-    /// `scratch` may be overwritten.
+impl<'a> LaneFilter<'a> {
+    /// Prepares a view. `scratch` may be overwritten.
     pub fn new(view: View, mesh: &'a BakedMesh, scratch: &'a mut Vec<u8>) -> Self {
         match (view, &mesh.faces) {
             (View::Group(id), Some(table)) => Self::Masks(table.distinct(id).lane_masks(scratch)),
@@ -24,7 +24,7 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// Lanes of a cluster that may be in view, as far as can be told before it is placed.
+    /// Lanes of a cluster that may be in view, before the cluster is placed.
     #[inline(always)]
     pub fn lanes(&self, cluster: u32) -> u32 {
         match self {
@@ -33,7 +33,7 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// Lanes in view of a cluster that was placed with these normals; `None` if that leaves none out.
+    /// Lanes of a placed cluster that are in view, by its normals; `None` if all are.
     #[inline(always)]
     pub fn facing(&self, normals: Points) -> Option<f32x8> {
         match self {

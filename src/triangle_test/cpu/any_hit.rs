@@ -1,11 +1,11 @@
-//! Whether two bodies touch at all: the search ends at the first certain hit.
+//! Any-hit search: whether two bodies touch. It stops at the first certain intersection.
 //!
-//! Down the trees of both meshes, always on at the pair of nodes whose centres are nearest: where bodies overlap, their
-//! surfaces probably cross. What single precision cannot tell is put off until nothing else is left.
+//! Both trees are traversed depth-first, the pair of nodes with the nearest centres first: where bodies overlap, their
+//! surfaces probably cross. Pairs of triangles that single precision cannot decide are kept for the end.
 
-use super::placed::{Placed, PlacedList};
-use super::product::first_hit;
-use super::setting::Setting;
+use super::candidates::any_triangles_hit;
+use super::pair_setup::PairSetup;
+use super::placed::{PlacedCluster, PlacedClusters};
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::lanes::bits;
 use crate::simd::tree::{Group, Tree};
@@ -16,49 +16,51 @@ pub struct Search {
     ends: [End; 2],
     /// Pairs of nodes that may touch, the most promising one last.
     stack: Vec<[At; 2]>,
-    /// Triangles that may intersect.
+    /// Pairs of triangles that single precision cannot decide.
     unsure: Vec<[u32; 2]>,
 }
 
-/// In place of a group: the root, which is in none.
+/// In place of a group index: the root, which belongs to no group.
 const ROOT: u32 = u32::MAX;
 
-/// A node: a lane of an opened group, or the root.
+/// A node of a tree: a lane of an opened group, or the root.
 #[derive(Clone, Copy)]
 struct At {
     group: u32,
     lane: u8,
-    /// Clusters are on level 0.
+    /// Height above the clusters, which are on level 0.
     level: u8,
 }
 
-/// What was opened of one tree, each thing once.
+/// The opened groups and placed clusters of one tree, each stored once.
 #[derive(Default)]
 struct End {
     groups: Vec<Opened>,
-    placed: PlacedList,
-    /// Where each group lies in `groups`, if that one says so too; else anything, so that nothing needs clearing.
+    placed: PlacedClusters,
+    /// Index of each group in `groups`. Entries of earlier pairs are detected by comparing the group's id, so nothing
+    /// needs clearing.
     group_at: Vec<u32>,
-    /// The same for clusters and `placed`.
+    /// Index of each cluster in `placed`, checked alike.
     cluster_at: Vec<u32>,
-    /// For each level the number of groups on those below.
+    /// For each level, the number of groups on the levels below.
     below: Vec<u32>,
 }
 
 struct Opened {
-    /// Among the groups of all levels.
+    /// Index among the groups of all levels.
     id: u32,
     parent: u32,
     group: Group,
 }
 
 impl Search {
-    /// Whether two triangles certainly intersect; if not, calls `sure` for those that may until it agrees.
-    pub fn any(&mut self, setting: &Setting, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
-        let trees = setting.trees();
+    /// Whether two triangles intersect. Pairs that single precision cannot decide are passed to `sure`, until it
+    /// returns true.
+    pub fn any(&mut self, setup: &PairSetup, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
+        let trees = setup.trees();
         let [a, b] = &mut self.ends;
-        a.start(&trees[0], setting.a.lanes.clusters.len());
-        b.start(&trees[1], setting.b.lanes.clusters.len());
+        a.start(&trees[0], setup.a.lanes.clusters.len());
+        b.start(&trees[1], setup.b.lanes.clusters.len());
         self.stack.clear();
         self.unsure.clear();
         self.stack.push([0, 1].map(|end| At {
@@ -68,7 +70,7 @@ impl Search {
         }));
         while let Some(at) = self.stack.pop() {
             if at.iter().all(|at| at.level == 0) {
-                if self.clusters_hit(setting, at) {
+                if self.any_clusters_hit(setup, at) {
                     return true;
                 }
             } else {
@@ -95,7 +97,7 @@ impl Search {
         let mut nearest = [(f32::INFINITY, 0); CLUSTER];
         let mut count = 0;
         for lane in bits(meet) {
-            // The farthest first.
+            // Insertion sort, farthest first.
             let mut i = count;
             while i > 0 && nearest[i - 1].0 < distances[lane] {
                 nearest[i] = nearest[i - 1];
@@ -115,16 +117,16 @@ impl Search {
         }
     }
 
-    /// Whether triangles of two clusters certainly intersect. Remembers those that may.
-    fn clusters_hit(&mut self, setting: &Setting, at: [At; 2]) -> bool {
+    /// Whether triangles of two clusters certainly intersect. Undecided pairs are kept.
+    fn any_clusters_hit(&mut self, setup: &PairSetup, at: [At; 2]) -> bool {
         let [a, b] = &mut self.ends;
         let a = a.cluster(at[0], |placed, cluster| {
-            setting.place_a(placed, cluster, setting.a.choice.lanes(cluster));
+            setup.place_a(placed, cluster, setup.a.filter.lanes(cluster));
         });
         let b = b.cluster(at[1], |placed, cluster| {
-            setting.place_b(placed, cluster, setting.b.choice.lanes(cluster));
+            setup.place_b(placed, cluster, setup.b.filter.lanes(cluster));
         });
-        first_hit(a, b, &setting.placing, &mut self.unsure)
+        any_triangles_hit(a, b, &setup.pair_scale, &mut self.unsure)
     }
 }
 
@@ -151,7 +153,7 @@ impl End {
         group.map_or(0, |group| group.parent * CLUSTER as u32) + u32::from(at.lane)
     }
 
-    /// Where a node's children lie in `groups`.
+    /// Index of a node's children in `groups`.
     fn children(&mut self, tree: &Tree, at: At) -> u32 {
         let (number, level) = (self.number(at), usize::from(at.level) - 1);
         let id = self.below[level] + number;
@@ -167,8 +169,8 @@ impl End {
         *place
     }
 
-    /// A cluster, which `place` places if it is not yet.
-    fn cluster(&mut self, at: At, place: impl FnOnce(&mut Placed, u32)) -> &Placed {
+    /// A placed cluster. `place` is called if it has not been placed yet.
+    fn cluster(&mut self, at: At, place: impl FnOnce(&mut PlacedCluster, u32)) -> &PlacedCluster {
         let number = self.number(at);
         let known = &mut self.cluster_at[number as usize];
         let first = number * CLUSTER as u32;

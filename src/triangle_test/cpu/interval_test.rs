@@ -1,44 +1,45 @@
-//! Triangle against triangle in single precision, eight pairs at a time, with a bound on every error.
+//! The triangle-triangle interval test (Moeller 1997) in single precision, eight pairs at a time, with a bound on every
+//! error.
 //!
-//! Moeller's interval test (1997). A verdict is given only where the bounds allow it; the few other pairs, among them
-//! all that are coplanar or touch in a point, are left to [`intersect`](crate::geometry::triangle::intersect).
+//! It decides only where the bounds allow. The few other pairs, among them all that are coplanar or touch in a point,
+//! are left to [`intersect`](crate::geometry::triangle::intersect).
 
 use crate::simd::lanes::{cross, dot, each, lane_of, norm1, pick, sub};
 use crate::state::mesh_arena::Points;
 use glam::Vec3;
 use wide::f32x8;
 
-/// Planes cross in no line if the sum of its direction's components is below this.
+/// Least 1-norm of the cross product of two normals for which their planes have a common line.
 pub(crate) const LEAST_LINE: f32 = 1.0e-30;
 
-/// Eight triangles and what is known of their planes.
+/// Eight triangles with their planes and error bounds.
 pub struct Eight {
     pub corners: [Points; 3],
     pub normal: Points,
-    /// How wrong a height over the plane, times the normal's length, can be.
+    /// Error bound of a height over the plane, times the normal's length.
     pub tolerance: f32x8,
-    /// How wrong a coordinate can be.
+    /// Error bound of a coordinate.
     pub error: f32x8,
 }
 
-/// What can be said of eight pairs; one bit per lane.
+/// The results of eight pairs, one bit per lane.
 pub struct Verdicts {
-    /// Certainly intersecting.
+    /// Certain intersections.
     pub hit: u32,
-    /// Too close to call.
+    /// Undecided.
     pub unsure: u32,
     start: Points,
     end: Points,
 }
 
 impl Verdicts {
-    /// The common segment of a pair that intersects, along the cross product of both normals.
+    /// The common segment of an intersecting pair, along the cross product of the normals.
     pub fn segment(&self, lane: usize) -> [Vec3; 2] {
         [lane_of(&self.start, lane), lane_of(&self.end, lane)]
     }
 }
 
-/// Both in the same coordinates.
+/// Tests eight pairs of triangles, all in the same coordinates.
 #[inline(always)]
 pub fn decide([a, b]: &[Eight; 2]) -> Verdicts {
     let heights_a = heights(&a.corners, b.corners[0], b.normal);
@@ -46,13 +47,13 @@ pub fn decide([a, b]: &[Eight; 2]) -> Verdicts {
     decide_by([a, b], &heights_a, &heights_b)
 }
 
-/// Of corners over a plane through `origin`, times the length of its normal.
+/// Heights of corners over the plane through `origin`, times the length of its normal.
 #[inline(always)]
 pub fn heights(corners: &[Points; 3], origin: Points, normal: Points) -> [f32x8; 3] {
     each(|k| dot(sub(corners[k], origin), normal))
 }
 
-/// Lanes in which all heights are beyond a tolerance, on one side.
+/// Lanes in which all heights lie beyond the tolerance on one side.
 #[inline(always)]
 pub fn beside(heights: &[f32x8; 3], tolerance: f32x8) -> u32 {
     let lowest = heights[0].fast_min(heights[1]).fast_min(heights[2]);
@@ -60,7 +61,7 @@ pub fn beside(heights: &[f32x8; 3], tolerance: f32x8) -> u32 {
     (lowest.simd_gt(tolerance) | highest.simd_lt(-tolerance)).to_bitmask()
 }
 
-/// [`decide`] with the heights of each triangle's corners over the other's plane.
+/// [`decide`] with given heights of each triangle's corners over the other's plane.
 #[inline(always)]
 pub fn decide_by([a, b]: [&Eight; 2], heights_a: &[f32x8; 3], heights_b: &[f32x8; 3]) -> Verdicts {
     let side_a = Side::of(heights_a, b.tolerance);
@@ -74,11 +75,11 @@ pub fn decide_by([a, b]: [&Eight; 2], heights_a: &[f32x8; 3], heights_b: &[f32x8
     let start_at = first.bitselect(chord_a.low_at, chord_b.low_at);
     let end_at = last.bitselect(chord_a.high_at, chord_b.high_at);
     let overlap = end_at - start_at;
-    // Points are wrong by what the heights leave open, and by their own coordinates and the sums along the line.
+    // The error of the end points comes from the heights, from their own coordinates and from the sums along the line.
     let bound = norm1(line) * (chord_a.error + chord_b.error + f32x8::splat(4.0) * a.error);
 
     let apart = side_a.one | side_b.one;
-    // Nearly parallel planes, or tiny faces, have next to no common line.
+    // Nearly parallel planes and tiny faces have no reliable common line.
     let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(f32x8::splat(LEAST_LINE));
     let hit = clear & overlap.simd_gt(bound);
     let miss = apart | (clear & overlap.simd_lt(-bound));
@@ -91,11 +92,11 @@ pub fn decide_by([a, b]: [&Eight; 2], heights_a: &[f32x8; 3], heights_b: &[f32x8
     }
 }
 
-/// On which side of the other's plane the corners lie.
+/// The sides of the other plane on which the corners lie.
 struct Side {
-    /// All certainly on one side.
+    /// All corners are certainly on one side.
     one: f32x8,
-    /// Each certainly on some side.
+    /// The side of each corner is certain.
     clear: f32x8,
     above: [f32x8; 3],
 }
@@ -113,20 +114,21 @@ impl Side {
     }
 }
 
-/// Where a triangle crosses the other's plane: two points in order along the common line.
+/// Where a triangle crosses the other's plane: two points, in order along the common line.
 struct Chord {
     low: Points,
     high: Points,
     low_at: f32x8,
     high_at: f32x8,
-    /// How far off the points can be, apart from the error of coordinates.
+    /// Error bound of the points, apart from that of the coordinates.
     error: f32x8,
 }
 
 impl Chord {
     #[inline(always)]
     fn new(t: &[Points; 3], heights: &[f32x8; 3], side: &Side, tolerance: f32x8, line: Points) -> Self {
-        // The corner alone on its side: the third if the first two agree, else the second if first and third do.
+        // Selects the corner that is alone on its side: the third if the first two agree, else the second if first and
+        // third agree.
         let third = !(side.above[0] ^ side.above[1]);
         let second = !(side.above[0] ^ side.above[2]) & !third;
         let either = third | second;
@@ -142,7 +144,7 @@ impl Chord {
             let across = f32x8::ONE / (hp - h);
             let edge = sub(to, p);
             let along = hp * across;
-            // Both heights may be wrong by the tolerance.
+            // Both heights may err by the tolerance.
             let error = norm1(edge) * (tolerance * across).abs() * f32x8::splat(2.0);
             let point = each(|i| p[i] + edge[i] * along);
             (point, error)

@@ -1,11 +1,11 @@
-//! The names of what contact points are made of.
+//! Feature ids: stable identifiers of the features that make a contact point.
 
 use super::feature::{Feature, Origin};
 use super::side::Side;
 use crate::types::feature_id::{FeatureId, FeatureKind};
 
-/// The ids of a feature on both sides.
-pub fn ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
+/// The ids of a feature on both bodies.
+pub fn feature_ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
     [0, 1].map(|i| {
         let (own, triangle) = (&sides[i], feature.triangles[i]);
         match feature.origin {
@@ -25,7 +25,7 @@ pub fn ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
     })
 }
 
-/// Of a vertex and a triangle that has it.
+/// Id of a vertex, given a triangle that contains it.
 fn vertex_id(side: &Side, triangle: u32, vertex: u32) -> FeatureId {
     let mesh = &side.mesh.mesh;
     let corners = side.features.triangles[triangle as usize];
@@ -34,9 +34,9 @@ fn vertex_id(side: &Side, triangle: u32, vertex: u32) -> FeatureId {
     FeatureId::new(FeatureKind::Vertex, mesh.welded()[index as usize])
 }
 
-/// Of the edge in this place of a triangle.
+/// Id of the edge at this position of a triangle.
 fn edge_id(side: &Side, triangle: u32, place: u8) -> FeatureId {
-    // Faces that were turned run through their corners the other way than in the input.
+    // Flipped faces list their corners in the opposite order of the input.
     let place = if side.mesh.mesh.is_flipped() { 2 - place } else { place };
     let index = side.face(triangle).wrapping_mul(3).wrapping_add(u32::from(place));
     FeatureId::new(FeatureKind::Edge, index)

@@ -1,0 +1,73 @@
+//! The support-axis cull of one pair: Gilbert's iteration over the support heights of both meshes.
+
+use super::view;
+use crate::angles::AXES;
+use crate::simd::rounding::PAD;
+use crate::state::mesh_arena::MeshArena;
+use crate::state::{Bodies, NearPair, View};
+use glam::{DMat3, Vec3};
+
+/// The pair with its best support axis and visible triangles; `None` if an axis separates the two by more than
+/// `margin`.
+pub fn near_pair(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f32) -> Option<NearPair> {
+    let [a, b] = pair.map(|i| i as usize);
+    let (fa, fb) = (&bodies.frame[a], &bodies.frame[b]);
+    let to_a: DMat3 = fa.rotation.transpose();
+    let rotation = (to_a * fb.rotation).as_mat3();
+    let translation = (to_a * (fb.center - fa.center)).as_vec3();
+    let size = bodies.radius[a] + bodies.radius[b];
+    let pad = PAD * size;
+    let (heights_a, heights_b) = (
+        &meshes[bodies.mesh[a]].mesh.heights,
+        &meshes[bodies.mesh[b]].mesh.heights,
+    );
+    let (scale_a, scale_b) = (bodies.scale[a], bodies.scale[b]);
+
+    let mut best = NearPair {
+        bodies: pair,
+        rotation,
+        translation,
+        axis: Vec3::ZERO,
+        b_above: f32::NEG_INFINITY,
+        a_below: f32::INFINITY,
+        views: [View::All; 2],
+        margin,
+    };
+    let mut best_overlap = f32::INFINITY;
+    // The point of the Minkowski difference of `a` and `b` that is nearest to the origin so far; at first the
+    // difference of the centres.
+    let mut nearest = -translation;
+    for _ in 0..AXES {
+        let length = nearest.length();
+        if length <= pad {
+            break;
+        }
+        let u = nearest / -length;
+        // The support point of a scaled body along u is the scaled support point along the scaled u.
+        let pa = scale_a * heights_a.support(scale_a * u);
+        let pb = translation + rotation * (scale_b * heights_b.support(scale_b * (rotation.transpose() * -u)));
+        let (a_below, b_above) = (pa.dot(u), pb.dot(u));
+        let overlap = a_below - b_above;
+        if overlap < -2.0 * pad - margin {
+            return None;
+        }
+        if overlap < best_overlap {
+            best_overlap = overlap;
+            best = NearPair {
+                axis: u,
+                a_below: a_below + pad,
+                b_above: b_above - pad,
+                ..best
+            };
+        }
+        let (from, to) = (nearest, (pa - pb) - nearest);
+        let t = (-from.dot(to) / to.length_squared()).clamp(0.0, 1.0);
+        // This axis gives no nearer point; NaN if both points coincide.
+        if t.is_nan() || t <= 0.0 {
+            break;
+        }
+        nearest = from + to * t;
+    }
+    best.views = view::of_pair(bodies, meshes, &best, pad);
+    Some(best)
+}

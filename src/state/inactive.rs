@@ -1,0 +1,51 @@
+//! Inactive pairs: nothing about them has changed since the last collision substep, because they sleep. They are not
+//! tested again and keep their contact points.
+
+/// In place of the index of a body that no longer exists.
+pub(crate) const GONE: u32 = u32::MAX;
+
+/// The bodies that have not changed since the last collision substep. Half-spaces are numbered after the bodies.
+#[derive(Default)]
+pub(crate) struct InactiveBodies {
+    /// For each body, whether nothing about it can have changed.
+    pub flags: Vec<bool>,
+    /// Whether any body sleeps.
+    pub has_sleepers: bool,
+    /// New index of each body of the last collision substep, or [`GONE`]; empty if all indices are unchanged.
+    pub numbers: Vec<u32>,
+}
+
+impl InactiveBodies {
+    /// Forgets everything: no pair is inactive.
+    pub fn clear(&mut self) {
+        self.flags.clear();
+        self.numbers.clear();
+        self.has_sleepers = false;
+    }
+
+    /// Whether nothing about a pair can have changed since the last collision substep: both bodies sleep, or one sleeps
+    /// and the other is fixed.
+    pub fn is_inactive(&self, [a, b]: [u32; 2]) -> bool {
+        self.has_sleepers && self.flags[a as usize] && self.flags[b as usize]
+    }
+
+    /// The new indices of a pair of the last collision substep; `None` if a body is gone.
+    pub fn renumbered(&self, pair: [u32; 2]) -> Option<[u32; 2]> {
+        if self.numbers.is_empty() {
+            return Some(pair);
+        }
+        let pair = pair.map(|i| self.numbers.get(i as usize).copied().unwrap_or(GONE));
+        (!pair.contains(&GONE)).then_some(pair)
+    }
+
+    /// Advances to the next collision substep of the same step, in which bodies keep their indices. Bodies that have
+    /// woken become active.
+    pub fn keep_only(&mut self, is_fixed_or_asleep: impl Fn(usize) -> bool) {
+        self.numbers.clear();
+        if self.has_sleepers {
+            for (i, flag) in self.flags.iter_mut().enumerate() {
+                *flag &= is_fixed_or_asleep(i);
+            }
+        }
+    }
+}
