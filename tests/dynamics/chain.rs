@@ -66,7 +66,7 @@ fn a_chain_of_ten_hangs_is_shaken_and_holds() {
     hangs_and_is_shaken(10, [10, 5, 10]);
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture chain_of_fifty`
+/// `cargo test --release --test stages -- --ignored --nocapture chain_of_fifty`
 /// (0.43 % short; deepest 0.7 % of the diameter; 37 s).
 #[test]
 #[ignore = "takes a minute"]

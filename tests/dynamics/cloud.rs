@@ -66,7 +66,7 @@ fn sixty_mixed_knots_keep_momentum_and_gain_no_energy() {
     keeps_momentum(60, 300, true);
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture five_hundred`
+/// `cargo test --release --test stages -- --ignored --nocapture five_hundred`
 /// (momentum drifts by 3e-8 and 5e-8 at most, energy never grows; 6 minutes on a busy pair of cores).
 #[test]
 #[ignore = "takes minutes"]

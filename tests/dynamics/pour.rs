@@ -78,7 +78,7 @@ fn forty_knots_poured_into_a_bin_come_to_rest() {
     pour(40, 3.4, 6);
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture a_thousand_knots`
+/// `cargo test --release --test stages -- --ignored --nocapture a_thousand_knots`
 /// (mean overlap 0.0034 % of the diameter at rest, most 0.44 %; on the way 3.2 %; 5 minutes on a busy pair of cores).
 #[test]
 #[ignore = "takes minutes"]

@@ -75,7 +75,7 @@ fn a_pyramid_of_fifteen_cubes_stands() {
     pyramid(5, 30);
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture fifty_five`
+/// `cargo test --release --test stages -- --ignored --nocapture fifty_five`
 /// (moved 3.6 mm, all of it down; 13 s).
 #[test]
 #[ignore = "takes a quarter of a minute"]

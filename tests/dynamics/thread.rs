@@ -101,7 +101,7 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
     assert!(farthest_off < 0.1 * PITCH, "{farthest_off}");
 }
 
-/// `cargo test --release --test dynamics -- --ignored --nocapture smooth_nut`
+/// `cargo test --release --test stages -- --ignored --nocapture smooth_nut`
 /// (2.01 mm per turn over 0.4 turns, never farther than 0.015 mm from the thread's line).
 #[test]
 #[ignore = "takes minutes"]
