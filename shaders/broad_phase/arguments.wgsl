@@ -1,5 +1,6 @@
 // BroadPhase: how many workgroups the kernels over pairs need. A list that is too small turns the step into nothing: the
 // host makes it longer and runs the step again.
+#import faceoff::constants::shared::{DIGITS, SCAN_BLOCK, SORT_BLOCK}
 #import faceoff::dispatch::{divide_up, rows}
 #import faceoff::types as t
 
@@ -18,11 +19,11 @@ fn main() {
     }
     counters[t::PAIRS] = pairs;
     counters[t::ENTRIES] = 2u * pairs;
-    let blocks = divide_up(2u * pairs, 2048u);
+    let blocks = divide_up(2u * pairs, SORT_BLOCK);
     put(t::GROUPS_PER_64_PAIRS, divide_up(pairs, 64u));
     put(t::GROUPS_PER_PAIR, pairs);
     put(t::GROUPS_PER_SORT_BLOCK, blocks);
-    put(t::GROUPS_PER_DIGIT_BLOCK, divide_up(256u * blocks, 1024u));
+    put(t::GROUPS_PER_DIGIT_BLOCK, divide_up(DIGITS * blocks, SCAN_BLOCK));
 }
 
 fn put(slot: u32, groups: u32) {

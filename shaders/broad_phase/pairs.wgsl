@@ -1,6 +1,7 @@
 // BroadPhase: every body looks into the cells around it, on its own level and all coarser ones, so that each pair is seen
 // once: by the smaller body, or on the same level by the one of smaller number. Counted first; with EMIT written to
 // where the scan of the counts says.
+#import faceoff::constants::broad_phase::SPHERE_SLACK
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of}
 #import faceoff::types::{Body, GridEntry, Step, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, SENSOR}
@@ -66,7 +67,7 @@ fn overlap(a: GridEntry, b: GridEntry) -> bool {
     // Relative to the larger: squares of tiny or huge lengths would leave f32's range.
     let reach = a.radius + b.radius;
     let d = (b.center - a.center) / reach;
-    return dot(d, d) <= 1.000001;
+    return dot(d, d) <= SPHERE_SLACK;
 }
 
 fn may_collide(a: GridEntry, b: GridEntry) -> bool {

@@ -1,12 +1,10 @@
 #define_import_path faceoff::response
 
-// How contacts answer; `stages/force_scan/mod.rs` explains it.
+// How contacts answer; `src/force_scan/mod.rs` explains it.
 
+#import faceoff::constants::force_scan::{RESTITUTION_STEPS, PUSH}
 #import faceoff::math::{conjugate, rotate}
 #import faceoff::types as t
-
-// How fast a plane pushes a body out: share of the depth per step, and the largest speed in m/s.
-const PUSH: vec2<f32> = vec2(0.2, 1.0);
 
 // Velocity of a body's point, `arm` from its centre, at the end of the step if nothing is touched.
 fn velocity(step: t::Step, body: t::Body, arm: vec3<f32>) -> vec3<f32> {
@@ -23,7 +21,7 @@ fn velocity(step: t::Step, body: t::Body, arm: vec3<f32>) -> vec3<f32> {
 
 // Closing speeds below this do not bounce, or a body at rest would bounce off what gravity gave it within the step.
 fn bounce_threshold(step: t::Step) -> f32 {
-    return 2.0 * sqrt(dot(step.gravity, step.gravity)) * step.dt;
+    return RESTITUTION_STEPS * sqrt(dot(step.gravity, step.gravity)) * step.dt;
 }
 
 // The inverse inertia in world axes, times v.

@@ -1,9 +1,10 @@
 // Contact generation: which features count. Near a patch all must agree with it; and of the faces under which a vertex is,
 // the one through which it came is meant. A workgroup a pair.
+#import faceoff::constants::manifolds::AGREES
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
-@group(0) @binding(0) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(1) var<storage, read> settings: array<t::ContactSetting>;
 @group(0) @binding(2) var<storage, read_write> features: array<t::Feature>;
 @group(0) @binding(3) var<storage, read_write> patches: array<t::Patch>;
@@ -11,7 +12,7 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -22,7 +23,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let at = setting.first_feature + i;
         for (var k = 0u; k < setting.patch_count; k += 1u) {
             let spoken = patches[setting.first_segment + k];
-            if is_near(spoken, features[at]) && dot(features[at].normal, spoken.normal) < t::AGREES {
+            if is_near(spoken, features[at]) && dot(features[at].normal, spoken.normal) < AGREES {
                 features[at].separation = t::DROPPED;
             }
         }
@@ -58,7 +59,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     // Some devices leave a loop that takes long.
     if compared < setting.deep_count || asked < setting.patch_count {
-        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
 

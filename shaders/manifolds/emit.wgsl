@@ -3,7 +3,7 @@
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(1) var<storage, read_write> counters: array<u32>;
+@group(0) @binding(1) var<storage, read_write> contact_counters: array<u32>;
 @group(0) @binding(2) var<storage, read> slots: array<t::ContactPair>;
 @group(0) @binding(3) var<storage, read> pair_places: array<u32>;
 @group(0) @binding(4) var<storage, read> point_places: array<u32>;
@@ -14,11 +14,11 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[t::CONTACT_SLOTS] {
+    if i >= contact_counters[t::CONTACT_SLOTS] {
         return;
     }
     if i == 0u {
-        counters[t::CONTACTS_SKIPPED] = u32(is_worthless());
+        contact_counters[t::CONTACTS_SKIPPED] = u32(is_worthless());
     }
     let slot = slots[i];
     let place = pair_places[i];
@@ -34,11 +34,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // Whether some list has no room for what was found, or not all was found.
 fn is_worthless() -> bool {
-    return counters[t::NEAR_TRIANGLES] > limits.near_triangles
-        || counters[t::FEATURES] > limits.features
-        || counters[t::SEGMENTS] > limits.segments
-        || counters[t::STAGED_POINTS] > limits.staged_points
-        || counters[t::CONTACT_PAIRS] > limits.pairs
-        || counters[t::CONTACT_POINTS] > limits.points
-        || counters[t::CONTACTS_CUT_SHORT] != 0u;
+    return contact_counters[t::NEAR_TRIANGLES] > limits.near_triangles
+        || contact_counters[t::FEATURES] > limits.features
+        || contact_counters[t::SEGMENTS] > limits.segments
+        || contact_counters[t::STAGED_POINTS] > limits.staged_points
+        || contact_counters[t::CONTACT_PAIRS] > limits.pairs
+        || contact_counters[t::CONTACT_POINTS] > limits.points
+        || contact_counters[t::CONTACTS_CUT_SHORT] != 0u;
 }

@@ -1,6 +1,7 @@
 // Contact generation: what nearby triangles have to say. A workgroup a pair of bodies, a thread a pair of triangles; the
 // first round finds out what there is, the second writes it, in the order of the triangles.
 #import faceoff::arena::{meshes, words}
+#import faceoff::constants::manifolds::{AGREES, DEEP}
 #import faceoff::dispatch::group_index
 #import faceoff::features as f
 #import faceoff::sides
@@ -9,7 +10,7 @@
 // Which search: for all features that touch or are apart, and segments (0), or for those that overlap, near patches (1).
 @group(0) @binding(2) var<uniform> constants: vec4<u32>;
 @group(0) @binding(3) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> settings: array<t::ContactSetting>;
 // The two triangles, and a bit for each thing that they have to say.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
@@ -28,7 +29,7 @@ var<workgroup> base: vec2<u32>;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -76,7 +77,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     // Some devices leave a loop that takes long.
     if surveyed < setting.near_count || round < setting.near_count {
-        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
 
@@ -102,10 +103,10 @@ fn before(own: vec2<u32>, thread: u32) -> vec2<u32> {
 
 // Places for so many features and segments, noted in the pair's setting.
 fn reserve(index: u32, count: vec2<u32>, deep: bool) -> vec2<u32> {
-    var first = vec2(atomicAdd(&counters[t::FEATURES], count.x), 0u);
+    var first = vec2(atomicAdd(&contact_counters[t::FEATURES], count.x), 0u);
     var fits = first.x <= limits.features && count.x <= limits.features - first.x;
     if !deep {
-        first.y = atomicAdd(&counters[t::SEGMENTS], count.y);
+        first.y = atomicAdd(&contact_counters[t::SEGMENTS], count.y);
         fits = fits && first.y <= limits.segments && count.y <= limits.segments - first.y;
     }
     let held = select(vec2(0u), count, fits);
@@ -129,7 +130,7 @@ fn encounter(setting: t::ContactSetting, a: sides::Side, b: sides::Side, numbers
     met.heights_b = sides::heights(met.b, met.a);
     met.rounding = setting.rounding;
     if deep {
-        met.low = -t::DEEP * setting.size;
+        met.low = -DEEP * setting.size;
         met.high = -setting.touch;
     } else {
         met.low = -setting.touch;
@@ -205,7 +206,7 @@ fn agrees(setting: t::ContactSetting, feature: t::Feature) -> bool {
         let way = middle - patch_near.center;
         if dot(way, way) < patch_near.reach * patch_near.reach {
             any_near = true;
-            if dot(feature.normal, patch_near.normal) < t::AGREES {
+            if dot(feature.normal, patch_near.normal) < AGREES {
                 return false;
             }
         }

@@ -1,5 +1,5 @@
 // Contact generation: one body inside the other without a crossing, and the short way out. A workgroup a pair.
-// `stages/manifolds/cpu/inside.rs` explains it.
+// `src/manifolds/cpu/inside.rs` explains it.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::containment::{contains, unfinished}
 #import faceoff::dispatch::group_index
@@ -9,7 +9,7 @@
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> settings: array<t::ContactSetting>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 
@@ -25,7 +25,7 @@ var<workgroup> best_number: array<u32, 64>;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -43,7 +43,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         done = try_side(index, b, a, 1u, thread);
     }
     if unfinished {
-        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
 
@@ -159,7 +159,7 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     feature.vertex = t::NOTHING;
     feature.a = select(triangle, inner_triangle, outer_is_second);
     feature.b = select(inner_triangle, triangle, outer_is_second);
-    let at = atomicAdd(&counters[t::FEATURES], 1u);
+    let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
     settings[index].feature_count = 0u;
     if at < limits.features {
         features[at] = feature;

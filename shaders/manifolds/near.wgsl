@@ -2,6 +2,7 @@
 // boxes, eight children of one against eight of the other at a time, one thread each; once to count, once to write. The
 // order is that of the trees, whatever runs first.
 #import faceoff::arena::{meshes, words, vector}
+#import faceoff::constants::manifolds::{AROUND_ERROR, DEEP, DIRECTION_ERROR, ERROR}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{absolute, norm1}
 #import faceoff::sides
@@ -11,15 +12,10 @@
 // Which search: for all features (0), or for those that overlap, near patches (1).
 @group(0) @binding(2) var<uniform> constants: vec4<u32>;
 @group(0) @binding(3) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> settings: array<t::ContactSetting>;
 // The two triangles; the rest is for `manifold_features.wgsl`.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
-
-// What single precision costs a product of two vectors, relative to their lengths.
-const ERROR: f32 = 2.0e-6;
-// The direction of a normal must be known as well as this, radians.
-const DIRECTION_ERROR: f32 = 1.0e-3;
 
 // A node of either tree. Of each of at most 8 levels no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
@@ -36,12 +32,12 @@ var<private> windowed: bool;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
     windowed = constants.x == 1u;
-    let most = t::DEEP * setting.size;
+    let most = DEEP * setting.size;
     // With a wide margin all pairs are known.
     if setting.valid == 0u || (windowed && (setting.patch_count == 0u || most <= setting.margin)) {
         return;
@@ -59,7 +55,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     workgroupBarrier();
     let count = descend(setting, a, b, thread, t::NOTHING);
     if thread == 0u {
-        base = atomicAdd(&counters[t::NEAR_TRIANGLES], count);
+        base = atomicAdd(&contact_counters[t::NEAR_TRIANGLES], count);
         let fits = base <= limits.near_triangles && count <= limits.near_triangles - base;
         base = select(t::NOTHING, base, fits);
         settings[index].first_near = base;
@@ -140,7 +136,7 @@ fn descend(setting: t::ContactSetting, a: sides::Side, b: sides::Side, thread: u
     }
     // Some devices leave a loop that takes long.
     if depth != 0u {
-        atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
     // The next descent begins with masks that are clear.
     if thread < 6u {
@@ -225,7 +221,7 @@ fn triangles_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nu
     return meet || has_features(a, b, ca, cb, numbers);
 }
 
-// Whether two triangles may have a feature; `Placed::has_features` in `stages/manifolds/cpu/near.rs` explains it.
+// Whether two triangles may have a feature; `Placed::has_features` in `src/manifolds/cpu/near.rs` explains it.
 fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, numbers: vec2<u32>) -> bool {
     let middle_a = (ca.p + ca.q + ca.r) / 3.0;
     let middle_b = (cb.p + cb.q + cb.r) / 3.0;
@@ -236,7 +232,7 @@ fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, number
     let across_a = cross(way, outward_a);
     let across_b = cross(way, outward_b);
     let beside = sqrt(vec2(dot(across_a, across_a), dot(across_b, across_b)));
-    let around = 1.001 * (radius(ca, middle_a) + radius(cb, middle_b)) + 8.0 * pad + 2.0 * DIRECTION_ERROR * reach;
+    let around = AROUND_ERROR * (radius(ca, middle_a) + radius(cb, middle_b)) + 8.0 * pad + 2.0 * DIRECTION_ERROR * reach;
     if min(beside.x, beside.y) <= around {
         return true;
     }

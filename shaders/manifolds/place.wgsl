@@ -1,24 +1,21 @@
 // Contact generation: how the bodies of each pair lie to each other. A thread a pair.
 #import faceoff::arena::meshes
+#import faceoff::constants::manifolds::{DEFAULT_DIRECTION, ASIDE, SAME_PLACE}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, largest, matrix, rotate}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(3) var<storage, read> counters: array<u32>;
+@group(0) @binding(3) var<storage, read> contact_counters: array<u32>;
 @group(0) @binding(4) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(5) var<storage, read> margin_pairs: array<t::MarginPair>;
 @group(0) @binding(6) var<storage, read_write> settings: array<t::ContactSetting>;
 
 // How wrong a height over a plane can be, in units of the bounding radii together: some 12 roundings of 2^-23.
-const ROUNDING: f32 = 1.5e-6;
+const ROUNDING_SINGLE: f32 = 1.5e-6;
 // What overlaps by less, in units of the smaller body's size, touches: rounding must not part bodies that rest on each
 // other.
-const TOUCH: f32 = 1.0e-5;
-// What counts as the same place, in bounding radii, and how far from there the second body is taken to be.
-const SAME_PLACE: f32 = 1.0e-4;
-const ASIDE: f32 = 1.0e-3;
-const ANY_WAY: vec3<f32> = vec3(0.36, 0.48, 0.8);
+const TOUCH_SINGLE: f32 = 1.0e-5;
 // Nothing is farther than this, in the pair's unit.
 const WIDEST: f32 = 1.0e6;
 // The bits of infinity.
@@ -27,7 +24,7 @@ const INFINITE: u32 = 0x7f800000u;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[t::MARGIN_PAIRS] {
+    if i >= contact_counters[t::MARGIN_PAIRS] {
         return;
     }
     settings[i] = setting(margin_pairs[i]);
@@ -60,7 +57,7 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     let arm_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
     var between = (b.position - a.position) + (arm_b - arm_a);
     if same_place(a, b, between) {
-        between += ANY_WAY * (ASIDE * min(a.radius, b.radius));
+        between += DEFAULT_DIRECTION * (ASIDE * min(a.radius, b.radius));
     }
     let apart = rotate(back, between * result.unit);
     if b.radius < a.radius {
@@ -81,12 +78,12 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     if bits <= INFINITE {
         result.margin = bitcast<f32>(min(bits, bitcast<u32>(WIDEST / result.unit))) * result.unit;
     }
-    result.rounding = ROUNDING * (a.radius + b.radius) * result.unit;
-    result.touch = max(TOUCH * result.size, 4.0 * result.rounding);
+    result.rounding = ROUNDING_SINGLE * (a.radius + b.radius) * result.unit;
+    result.touch = max(TOUCH_SINGLE * result.size, 4.0 * result.rounding);
     return result;
 }
 
-// Whether two bodies are the same in the same place; `aside` in `stages/manifolds/cpu/side.rs` explains it.
+// Whether two bodies are the same in the same place; `aside` in `src/manifolds/cpu/side.rs` explains it.
 fn same_place(a: t::Body, b: t::Body, between: vec3<f32>) -> bool {
     let most = SAME_PLACE * min(a.radius, b.radius);
     // Single precision tells rotations apart by 3e-3 radians, where the CPU asks for 1e-4.

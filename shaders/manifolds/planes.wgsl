@@ -1,6 +1,8 @@
 // Contact generation: where bodies lie on half-spaces. A few vertices each, the lowest and spread wide. A workgroup a body.
-// `stages/manifolds/cpu/planes.rs` explains it.
+// `src/manifolds/cpu/planes.rs` explains it.
 #import faceoff::arena::{meshes, words, vector}
+#import faceoff::constants::manifolds::{LEVEL, MARGIN, MAX_PLANE_POINTS}
+#import faceoff::constants::shared::SAFETY
 #import faceoff::contact_slots::slot_of_plane
 #import faceoff::dispatch::group_index
 #import faceoff::math::{conjugate, direction, norm1, rotate}
@@ -10,17 +12,12 @@
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(3) var<uniform> step: t::Step;
-@group(0) @binding(4) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(6) var<storage, read> planes: array<t::Plane>;
 @group(0) @binding(7) var<storage, read> margin_pairs: array<t::MarginPair>;
 @group(0) @binding(8) var<storage, read_write> staged: array<t::ContactPoint>;
 @group(0) @binding(9) var<storage, read_write> slots: array<t::ContactPair>;
-
-// Vertices this near the lowest one, as a part of the body's diameter, are as low as it.
-const LEVEL: f32 = 0.0025;
-// Points are made this far from the surface, as a part of the body's diameter, beyond what the body moves.
-const MARGIN: f32 = 0.01;
 
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_vertex: array<u32, 64>;
@@ -34,7 +31,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= limits.bodies {
         return;
     }
-    let before = pairs_up_to(index, atomicLoad(&counters[t::MARGIN_PAIRS]));
+    let before = pairs_up_to(index, atomicLoad(&contact_counters[t::MARGIN_PAIRS]));
     for (var k = 0u; k < limits.planes; k += 1u) {
         let slot = slot_of_plane(index, k, before, limits.planes);
         var count = 0u;
@@ -42,7 +39,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             count = find(bodies[index], planes[k], thread);
         }
         if thread == 0u {
-            base = atomicAdd(&counters[t::STAGED_POINTS], count);
+            base = atomicAdd(&contact_counters[t::STAGED_POINTS], count);
             let fits = base <= limits.staged_points && count <= limits.staged_points - base;
             slots[slot] = t::ContactPair(index, limits.bodies + k, base, select(0u, count, fits));
             base = select(t::NOTHING, base, fits);
@@ -84,7 +81,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     let height = height_of(body, plane);
     let fall = length(step.gravity) * abs(body.gravity_scale) * step.dt;
     let speed = length(body.linear_velocity) + length(body.angular_velocity) * body.radius + fall;
-    let margin = 2.0 * MARGIN * body.radius + 1.5 * speed * step.dt;
+    let margin = 2.0 * MARGIN * body.radius + SAFETY * speed * step.dt;
     if height >= body.radius + margin {
         return 0u;
     }
@@ -116,7 +113,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     var count = 1u;
     // The first half are those on which it stands.
     for (var stage = 0u; stage < 2u; stage += 1u) {
-        let limit = select(t::MAX_PLANE_POINTS / 2u, t::MAX_PLANE_POINTS, stage == 1u);
+        let limit = select(MAX_PLANE_POINTS / 2u, MAX_PLANE_POINTS, stage == 1u);
         let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
         while count < limit {
             most = level * level;

@@ -1,6 +1,7 @@
 // Contact generation: the few points that say what many say. The deepest, then always the one farthest from those chosen
 // before, in position and normal. A workgroup a pair.
 #import faceoff::arena::{meshes, words}
+#import faceoff::constants::manifolds::{LEAST_WEIGHT, MOST_POINTS, SAME, SHALLOWER, TURN}
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
 #import faceoff::math::{norm1, rotate}
@@ -9,20 +10,11 @@
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(3) var<storage, read_write> counters: array<atomic<u32>>;
+@group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read> settings: array<t::ContactSetting>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 @group(0) @binding(6) var<storage, read_write> staged: array<t::ContactPoint>;
 @group(0) @binding(7) var<storage, read_write> slots: array<t::ContactPair>;
-
-// What a difference of normals counts beside a distance in units of the bodies' size, both squared.
-const TURN: f32 = 0.02;
-// Points nearer than this, by that measure, are one.
-const SAME: f32 = 1.0e-8;
-// Points that are shallower by this part of the bodies' size count by a factor of e less.
-const SHALLOWER: f32 = 0.01;
-// But never less than this.
-const LEAST_WEIGHT: f32 = 0.01;
 
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_at: array<u32, 64>;
@@ -32,7 +24,7 @@ var<workgroup> base: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::MARGIN_PAIRS]) {
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
     let setting = settings[index];
@@ -41,7 +33,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         count = choose(setting, thread);
     }
     if thread == 0u {
-        base = atomicAdd(&counters[t::STAGED_POINTS], count);
+        base = atomicAdd(&contact_counters[t::STAGED_POINTS], count);
         let fits = base <= limits.staged_points && count <= limits.staged_points - base;
         slots[slot_of_pair(index, setting.a, limits.bodies, limits.planes)] =
             t::ContactPair(setting.a, setting.b, base, select(0u, count, fits));
@@ -77,7 +69,7 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
             chosen[count] = last;
         }
         count += 1u;
-        if count == t::MOST_POINTS {
+        if count == MOST_POINTS {
             break;
         }
         let p = features[last].point_a;
@@ -108,7 +100,7 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
         }
         // Some devices leave a loop that takes long.
         if i < all {
-            atomicOr(&counters[t::CONTACTS_CUT_SHORT], 1u);
+            atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
         }
         greatest(most, place, thread);
         last = best_at[0];

@@ -1,13 +1,11 @@
 #define_import_path faceoff::smooth
 
-// How round surfaces touch of which a mesh has only corners and facets. `src/stages/manifolds/cpu/smooth.rs` says why.
+// How round surfaces touch of which a mesh has only corners and facets. `src/manifolds/cpu/smooth.rs` says why.
 
+#import faceoff::constants::manifolds::SMOOTH
 #import faceoff::math::direction
 #import faceoff::sides
 #import faceoff::types as t
-
-// How far, as a sine, the normal at a vertex may differ from a contact's.
-const SMOOTH: f32 = 0.1;
 
 // How the smooth surfaces touch at a feature.
 struct Smoothed {

@@ -3,8 +3,9 @@
 // What every kernel that looks into the arena binds: all meshes in one array of words. Bound here, once, so that the
 // functions that read it need not be handed an array, which WGSL does not allow.
 
-#import faceoff::types::Mesh
+#import faceoff::constants::shared::HEIGHT_STEPS
 #import faceoff::math::direction
+#import faceoff::types::Mesh
 
 @group(0) @binding(0) var<storage, read> meshes: array<Mesh>;
 @group(0) @binding(1) var<storage, read> words: array<u32>;
@@ -17,11 +18,12 @@ fn vector(at: u32) -> vec3<f32> {
 // in the mesh's own axes. `projection/heights.rs` explains it.
 fn support(heights: u32, u: vec3<f32>) -> vec3<f32> {
     let d = abs(direction(u));
-    let at = d.xy * (8.0 / max(d.x + d.y + d.z, 1.0e-6));
-    let i = min(i32(at.x), 7);
-    let j = min(i32(at.y), 7 - i);
-    let down = (at.x - f32(i)) + (at.y - f32(j)) > 1.0 && i + j < 7;
+    let n = i32(HEIGHT_STEPS);
+    let at = d.xy * (f32(n) / max(d.x + d.y + d.z, 1.0e-6));
+    let i = min(i32(at.x), n - 1);
+    let j = min(i32(at.y), n - 1 - i);
+    let down = (at.x - f32(i)) + (at.y - f32(j)) > 1.0 && i + j < n - 1;
     let octant = i32(dot(bitcast<vec3<u32>>(u) >> vec3(31u), vec3(1u, 2u, 4u)));
-    let triangle = octant * 64 + i * (16 - i) + 2 * j + select(0, 1, down);
+    let triangle = octant * n * n + i * (2 * n - i) + 2 * j + select(0, 1, down);
     return vector(heights + 3u * u32(triangle));
 }

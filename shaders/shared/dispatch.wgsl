@@ -1,9 +1,8 @@
 #define_import_path faceoff::dispatch
+#import faceoff::constants::shared::MAX_ROW
 
 // One dimension of a dispatch holds 65,535 groups, and an indirect one with more does nothing at all. So groups stand in
 // rows; kernels turn to this module for their number, and must check it against the number wanted.
-
-const MAX_ROW: u32 = 65535u;
 
 // The number of a workgroup.
 fn group_index(id: vec3<u32>) -> u32 {

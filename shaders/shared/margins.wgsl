@@ -1,12 +1,10 @@
 #define_import_path faceoff::margins
 
-// How far bodies look for each other; `stages/manifolds/margins.rs` explains it. `Step::look_ahead` is the time until the next
+// How far bodies look for each other; `src/state/margins.rs` explains it. `Step::look_ahead` is the time until the next
 // detection, with the safety that is on top of it.
 
+#import faceoff::constants::shared::BOUND
 #import faceoff::types as t
-
-// A margin grows with motion by no more than this many times the thickness of the thinner body.
-const BOUND: f32 = 2.0;
 
 // The body, with its reach as its velocities now are.
 fn with_reach(step: t::Step, body: t::Body) -> t::Body {

@@ -1,6 +1,7 @@
 // Exclusive scan, third of three: every value becomes the sum of all before it.
+#import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::group_index
-#import faceoff::scan::{scan_length, BLOCK}
+#import faceoff::scan::scan_length
 
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
@@ -13,10 +14,10 @@ var<workgroup> partial: array<u32, 256>;
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let length = scan_length(constants, counters[constants.x]);
     let block = group_index(group);
-    if block * BLOCK >= length {
+    if block * SCAN_BLOCK >= length {
         return;
     }
-    let first = block * BLOCK + thread * 4u;
+    let first = block * SCAN_BLOCK + thread * 4u;
     var own = vec4(0u);
     for (var k = 0u; k < 4u; k += 1u) {
         if first + k < length {

@@ -1,7 +1,8 @@
 // Exclusive scan, second of three: one workgroup scans the sums of all blocks, and notes the total: if that is
 // more than a counter holds, the largest number there is, which no list has room for.
+#import faceoff::constants::shared::{NO_TOTAL, SCAN_BLOCK}
 #import faceoff::dispatch::divide_up
-#import faceoff::scan::{scan_length, BLOCK, NO_TOTAL}
+#import faceoff::scan::scan_length
 
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read_write> counters: array<u32>;
@@ -11,7 +12,7 @@ var<workgroup> partial: array<u32, 256>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
-    let blocks = divide_up(scan_length(constants, counters[constants.x]), BLOCK);
+    let blocks = divide_up(scan_length(constants, counters[constants.x]), SCAN_BLOCK);
     // What all blocks before this round sum up to.
     var before = 0u;
     // The same without end, for this thread's blocks.

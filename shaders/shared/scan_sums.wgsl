@@ -1,6 +1,7 @@
 // Exclusive scan, first of three: the sum of every block of 1024.
+#import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::group_index
-#import faceoff::scan::{scan_length, BLOCK}
+#import faceoff::scan::scan_length
 
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
@@ -13,12 +14,12 @@ var<workgroup> partial: array<u32, 256>;
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let length = scan_length(constants, counters[constants.x]);
     let block = group_index(group);
-    if block * BLOCK >= length {
+    if block * SCAN_BLOCK >= length {
         return;
     }
     var sum = 0u;
     for (var k = 0u; k < 4u; k += 1u) {
-        let i = block * BLOCK + thread * 4u + k;
+        let i = block * SCAN_BLOCK + thread * 4u + k;
         if i < length {
             sum += values[i];
         }

@@ -1,7 +1,7 @@
 // Radix sort, first of two per digit: how often each digit occurs in each block. Counts of one digit lie together, so that
 // their scan tells each block where its keys of that digit go.
+#import faceoff::constants::shared::SORT_BLOCK
 #import faceoff::dispatch::{divide_up, group_index}
-#import faceoff::scan::SORT_BLOCK
 
 // Which counter holds the number of keys; how far the digit is shifted.
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;

@@ -1,6 +1,6 @@
 // Radix sort, second of two per digit: every key goes to its place, keys of the same digit in the order they had.
+#import faceoff::constants::shared::SORT_BLOCK
 #import faceoff::dispatch::{divide_up, group_index}
-#import faceoff::scan::SORT_BLOCK
 
 // Which counter holds the number of keys; how far the digit is shifted.
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;

@@ -4,10 +4,9 @@
 // within the level below; clusters of eight triangles are level 0, and the root has a level to itself.
 
 #import faceoff::arena::meshes
+#import faceoff::constants::shared::TREE_LEVELS
 #import faceoff::dispatch::divide_up
 
-// Levels a tree can have.
-const LEVELS: u32 = 8u;
 const NUMBER: u32 = 0x0fffffffu;
 
 // Where each level of each tree begins among the words, and how many nodes it has: those of the second mesh after those of
@@ -19,9 +18,9 @@ var<workgroup> count: array<u32, 16>;
 fn survey(end: u32, mesh: u32) {
     var at = meshes[mesh].boxes;
     var nodes = divide_up(meshes[mesh].triangle_count, 8u);
-    for (var level = 0u; level < LEVELS; level += 1u) {
-        first[LEVELS * end + level] = at;
-        count[LEVELS * end + level] = nodes;
+    for (var level = 0u; level < TREE_LEVELS; level += 1u) {
+        first[TREE_LEVELS * end + level] = at;
+        count[TREE_LEVELS * end + level] = nodes;
         at += 6u * nodes;
         nodes = divide_up(nodes, 8u);
     }
@@ -37,7 +36,7 @@ fn node(level: u32, number: u32) -> u32 {
 
 // Where the node's box is among the words, centre and half size; 0 if there is no such node.
 fn box_of(end: u32, node: u32) -> u32 {
-    let level = LEVELS * end + level_of(node);
+    let level = TREE_LEVELS * end + level_of(node);
     let number = node & NUMBER;
     return select(0u, first[level] + 6u * number, number < count[level]);
 }

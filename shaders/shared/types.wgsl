@@ -1,6 +1,7 @@
 #define_import_path faceoff::types
 
-// What passes between host and kernels. `src/gpu/layout.rs` holds the same structs; a test compares every offset.
+// What passes between host and kernels. `src/gpu/layout.rs` holds the same structs, of which a test compares every offset;
+// and it holds the constants of this module, which are added to it from there.
 
 // What holds for all bodies in a step.
 struct Step {
@@ -65,29 +66,6 @@ struct Body {
     padding: u32,
 }
 
-// The rotation is that of `moved[source]`; without it that which the host wrote.
-const CARRIED_ROTATION: u32 = 1u;
-// It was there in that step, with its centre of mass where it is now: if the host wrote the pose of `moved[source]`, it is
-// where it was.
-const CONTINUES: u32 = 4u;
-// If it is where it was it goes on sleeping, or is a ground on which others sleep.
-const CARRIED_SLEEP: u32 = 8u;
-// It is to be awake.
-const WOKEN: u32 = 16u;
-// The first of three bits, for x, y and z: along that axis it is that of `moved[source]`, and what the host wrote is added.
-const CARRIED_POSITION: u32 = 32u;
-const CARRIED_LINEAR: u32 = 256u;
-const CARRIED_ANGULAR: u32 = 2048u;
-
-const KIND_MASK: u32 = 3u;
-const DYNAMIC: u32 = 0u;
-const KINEMATIC: u32 = 1u;
-const STATIC: u32 = 2u;
-const SENSOR: u32 = 4u;
-const CULLING_MASK: u32 = 24u;
-const CULLING_FACES: u32 = 8u;
-const CULLING_FRONT: u32 = 16u;
-
 // A half-space, solid where `dot(normal, p) < distance`.
 struct Plane {
     normal: vec3<f32>,
@@ -123,7 +101,7 @@ struct Mesh {
     turn: u32,
     groups: u32,
     group_words: u32,
-    // Corners and edges with what lies around them, as `sides.wgsl` reads them; only there if contact points are wanted.
+    // Corners and edges with what lies around them, as `side.wgsl` reads them; only there if contact points are wanted.
     features: u32,
     // Nine words a triangle, like `triangles`, but corners that count as one are joined; often the same words.
     corners: u32,
@@ -133,14 +111,6 @@ struct Mesh {
     box_half: vec3<f32>,
     padding_b: u32,
 }
-
-// Another body can be wholly inside.
-const SOLID: u32 = 1u;
-const ORIENTATION_MASK: u32 = 6u;
-const OUTWARD: u32 = 0u;
-const INWARD: u32 = 2u;
-const MIXED: u32 = 4u;
-const OPEN: u32 = 6u;
 
 // A body in the order of grid buckets.
 struct GridEntry {
@@ -178,13 +148,6 @@ struct NearPair {
     axis: vec3<f32>,
     view_b: u32,
 }
-
-// A support plane separates the two by more than the margin.
-const FAR: u32 = 0u;
-// Less than the margin separates them.
-const NEAR: u32 = 1u;
-// No support plane was found that separates them.
-const OVERLAPPING: u32 = 2u;
 
 const VIEW_ALL: u32 = 0u;
 const VIEW_ALONG: u32 = 1u;
@@ -280,33 +243,6 @@ struct Impulse {
     angular: vec3<f32>,
     padding_b: f32,
 }
-
-// Indices into `counters`. The host sets the first and zeroes the others before each step. With several intervals what the
-// triangle test counts is of the first one, and the others are of the last.
-const BODIES: u32 = 0u;
-const LEVELS: u32 = 1u; // two words, a bit for each level with bodies
-const SPHERE_PAIRS: u32 = 3u; // as many as there are, even if the list holds fewer
-const HITS: u32 = 4u;
-const PLANE_CONTACTS: u32 = 5u;
-const TOUCHING: u32 = 6u;
-const TRIANGLE_TESTS: u32 = 7u;
-const APPROXIMATE: u32 = 8u;
-const ENTRIES: u32 = 9u;
-const SKIPPED: u32 = 10u; // not 0: bodies were not moved, since a list was too small
-const PAIRS: u32 = 11u; // sphere pairs in the list: all, or none if they do not fit
-const CUT_SHORT: u32 = 12u; // not 0: the device left a loop before its end
-const SELECTED: u32 = 13u; // pairs whose contact points are wanted
-const COUNTERS: u32 = 16u;
-
-// Slots of the arguments of indirect dispatches: a workgroup for 64 pairs, for each pair, for each block of a sort of
-// two entries a pair, for each block of the scan of that sort's digits.
-const GROUPS_PER_64_PAIRS: u32 = 0u;
-const GROUPS_PER_PAIR: u32 = 1u;
-const GROUPS_PER_SORT_BLOCK: u32 = 2u;
-const GROUPS_PER_DIGIT_BLOCK: u32 = 3u;
-
-// Whether a list was too small, now or in an earlier step that has not been repeated yet.
-const OVERFLOW: u32 = 0u;
 
 // Contact generation. Lengths of what follows are in the pair's unit unless they are called metres: a power of two per
 // metre at which the sum of the radii lies between 1 and 2. Points are in the axes of the pair's first body, about the
@@ -434,8 +370,6 @@ struct Patch {
 }
 
 const DROPPED: f32 = 3.0e38;
-const OF_SECOND: u32 = 0x80000000u;
-const NOTHING: u32 = 0xffffffffu;
 
 // A point at which two bodies push each other, in world axes and metres.
 struct ContactPoint {
@@ -465,8 +399,6 @@ struct ContactPair {
     point_count: u32,
 }
 
-const FLAT_ROUNDNESS: f32 = 1.0e30;
-
 // A point of two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
 struct Touch {
     // Halfway between both surfaces, in the world.
@@ -484,46 +416,3 @@ struct Touch {
     // Which of the pair's points.
     index: u32,
 }
-
-// Indices into `tally`, which counts over all intervals of a step. The first are the largest that the counters of contact
-// generation came to, under the same indices.
-const INTERVALS: u32 = 16u; // so far
-const TOUCHES: u32 = 17u; // as many as there are, even if the list holds fewer
-const TOUCHING_NOW: u32 = 18u; // of two meshes, in the last interval
-const ASLEEP: u32 = 19u; // bodies, after the step
-const MOST_PAIRS: u32 = 20u; // of spheres, in any interval
-// Velocities after the step of what may move, m/s: the largest along each axis, the largest negated, and the largest speed of a
-// surface about its body's centre of mass. As `ascending` numbers, so that 0 stands for none.
-const HIGHEST: u32 = 21u;
-const LOWEST: u32 = 24u;
-const SPIN: u32 = 27u;
-const TALLIES: u32 = 32u;
-
-// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
-const DEEP: f32 = 0.04;
-// Cosine between the normals of a patch and of a feature that agrees with it.
-const AGREES: f32 = 0.7;
-// How many points a pair of bodies has at most, and a body and a half-space.
-const MOST_POINTS: u32 = 16u;
-const MAX_PLANE_POINTS: u32 = 8u;
-
-// Indices into the counters of contact generation. The host sets the first and zeroes the others. Lists may hold fewer
-// than these say, and then their contents are worth nothing.
-const MARGIN_PAIRS: u32 = 0u;
-const CONTACT_SLOTS: u32 = 1u;
-const NEAR_TRIANGLES: u32 = 2u;
-const FEATURES: u32 = 3u;
-const SEGMENTS: u32 = 4u;
-const STAGED_POINTS: u32 = 5u;
-const CONTACT_PAIRS: u32 = 6u;
-const CONTACT_POINTS: u32 = 7u;
-const CONTACTS_CUT_SHORT: u32 = 8u; // not 0: the device left a loop before its end
-const CONTACTS_SKIPPED: u32 = 9u; // not 0: a list was too small, or a loop cut short; the results are worth nothing
-const CONTACT_COUNTERS: u32 = 16u;
-
-// Slots of the arguments of its indirect dispatches: a workgroup for each pair, for 64 pairs, for 64 slots, for each block
-// of the scan of slots.
-const GROUPS_PER_MARGIN_PAIR: u32 = 0u;
-const GROUPS_PER_64_MARGIN_PAIRS: u32 = 1u;
-const GROUPS_PER_64_SLOTS: u32 = 2u;
-const GROUPS_PER_SLOT_BLOCK: u32 = 3u;

@@ -1,7 +1,7 @@
 // Solver, sleep: bodies that keep their island awake, or wake it.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{bodies, constants, forces, interval, islands, states}
+#import faceoff::islands::{solver_bodies, constants, forces, interval, islands, states}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -12,7 +12,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let asleep = states[i].asleep != 0u;
-    let kind = bodies[i].flags & t::KIND_MASK;
+    let kind = solver_bodies[i].flags & t::KIND_MASK;
     let speed = l::speed_of(i);
     let forced = is_forced(i);
     var disturbed = kind == t::DYNAMIC;

@@ -1,8 +1,9 @@
 #define_import_path faceoff::islands
 
-// Which bodies are frozen: islands of bodies at rest. `stages/solver/sleep.rs` explains it. All kernels run twice an
+// Which bodies are frozen: islands of bodies at rest. `src/sleep/cpu.rs` explains it. All kernels run twice an
 // interval: before it they wake, after it they put to sleep.
 
+#import faceoff::constants::sleep::{OVERLAP, TOUCH}
 #import faceoff::solver_math::{finite, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -21,18 +22,13 @@ struct Island {
 @group(0) @binding(0) var<uniform> interval: s::Interval;
 // Which half of the work it is.
 @group(0) @binding(1) var<uniform> constants: vec4<u32>;
-@group(0) @binding(2) var<storage, read> counters: array<u32>;
+@group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(3) var<storage, read> contact_pairs: array<t::ContactPair>;
 @group(0) @binding(4) var<storage, read> contact_points: array<t::ContactPoint>;
-@group(0) @binding(5) var<storage, read> bodies: array<s::SolverBody>;
+@group(0) @binding(5) var<storage, read> solver_bodies: array<s::SolverBody>;
 @group(0) @binding(6) var<storage, read_write> states: array<s::BodyState>;
 @group(0) @binding(7) var<storage, read> forces: array<s::BodyForces>;
 @group(0) @binding(8) var<storage, read_write> islands: array<Island>;
-
-// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
-const TOUCH: f32 = 2.0;
-// Bodies that overlap by more than this many rest offsets are not at rest.
-const OVERLAP: f32 = 1.0;
 
 // The root of a body's island. Parents have smaller numbers, so there is an end to it; the way is halved.
 fn root_of(body: u32) -> u32 {
@@ -82,16 +78,16 @@ fn has_mass(body: s::SolverBody) -> bool {
 fn speed_of(i: u32) -> f32 {
     let v = states[i].linear_velocity;
     let w = states[i].angular_velocity;
-    return sqrt(dot(v, v)) + sqrt(dot(w, w)) * bodies[i].radius;
+    return sqrt(dot(v, v)) + sqrt(dot(w, w)) * solver_bodies[i].radius;
 }
 
 // Whether both bodies are there and solid, and so are all points.
 fn is_pair(pair: t::ContactPair) -> bool {
-    let points = counters[s::POINTS];
+    let points = solver_counters[s::POINTS];
     if pair.a >= interval.bodies || pair.b >= interval.bodies || pair.a == pair.b {
         return false;
     }
-    return ((bodies[pair.a].flags | bodies[pair.b].flags) & t::SENSOR) == 0u
+    return ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u
         && pair.first_point <= points
         && pair.point_count <= points - pair.first_point;
 }
@@ -103,7 +99,7 @@ fn nearness(pair: t::ContactPair) -> f32 {
 
 // The gap that a pair keeps at rest.
 fn rest_gap(pair: t::ContactPair) -> f32 {
-    return interval.rest_offset * 2.0 * min(bodies[pair.a].radius, bodies[pair.b].radius);
+    return interval.rest_offset * 2.0 * min(solver_bodies[pair.a].radius, solver_bodies[pair.b].radius);
 }
 
 // Whether some point overlaps by more than at rest.

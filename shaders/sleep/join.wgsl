@@ -1,13 +1,13 @@
 // Solver, sleep: joins bodies that touch, and sums up whom each body touches.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{bodies, contact_pairs, counters, islands, states}
+#import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, islands, states}
 #import faceoff::solver_types as s
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
     let pair = contact_pairs[i];
@@ -17,7 +17,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     // A sum of words does not depend on the order of pairs.
     atomicAdd(&islands[pair.a].neighbours, states[pair.b].key);
     atomicAdd(&islands[pair.b].neighbours, states[pair.a].key);
-    if l::has_mass(bodies[pair.a]) && l::has_mass(bodies[pair.b]) {
+    if l::has_mass(solver_bodies[pair.a]) && l::has_mass(solver_bodies[pair.b]) {
         l::join(pair.a, pair.b);
     }
 }

@@ -2,14 +2,14 @@
 // those awake that they touch. A ground that is not as it was wakes those on it.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{bodies, constants, contact_pairs, contact_points, counters, interval, states}
+#import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters, interval, states}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
     let pair = contact_pairs[i];
@@ -34,7 +34,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 // A body that is being pushed out of another is not at rest.
 fn keep_awake(i: u32) {
     states[i].rest_time = 0.0;
-    if (bodies[i].flags & t::KIND_MASK) == t::DYNAMIC && states[i].asleep == 0u {
+    if (solver_bodies[i].flags & t::KIND_MASK) == t::DYNAMIC && states[i].asleep == 0u {
         l::disturb(i);
     }
 }
@@ -62,7 +62,7 @@ fn velocity_at(i: u32, arm: vec3<f32>) -> vec3<f32> {
 
 // Whether a body moves and nothing stops it from waking others.
 fn visits(i: u32) -> bool {
-    let kind = bodies[i].flags & t::KIND_MASK;
+    let kind = solver_bodies[i].flags & t::KIND_MASK;
     if kind == t::STATIC {
         return constants.x == s::WAKE && states[i].asleep == s::CHANGED;
     }

@@ -1,14 +1,14 @@
 // Solver: every body takes over pose and velocity and the impulses from outside, and speeds up for the first substep.
 #import faceoff::dispatch::group_index
 #import faceoff::math::largest
-#import faceoff::mover as m
+#import faceoff::motion as m
 #import faceoff::solver_math::{decay, finite, finite_rotation, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::tensor::{inverse_tensor, is_zero, Tensor}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> interval: s::Interval;
-@group(0) @binding(1) var<storage, read> bodies: array<s::SolverBody>;
+@group(0) @binding(1) var<storage, read> solver_bodies: array<s::SolverBody>;
 @group(0) @binding(2) var<storage, read> states: array<s::BodyState>;
 @group(0) @binding(3) var<storage, read_write> forces: array<s::BodyForces>;
 @group(0) @binding(4) var<storage, read_write> movers: array<s::Mover>;
@@ -24,7 +24,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= interval.bodies {
         return;
     }
-    let body = bodies[i];
+    let body = solver_bodies[i];
     let state = states[i];
     let mover = mover_of(body, state, forces[i]);
     var mass: s::Mass;

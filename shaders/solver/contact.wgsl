@@ -1,6 +1,6 @@
 #define_import_path faceoff::contact
 
-// What a pair does in a pass: from the velocities of its bodies, an impulse for each. `stages/solver/pairs.rs` explains it.
+// What a pair does in a pass: from the velocities of its bodies, an impulse for each. `src/solver/pairs.rs` explains it.
 // Bound here, once, is what the kernels over pairs share.
 
 #import faceoff::solver_math::{across, change}
@@ -9,15 +9,15 @@
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> interval: s::Interval;
-@group(0) @binding(2) var<storage, read> counters: array<u32>;
-@group(0) @binding(3) var<storage, read_write> pairs: array<s::SolverPair>;
+@group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(3) var<storage, read_write> solver_pairs: array<s::SolverPair>;
 @group(0) @binding(4) var<storage, read> shapes: array<s::PointShape>;
 @group(0) @binding(5) var<storage, read_write> points: array<s::PointState>;
 @group(0) @binding(6) var<storage, read> masses: array<s::Mass>;
 @group(0) @binding(7) var<storage, read> shifts: array<s::Shift>;
 @group(0) @binding(8) var<storage, read> velocities: array<s::Velocity>;
 // What each pair does to its first body and to its second.
-@group(0) @binding(9) var<storage, read_write> impulses: array<t::Impulse>;
+@group(0) @binding(9) var<storage, read_write> end_impulses: array<t::Impulse>;
 
 // A pair by itself: its bodies, each with this pair's share of its mass.
 struct Local {
@@ -145,31 +145,13 @@ fn push(local: ptr<function, Local>, r: Row, impulse: f32) {
     (*local).b.angular += r.turn_b * (share_b * impulse);
 }
 
-// What stops the points from sliding, shortened to `limit`: pushes by the difference and returns the new impulse.
-fn rub(local: ptr<function, Local>, point: s::PointState, give: f32, so_far: vec2<f32>, part: f32, limit: f32) -> vec2<f32> {
-    let side = across(point.normal);
-    let first = row((*local).mass_a, (*local).mass_b, point, side);
-    let second = row((*local).mass_a, (*local).mass_b, point, cross(point.normal, side));
-    if !(give > 0.0) {
-        return so_far;
-    }
-    var wanted = so_far - (part / give) * vec2(parting(local, first), parting(local, second));
-    let square = dot(wanted, wanted);
-    if square > limit * limit {
-        wanted *= limit / sqrt(square);
-    }
-    push(local, first, wanted.x - so_far.x);
-    push(local, second, wanted.y - so_far.y);
-    return wanted;
-}
-
 // Leaves what the pair does to its ends.
 fn hand_out(i: u32, local: ptr<function, Local>) {
-    impulses[2u * i] = t::Impulse(-(*local).linear, 0.0, (*local).angular_a, 0.0);
-    impulses[2u * i + 1u] = t::Impulse((*local).linear, 0.0, (*local).angular_b, 0.0);
+    end_impulses[2u * i] = t::Impulse(-(*local).linear, 0.0, (*local).angular_a, 0.0);
+    end_impulses[2u * i + 1u] = t::Impulse((*local).linear, 0.0, (*local).angular_b, 0.0);
 }
 
 fn hand_out_nothing(i: u32) {
-    impulses[2u * i] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
-    impulses[2u * i + 1u] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
+    end_impulses[2u * i] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
+    end_impulses[2u * i + 1u] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
 }

@@ -3,21 +3,21 @@
 #import faceoff::solver_types as s
 
 @group(0) @binding(0) var<uniform> interval: s::Interval;
-@group(0) @binding(1) var<storage, read> counters: array<u32>;
-@group(0) @binding(2) var<storage, read> pairs: array<s::SolverPair>;
-@group(0) @binding(3) var<storage, read_write> keys: array<u32>;
-@group(0) @binding(4) var<storage, read_write> values: array<u32>;
+@group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(2) var<storage, read> solver_pairs: array<s::SolverPair>;
+@group(0) @binding(3) var<storage, read_write> end_keys: array<u32>;
+@group(0) @binding(4) var<storage, read_write> ends: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
-    let pair = pairs[i];
+    let pair = solver_pairs[i];
     let moves = (pair.flags & s::FROZEN) == 0u;
-    keys[2u * i] = select(interval.bodies, pair.a, moves && (pair.flags & s::FIRST_HAS_MASS) != 0u);
-    keys[2u * i + 1u] = select(interval.bodies, pair.b, moves && (pair.flags & s::SECOND_HAS_MASS) != 0u);
-    values[2u * i] = 2u * i;
-    values[2u * i + 1u] = 2u * i + 1u;
+    end_keys[2u * i] = select(interval.bodies, pair.a, moves && (pair.flags & s::FIRST_HAS_MASS) != 0u);
+    end_keys[2u * i + 1u] = select(interval.bodies, pair.b, moves && (pair.flags & s::SECOND_HAS_MASS) != 0u);
+    ends[2u * i] = 2u * i;
+    ends[2u * i + 1u] = 2u * i + 1u;
 }

@@ -1,7 +1,7 @@
 // Solver: where the bodies are after the interval.
 #import faceoff::dispatch::group_index
 #import faceoff::math::compose
-#import faceoff::mover::limited_velocity
+#import faceoff::motion::limited_velocity
 #import faceoff::solver_math::{carried, carried_rotation, finite_rotation, grid}
 #import faceoff::solver_types as s
 

@@ -1,5 +1,6 @@
 #define_import_path faceoff::solver_math
 
+#import faceoff::constants::solver::COARSE_DIGIT
 #import faceoff::math::{compose, turn}
 
 // WGSL may take for granted that there are neither NaN nor infinities: only the bits tell.
@@ -79,7 +80,7 @@ fn decay(x: f32) -> f32 {
 // The digit of a coarse part of this size; below a metre always the same.
 fn grid(coarse: vec3<f32>) -> vec3<f32> {
     let power = bitcast<vec3<f32>>(bitcast<vec3<u32>>(coarse) & vec3(EXPONENT));
-    return max(power * 4.76837158203125e-7, vec3(4.76837158203125e-7));
+    return max(power * COARSE_DIGIT, vec3(COARSE_DIGIT));
 }
 
 // What a fine part of this size should hand over.
@@ -87,9 +88,6 @@ fn carried(fine: vec3<f32>, digit: vec3<f32>) -> vec3<f32> {
     return round(fine / digit) * digit;
 }
 
-// The same for unit quaternions.
-const ROTATION_DIGIT: f32 = 4.76837158203125e-7;
-
 fn carried_rotation(fine: vec4<f32>) -> vec4<f32> {
-    return round(fine / ROTATION_DIGIT) * ROTATION_DIGIT;
+    return round(fine / COARSE_DIGIT) * COARSE_DIGIT;
 }

@@ -1,7 +1,9 @@
 #define_import_path faceoff::overlap
 
-// What is made of overlaps whose contact points may disagree about the way out; `stages/solver/overlap.rs` explains it.
+// What is made of overlaps whose contact points may disagree about the way out; `src/solver/overlap.rs` explains it.
 
+#import faceoff::constants::shared::SAFETY
+#import faceoff::constants::solver::{DEFAULT_DIRECTION, CONFLICT_DEPTH, MIN_DIRECTION_LENGTH, OPPOSED, RESOLVED_DEPTH}
 #import faceoff::solver_math::finite_vector
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -11,16 +13,6 @@
 @group(0) @binding(4) var<storage, read> kept_pairs: array<s::KeptPair>;
 @group(0) @binding(5) var<storage, read> kept_points: array<s::KeptPoint>;
 
-// Points are opposed if the cosine between their normals is below this.
-const OPPOSED: f32 = -0.5;
-// Points less deep than this part of D do not start a dispute.
-const DISPUTED_DEPTH: f32 = 0.01;
-// A dispute lasts until no point is deeper than this part of D.
-const SETTLED_DEPTH: f32 = 0.005;
-// The way out of a pair of bodies with a common centre: any, but always the same.
-const ANY_WAY: vec3<f32> = vec3(0.36, 0.48, 0.8);
-// What bodies may move by, as a factor on what their velocities say.
-const SAFETY: f32 = 1.5;
 // More points than this are not compared with each other.
 const MOST_COMPARED: u32 = 64u;
 
@@ -55,9 +47,9 @@ fn judge(pair: s::SolverPair) -> Overlap {
     let direction = kept_direction(pair);
     var disputed = false;
     if all(direction == vec3(0.0)) {
-        disputed = opposed(pair, DISPUTED_DEPTH * pair.diameter);
+        disputed = opposed(pair, CONFLICT_DEPTH * pair.diameter);
     } else {
-        disputed = deeper_than(pair, SETTLED_DEPTH * pair.diameter);
+        disputed = deeper_than(pair, RESOLVED_DEPTH * pair.diameter);
     }
     if !disputed {
         return usual;
@@ -67,7 +59,7 @@ fn judge(pair: s::SolverPair) -> Overlap {
         way = unit_or(kept_push(pair), 0.0, vec3(0.0));
     }
     if all(way == vec3(0.0)) {
-        way = unit_or(pair.between, 0.0, ANY_WAY);
+        way = unit_or(pair.between, 0.0, DEFAULT_DIRECTION);
     }
     return Overlap(DISPUTED, way);
 }
@@ -121,8 +113,8 @@ fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
 
 // The line of centres; away from a body without mass the mean of normals, as its centre says little about its surface.
 fn way_out(pair: s::SolverPair) -> vec3<f32> {
-    let least = 1.0e-4 * pair.diameter;
-    let centers = unit_or(pair.between, least, ANY_WAY);
+    let least = MIN_DIRECTION_LENGTH * pair.diameter;
+    let centers = unit_or(pair.between, least, DEFAULT_DIRECTION);
     if (pair.flags & s::FIRST_HAS_MASS) != 0u && (pair.flags & s::SECOND_HAS_MASS) != 0u {
         return centers;
     }

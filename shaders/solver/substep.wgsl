@@ -1,6 +1,7 @@
 // Solver: every pair measures its points, finds out which of them push, and gives the impulses of the last substep again.
+#import faceoff::constants::solver::ACTIVATION_DISTANCE
 #import faceoff::contact as c
-#import faceoff::contact::{counters, interval, pairs, points}
+#import faceoff::contact::{solver_counters, interval, solver_pairs, points}
 #import faceoff::dispatch::group_index
 #import faceoff::solver_math::across
 #import faceoff::solver_types as s
@@ -8,10 +9,10 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= counters[s::PAIRS] {
+    if i >= solver_counters[s::PAIRS] {
         return;
     }
-    let pair = pairs[i];
+    let pair = solver_pairs[i];
     if (pair.flags & s::FROZEN) != 0u {
         c::hand_out_nothing(i);
         return;
@@ -30,7 +31,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if point.largest == 0.0 {
             point.impact = speed;
         }
-        if point.impulse > 0.0 || point.separation + speed * interval.h < 0.5 * pair.rest_offset {
+        if point.impulse > 0.0 || point.separation + speed * interval.h < ACTIVATION_DISTANCE * pair.rest_offset {
             pushes = true;
             point.flags |= s::POINT_ACTIVE;
             let side = across(point.normal);
@@ -45,6 +46,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         points[k] = point;
     }
-    pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, pushes);
+    solver_pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, pushes);
     c::hand_out(i, &local);
 }

@@ -1,8 +1,8 @@
 #define_import_path faceoff::solver_types
 
-// What passes between the solver's kernels, and between them and the host. `src/stages/solver/gpu/layout.rs` holds the
-// same structs; a test compares every offset. Symmetric tensors are six numbers: the diagonal xx, yy, zz and, mixed, xy,
-// xz, yz.
+// What passes between the solver's kernels, and between them and the host. `src/solver/gpu/layout.rs` holds the same structs,
+// of which a test compares every offset; and it holds the constants that the host needs, which are added to this module from
+// there. Symmetric tensors are six numbers: the diagonal xx, yy, zz and, mixed, xy, xz, yz.
 
 // A collision substep, and how contacts are solved in it; `settings.rs` explains what is not explained here.
 struct Interval {
@@ -54,10 +54,6 @@ struct SolverBody {
     max_angular_speed: f32,
 }
 
-const RESTITUTION_RULE: u32 = 8u;
-const FRICTION_RULE: u32 = 12u;
-const LOCKED_AXES: u32 = 16u;
-
 // Lengths from here on count as infinite.
 const ENDLESS: f32 = 1.0e29;
 
@@ -79,9 +75,6 @@ struct BodyState {
     // A hash of what tells it from other bodies.
     key: u32,
 }
-
-// A static body is not where it was in the step before, or not as it was.
-const CHANGED: u32 = 2u;
 
 // What acts on a body from outside.
 struct BodyForces {
@@ -274,35 +267,3 @@ struct KeptPoint {
     friction: vec3<f32>,
     padding_c: f32,
 }
-
-// Indices into `counters`, which outlive an interval: they hold what the memory of impulses holds.
-const PAIRS: u32 = 0u;
-const POINTS: u32 = 1u;
-const ENTRIES: u32 = 2u;
-const SKIPPED: u32 = 3u; // not 0: nothing was solved, since a list was too small
-const KEPT_PAIRS: u32 = 4u;
-const SUBSTEP: u32 = 5u; // the bits of its length in seconds
-const KEPT_SUBSTEP: u32 = 6u;
-const PAIRS_FOUND: u32 = 7u; // as many as there are, even if the lists hold fewer
-const POINTS_FOUND: u32 = 8u;
-const COUNTERS: u32 = 16u;
-
-// Slots of the arguments of indirect dispatches, from a first one that the host chooses.
-const GROUPS_PER_64_PAIRS: u32 = 0u;
-const GROUPS_PER_SORT_BLOCK: u32 = 1u;
-const GROUPS_PER_DIGIT_BLOCK: u32 = 2u;
-const GROUPS_PER_64_BODIES: u32 = 3u;
-const GROUPS_PER_64_OLD_BODIES: u32 = 4u;
-const SLOTS: u32 = 5u;
-
-// What a pass does beside solving: it lets overlaps push; it measures the points first.
-const PASS_BIASED: u32 = 1u;
-const PASS_MEASURES: u32 = 2u;
-
-// What follows when bodies have taken their impulses.
-const THEN_ADVANCE: u32 = 1u;
-const THEN_ACCELERATE: u32 = 2u;
-
-// What the kernels of sleep are about.
-const WAKE: u32 = 0u;
-const SETTLE: u32 = 1u;

@@ -2,8 +2,9 @@
 // the other at a time, one thread each; then eight triangles against eight; what may intersect waits in a queue until
 // there is work for all threads. The order of everything is that of the trees, whatever runs first.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::dispatch::group_index
+#import faceoff::constants::triangle_test::SIGNIFICANT
 #import faceoff::containment::{contains, unfinished}
+#import faceoff::dispatch::group_index
 #import faceoff::math::{absolute, norm1, rotate}
 #import faceoff::tree
 #import faceoff::triangles as tri
@@ -371,11 +372,8 @@ struct Contact {
     normal: vec3<f32>,
 }
 
-// The share of a circle's area that a contour must enclose for its area vector to say anything.
-const SIGNIFICANT: f32 = 0.02;
-
 // Where the bodies push each other, in a's axes and the pair's unit: the contour's centroid, along its area vector.
-// `stages/triangle_test/cpu/contact.rs` explains it.
+// `src/triangle_test/cpu/contact.rs` explains it.
 fn contact(pair: Pair, a: t::Body, b: t::Body, hit_count: u32) -> Contact {
     let translation = pair.near.translation;
     let apart = sqrt(dot(translation, translation));

@@ -1,7 +1,7 @@
 //! BroadPhase on the CPU.
 
 mod counting_sort;
-mod grid;
+pub(super) mod grid;
 
 use crate::state::Bodies;
 use crate::types::body::RigidBody;

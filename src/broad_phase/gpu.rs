@@ -2,166 +2,76 @@
 //!
 //! Each body looks into its own level and the coarser ones that hold any.
 
-use crate::gpu::buffers::Buffers;
-use crate::gpu::kernel::{Builder, Groups, Kernel, read, uniform, write};
+use super::cpu::grid;
+use crate::gpu::buffers::Sizes;
+use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{BODIES, SPHERE_PAIRS};
+use crate::gpu::program::{Calls, Groups};
 use crate::gpu::radix_sort::{self, Sort};
 use crate::gpu::scan::{self, Length, Scan};
+use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 /// Where the bodies are.
-pub const PLACE: Kernel = Kernel {
-    name: "broad_phase/place",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/broad_phase/place.wgsl")),
-    emit: false,
-    workgroup: 64,
-    bindings: &[
-        uniform(0, "step", "Step"),
-        read(1, "moved", "Moved"),
-        write(2, "bodies", "Body"),
-    ],
-};
-
+const PLACE: Kernel = kernel!("broad_phase/place");
 /// The bucket of every body.
-pub const CELLS: Kernel = Kernel {
-    name: "broad_phase/cells",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/broad_phase/cells.wgsl")),
-    emit: false,
-    workgroup: 64,
-    bindings: &[
-        uniform(0, "step", "Step"),
-        read(1, "bodies", "Body"),
-        read(2, "meshes", "Mesh"),
-        write(3, "counters", "u32"),
-        write(4, "keys", "u32"),
-        write(5, "values", "u32"),
-    ],
-};
-
+const CELLS: Kernel = kernel!("broad_phase/cells");
 /// Bodies in the order of buckets.
-pub const ENTRIES: Kernel = Kernel {
-    name: "broad_phase/entries",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/broad_phase/entries.wgsl")),
-    emit: false,
-    workgroup: 64,
-    bindings: &[
-        uniform(0, "step", "Step"),
-        read(1, "bodies", "Body"),
-        read(2, "meshes", "Mesh"),
-        read(3, "keys", "u32"),
-        read(4, "values", "u32"),
-        write(5, "entries", "GridEntry"),
-        write(6, "buckets", "vec2<u32>"),
-    ],
-};
-
+const ENTRIES: Kernel = kernel!("broad_phase/entries");
 /// How many pairs each body sees.
-pub const COUNT: Kernel = Kernel {
-    name: "broad_phase/count",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/broad_phase/pairs.wgsl")),
-    emit: false,
-    workgroup: 64,
-    bindings: &[
-        uniform(0, "step", "Step"),
-        read(1, "counters", "u32"),
-        read(2, "bodies", "Body"),
-        read(3, "entries", "GridEntry"),
-        read(4, "buckets", "vec2<u32>"),
-        write(5, "pair_counts", "u32"),
-    ],
-};
-
+const COUNT: Kernel = kernel!("broad_phase/pairs");
 /// The pairs.
-pub const EMIT: Kernel = Kernel {
-    name: "broad_phase/emit",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/broad_phase/pairs.wgsl")),
-    emit: true,
-    workgroup: 64,
-    bindings: &[
-        uniform(0, "step", "Step"),
-        read(1, "counters", "u32"),
-        read(2, "bodies", "Body"),
-        read(3, "entries", "GridEntry"),
-        read(4, "buckets", "vec2<u32>"),
-        read(5, "pair_counts", "u32"),
-        write(6, "sphere_pairs", "vec2<u32>"),
-    ],
-};
-
+const EMIT: Kernel = kernel!("broad_phase/pairs", emit);
 /// Workgroups for the stages that follow.
-pub const ARGUMENTS: Kernel = Kernel {
-    name: "broad_phase/arguments",
-    source: include_str!(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/shaders/broad_phase/arguments.wgsl"
-    )),
-    emit: false,
-    workgroup: 1,
-    bindings: &[
-        uniform(0, "step", "Step"),
-        write(1, "status", "u32"),
-        write(2, "counters", "u32"),
-        write(3, "arguments", "u32"),
-    ],
-};
+pub const ARGUMENTS: Kernel = kernel!("broad_phase/arguments");
+
+const CONSTANTS: Module = shared_constants!("faceoff::constants::broad_phase", {
+    f32 SPHERE_SLACK = grid::SPHERE_SLACK;
+});
 
 /// All of them.
-pub const KERNELS: [&Kernel; 6] = [&PLACE, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS];
+pub const SHADERS: Shaders = Shaders {
+    modules: &[CONSTANTS, module!("broad_phase/grid")],
+    kernels: &[&PLACE, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS],
+};
 
-/// Adds this stage's calls.
-pub fn record(builder: &mut Builder, b: &Buffers) {
-    builder.call(&PLACE, &[&b.step, &b.moved, &b.bodies], Groups::PerBodies(64));
-    record_search(builder, b);
+/// Sorts `keys` with `values`.
+pub const SORT: Sort = Sort {
+    counters: "counters",
+    input: ["keys", "values"],
+    scratch: ["other_keys", "other_values"],
+    digits: "digits",
+    sums: "sums",
+};
+
+/// Adds the call that places the bodies.
+pub fn record_place(calls: &mut Calls) {
+    calls.call(&PLACE, Groups::PerBodies(64));
 }
 
-/// Adds those that follow when the bodies are where they are.
-pub fn record_search(builder: &mut Builder, b: &Buffers) {
+/// Adds those that search for pairs of placed bodies.
+pub fn record_search(calls: &mut Calls, sizes: &Sizes) {
     let per_body = Groups::PerBodies(64);
-    builder.call(
-        &CELLS,
-        &[&b.step, &b.bodies, &b.meshes, &b.counters, &b.keys[0], &b.values[0]],
-        per_body,
-    );
-    let sort = Sort {
-        counters: &b.counters,
-        input: [&b.keys[0], &b.values[0]],
-        scratch: [&b.keys[1], &b.values[1]],
-        digits: &b.digits,
-        sums: &b.sums,
-    };
+    calls.call(&CELLS, per_body);
     // Workgroups beyond the bodies there are return at once.
     let groups = [
         Groups::PerBodies(radix_sort::BLOCK),
-        Groups::Exactly(radix_sort::digit_groups(b.sizes.bodies)),
+        Groups::Exactly(radix_sort::digit_groups(sizes.bodies)),
     ];
-    let [keys, values] = sort.record(builder, BODIES, b.sizes.bucket_bits(), groups);
-    builder.call(
-        &ENTRIES,
-        &[&b.step, &b.bodies, &b.meshes, keys, values, &b.entries, &b.buckets],
-        per_body,
-    );
-    let seen = [&b.step, &b.counters, &b.bodies, &b.entries, &b.buckets, &b.pair_counts];
-    builder.call(&COUNT, &seen, per_body);
+    let [keys, values] = SORT.record(calls, BODIES, sizes.bucket_bits(), groups);
+    calls.call(&ENTRIES, per_body).bind("keys", keys).bind("values", values);
+    calls.call(&COUNT, per_body);
     let scan = Scan {
-        counters: &b.counters,
-        values: &b.pair_counts,
-        sums: &b.sums,
+        counters: "counters",
+        values: "pair_counts",
+        sums: "sums",
     };
     scan.record(
-        builder,
+        calls,
         BODIES,
         Length::Counter,
         Some(SPHERE_PAIRS),
         Groups::PerBodies(scan::BLOCK),
     );
-    let [step, counters, bodies, entries, buckets, pair_counts] = seen;
-    builder.call(
-        &EMIT,
-        &[step, counters, bodies, entries, buckets, pair_counts, &b.sphere_pairs],
-        per_body,
-    );
-    builder.call(
-        &ARGUMENTS,
-        &[&b.step, &b.status, &b.counters, &b.arguments],
-        Groups::Exactly(1),
-    );
+    calls.call(&EMIT, per_body);
+    calls.call(&ARGUMENTS, Groups::Exactly(1));
 }

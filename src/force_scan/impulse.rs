@@ -5,7 +5,10 @@ use crate::types::body::RigidBody;
 use glam::Vec3;
 
 /// How fast a plane pushes a body out: fraction of the depth per step, and largest speed in m/s.
-const PUSH: (f32, f32) = (0.2, 1.0);
+pub(super) const PUSH: [f32; 2] = [0.2, 1.0];
+
+/// The speed that gravity adds in this many steps is the largest without restitution.
+pub(super) const RESTITUTION_STEPS: f32 = 2.0;
 
 /// Counts for each body the contacts that apply an impulse in this step. Contacts that already separate do not count,
 /// so they take no part of the body's mass.
@@ -62,7 +65,7 @@ fn target_speed(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &P
     } else {
         0.0
     };
-    rebound.max((PUSH.0 * contact.depth / config.dt).min(PUSH.1))
+    rebound.max((PUSH[0] * contact.depth / config.dt).min(PUSH[1]))
 }
 
 /// Velocity at the end of the step without contacts.
@@ -78,7 +81,7 @@ fn free_velocity(bodies: &Bodies, config: &StepConfig, i: usize) -> Vec3 {
 /// Closing speed below which there is no restitution, m/s. Otherwise a body at rest would bounce with the speed that
 /// gravity adds within a step.
 fn restitution_threshold(config: &StepConfig) -> f32 {
-    2.0 * config.gravity.length() * config.dt
+    RESTITUTION_STEPS * config.gravity.length() * config.dt
 }
 
 /// One body of a contact, along the direction `n`.

@@ -26,8 +26,11 @@ struct Resident {
     header: layout::Mesh,
 }
 
-/// Eight levels of boxes with eight children each, as the shared arrays of `triangle_test.wgsl` hold them.
-const MAX_TRIANGLES: u64 = 1 << 24;
+/// Levels that the tree of boxes over a mesh may have. Each box has eight children.
+pub const TREE_LEVELS: u32 = 8;
+
+/// As many as such a tree holds.
+const MAX_TRIANGLES: u64 = 1 << (3 * TREE_LEVELS);
 
 /// What must be written to the device.
 pub enum Change {

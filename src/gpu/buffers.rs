@@ -1,7 +1,8 @@
-//! Every buffer of a step, and how large it is.
+//! Every buffer of a step without contact points, how large it is, and how sets of buffers are declared.
 
+use super::device::Gpu;
 use super::layout::*;
-use super::{device::Gpu, radix_sort, scan};
+use super::{radix_sort, scan};
 use thiserror::Error;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages};
 
@@ -81,72 +82,104 @@ impl Sizes {
     }
 }
 
+/// A set of buffers. Each has a name, by which kernels find it, the kind of its elements, and how many there are by the sizes
+/// of the set; the text says in errors what it holds.
+///
+/// Declares a struct with a public field `sizes`, one for each buffer, and the functions `new` and `bytes`.
 macro_rules! buffers {
-    ($($name:ident: $what:literal, $element:ty, $usage:expr, |$sizes:ident| $count:expr;)*) => {
-        /// Every buffer of a step; `shaders/shared/types.wgsl` explains their elements.
+    ($(#[$doc:meta])* $set:ident($sizes_type:ty), |$sizes:ident| {
+        $($(#[$buffer_doc:meta])* $name:ident: $usage:ident $element:ty, $count:expr, $what:literal;)*
+    }) => {
+        $(#[$doc])*
         #[derive(Debug)]
-        #[allow(missing_docs)]
-        pub struct Buffers {
+        pub struct $set {
             /// What fits.
-            pub sizes: Sizes,
-            $(pub $name: Buffer,)*
-            /// Two pairs of arrays between which sorts move keys and values.
-            pub keys: [Buffer; 2],
-            pub values: [Buffer; 2],
+            pub sizes: $sizes_type,
+            $($(#[$buffer_doc])* #[allow(missing_docs)] pub $name: wgpu::Buffer,)*
         }
 
-        impl Buffers {
+        impl $set {
+            /// Names of all, and what their elements are called in WGSL.
+            pub const ELEMENTS: &'static [(&'static str, &'static str)] =
+                &[$((stringify!($name), <$element as $crate::gpu::layout::Element>::WGSL)),*];
+
             /// Makes all of them.
             ///
             /// # Errors
             /// If one is larger than the device allows; none is made then.
-            pub fn new(gpu: &Gpu, sizes: Sizes) -> Result<Self, TooLarge> {
-                let keys = u64::from(sizes.keys()) * 4;
+            pub fn new(gpu: &$crate::gpu::device::Gpu, sizes: $sizes_type) -> Result<Self, $crate::gpu::buffers::TooLarge> {
                 $(let $name = {
+                    #[allow(unused_variables)]
                     let $sizes = &sizes;
-                    check(gpu, $what, u64::from($count) * size_of::<$element>() as u64)?
+                    $crate::gpu::buffers::check(gpu, $what, u64::from($count) * size_of::<$element>() as u64)?
                 };)*
-                let keys = check(gpu, "sort keys", keys)?;
-                $(let $name = make(gpu, $what, $name, $usage);)*
-                let pair = |what| [make(gpu, what, keys, NONE), make(gpu, what, keys, NONE)];
-                Ok(Self { sizes, $($name,)* keys: pair("sort keys"), values: pair("sort values") })
+                Ok(Self {
+                    sizes,
+                    $($name: $crate::gpu::buffers::make(gpu, $what, $name, $crate::gpu::buffers::$usage),)*
+                })
             }
 
             /// Bytes of all of them.
             pub fn bytes(&self) -> u64 {
-                let keys = [&self.keys[0], &self.keys[1], &self.values[0], &self.values[1]];
-                [$(&self.$name),*].into_iter().chain(keys).map(Buffer::size).sum()
+                [$(&self.$name),*].into_iter().map(wgpu::Buffer::size).sum()
+            }
+        }
+
+        impl $crate::gpu::program::BufferSet for $set {
+            fn find(&self, name: &str) -> Option<&wgpu::Buffer> {
+                match name {
+                    $(stringify!($name) => Some(&self.$name),)*
+                    _ => None,
+                }
             }
         }
     };
 }
 
-const NONE: BufferUsages = BufferUsages::empty();
+pub(crate) use buffers;
+
+/// Of an array that kernels read and write.
+pub(crate) const ARRAY: BufferUsages = BufferUsages::empty();
+/// Of a struct that kernels read.
+pub(crate) const UNIFORM: BufferUsages = BufferUsages::UNIFORM;
+/// Of the arguments of indirect dispatches.
+pub(crate) const INDIRECT: BufferUsages = BufferUsages::INDIRECT;
 
 buffers! {
-    step: "step", Step, BufferUsages::UNIFORM, |_s| 1u32;
-    bodies: "bodies", Body, NONE, |s| s.bodies;
-    before: "bodies before the step", Body, NONE, |s| s.bodies;
-    planes: "half-spaces", Plane, NONE, |s| s.planes;
-    meshes: "meshes", Mesh, NONE, |s| s.meshes;
-    words: "mesh data", u32, NONE, |s| s.words;
-    counters: "counters", u32, NONE, |_s| COUNTERS;
-    status: "status", u32, NONE, |_s| 4u32;
-    arguments: "arguments", u32, BufferUsages::INDIRECT, |_s| 16u32;
-    digits: "sort digits", u32, NONE, |s| 256 * s.keys().div_ceil(radix_sort::BLOCK) + 1;
-    sums: "scan sums", u32, NONE, |s| s.bodies.div_ceil(scan::BLOCK).max(radix_sort::digit_groups(s.keys())) + 1;
-    entries: "grid entries", GridEntry, NONE, |s| s.bodies;
-    buckets: "grid buckets", [u32; 2], NONE, |s| s.buckets();
-    pair_counts: "pair counts", u32, NONE, |s| s.bodies;
-    sphere_pairs: "sphere pairs", [u32; 2], NONE, |s| s.pairs;
-    near_pairs: "near pairs", NearPair, NONE, |s| s.pairs;
-    results: "pair results", PairResult, NONE, |s| s.pairs;
-    touching: "touching pairs", Touching, NONE, |s| s.pairs;
-    hits: "intersecting faces", Hit, NONE, |s| s.hits;
-    plane_contacts: "contacts with half-spaces", PlaneContact, NONE, |s| s.plane_contacts;
-    body_contacts: "contacts by body", BodyContacts, NONE, |s| s.bodies;
-    impulses: "impulses", Impulse, NONE, |s| s.bodies;
-    moved: "moved bodies", Moved, NONE, |s| s.bodies;
+    /// Every buffer of a step without contact points; `shaders/shared/types.wgsl` explains their elements.
+    Buffers(Sizes), |sizes| {
+        /// What holds for all bodies.
+        step: UNIFORM Step, 1u32, "step";
+        bodies: ARRAY Body, sizes.bodies, "bodies";
+        /// To draw from.
+        before: ARRAY Body, sizes.bodies, "bodies before the step";
+        planes: ARRAY Plane, sizes.planes, "half-spaces";
+        meshes: ARRAY Mesh, sizes.meshes, "meshes";
+        words: ARRAY u32, sizes.words, "mesh data";
+        counters: ARRAY u32, COUNTERS, "counters";
+        status: ARRAY u32, 4u32, "status";
+        arguments: INDIRECT u32, 16u32, "arguments";
+        /// Two pairs of arrays between which sorts move keys and values.
+        keys: ARRAY u32, sizes.keys(), "sort keys";
+        values: ARRAY u32, sizes.keys(), "sort values";
+        other_keys: ARRAY u32, sizes.keys(), "sort keys, scratch";
+        other_values: ARRAY u32, sizes.keys(), "sort values, scratch";
+        digits: ARRAY u32, radix_sort::DIGITS * sizes.keys().div_ceil(radix_sort::BLOCK) + 1, "sort digits";
+        sums: ARRAY u32, sizes.bodies.div_ceil(scan::BLOCK).max(radix_sort::digit_groups(sizes.keys())) + 1, "scan sums";
+        entries: ARRAY GridEntry, sizes.bodies, "grid entries";
+        buckets: ARRAY [u32; 2], sizes.buckets(), "grid buckets";
+        pair_counts: ARRAY u32, sizes.bodies, "pair counts";
+        sphere_pairs: ARRAY [u32; 2], sizes.pairs, "sphere pairs";
+        near_pairs: ARRAY NearPair, sizes.pairs, "near pairs";
+        results: ARRAY PairResult, sizes.pairs, "pair results";
+        touching: ARRAY Touching, sizes.pairs, "touching pairs";
+        hits: ARRAY Hit, sizes.hits, "intersecting faces";
+        plane_contacts: ARRAY PlaneContact, sizes.plane_contacts, "contacts with half-spaces";
+        body_contacts: ARRAY BodyContacts, sizes.bodies, "contacts by body";
+        impulses: ARRAY Impulse, sizes.bodies, "impulses";
+        /// Where the bodies are after the step. Outlives it.
+        moved: ARRAY Moved, sizes.bodies, "moved bodies";
+    }
 }
 
 /// The size of a buffer that the device can bind, at least one element of any kind.

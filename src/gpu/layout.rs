@@ -1,9 +1,28 @@
 //! What passes between host and kernels, byte for byte as in `shaders/shared/types.wgsl`, where every field is explained.
 //!
 //! Vectors of three are followed by a scalar that fills their fourth word, so that Rust's layout and WGSL's agree;
-//! `tests/gpu/contract.rs` compares every offset.
+//! `tests/gpu/contract.rs` compares every offset. Structs stand in both languages, where some of their fields are atomic in
+//! WGSL; constants stand here only, and the WGSL module `faceoff::types` gets them from here.
 
 use bytemuck::{Pod, Zeroable};
+
+/// What an array on the device is made of.
+pub trait Element: Pod {
+    /// The type's name in WGSL.
+    const WGSL: &'static str;
+}
+
+impl Element for u32 {
+    const WGSL: &'static str = "u32";
+}
+
+impl Element for [u32; 2] {
+    const WGSL: &'static str = "vec2<u32>";
+}
+
+impl Element for [u32; 4] {
+    const WGSL: &'static str = "vec4<u32>";
+}
 
 macro_rules! layout {
     ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),* $(,)? })*) => {
@@ -15,10 +34,14 @@ macro_rules! layout {
             pub struct $name {
                 $(pub $field: $type,)*
             }
+
+            impl $crate::gpu::layout::Element for $name {
+                const WGSL: &'static str = stringify!($name);
+            }
         )*
 
         /// Name, size and fields with their offsets of every struct here.
-        pub const STRUCTS: &[Struct] = &[$(Struct {
+        pub const STRUCTS: &[$crate::gpu::layout::Struct] = &[$($crate::gpu::layout::Struct {
             name: stringify!($name),
             size: size_of::<$name>(),
             fields: &[$((stringify!($field), std::mem::offset_of!($name, $field))),*],
@@ -198,91 +221,141 @@ layout! {
 }
 
 macro_rules! constants {
-    ($($name:ident = $value:expr;)*) => {
-        $(#[allow(missing_docs)] pub const $name: u32 = $value;)*
+    ($($(#[$doc:meta])* $type:ident $name:ident = $value:expr;)*) => {
+        $($(#[$doc])* #[allow(missing_docs)] pub const $name: $type = $value;)*
 
-        /// Every constant here by name, for the test that compares them with the WGSL.
-        pub const CONSTANTS: &[(&str, u32)] = &[$((stringify!($name), $name)),*];
+        /// Every constant here by name, for the WGSL.
+        pub const CONSTANTS: &[(&str, $crate::gpu::shader::Value)] =
+            &[$((stringify!($name), $crate::gpu::shader::shared_value!($type $name))),*];
     };
 }
 
-// The solver has structs of its own.
+// The solver has structs and constants of its own.
 pub(crate) use {constants, layout};
 
 constants! {
-    DYNAMIC = 0;
-    KINEMATIC = 1;
-    STATIC = 2;
-    KIND_MASK = 3;
-    SENSOR = 4;
-    CULLING_FACES = 8;
-    CULLING_FRONT = 16;
+    // Bits of `Body::flags`.
+    u32 KIND_MASK = 3;
+    u32 DYNAMIC = 0;
+    u32 KINEMATIC = 1;
+    u32 STATIC = 2;
+    u32 SENSOR = 4;
+    u32 CULLING_MASK = 24;
+    u32 CULLING_FACES = 8;
+    u32 CULLING_FRONT = 16;
 
-    CARRIED_ROTATION = 1;
-    CONTINUES = 4;
-    CARRIED_SLEEP = 8;
-    WOKEN = 16;
-    CARRIED_POSITION = 32;
-    CARRIED_LINEAR = 256;
-    CARRIED_ANGULAR = 2048;
+    // Bits of `Body::carried`: what of a body goes on from the last step, in which it had the number `Body::source`.
+    /// The rotation is that of `moved[source]`; without it that which the host wrote.
+    u32 CARRIED_ROTATION = 1;
+    /// It was there in that step, with its centre of mass where it is now: if the host wrote the pose of `moved[source]`, it
+    /// is where it was.
+    u32 CONTINUES = 4;
+    /// If it is where it was it goes on sleeping, or is a ground on which others sleep.
+    u32 CARRIED_SLEEP = 8;
+    /// It is to be awake.
+    u32 WOKEN = 16;
+    /// The first of three bits, for x, y and z: along that axis it is that of `moved[source]`, and what the host wrote is
+    /// added.
+    u32 CARRIED_POSITION = 32;
+    u32 CARRIED_LINEAR = 256;
+    u32 CARRIED_ANGULAR = 2048;
 
-    FAR = 0;
-    NEAR = 1;
-    OVERLAPPING = 2;
+    // `NearPair::near`.
+    /// A support plane separates the two by more than the margin.
+    u32 FAR = 0;
+    /// Less than the margin separates them.
+    u32 NEAR = 1;
+    /// No support plane was found that separates them.
+    u32 OVERLAPPING = 2;
 
-    SOLID = 1;
-    OUTWARD = 0;
-    INWARD = 2;
-    MIXED = 4;
-    OPEN = 6;
+    // Bits of `Mesh::flags`.
+    /// Another body can be wholly inside.
+    u32 SOLID = 1;
+    u32 ORIENTATION_MASK = 6;
+    u32 OUTWARD = 0;
+    u32 INWARD = 2;
+    u32 MIXED = 4;
+    u32 OPEN = 6;
 
-    BODIES = 0;
-    LEVELS = 1;
-    SPHERE_PAIRS = 3;
-    HITS = 4;
-    PLANE_CONTACTS = 5;
-    TOUCHING = 6;
-    TRIANGLE_TESTS = 7;
-    APPROXIMATE = 8;
-    ENTRIES = 9;
-    SKIPPED = 10;
-    PAIRS = 11;
-    CUT_SHORT = 12;
-    SELECTED = 13;
-    COUNTERS = 16;
+    // Indices into `counters`. The host sets the first and zeroes the others before each step. With several intervals what
+    // the triangle test counts is of the first one, and the others are of the last.
+    u32 BODIES = 0;
+    /// Two words, a bit for each level with bodies.
+    u32 LEVELS = 1;
+    /// As many as there are, even if the list holds fewer.
+    u32 SPHERE_PAIRS = 3;
+    u32 HITS = 4;
+    u32 PLANE_CONTACTS = 5;
+    u32 TOUCHING = 6;
+    u32 TRIANGLE_TESTS = 7;
+    u32 APPROXIMATE = 8;
+    u32 ENTRIES = 9;
+    /// Not 0: bodies were not moved, since a list was too small.
+    u32 SKIPPED = 10;
+    /// Sphere pairs in the list: all, or none if they do not fit.
+    u32 PAIRS = 11;
+    /// Not 0: the device left a loop before its end.
+    u32 CUT_SHORT = 12;
+    /// Pairs whose contact points are wanted.
+    u32 SELECTED = 13;
+    u32 COUNTERS = 16;
 
-    GROUPS_PER_64_PAIRS = 0;
-    GROUPS_PER_PAIR = 1;
-    GROUPS_PER_SORT_BLOCK = 2;
-    GROUPS_PER_DIGIT_BLOCK = 3;
+    // Slots of `arguments`: a workgroup for 64 pairs, for each pair, for each block of a sort of two entries a pair, for
+    // each block of the scan of that sort's digits.
+    u32 GROUPS_PER_64_PAIRS = 0;
+    u32 GROUPS_PER_PAIR = 1;
+    u32 GROUPS_PER_SORT_BLOCK = 2;
+    u32 GROUPS_PER_DIGIT_BLOCK = 3;
 
-    OF_SECOND = 0x8000_0000;
-    NOTHING = 0xffff_ffff;
+    /// Index into `status`: whether a list was too small, now or in an earlier step that has not been repeated yet.
+    u32 OVERFLOW = 0;
 
-    MARGIN_PAIRS = 0;
-    CONTACT_SLOTS = 1;
-    NEAR_TRIANGLES = 2;
-    FEATURES = 3;
-    SEGMENTS = 4;
-    STAGED_POINTS = 5;
-    CONTACT_PAIRS = 6;
-    CONTACT_POINTS = 7;
-    CONTACTS_CUT_SHORT = 8;
-    CONTACTS_SKIPPED = 9;
-    CONTACT_COUNTERS = 16;
+    /// Bit of the number of a vertex or an edge that belongs to the second body of a pair.
+    u32 OF_SECOND = 0x8000_0000;
+    /// No vertex, no triangle.
+    u32 NOTHING = 0xffff_ffff;
+    /// The radius of curvature of what is flat: WGSL has no dependable infinity.
+    f32 FLAT_ROUNDNESS = 1.0e30;
 
-    GROUPS_PER_MARGIN_PAIR = 0;
-    GROUPS_PER_64_MARGIN_PAIRS = 1;
-    GROUPS_PER_64_SLOTS = 2;
-    GROUPS_PER_SLOT_BLOCK = 3;
+    // Indices into `contact_counters`. The host sets the first and zeroes the others. Lists may hold fewer than these say,
+    // and then their contents are worth nothing.
+    u32 MARGIN_PAIRS = 0;
+    u32 CONTACT_SLOTS = 1;
+    u32 NEAR_TRIANGLES = 2;
+    u32 FEATURES = 3;
+    u32 SEGMENTS = 4;
+    u32 STAGED_POINTS = 5;
+    u32 CONTACT_PAIRS = 6;
+    u32 CONTACT_POINTS = 7;
+    /// Not 0: the device left a loop before its end.
+    u32 CONTACTS_CUT_SHORT = 8;
+    /// Not 0: a list was too small, or a loop cut short; the results are worth nothing.
+    u32 CONTACTS_SKIPPED = 9;
+    u32 CONTACT_COUNTERS = 16;
 
-    INTERVALS = 16;
-    TOUCHES = 17;
-    TOUCHING_NOW = 18;
-    ASLEEP = 19;
-    MOST_PAIRS = 20;
-    HIGHEST = 21;
-    LOWEST = 24;
-    SPIN = 27;
-    TALLIES = 32;
+    // Slots of `contact_arguments`: a workgroup for each pair, for 64 pairs, for 64 slots, for each block of the scan of
+    // slots.
+    u32 GROUPS_PER_MARGIN_PAIR = 0;
+    u32 GROUPS_PER_64_MARGIN_PAIRS = 1;
+    u32 GROUPS_PER_64_SLOTS = 2;
+    u32 GROUPS_PER_SLOT_BLOCK = 3;
+
+    // Indices into `tally`, which counts over all intervals of a step. The first are the largest that `contact_counters` came
+    // to, under the same indices.
+    /// So far.
+    u32 INTERVALS = 16;
+    /// As many as there are, even if the list holds fewer.
+    u32 TOUCHES = 17;
+    /// Of two meshes, in the last interval.
+    u32 TOUCHING_NOW = 18;
+    /// Bodies, after the step.
+    u32 ASLEEP = 19;
+    /// Of spheres, in any interval.
+    u32 MOST_PAIRS = 20;
+    // Velocities after the step of what may move, m/s: the largest along each axis, the largest negated, and the largest speed
+    // of a surface about its body's centre of mass. As `ascending` numbers, so that 0 stands for none.
+    u32 HIGHEST = 21;
+    u32 LOWEST = 24;
+    u32 SPIN = 27;
+    u32 TALLIES = 32;
 }

@@ -1,6 +1,6 @@
-//! The vertices and edges of a mesh as words, as `shaders/manifolds/sides.wgsl` reads them.
+//! The vertices and edges of a mesh as words, as `shaders/manifolds/side.wgsl` reads them.
 
-use super::layout::NOTHING;
+use super::layout::{FLAT_ROUNDNESS, NOTHING};
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::state::mesh_arena::MeshSlot;
 use glam::Vec3;
@@ -13,9 +13,6 @@ pub const HEADER: usize = 8;
 /// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns
 /// and how far normals at its edges turn, how round it is, its number in the input mesh, and how curved it is at least.
 pub const RECORD: usize = 16;
-
-/// What stands for an infinite radius: WGSL need not know infinity.
-const FLAT_ROUNDNESS: f32 = 1.0e30;
 
 /// All of them; places count from the first word.
 pub fn words(slot: &MeshSlot) -> Vec<u32> {

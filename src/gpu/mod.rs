@@ -1,12 +1,13 @@
 //! What the GPU versions of all stages share.
 //!
-//! [`device`] finds a device; [`kernel`] says how a kernel is declared, compiled and called; [`layout`] is what passes
-//! between host and kernels, and [`buffers`] where it lies; [`arena`] holds the meshes, if wanted with what contact points are made of; [`scan`] and [`radix_sort`] are
-//! the primitives; [`contacts`] joins contact generation and solver; [`upload`] is what a step is told and [`results`] what comes of it; [`step`] runs it all. Each stage's kernels are declared in its own folder, in `gpu.rs`, with their
-//! WGSL in `shaders/`.
+//! [`device`] finds a device. [`kernel`] says how a kernel is declared and compiled, [`shader`] what kernels import, and
+//! [`program`] how they are called. [`layout`] is what passes between host and kernels, and [`buffers`] where it lies.
+//! [`arena`] holds the meshes, if wanted with their [features](mesh_features). [`scan`] and [`radix_sort`] are the
+//! primitives; [`readback`] brings results to the host, and [`timer`] tells how long stages took.
 //!
-//! A step is one submission, of a pass per stage and collision substep; several may be in flight. Lists of unknown length have a capacity and a counter; if one is too short, the
-//! bodies stay where they are, the list is made longer, and the step runs again: nothing is dropped.
+//! Each stage declares its kernels in its own folder, in `gpu.rs` or `gpu/`, with their WGSL in `shaders/`;
+//! `step::gpu` runs them all. Lists of unknown length have a capacity and a counter; if one is too short, the bodies stay
+//! where they are, the list is made longer, and the step runs again: nothing is dropped.
 
 pub mod arena;
 pub mod buffers;
@@ -14,8 +15,54 @@ pub mod device;
 pub mod kernel;
 pub mod layout;
 pub mod mesh_features;
+pub mod program;
 pub mod radix_sort;
 pub mod readback;
 pub mod run_once;
 pub mod scan;
+pub mod shader;
 pub mod timer;
+
+use crate::geometry::features::ANY_NORMAL;
+use crate::projection::heights;
+use crate::state::margins;
+use shader::{Module, Shaders, module, shared_constants};
+
+/// Constants that kernels of several stages share with the host.
+const CONSTANTS: Module = shared_constants!("faceoff::constants::shared", {
+    u32 MAX_ROW = program::MAX_ROW;
+    u32 SCAN_BLOCK = scan::BLOCK;
+    u32 NO_TOTAL = scan::NO_TOTAL;
+    u32 SORT_BLOCK = radix_sort::BLOCK;
+    u32 DIGITS = radix_sort::DIGITS;
+    u32 TREE_LEVELS = arena::TREE_LEVELS;
+    u32 HEIGHT_STEPS = heights::STEPS;
+    u32 MESH_HEADER = mesh_features::HEADER;
+    u32 MESH_RECORD = mesh_features::RECORD;
+    f32 ANY_NORMAL = ANY_NORMAL;
+    f32 SAFETY = margins::SAFETY;
+    f32 BOUND = margins::BOUND;
+});
+
+/// What all kernels may import, and the primitives.
+pub const SHADERS: Shaders = Shaders {
+    modules: &[
+        CONSTANTS,
+        module!("shared/types", layout::CONSTANTS),
+        module!("shared/math"),
+        module!("shared/dispatch"),
+        module!("shared/scan"),
+        module!("shared/arena"),
+        module!("shared/margins"),
+        module!("shared/tree"),
+        module!("shared/tensor"),
+        module!("shared/carried"),
+    ],
+    kernels: &[
+        &scan::SUMS,
+        &scan::SPINE,
+        &scan::APPLY,
+        &radix_sort::COUNT,
+        &radix_sort::MOVE,
+    ],
+};

@@ -2,82 +2,70 @@
 //! dispatches a digit.
 
 use super::device::Gpu;
-use super::kernel::{Builder, Groups, Kernel, read, uniform, write};
+use super::kernel::{Kernel, kernel};
+use super::program::{Calls, Groups};
 use super::run_once::RunOnce;
 use super::scan::{self, Length, Scan};
-use wgpu::Buffer;
 
-/// Keys that one workgroup moves, as in `scan.wgsl`.
+/// Keys that one workgroup moves.
 pub const BLOCK: u32 = 2048;
 
 /// Bits sorted by at a time.
 pub const DIGIT: u32 = 8;
 
+/// Different digits that there are.
+pub const DIGITS: u32 = 1 << DIGIT;
+
 /// Counts digits.
-pub const COUNT: Kernel = Kernel {
-    name: "sort/count",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/sort_count.wgsl")),
-    emit: false,
-    workgroup: 256,
-    bindings: &[
-        uniform(0, "constants", "vec4<u32>"),
-        read(1, "counters", "u32"),
-        read(2, "keys", "u32"),
-        write(3, "digits", "u32"),
-    ],
-};
-
+pub const COUNT: Kernel = kernel!("shared/sort_count");
 /// Moves keys and values.
-pub const MOVE: Kernel = Kernel {
-    name: "sort/move",
-    source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/shared/sort_move.wgsl")),
-    emit: false,
-    workgroup: 256,
-    bindings: &[
-        uniform(0, "constants", "vec4<u32>"),
-        read(1, "counters", "u32"),
-        read(2, "digits", "u32"),
-        read(3, "keys", "u32"),
-        read(4, "values", "u32"),
-        write(5, "sorted_keys", "u32"),
-        write(6, "sorted_values", "u32"),
-    ],
-};
+pub const MOVE: Kernel = kernel!("shared/sort_move");
 
-/// Both.
-pub const KERNELS: [&Kernel; 2] = [&COUNT, &MOVE];
+/// The names of a pair of arrays, of keys and of their values.
+pub type KeysAndValues = [&'static str; 2];
 
-/// The arrays of a sort, each with room for all keys.
+/// The names of the arrays of a sort, each with room for all keys.
 #[derive(Clone, Copy, Debug)]
-pub struct Sort<'b> {
+pub struct Sort {
     /// Holds the number of keys.
-    pub counters: &'b Buffer,
+    pub counters: &'static str,
     /// Keys and values; read, and overwritten by every second digit.
-    pub input: [&'b Buffer; 2],
+    pub input: KeysAndValues,
     /// Scratch of the same size.
-    pub scratch: [&'b Buffer; 2],
-    /// 256 words for every [`BLOCK`] keys.
-    pub digits: &'b Buffer,
+    pub scratch: KeysAndValues,
+    /// [`DIGITS`] words for every [`BLOCK`] keys.
+    pub digits: &'static str,
     /// Scratch of the scan over `digits`.
-    pub sums: &'b Buffer,
+    pub sums: &'static str,
 }
 
-impl<'b> Sort<'b> {
+impl Sort {
+    /// The same for other keys and values.
+    pub const fn between(self, input: KeysAndValues, scratch: KeysAndValues) -> Self {
+        Self { input, scratch, ..self }
+    }
+
     /// Adds the calls for keys of `bits` bits, and tells which buffers hold the result. `groups` are those for one
     /// workgroup per [`BLOCK`] keys, and for the scan of the digits.
-    pub fn record(&self, builder: &mut Builder, counter: u32, bits: u32, groups: [Groups; 2]) -> [&'b Buffer; 2] {
+    pub fn record(&self, calls: &mut Calls, counter: u32, bits: u32, groups: [Groups; 2]) -> KeysAndValues {
         let (mut from, mut to) = (self.input, self.scratch);
         for shift in (0..bits).step_by(DIGIT as usize) {
-            let constants = builder.constants([counter, shift, 0, 0]);
-            builder.call(&COUNT, &[&constants, self.counters, from[0], self.digits], groups[0]);
+            let constants = [counter, shift, 0, 0];
+            let count = calls.call(&COUNT, groups[0]).constants(constants);
+            count
+                .bind("counters", self.counters)
+                .bind("keys", from[0])
+                .bind("digits", self.digits);
             let scan = Scan {
                 counters: self.counters,
                 values: self.digits,
                 sums: self.sums,
             };
-            scan.record(builder, counter, Length::Digits, None, groups[1]);
-            let buffers = [&constants, self.counters, self.digits, from[0], from[1], to[0], to[1]];
-            builder.call(&MOVE, &buffers, groups[0]);
+            scan.record(calls, counter, Length::Digits, None, groups[1]);
+            let moved = calls.call(&MOVE, groups[0]).constants(constants);
+            moved.bind("counters", self.counters).bind("digits", self.digits);
+            moved.bind("keys", from[0]).bind("values", from[1]);
+            moved.bind("sorted_keys", to[0]).bind("sorted_values", to[1]);
             std::mem::swap(&mut from, &mut to);
         }
         from
@@ -86,7 +74,7 @@ impl<'b> Sort<'b> {
 
 /// Workgroups for the scan of the digits of so many keys.
 pub fn digit_groups(keys: u32) -> u32 {
-    (256 * keys.div_ceil(BLOCK)).div_ceil(scan::BLOCK)
+    (DIGITS * keys.div_ceil(BLOCK)).div_ceil(scan::BLOCK)
 }
 
 /// Sorts `keys` of `bits` bits on its own; tells the sorted keys, and where each was.
@@ -94,28 +82,36 @@ pub fn digit_groups(keys: u32) -> u32 {
 /// # Errors
 /// What the device says.
 pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32) -> Result<(Vec<u32>, Vec<u32>), String> {
-    let run = RunOnce::new(gpu, scan::KERNELS.iter().chain(&KERNELS))?;
+    let run = RunOnce::new(gpu, [&scan::SUMS, &scan::SPINE, &scan::APPLY, &COUNT, &MOVE])?;
     let length = keys.len() as u32;
     let blocks = length.div_ceil(BLOCK);
     let counters = run.buffer(&[length]);
     let values: Vec<u32> = (0..length).collect();
     let input = [run.buffer(keys), run.buffer(&values)];
     let scratch = [run.buffer(&vec![0; keys.len()]), run.buffer(&vec![0; keys.len()])];
-    let digits = run.buffer(&vec![0; 256 * blocks as usize + 1]);
+    let digits = run.buffer(&vec![0; (DIGITS * blocks) as usize + 1]);
     let sums = run.buffer(&vec![0; digit_groups(length) as usize + 1]);
-    let mut odd = false;
-    run.program(|builder| {
-        let sort = Sort {
-            counters: &counters,
-            input: input.each_ref(),
-            scratch: scratch.each_ref(),
-            digits: &digits,
-            sums: &sums,
-        };
+    let sort = Sort {
+        counters: "counters",
+        input: ["keys", "values"],
+        scratch: ["other_keys", "other_values"],
+        digits: "digits",
+        sums: "sums",
+    };
+    let sets = [
+        ("counters", &counters),
+        ("keys", &input[0]),
+        ("values", &input[1]),
+        ("other_keys", &scratch[0]),
+        ("other_values", &scratch[1]),
+        ("digits", &digits),
+        ("sums", &sums),
+    ];
+    let mut result = sort.input;
+    run.program(&sets, |calls| {
         let groups = [Groups::Exactly(blocks), Groups::Exactly(digit_groups(length))];
-        let result = sort.record(builder, 0, bits, groups);
-        odd = std::ptr::eq(result[0], &scratch[0]);
+        result = sort.record(calls, 0, bits, groups);
     })?;
-    let [keys_out, values_out] = if odd { &scratch } else { &input };
+    let [keys_out, values_out] = if result == sort.input { &input } else { &scratch };
     Ok((run.read(keys_out, keys.len())?, run.read(values_out, keys.len())?))
 }

@@ -1,7 +1,9 @@
 //! Runs a few kernels once and reads back: how the primitives are tried on their own.
 
+use super::SHADERS;
 use super::device::Gpu;
-use super::kernel::{Builder, Kernel, Kernels};
+use super::kernel::{Kernel, Kernels};
+use super::program::{BufferSet, Calls, Program};
 use super::readback::{read_words, scoped};
 use crate::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -14,14 +16,14 @@ pub struct RunOnce<'g> {
 }
 
 impl<'g> RunOnce<'g> {
-    /// Compiles.
+    /// Compiles kernels that import nothing of a stage.
     ///
     /// # Errors
     /// The compiler's message.
-    pub fn new<'k>(gpu: &'g Gpu, kernels: impl IntoIterator<Item = &'k &'k Kernel>) -> Result<Self, String> {
+    pub fn new<'k>(gpu: &'g Gpu, kernels: impl IntoIterator<Item = &'k Kernel>) -> Result<Self, String> {
         Ok(Self {
             gpu,
-            kernels: scoped(gpu, || Kernels::new(gpu, kernels.into_iter().copied()))??,
+            kernels: scoped(gpu, || Kernels::new(gpu, SHADERS.modules, kernels))??,
         })
     }
 
@@ -35,18 +37,18 @@ impl<'g> RunOnce<'g> {
         })
     }
 
-    /// Runs calls.
+    /// Runs calls on these buffers.
     ///
     /// # Errors
     /// What the device says.
-    pub fn program(&self, add: impl FnOnce(&mut Builder)) -> Result<(), String> {
+    pub fn program(&self, buffers: &dyn BufferSet, add: impl FnOnce(&mut Calls)) -> Result<(), String> {
+        const STAGE: Stage = Stage::BroadPhase;
         scoped(self.gpu, || {
-            let mut builder = Builder::new(self.gpu, &self.kernels);
-            add(&mut builder);
-            let program = builder.finish();
+            let mut calls = Calls::new(STAGE);
+            add(&mut calls);
+            let program = Program::new(self.gpu, &self.kernels, &calls, &[buffers]);
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            let arguments = self.buffer(&[]);
-            program.record(Stage::BroadPhase, &mut encoder, 0, &arguments, None);
+            program.record(STAGE, &mut encoder, 0, None);
             self.gpu.queue.submit([encoder.finish()]);
         })
     }

@@ -1,16 +1,16 @@
 //! Contact generation on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
 
-mod contour;
-mod feature;
+pub(super) mod contour;
+pub(super) mod feature;
 mod ids;
 mod inside;
-mod near;
-mod pair;
+pub(super) mod near;
+pub(super) mod pair;
 pub mod planes;
 mod ray;
-mod reduce;
-mod side;
-mod smooth;
+pub(super) mod reduce;
+pub(super) mod side;
+pub(super) mod smooth;
 
 pub(crate) use feature::Feature;
 pub(crate) use ids::ids;

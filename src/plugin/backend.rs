@@ -20,9 +20,13 @@ use rayon::ThreadPool;
 
 #[cfg(feature = "gpu")]
 use crate::gpu::device::{self, Gpu, NoGpu};
+#[cfg(feature = "gpu")]
 use crate::gpu::readback::outlive;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
+#[cfg(feature = "gpu")]
 use crate::step::gpu::upload::Carried;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::{GpuStep, StepError};
 #[cfg(feature = "gpu")]
 use std::thread::JoinHandle;

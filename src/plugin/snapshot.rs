@@ -6,7 +6,7 @@ use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
 use crate::step::StepMemory;
 #[cfg(feature = "gpu")]
-use crate::step::gpu::contacts::memory::DeviceMemory;
+use crate::step::gpu::memory::DeviceMemory;
 use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
-    /// What the solver keeps from step to step.
+    /// The solver's memory from step to step.
     memory: StepMemory,
     manifolds: Manifolds,
     /// Bodies asleep, ascending.

@@ -16,7 +16,7 @@ use glam::{DMat3, DVec3, Vec3};
 use std::sync::OnceLock;
 
 /// Steps along an edge of the octahedron.
-const STEPS: usize = 8;
+pub(crate) const STEPS: usize = 8;
 /// The number of directions: the points of the octahedron with integer coordinates.
 const DIRECTIONS: usize = 4 * STEPS * STEPS + 2;
 /// Triangles per octant.

@@ -15,7 +15,7 @@ pub mod faces;
 mod facing;
 mod groups;
 mod height_image;
-mod heights;
+pub(crate) mod heights;
 mod pool;
 mod progress;
 pub mod raster;

@@ -9,6 +9,11 @@ use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
+/// At most this many saved points of a pair are matched: each has a bit of a word.
+pub(super) const MAX_MATCHED: usize = 64;
+/// The largest factor on saved impulses when the length of the substep changes.
+pub(super) const MAX_IMPULSE_SCALE: f32 = 2.0;
+
 /// The impulses of the last collision substep. Pairs are identified by the keys of their bodies, so bodies may be
 /// added, removed and renumbered.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -83,7 +88,7 @@ impl WarmStart {
     /// length of the substep.
     pub(super) fn impulse_scale(&self, h: f32) -> f32 {
         if self.substep > 0.0 {
-            (h / self.substep).min(2.0)
+            (h / self.substep).min(MAX_IMPULSE_SCALE)
         } else {
             1.0
         }
@@ -205,7 +210,7 @@ impl<'a> PointMatcher<'a> {
             self.rotations_back[1] * point.arms[1],
         ];
         let (mut nearest, mut found) = (self.max_distance_squared, None);
-        for (i, saved) in last.points.iter().enumerate().take(64) {
+        for (i, saved) in last.points.iter().enumerate().take(MAX_MATCHED) {
             if self.used >> i & 1 == 1
                 || saved.normal_impulse <= 0.0
                 || sign * saved.normal.dot(point.normal) < self.min_normal_cosine

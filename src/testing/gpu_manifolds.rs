@@ -3,18 +3,19 @@
 use crate::gpu::arena::{Arena, Change};
 use crate::gpu::buffers::TooLarge;
 use crate::gpu::device::{Gpu, NoGpu};
-use crate::gpu::kernel::{Builder, Kernels, Program};
+use crate::gpu::kernel::Kernels;
 use crate::gpu::layout::{
     self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
-    ContactPoint, MARGIN_PAIRS,
+    ContactPoint, FLAT_ROUNDNESS, MARGIN_PAIRS,
 };
+use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::{read_words, scoped};
-use crate::gpu::scan;
-use crate::manifolds::gpu::buffers::{ContactBuffers, ContactCapacity};
-use crate::manifolds::gpu::kernels::{KERNELS, Shared, record};
+use crate::manifolds::gpu::record::{record_lists, record_points};
+use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, SHADERS};
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
 use crate::state::StepInput;
 use crate::step::gpu::StepError;
+use crate::step::gpu::record::all_modules;
 use crate::step::gpu::upload::Input;
 use crate::types::stage::Stage;
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -60,8 +61,8 @@ impl GpuManifolds {
     /// # Errors
     /// If the device cannot run the kernels.
     pub fn with_room(gpu: &Gpu, sizes: ContactCapacity) -> Result<Self, NoGpu> {
-        let all = KERNELS.into_iter().chain(scan::KERNELS);
-        let compiled = scoped(gpu, || Kernels::new(gpu, all)).and_then(|kernels| kernels);
+        let kernels = crate::gpu::SHADERS.kernels.iter().chain(SHADERS.kernels).copied();
+        let compiled = scoped(gpu, || Kernels::new(gpu, all_modules(), kernels)).and_then(|kernels| kernels);
         match compiled {
             Ok(kernels) => Ok(Self {
                 gpu: gpu.clone(),
@@ -186,34 +187,29 @@ impl GpuManifolds {
             let mut counters = [0u32; CONTACT_COUNTERS as usize];
             counters[MARGIN_PAIRS as usize] = pairs.len() as u32;
             gpu.queue.write_buffer(&buffers.limits, 0, bytes_of(&limits));
-            gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
+            gpu.queue
+                .write_buffer(&buffers.contact_counters, 0, cast_slice(&counters));
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
             let program = self.program(scene, buffers);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(
-                Stage::TriangleTest,
-                &mut encoder,
-                scene.bodies,
-                &buffers.arguments,
-                None,
-            );
+            program.record(Stage::Manifolds, &mut encoder, scene.bodies, None);
             gpu.queue.submit([encoder.finish()]);
         })?;
-        self.words(&buffers.counters, CONTACT_COUNTERS as usize)
+        self.words(&buffers.contact_counters, CONTACT_COUNTERS as usize)
     }
 
     fn program(&self, scene: &Scene, buffers: &ContactBuffers) -> Program {
-        let mut builder = Builder::new(&self.gpu, &self.kernels);
-        builder.stage(Stage::TriangleTest);
-        let shared = Shared {
-            step: &scene.step,
-            bodies: &scene.bodies_at,
-            planes: &scene.planes_at,
-            meshes: &scene.meshes,
-            words: &scene.words,
-        };
-        record(&mut builder, shared, buffers);
-        builder.finish()
+        let mut calls = Calls::new(Stage::Manifolds);
+        record_points(&mut calls);
+        record_lists(&mut calls);
+        let scene = [
+            ("step", &scene.step),
+            ("bodies", &scene.bodies_at),
+            ("planes", &scene.planes_at),
+            ("meshes", &scene.meshes),
+            ("words", &scene.words),
+        ];
+        Program::new(&self.gpu, &self.kernels, &calls, &[&scene, buffers])
     }
 
     fn words(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, StepError> {
@@ -259,7 +255,7 @@ impl From<&ContactPair> for Manifold {
 impl From<&ContactPoint> for ManifoldPoint {
     fn from(point: &ContactPoint) -> Self {
         // What stands for it on the device.
-        let roundness = |r: f32| if r >= 1.0e30 { f32::INFINITY } else { r };
+        let roundness = |r: f32| if r >= FLAT_ROUNDNESS { f32::INFINITY } else { r };
         Self {
             arms: [Vec3::from(point.arm_a), Vec3::from(point.arm_b)],
             normal: Vec3::from(point.normal),

@@ -1,24 +1,25 @@
 //! The solver by itself on a device: bodies and contacts from the host, results back to it.
 
-use crate::gpu::buffers::{TooLarge, check, make};
+use crate::gpu::buffers::{TooLarge, buffers};
 use crate::gpu::device::Gpu;
-use crate::gpu::kernel::{Builder, Kernels, Program};
-use crate::gpu::layout::{ContactPair, ContactPoint};
-use crate::gpu::radix_sort;
+use crate::gpu::kernel::Kernels;
+use crate::gpu::layout::{CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, ContactPair, ContactPoint};
+use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::{read_words, scoped};
-use crate::gpu::scan;
 use crate::manifolds::Manifolds;
+use crate::sleep;
+use crate::solver::gpu as solver;
 use crate::solver::gpu::layout::{self, COUNTERS, PAIRS_FOUND, POINTS, POINTS_FOUND, SKIPPED, SLOTS};
-use crate::solver::gpu::lists::{Inputs, Lists, Room};
-use crate::solver::gpu::record::{Passes, record};
-use crate::solver::gpu::{KERNELS, upload};
+use crate::solver::gpu::record::{record, record_arguments};
+use crate::solver::gpu::{Passes, Room, SolverBuffers, upload};
 use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverMotion};
 use crate::step::gpu::StepError;
+use crate::step::gpu::record::all_modules;
 use crate::types::solver_settings::SolverSettings;
 use crate::types::stage::Stage;
 use bytemuck::{Pod, cast_slice};
 use std::collections::HashMap;
-use wgpu::{Buffer, BufferUsages};
+use wgpu::Buffer;
 
 /// Solves on a device what the host hands it. Bodies stay there from interval to interval, and so do the impulses that
 /// hold piles up; lists grow as needed.
@@ -26,7 +27,7 @@ pub struct GpuSolver {
     gpu: Gpu,
     kernels: Kernels,
     handed: Handed,
-    lists: Lists,
+    lists: SolverBuffers,
     /// Of intervals that were run with the lists as they are.
     programs: HashMap<Passes, Program>,
     /// Of the last interval.
@@ -38,54 +39,18 @@ pub struct GpuSolver {
     renumbered: bool,
 }
 
-/// What the host hands over.
-struct Handed {
-    room: Room,
-    bodies: Buffer,
-    states: Buffer,
-    forces: Buffer,
-    renumbered: Buffer,
-    contact_pairs: Buffer,
-    contact_points: Buffer,
-    contact_counters: Buffer,
-    status: Buffer,
-    arguments: Buffer,
-}
-
-impl Handed {
-    fn new(gpu: &Gpu, room: Room) -> Result<Self, TooLarge> {
-        fn list<T>(gpu: &Gpu, what: &'static str, count: u32) -> Result<Buffer, TooLarge> {
-            let bytes = check(gpu, what, u64::from(count) * size_of::<T>() as u64)?;
-            Ok(make(gpu, what, bytes, BufferUsages::empty()))
-        }
-        Ok(Self {
-            room,
-            bodies: list::<layout::SolverBody>(gpu, "solver bodies", room.bodies)?,
-            states: list::<layout::BodyState>(gpu, "states of bodies", room.bodies)?,
-            forces: list::<layout::BodyForces>(gpu, "forces", room.bodies)?,
-            renumbered: list::<u32>(gpu, "new numbers of bodies", room.bodies)?,
-            contact_pairs: list::<ContactPair>(gpu, "contact pairs", room.pairs)?,
-            contact_points: list::<ContactPoint>(gpu, "contact points", room.points)?,
-            contact_counters: list::<u32>(gpu, "contact counters", 4)?,
-            status: list::<u32>(gpu, "status", 4)?,
-            arguments: make(gpu, "arguments", u64::from(12 * SLOTS), BufferUsages::INDIRECT),
-        })
-    }
-
-    fn inputs(&self) -> Inputs<'_> {
-        Inputs {
-            bodies: &self.bodies,
-            states: &self.states,
-            forces: &self.forces,
-            renumbered: &self.renumbered,
-            contact_pairs: &self.contact_pairs,
-            contact_points: &self.contact_points,
-            contact_counters: &self.contact_counters,
-            counter_of: [0, 1],
-            status: &self.status,
-            arguments: &self.arguments,
-            first_slot: 0,
-        }
+buffers! {
+    /// What the host hands over.
+    Handed(Room), |room| {
+        solver_bodies: ARRAY layout::SolverBody, room.bodies, "solver bodies";
+        states: ARRAY layout::BodyState, room.bodies, "states of bodies";
+        forces: ARRAY layout::BodyForces, room.bodies, "forces";
+        renumbered: ARRAY u32, room.bodies, "new numbers of bodies";
+        contact_pairs: ARRAY ContactPair, room.pairs, "contact pairs";
+        contact_points: ARRAY ContactPoint, room.points, "contact points";
+        contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
+        status: ARRAY u32, 4u32, "status";
+        solver_arguments: INDIRECT u32, 3 * SLOTS, "arguments";
     }
 }
 
@@ -108,10 +73,11 @@ impl GpuSolver {
     /// # Errors
     /// If the device cannot run it.
     pub fn with_room(gpu: &Gpu, room: Room) -> Result<Self, StepError> {
-        let all = KERNELS.into_iter().chain(scan::KERNELS).chain(radix_sort::KERNELS);
-        let kernels = device(scoped(gpu, || Kernels::new(gpu, all)).and_then(|kernels| kernels))?;
+        let shaders = [&crate::gpu::SHADERS, &solver::SHADERS, &sleep::gpu::SHADERS];
+        let all = shaders.into_iter().flat_map(|shaders| shaders.kernels.iter().copied());
+        let kernels = device(scoped(gpu, || Kernels::new(gpu, all_modules(), all)).and_then(|kernels| kernels))?;
         let made = scoped(gpu, || {
-            Ok::<_, TooLarge>((Handed::new(gpu, room)?, Lists::new(gpu, room)?))
+            Ok::<_, TooLarge>((Handed::new(gpu, room)?, SolverBuffers::new(gpu, room)?))
         });
         let (handed, lists) = device(made)??;
         Ok(Self {
@@ -129,7 +95,7 @@ impl GpuSolver {
 
     /// What fits into the solver's own lists.
     pub fn room(&self) -> Room {
-        self.lists.room
+        self.lists.sizes
     }
 
     /// Dispatches of the last interval.
@@ -150,10 +116,12 @@ impl GpuSolver {
         })?;
         let own: Vec<_> = bodies.bodies.iter().map(upload::body).collect();
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
-        let states: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, *k)).collect();
+        let states: Vec<_> = states
+            .map(|((m, s), k)| upload::state(m, s, sleep::cpu::hash(*k) as u32))
+            .collect();
         let forces: Vec<_> = bodies.forces.iter().map(upload::forces).collect();
         self.write(&[
-            (&self.handed.bodies, cast_slice(&own)),
+            (&self.handed.solver_bodies, cast_slice(&own)),
             (&self.handed.states, cast_slice(&states)),
             (&self.handed.forces, cast_slice(&forces)),
         ])
@@ -177,20 +145,22 @@ impl GpuSolver {
     pub fn put_contacts(&mut self, manifolds: &Manifolds) -> Result<(), StepError> {
         let pairs: Vec<_> = manifolds.pairs.iter().map(upload::contact_pair).collect();
         let points: Vec<_> = manifolds.points.iter().map(upload::contact_point).collect();
-        let counts = [pairs.len() as u32, points.len() as u32];
+        let mut counters = [0; CONTACT_COUNTERS as usize];
+        counters[CONTACT_PAIRS as usize] = pairs.len() as u32;
+        counters[CONTACT_POINTS as usize] = points.len() as u32;
         let needed = Room {
             bodies: 0,
-            pairs: counts[0],
-            points: counts[1],
+            pairs: pairs.len() as u32,
+            points: points.len() as u32,
         };
-        let grown = self.handed.room.grown(needed);
-        if grown != self.handed.room {
+        let grown = self.handed.sizes.grown(needed);
+        if grown != self.handed.sizes {
             self.make_inputs(grown)?;
         }
         self.write(&[
             (&self.handed.contact_pairs, cast_slice(&pairs)),
             (&self.handed.contact_points, cast_slice(&points)),
-            (&self.handed.contact_counters, cast_slice(&counts)),
+            (&self.handed.contact_counters, cast_slice(&counters)),
         ])
     }
 
@@ -227,7 +197,7 @@ impl GpuSolver {
     /// If the device fails.
     pub fn forget(&mut self) -> Result<(), StepError> {
         self.old_bodies = 0;
-        self.write(&[(&self.lists.counters, cast_slice(&[0u32; COUNTERS as usize]))])
+        self.write(&[(&self.lists.solver_counters, cast_slice(&[0u32; COUNTERS as usize]))])
     }
 
     /// Where the bodies are and how they move.
@@ -253,7 +223,7 @@ impl GpuSolver {
     /// # Errors
     /// If the device fails.
     pub fn impulses(&self) -> Result<Vec<f32>, StepError> {
-        let counters: Vec<u32> = self.read(&self.lists.counters, COUNTERS)?;
+        let counters: Vec<u32> = self.read(&self.lists.solver_counters, COUNTERS)?;
         let points: Vec<layout::PointState> = self.read(&self.lists.points, counters[POINTS as usize])?;
         Ok(points.iter().map(|p| p.total + p.impulse + p.bounce).collect())
     }
@@ -261,7 +231,7 @@ impl GpuSolver {
     /// Sends an interval off, waits, and reads the counters.
     fn launch(&mut self, settings: &SolverSettings, interval: &CollisionSubstep) -> Result<Vec<u32>, StepError> {
         let passes = Passes::new(settings, interval);
-        let told = upload::interval(settings, interval, [self.bodies, self.old_bodies], self.lists.room);
+        let told = upload::interval(settings, interval, [self.bodies, self.old_bodies], self.lists.sizes);
         let Self {
             gpu,
             kernels,
@@ -273,32 +243,34 @@ impl GpuSolver {
         } = self;
         device(scoped(gpu, || {
             let program = programs.entry(passes).or_insert_with(|| {
-                let mut builder = Builder::new(gpu, kernels);
-                builder.stage(STAGE);
-                record(&mut builder, &handed.inputs(), lists, passes);
-                builder.finish()
+                let mut calls = Calls::new(STAGE);
+                record_arguments(&mut calls);
+                sleep::gpu::record_wake(&mut calls, passes.sleeping);
+                record(&mut calls, &lists.sizes, passes);
+                sleep::gpu::record_fall_asleep(&mut calls, passes.sleeping);
+                Program::new(gpu, kernels, &calls, &[handed, lists])
             });
             *dispatches = program.len(STAGE);
             gpu.queue.write_buffer(&lists.interval, 0, bytemuck::bytes_of(&told));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(STAGE, &mut encoder, told.bodies, &handed.arguments, None);
+            program.record(STAGE, &mut encoder, told.bodies, None);
             gpu.queue.submit([encoder.finish()]);
         }))?;
-        self.read(&self.lists.counters, COUNTERS)
+        self.read(&self.lists.solver_counters, COUNTERS)
     }
 
     /// Makes the solver's lists larger where they do not suffice. What is remembered moves over.
     fn make_room(&mut self, needed: Room) -> Result<(), StepError> {
-        let grown = self.lists.room.grown(needed);
-        if grown != self.lists.room {
+        let grown = self.lists.sizes.grown(needed);
+        if grown != self.lists.sizes {
             let Self { gpu, lists, .. } = self;
             let larger = scoped(gpu, || {
-                let larger = Lists::new(gpu, grown)?;
+                let larger = SolverBuffers::new(gpu, grown)?;
                 copy_all(
                     gpu,
                     [
-                        (&lists.counters, &larger.counters),
+                        (&lists.solver_counters, &larger.solver_counters),
                         (&lists.kept_pairs, &larger.kept_pairs),
                         (&lists.kept_points, &larger.kept_points),
                     ],
@@ -312,8 +284,8 @@ impl GpuSolver {
             bodies: needed.bodies,
             ..Room::default()
         };
-        let grown = self.handed.room.grown(bodies);
-        if grown != self.handed.room {
+        let grown = self.handed.sizes.grown(bodies);
+        if grown != self.handed.sizes {
             self.make_inputs(grown)?;
         }
         Ok(())
@@ -327,7 +299,7 @@ impl GpuSolver {
             copy_all(
                 gpu,
                 [
-                    (&handed.bodies, &larger.bodies),
+                    (&handed.solver_bodies, &larger.solver_bodies),
                     (&handed.states, &larger.states),
                     (&handed.forces, &larger.forces),
                     (&handed.renumbered, &larger.renumbered),

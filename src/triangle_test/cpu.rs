@@ -1,10 +1,10 @@
 //! TriangleTest on the CPU: pairs in parallel, each task writing lists of its own that are joined in order.
 
 mod choice;
-mod contact;
+pub(super) mod contact;
 pub(crate) mod containment;
 mod cull;
-mod decide;
+pub(super) mod decide;
 mod first;
 pub(crate) mod placed;
 mod planes;

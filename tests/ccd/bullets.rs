@@ -1,7 +1,7 @@
 //! Fast bodies do not tunnel through thin ones.
 
+use super::flights::{Flights, Random, flight, stay};
 use super::shapes::{cuboid, moved, sheet};
-use super::world::{Random, World, flight, stay};
 use bevy_faceoff::ccd::{Impact, ImpactScratch, find_impacts};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -24,15 +24,15 @@ fn bullets() -> [TriMesh; 3] {
 /// with the target in the middle. Returns the number of bullets and of hits.
 fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
     let [ball, needle, torus] = bullets();
-    let mut world = World::new(&[target, ball, needle, torus]);
+    let mut flights = Flights::new(&[target, ball, needle, torus]);
     let (mut scratch, mut impacts) = (ImpactScratch::default(), Vec::new());
     let mut random = Random::new(sizes as u64);
     let mut hits = 0;
     let count = 1000;
     for shot in 0..count {
-        world.clear();
+        flights.clear();
         let plate = random.rotation();
-        world.add(0, Vec3::ONE, stay(far, plate));
+        flights.add(0, Vec3::ONE, stay(far, plate));
         // In the plate's axes. Every second bullet is aimed beside the plate.
         let aims_at = shot % 2 == 0;
         let aside = if aims_at {
@@ -51,13 +51,13 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
         let start = aim + from * (0.5 * sizes).max(RADIUS / from.z.abs() + 0.1);
         let turn = random.direction() * random.range(0.0, 1.0) * [0.0, 1.0, 60.0][random.below(3)];
         let sweep = flight(far + plate * start, random.rotation(), plate * (-from * sizes), turn);
-        world.add(1 + random.below(3), Vec3::ONE, sweep);
-        let state = &world.state;
+        flights.add(1 + random.below(3), Vec3::ONE, sweep);
+        let input = &flights.input;
         find_impacts(
-            &state.input.bodies,
-            &state.input.meshes,
+            &input.bodies,
+            &input.meshes,
             &[],
-            &world.sweeps,
+            &flights.sweeps,
             &[false, true],
             &[[0, 1]],
             |_| TARGET_DISTANCE,
@@ -75,7 +75,7 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
             panic!("shot {shot} is not stopped: {impacts:?}");
         };
         // All of the bullet is on the side from which it came.
-        let stopped = world.moving_mesh(1).at(f64::from(fraction), far);
+        let stopped = flights.moving_mesh(1).at(f64::from(fraction), far);
         let height = |p: &DVec3| (plate.inverse() * *p).z * from.z.signum();
         let lowest = stopped.iter().flatten().map(height).fold(f64::INFINITY, f64::min);
         assert!(lowest > 0.0, "shot {shot} is through: {lowest}");
@@ -119,19 +119,19 @@ fn ten_thousand_triangles_stop_bullets() {
 /// A cube that moves along the plate, a little above it or through it, has its impact where a formula says.
 #[test]
 fn grazing_paths_are_decided_by_the_target_distance() {
-    let mut world = World::new(&[sheet(WIDTH as f32, 8), shapes::cube(1.0)]);
+    let mut flights = Flights::new(&[sheet(WIDTH as f32, 8), shapes::cube(1.0)]);
     for (height, expected) in [
         (1.3 * TARGET_DISTANCE, false),
         (0.9 * TARGET_DISTANCE, true),
         (0.5 * TARGET_DISTANCE, true),
         (-0.1, true),
     ] {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
         let from = DVec3::new(-50.0, 0.3, 0.5 + f64::from(height));
         let travel = DVec3::new(100.0, 0.0, 0.0);
-        world.add(1, Vec3::ONE, flight(from, DQuat::IDENTITY, travel, DVec3::ZERO));
-        let time = world.time(TARGET_DISTANCE);
+        flights.add(1, Vec3::ONE, flight(from, DQuat::IDENTITY, travel, DVec3::ZERO));
+        let time = flights.time(TARGET_DISTANCE);
         assert_eq!(time.is_some(), expected, "at {height}: {time:?}");
         let margin_at_edge = (f64::from(TARGET_DISTANCE).powi(2) - f64::from(height).powi(2))
             .max(0.0)

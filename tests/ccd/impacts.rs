@@ -1,8 +1,8 @@
 //! Impacts of many bodies at once, and how the bodies move after them.
 
+use super::flights::{Flights, Random, flight, stay};
 use super::oracle::distance;
 use super::shapes::sheet;
-use super::world::{Random, World, flight, stay};
 use bevy_faceoff::ccd::{Impact, ImpactScratch, Pose, find_impacts};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::Plane;
@@ -11,14 +11,14 @@ use glam::{DQuat, DVec3, Vec3};
 
 const TARGET_DISTANCE: f32 = 0.005;
 
-fn impacts(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<Impact> {
+fn impacts(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<Impact> {
     let mut impacts = Vec::new();
-    let (bodies, meshes) = (&world.state.input.bodies, &world.state.input.meshes);
+    let (bodies, meshes) = (&flights.input.bodies, &flights.input.meshes);
     find_impacts(
         bodies,
         meshes,
-        &world.state.input.planes,
-        &world.sweeps,
+        &flights.input.planes,
+        &flights.sweeps,
         continuous,
         pairs,
         |_| TARGET_DISTANCE,
@@ -28,28 +28,28 @@ fn impacts(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut
     impacts
 }
 
-fn fractions(world: &World, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<f32> {
-    let mut fractions = vec![1.0; world.sweeps.len()];
-    for impact in impacts(world, continuous, pairs, scratch) {
+fn fractions(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<f32> {
+    let mut fractions = vec![1.0; flights.sweeps.len()];
+    for impact in impacts(flights, continuous, pairs, scratch) {
         fractions[impact.body as usize] = impact.fraction;
     }
     fractions
 }
 
 /// Three sheets, one behind the other, and two balls whose paths cross all of them.
-fn gallery() -> World {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
-    world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
-    world.add(0, Vec3::ONE, stay(DVec3::Z * 5.0, DQuat::IDENTITY));
+fn gallery() -> Flights {
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+    flights.add(0, Vec3::ONE, stay(DVec3::Z * 5.0, DQuat::IDENTITY));
     let travel = DVec3::NEG_Z * 20.0;
-    world.add(1, Vec3::ONE, flight(DVec3::Z * 10.0, DQuat::IDENTITY, travel, DVec3::X));
-    world.add(
+    flights.add(1, Vec3::ONE, flight(DVec3::Z * 10.0, DQuat::IDENTITY, travel, DVec3::X));
+    flights.add(
         1,
         Vec3::ONE,
         flight(DVec3::new(1.0, 0.0, 10.0), DQuat::IDENTITY, travel, DVec3::X),
     );
-    world.add(0, Vec3::ONE, stay(DVec3::Z * -5.0, DQuat::IDENTITY));
-    world
+    flights.add(0, Vec3::ONE, stay(DVec3::Z * -5.0, DQuat::IDENTITY));
+    flights
 }
 
 /// The sheet that the balls hit first is neither in the first pairs nor in the last.
@@ -57,46 +57,46 @@ const GALLERY: [[u32; 2]; 7] = [[0, 2], [0, 3], [1, 2], [1, 3], [2, 3], [2, 4], 
 
 #[test]
 fn the_earliest_impact_counts_and_only_for_continuous_bodies() {
-    let world = gallery();
+    let flights = gallery();
     let scratch = &mut ImpactScratch::default();
-    let found = fractions(&world, &[false, false, true, false], &GALLERY, scratch);
+    let found = fractions(&flights, &[false, false, true, false], &GALLERY, scratch);
     assert_eq!([found[0], found[1], found[3], found[4]], [1.0; 4]);
     assert!((0.23..0.24).contains(&found[2]), "{found:?}");
-    let both = fractions(&world, &[false, false, true, true], &GALLERY, scratch);
+    let both = fractions(&flights, &[false, false, true, true], &GALLERY, scratch);
     assert_eq!(both[2], found[2]);
     assert!((0.23..0.24).contains(&both[3]), "{found:?}");
     // Without the nearer sheet the other one impacts them.
-    let found = fractions(&world, &[false, false, true, false], &GALLERY[..2], scratch);
+    let found = fractions(&flights, &[false, false, true, false], &GALLERY[..2], scratch);
     assert!((0.48..0.49).contains(&found[2]), "{found:?}");
     // Bodies at rest have an impact if a moving one hits them.
-    let found = fractions(&world, &[true, true], &GALLERY, scratch);
+    let found = fractions(&flights, &[true, true], &GALLERY, scratch);
     assert!(
         (0.23..0.24).contains(&found[1]) && (0.48..0.49).contains(&found[0]),
         "{found:?}"
     );
     assert_eq!(found[2..], [1.0; 3]);
     // Missing flags count as not continuous.
-    assert_eq!(fractions(&world, &[], &GALLERY, scratch), [1.0; 5]);
+    assert_eq!(fractions(&flights, &[], &GALLERY, scratch), [1.0; 5]);
 }
 
 #[test]
 fn two_bodies_that_collide_stop_at_the_same_time_and_at_the_target_distance() {
-    let mut world = World::new(&[shapes::torus_240()]);
+    let mut flights = Flights::new(&[shapes::torus_240()]);
     let mut random = Random::new(8);
     let mut met = 0;
     for _ in 0..200 {
-        world.clear();
+        flights.clear();
         for side in [-1.0, 1.0] {
             let from = DVec3::X * side * 20.0 + random.direction() * 0.3;
             let travel = DVec3::NEG_X * side * 40.0;
             let turn = random.direction() * 10.0;
-            world.add(0, Vec3::ONE, flight(from, random.rotation(), travel, turn));
+            flights.add(0, Vec3::ONE, flight(from, random.rotation(), travel, turn));
         }
-        let found = fractions(&world, &[true; 2], &[[0, 1]], &mut ImpactScratch::default());
+        let found = fractions(&flights, &[true; 2], &[[0, 1]], &mut ImpactScratch::default());
         assert_eq!(found[0], found[1]);
         if found[0] < 1.0 {
             met += 1;
-            let gap = distance(&world.moving_meshes(), f64::from(found[0]), 1.0) / f64::from(TARGET_DISTANCE);
+            let gap = distance(&flights.moving_meshes(), f64::from(found[0]), 1.0) / f64::from(TARGET_DISTANCE);
             assert!((0.99..1.26).contains(&gap), "{gap} target distances");
         }
     }
@@ -114,14 +114,14 @@ fn seen_from(one: &Pose, other: &Pose) -> Pose {
 
 #[test]
 fn a_body_that_hits_a_door_is_carried_by_it() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     for turn in [DVec3::ZERO, DVec3::X * 0.4, DVec3::Z * 2.0] {
-        world.clear();
+        flights.clear();
         let door = flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::new(0.1, 0.2, 0.7), turn);
         let ball = flight(DVec3::new(0.3, 0.5, 5.0), DQuat::IDENTITY, DVec3::Z * -20.0, DVec3::Y);
-        world.add(0, Vec3::ONE, door);
-        world.add(1, Vec3::ONE, ball);
-        let found = impacts(&world, &[false, true], &[[0, 1]], &mut ImpactScratch::default());
+        flights.add(0, Vec3::ONE, door);
+        flights.add(1, Vec3::ONE, ball);
+        let found = impacts(&flights, &[false, true], &[[0, 1]], &mut ImpactScratch::default());
         let [Impact { body: 1, fraction, end }] = found[..] else {
             panic!("{found:?}");
         };
@@ -133,26 +133,26 @@ fn a_body_that_hits_a_door_is_carried_by_it() {
         );
         assert!(then.center.distance(now.center) < 1.0e-5, "{then:?}, {now:?}");
         // A body with locked axes is not carried.
-        world.state.input.bodies.params[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
-        let held = impacts(&world, &[false, true], &[[0, 1]], &mut ImpactScratch::default());
+        flights.input.bodies.params[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
+        let held = impacts(&flights, &[false, true], &[[0, 1]], &mut ImpactScratch::default());
         assert!(held[0].end.center.distance(ball.at(fraction.into()).center) < 1.0e-5);
     }
 }
 
 #[test]
 fn two_bodies_that_collide_conserve_momentum_in_any_frame_of_reference() {
-    let mut world = World::new(&[shapes::ball(0.5, 2)]);
+    let mut flights = Flights::new(&[shapes::ball(0.5, 2)]);
     let wind = DVec3::new(30.0, -7.0, 11.0);
     let mut ends = Vec::new();
     for wind in [DVec3::ZERO, wind] {
-        world.clear();
+        flights.clear();
         for (i, (from, travel)) in [(0.0, 2.0), (3.0, -4.0)].into_iter().enumerate() {
             let sweep = flight(DVec3::X * from, DQuat::IDENTITY, DVec3::X * travel + wind, DVec3::ZERO);
-            world.add(0, Vec3::ONE, sweep);
+            flights.add(0, Vec3::ONE, sweep);
             // The second one has twice the mass.
-            world.state.input.bodies.inverse_mass[i] = [1.0, 0.5][i];
+            flights.input.bodies.inverse_mass[i] = [1.0, 0.5][i];
         }
-        let found = impacts(&world, &[true; 2], &[[0, 1]], &mut ImpactScratch::default());
+        let found = impacts(&flights, &[true; 2], &[[0, 1]], &mut ImpactScratch::default());
         let middle = (found[0].end.center + 2.0 * found[1].end.center) / 3.0;
         // (3 * 2 - 4 * 2 + 2) / 3: a collision does not change the motion of the common centre of mass.
         assert!(
@@ -171,14 +171,14 @@ fn two_bodies_that_collide_conserve_momentum_in_any_frame_of_reference() {
 /// A door pushes a ball that pushes another one: all three move as one.
 #[test]
 fn a_carried_body_carries_others() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     let door = flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::Z * 2.0, DVec3::ZERO);
-    world.add(0, Vec3::ONE, door);
+    flights.add(0, Vec3::ONE, door);
     for height in [1.0, 2.0] {
-        world.add(1, Vec3::ONE, stay(DVec3::Z * height, DQuat::IDENTITY));
+        flights.add(1, Vec3::ONE, stay(DVec3::Z * height, DQuat::IDENTITY));
     }
     let pairs = [[0, 1], [0, 2], [1, 2]];
-    let found = impacts(&world, &[false, true, true], &pairs, &mut ImpactScratch::default());
+    let found = impacts(&flights, &[false, true, true], &pairs, &mut ImpactScratch::default());
     let heights: Vec<f64> = found.iter().map(|impact| impact.end.center.z).collect();
     assert_eq!(heights.len(), 2);
     // A ball's radius and then a diameter above the door, except for target distances and the ball's facets.
@@ -189,7 +189,7 @@ fn a_carried_body_carries_others() {
 
 #[test]
 fn a_squeezed_body_stays_with_the_body_that_yields_less() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     let (up, down) = (DVec3::Z * 2.0, DVec3::Z * -2.0);
     for (wall_is_first, kind) in [
         (true, RigidBody::Kinematic),
@@ -197,7 +197,7 @@ fn a_squeezed_body_stays_with_the_body_that_yields_less() {
         (true, RigidBody::Dynamic),
         (false, RigidBody::Dynamic),
     ] {
-        world.clear();
+        flights.clear();
         let wall = stay(DVec3::ZERO, DQuat::IDENTITY);
         let door = flight(up, DQuat::IDENTITY, down, DVec3::ZERO);
         let ball = stay(DVec3::Z, DQuat::IDENTITY);
@@ -207,12 +207,12 @@ fn a_squeezed_body_stays_with_the_body_that_yields_less() {
             ([door, wall], [kind, RigidBody::Static])
         };
         for (sweep, kind) in sweeps.into_iter().zip(kinds) {
-            let i = world.add(0, Vec3::ONE, sweep);
-            world.state.input.bodies.kind[i as usize] = kind;
+            let i = flights.add(0, Vec3::ONE, sweep);
+            flights.input.bodies.kind[i as usize] = kind;
         }
-        world.add(1, Vec3::ONE, ball);
+        flights.add(1, Vec3::ONE, ball);
         let pairs = [[0, 2], [1, 2]];
-        let found = impacts(&world, &[false, false, true], &pairs, &mut ImpactScratch::default());
+        let found = impacts(&flights, &[false, false, true], &pairs, &mut ImpactScratch::default());
         let [Impact { body: 2, end, .. }] = found[..] else {
             panic!("{found:?}");
         };
@@ -224,16 +224,16 @@ fn a_squeezed_body_stays_with_the_body_that_yields_less() {
 #[test]
 fn nothing_is_carried_into_a_half_space() {
     for with_door in [true, false] {
-        let mut world = World::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
-        world.state.input.planes.push(Plane {
+        let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
+        flights.input.planes.push(Plane {
             normal: Vec3::Z,
             ..Plane::default()
         });
-        world.add(1, Vec3::ONE, stay(DVec3::Z * 0.26, DQuat::IDENTITY));
+        flights.add(1, Vec3::ONE, stay(DVec3::Z * 0.26, DQuat::IDENTITY));
         let way = DVec3::new(0.5, 0.0, -3.0);
         let above = flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO);
-        world.add(usize::from(!with_door), Vec3::ONE, above);
-        let found = impacts(&world, &[true, !with_door], &[[0, 1]], &mut ImpactScratch::default());
+        flights.add(usize::from(!with_door), Vec3::ONE, above);
+        let found = impacts(&flights, &[true, !with_door], &[[0, 1]], &mut ImpactScratch::default());
         assert_eq!(found[0].body, 0);
         assert!((found[0].end.center.z - 0.26).abs() < 1.0e-9, "{found:?}");
         assert!(found[0].end.center.x > 0.1, "it is carried along the ground");
@@ -245,19 +245,19 @@ fn nothing_is_carried_into_a_half_space() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let mut world = World::new(&[shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]);
+    let mut flights = Flights::new(&[shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]);
     let mut random = Random::new(9);
     for i in 0..60 {
         let (from, travel) = (random.direction() * 5.0, random.direction() * 12.0);
         let turn = random.direction() * 5.0;
-        world.add(i % 3, Vec3::ONE, flight(from, random.rotation(), travel, turn));
+        flights.add(i % 3, Vec3::ONE, flight(from, random.rotation(), travel, turn));
     }
     let pairs: Vec<[u32; 2]> = (0..60).flat_map(|a| (a + 1..60).map(move |b| [a, b])).collect();
     let flags: Vec<bool> = (0..60).map(|i| i % 4 != 0).collect();
     let mut scratch = ImpactScratch::default();
     let runs = [1, 1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found = pool.install(|| fractions(&world, &flags, &pairs, &mut scratch));
+        let found = pool.install(|| fractions(&flights, &flags, &pairs, &mut scratch));
         found.into_iter().map(f32::to_bits).collect::<Vec<_>>()
     });
     let stopped = runs[0].iter().filter(|bits| f32::from_bits(**bits) < 1.0).count();

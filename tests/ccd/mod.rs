@@ -2,6 +2,7 @@
 //! poses along their paths, computed by brute force in double precision.
 
 mod bullets;
+mod flights;
 mod impacts;
 mod oracle;
 mod random;
@@ -9,4 +10,3 @@ mod shapes;
 mod special;
 mod time_of_impact;
 mod timing;
-mod world;

@@ -1,8 +1,8 @@
 //! Times of impact of many kinds of meshes on random paths, against distances at many poses along them.
 
+use super::flights::{Flights, Random, flight};
 use super::oracle::{distance, first_near};
 use super::shapes::{cuboid, moved, sheet};
-use super::world::{Random, World, flight};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f64::consts::TAU;
@@ -32,11 +32,11 @@ struct Found {
 /// number of poses at which distances are computed.
 fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Found {
     let meshes = meshes();
-    let mut world = World::new(&meshes);
+    let mut flights = Flights::new(&meshes);
     let mut random = Random::new(seed);
     let mut found = Found::default();
     for case in 0..count {
-        world.clear();
+        flights.clear();
         let middle = random.direction() * far;
         let target_distance = random.range(0.002, 0.02);
         for end in 0..2 {
@@ -51,11 +51,11 @@ fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Fou
             let travel = DVec3::NEG_X * side * random.range(0.0, 4.0) + random.direction() * 0.7;
             let turn = random.direction() * random.range(0.0, turns) * TAU;
             let scale = Vec3::from_array(scale.map(|s| s as f32));
-            world.add(mesh, scale, flight(from, random.rotation(), travel, turn));
+            flights.add(mesh, scale, flight(from, random.rotation(), travel, turn));
         }
-        let time = world.time(target_distance as f32);
+        let time = flights.time(target_distance as f32);
         let target_distance = f64::from(target_distance as f32);
-        let moving_meshes = world.moving_meshes();
+        let moving_meshes = flights.moving_meshes();
         let about = format!("case {case} of {seed}, {time:?}, target_distance {target_distance}");
         // Rounding errors: of the time in single precision, and of positions far from the origin.
         let rounding = 1.0e-6 + 1.0e-14 * far;
@@ -107,25 +107,25 @@ fn far_from_the_origin() {
 /// A small body and a large one.
 #[test]
 fn of_different_sizes() {
-    let mut world = World::new(&[sheet(1.0, 5), shapes::ball(0.5, 1)]);
+    let mut flights = Flights::new(&[sheet(1.0, 5), shapes::ball(0.5, 1)]);
     let mut random = Random::new(7);
     for size in [1.0e-3, 1.0e-5] {
         for _ in 0..50 {
-            world.clear();
+            flights.clear();
             let aim = DVec3::new(random.range(-0.4, 0.4), random.range(-0.4, 0.4), 0.0);
             let way = random.direction();
             let way = if way.z > 0.0 { -way } else { way } - DVec3::Z * 0.2;
-            world.add(
+            flights.add(
                 0,
                 Vec3::ONE,
                 flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::ZERO, DVec3::ZERO),
             );
             let from = aim - way * 0.5;
             let turn = random.direction() * 3.0;
-            world.add(1, Vec3::splat(size as f32), flight(from, random.rotation(), way, turn));
+            flights.add(1, Vec3::splat(size as f32), flight(from, random.rotation(), way, turn));
             let target_distance = 0.1 * size;
-            let time = f64::from(world.time(target_distance as f32).expect("a hit"));
-            let gap = distance(&world.moving_meshes(), time, 1.0) / target_distance;
+            let time = f64::from(flights.time(target_distance as f32).expect("a hit"));
+            let gap = distance(&flights.moving_meshes(), time, 1.0) / target_distance;
             assert!((0.99..1.26).contains(&gap), "{gap} target distances at size {size}");
         }
     }

@@ -1,7 +1,7 @@
 //! Holes, bodies inside others, bodies that start close, and invalid input.
 
+use super::flights::{Flights, Random, flight, stay};
 use super::shapes::sheet;
-use super::world::{Random, World, flight, stay};
 use bevy_faceoff::ccd::{Pose, Sweep, time_of_impact};
 use bevy_faceoff::geometry::shapes;
 use glam::{DQuat, DVec3, Vec3};
@@ -11,12 +11,12 @@ const TARGET_DISTANCE: f32 = 0.005;
 /// The ring has a diameter of 1 and a hole of 0.76, around z.
 #[test]
 fn a_body_that_flies_through_a_hole_is_not_stopped() {
-    let mut world = World::new(&[shapes::ring(), shapes::ball(0.2, 2)]);
+    let mut flights = Flights::new(&[shapes::ring(), shapes::ball(0.2, 2)]);
     let mut random = Random::new(4);
     for shot in 0..300 {
-        world.clear();
+        flights.clear();
         let ring = random.rotation();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, ring));
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, ring));
         let around = random.range(0.0, 6.3);
         let aside = DVec3::new(around.cos(), around.sin(), 0.0);
         let through = shot % 2 == 0;
@@ -30,9 +30,9 @@ fn a_body_that_flies_through_a_hole_is_not_stopped() {
         let way = DVec3::new(0.02, 0.01, -20.0);
         let turn = random.direction() * 20.0;
         let sweep = flight(ring * (aim - way * 0.5), random.rotation(), ring * way, turn);
-        world.add(1, Vec3::ONE, sweep);
+        flights.add(1, Vec3::ONE, sweep);
         assert_eq!(
-            world.time(TARGET_DISTANCE).is_none(),
+            flights.time(TARGET_DISTANCE).is_none(),
             through,
             "shot {shot} at {}",
             aim.length()
@@ -42,14 +42,14 @@ fn a_body_that_flies_through_a_hole_is_not_stopped() {
 
 #[test]
 fn a_body_inside_another_stays_inside() {
-    let mut world = World::new(&[shapes::cube(4.0), shapes::ball(0.2, 1)]);
+    let mut flights = Flights::new(&[shapes::cube(4.0), shapes::ball(0.2, 1)]);
     let mut random = Random::new(5);
     for _ in 0..100 {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
         let way = random.direction() * 300.0;
-        world.add(1, Vec3::ONE, flight(DVec3::ZERO, random.rotation(), way, DVec3::ONE));
-        let reached = way * f64::from(world.time(TARGET_DISTANCE).expect("a wall"));
+        flights.add(1, Vec3::ONE, flight(DVec3::ZERO, random.rotation(), way, DVec3::ONE));
+        let reached = way * f64::from(flights.time(TARGET_DISTANCE).expect("a wall"));
         let largest = reached.abs().max_element();
         assert!((1.78..1.82).contains(&largest), "{largest}");
     }
@@ -57,17 +57,17 @@ fn a_body_inside_another_stays_inside() {
 
 #[test]
 fn bodies_that_start_close_have_no_impact() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
     let mut at = |height: f64, target_distance: f32| {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
         let from = DVec3::new(0.1, 0.2, 0.5 + height);
-        world.add(
+        flights.add(
             1,
             Vec3::ONE,
             flight(from, DQuat::IDENTITY, DVec3::NEG_Z * 50.0, DVec3::ZERO),
         );
-        world.time(target_distance)
+        flights.time(target_distance)
     };
     assert_eq!(at(0.004, TARGET_DISTANCE), None, "near");
     assert_eq!(at(-0.1, TARGET_DISTANCE), None, "across");
@@ -85,12 +85,12 @@ fn bodies_that_start_close_have_no_impact() {
 
 #[test]
 fn paths_that_end_early_or_lead_away_have_no_impact() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
     let mut by = |way: DVec3| {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
-        world.add(1, Vec3::ONE, flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO));
-        world.time(TARGET_DISTANCE)
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+        flights.add(1, Vec3::ONE, flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO));
+        flights.time(TARGET_DISTANCE)
     };
     assert_eq!(by(DVec3::NEG_Z * 0.4), None);
     assert_eq!(by(DVec3::Z * 100.0), None);
@@ -118,22 +118,22 @@ fn a_sweep_between_poses_ends_at_the_later_one() {
 
 #[test]
 fn bad_input_has_no_impact() {
-    let mut world = World::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
-    world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+    let mut flights = Flights::new(&[sheet(4.0, 4), shapes::cube(1.0)]);
+    flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
     let good = flight(DVec3::Z * 2.0, DQuat::IDENTITY, DVec3::NEG_Z * 50.0, DVec3::ZERO);
-    world.add(1, Vec3::ONE, good);
-    assert!(world.time(TARGET_DISTANCE).is_some());
-    assert_eq!(world.time(f32::NAN), None);
-    let state = &world.state;
+    flights.add(1, Vec3::ONE, good);
+    assert!(flights.time(TARGET_DISTANCE).is_some());
+    assert_eq!(flights.time(f32::NAN), None);
+    let input = &flights.input;
     for pair in [[0, 0], [0, 2], [7, 1]] {
-        let sweeps = [&world.sweeps[0], &world.sweeps[1]];
+        let sweeps = [&flights.sweeps[0], &flights.sweeps[1]];
         let time = time_of_impact(
-            &state.input.bodies,
-            &state.input.meshes,
+            &input.bodies,
+            &input.meshes,
             pair,
             sweeps,
             TARGET_DISTANCE,
-            &mut world.scratch,
+            &mut flights.scratch,
         );
         assert_eq!(time, None);
     }
@@ -150,7 +150,7 @@ fn bad_input_has_no_impact() {
         flight(DVec3::Z, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), DVec3::Z, DVec3::Z),
     ];
     for sweep in bad {
-        world.sweeps[1] = sweep;
-        assert_eq!(world.time(TARGET_DISTANCE), None, "{sweep:?}");
+        flights.sweeps[1] = sweep;
+        assert_eq!(flights.time(TARGET_DISTANCE), None, "{sweep:?}");
     }
 }

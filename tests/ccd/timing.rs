@@ -1,7 +1,7 @@
 //! Time per call: `cargo test --release --test stages ccd::timing -- --ignored --nocapture`.
 
+use super::flights::{Flights, Random, flight, stay};
 use super::shapes::{cuboid, sheet};
-use super::world::{Random, World, flight, stay};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -10,18 +10,18 @@ use std::time::Instant;
 /// Fires `bullet` at `target` from random positions, over a path of `sizes` metres with up to `turns` revolutions, and
 /// prints microseconds per call.
 fn time(what: &str, target: TriMesh, bullet: TriMesh, sizes: f64, turns: f64, beside: f64) {
-    let mut world = World::new(&[target, bullet]);
+    let mut flights = Flights::new(&[target, bullet]);
     let mut random = Random::new(1);
     let (mut times, mut hits) = (Vec::new(), 0);
     for shot in 0..2200 {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, random.rotation()));
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, random.rotation()));
         let way = random.direction() * sizes;
         let aim = random.direction() * 0.8 + way.any_orthonormal_vector() * beside;
         let turn = random.direction() * turns * TAU;
-        world.add(1, Vec3::ONE, flight(aim - way * 0.5, random.rotation(), way, turn));
+        flights.add(1, Vec3::ONE, flight(aim - way * 0.5, random.rotation(), way, turn));
         let start = Instant::now();
-        hits += usize::from(world.time(0.005).is_some());
+        hits += usize::from(flights.time(0.005).is_some());
         if shot >= 200 {
             times.push(start.elapsed().as_secs_f64() * 1.0e6);
         }
@@ -74,24 +74,24 @@ fn microseconds_per_call() {
         1.0,
         0.0,
     );
-    let facing = |world: &mut World, turn: f64| {
-        world.clear();
-        world.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
+    let facing = |flights: &mut Flights, turn: f64| {
+        flights.clear();
+        flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
         let travel = DVec3::NEG_Z * 50.0;
-        world.add(
+        flights.add(
             1,
             Vec3::ONE,
             flight(DVec3::Z * 20.0, DQuat::IDENTITY, travel, DVec3::Z * turn),
         );
         let start = Instant::now();
-        let found = world.time(0.005);
+        let found = flights.time(0.005);
         println!(
             "sheets of 2048 and 10082 triangles, face to face: {found:?}, {:?}",
             start.elapsed()
         );
     };
-    let mut world = World::new(&[sheet(8.0, 71), sheet(8.0, 32)]);
+    let mut flights = Flights::new(&[sheet(8.0, 71), sheet(8.0, 32)]);
     for turn in [0.0, 0.0, 1.0, 30.0] {
-        facing(&mut world, turn);
+        facing(&mut flights, turn);
     }
 }

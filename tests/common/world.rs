@@ -2,7 +2,9 @@
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::state::{Body, BodyParams, StepConfig, StepInput};
+#[cfg(feature = "gpu")]
+use bevy_faceoff::state::StepInput;
+use bevy_faceoff::state::{Body, BodyParams, StepConfig};
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
@@ -19,6 +21,7 @@ pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::step::gpu::GpuStep>> = 
 pub struct World {
     pub state: StepState,
     /// Whether it moves on the CPU, also if there is a device.
+    #[cfg(feature = "gpu")]
     pub on_cpu: bool,
 }
 
@@ -39,7 +42,11 @@ impl World {
         if let Some(device) = DEVICE.lock().unwrap().as_mut() {
             device.forget();
         }
-        Self { state, on_cpu: false }
+        Self {
+            state,
+            #[cfg(feature = "gpu")]
+            on_cpu: false,
+        }
     }
 
     /// With the gravity and the bodies of a scene.

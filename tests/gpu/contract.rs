@@ -1,25 +1,35 @@
-//! What Rust declares of every kernel, struct and constant is what the WGSL says. Needs no graphics card.
+//! What Rust knows of kernels, structs and constants is what the WGSL says. Needs no graphics card.
 
 use crate::gpu::Plain;
-use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, MAX_ROW, MODULES, composer, read, uniform, write};
+use bevy_faceoff::gpu::buffers::{Buffers, Sizes};
+use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, bindings, own_name, type_name};
 use bevy_faceoff::gpu::layout::{self, Struct};
-use bevy_faceoff::gpu::{mesh_features, radix_sort, scan};
-use bevy_faceoff::manifolds;
-use bevy_faceoff::solver::gpu as solver;
-use bevy_faceoff::step::gpu::kernels;
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
+use bevy_faceoff::gpu::scan;
+use bevy_faceoff::gpu::shader::{self, Shaders, Value};
+use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
+use bevy_faceoff::solver::CollisionSubstep;
+use bevy_faceoff::solver::gpu::{self as solver, Passes, SolverBuffers};
+use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
+use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
+use bevy_faceoff::step::order::Place;
+use bevy_faceoff::types::settings::Response;
+use bevy_faceoff::types::solver_settings::SolverSettings;
+use bevy_faceoff::types::stage::Stage;
+use glam::Vec3;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::fs;
+use std::path::{Path, PathBuf};
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
-use wgpu::naga::{
-    AddressSpace, Expression, Handle, Literal, Module, ScalarKind, ShaderStage, StorageAccess, Type, TypeInner,
-    VectorSize, front,
-};
+use wgpu::naga::{self, AddressSpace, Expression, Literal, ShaderStage, TypeInner, front};
 
 pub const TESTS: &[Plain] = &[
-    (
-        "every_kernel_is_what_it_is_declared_to_be",
-        every_kernel_is_what_it_is_declared_to_be,
-    ),
+    ("every_kernel_runs_on_any_device", every_kernel_runs_on_any_device),
     ("names_of_kernels_are_their_own", names_of_kernels_are_their_own),
+    (
+        "shaders_import_from_stages_before_theirs",
+        shaders_import_from_stages_before_theirs,
+    ),
     (
         "every_struct_is_laid_out_as_in_wgsl",
         every_struct_is_laid_out_as_in_wgsl,
@@ -28,17 +38,16 @@ pub const TESTS: &[Plain] = &[
         "elements_of_buffers_have_no_gaps_between_them",
         elements_of_buffers_have_no_gaps_between_them,
     ),
-    ("every_constant_is_the_same_in_wgsl", every_constant_is_the_same_in_wgsl),
-    (
-        "sizes_of_blocks_are_the_same_in_wgsl",
-        sizes_of_blocks_are_the_same_in_wgsl,
-    ),
-    (
-        "contact_generation_counts_as_in_wgsl",
-        contact_generation_counts_as_in_wgsl,
-    ),
-    ("a_wrong_declaration_is_reported", a_wrong_declaration_is_reported),
+    ("every_call_finds_its_buffers", every_call_finds_its_buffers),
+    ("every_kernel_is_called", every_kernel_is_called),
+    ("names_of_buffers_are_their_own", names_of_buffers_are_their_own),
+    ("a_wrong_call_is_reported", a_wrong_call_is_reported),
     ("a_wrong_kernel_is_reported", a_wrong_kernel_is_reported),
+    ("shared_constants_arrive_to_the_bit", shared_constants_arrive_to_the_bit),
+    (
+        "no_constant_stands_in_both_languages",
+        no_constant_stands_in_both_languages,
+    ),
 ];
 
 /// Storage buffers that every device lets a kernel have.
@@ -47,87 +56,26 @@ const MAX_STORAGE: usize = 8;
 /// Bytes of workgroup memory that every device has.
 const MAX_WORKGROUP: u32 = 16 << 10;
 
+/// Threads of a workgroup that every device has.
+const MAX_THREADS: u32 = 256;
+
 /// Every struct that passes between host and kernels.
 fn structs() -> impl Iterator<Item = &'static Struct> {
     layout::STRUCTS.iter().chain(solver::layout::STRUCTS)
 }
 
-/// The name in the source of what naga_oil renamed when it was imported.
-fn plain(name: &Option<String>) -> &str {
-    let name = name.as_deref().unwrap_or_default();
-    name.split_once("X_naga_oil_mod_X").map_or(name, |(plain, _)| plain)
+fn compose(kernel: &Kernel) -> Result<naga::Module, String> {
+    let mut composer = shader::composer(all_modules()).map_err(|error| error.to_string())?;
+    kernel
+        .compose(&mut composer)
+        .map_err(|error| error.emit_to_string(&composer))
 }
 
-/// A type as Rust declares it; an atomic counts as what it holds.
-fn spelled(module: &Module, ty: Handle<Type>) -> String {
-    let scalar = |scalar: wgpu::naga::Scalar| match (scalar.kind, scalar.width) {
-        (ScalarKind::Uint, 4) => "u32",
-        (ScalarKind::Sint, 4) => "i32",
-        (ScalarKind::Float, 4) => "f32",
-        _ => "some other scalar",
-    };
-    match &module.types[ty].inner {
-        TypeInner::Scalar(s) | TypeInner::Atomic(s) => scalar(*s).to_owned(),
-        TypeInner::Vector { size, scalar: s } => {
-            let size = match size {
-                VectorSize::Bi => 2,
-                VectorSize::Tri => 3,
-                VectorSize::Quad => 4,
-            };
-            format!("vec{size}<{}>", scalar(*s))
-        }
-        TypeInner::Struct { .. } => plain(&module.types[ty].name).to_owned(),
-        other => format!("{other:?}"),
-    }
-}
-
-/// What a kernel binds, as its WGSL says.
-fn bound(module: &Module) -> Vec<(u32, String, String)> {
-    let mut found = Vec::new();
-    for (_, variable) in module.global_variables.iter() {
-        let Some(binding) = &variable.binding else { continue };
-        let access = match variable.space {
-            AddressSpace::Uniform => "uniform",
-            AddressSpace::Storage { access } if access == StorageAccess::LOAD => "read",
-            AddressSpace::Storage { access } if access == StorageAccess::LOAD | StorageAccess::STORE => "write",
-            _ => "some other space",
-        };
-        let element = match module.types[variable.ty].inner {
-            TypeInner::Array { base, .. } if access != "uniform" => base,
-            _ => variable.ty,
-        };
-        let name = plain(&variable.name);
-        let text = format!("{access} {name}: {}", spelled(module, element));
-        found.push((binding.binding, text, format!("group {}", binding.group)));
-    }
-    found.sort();
-    found
-}
-
-/// The same, as Rust says.
-fn declared(bindings: &[Binding]) -> Vec<(u32, String, String)> {
-    let mut all: Vec<_> = bindings
-        .iter()
-        .map(|b| {
-            let access = match b.access {
-                Access::Uniform => "uniform",
-                Access::Read => "read",
-                Access::Write => "write",
-            };
-            let text = format!("{access} {}: {}", b.name, b.element);
-            (b.slot, text, "group 0".to_owned())
-        })
-        .collect();
-    all.sort();
-    all
-}
-
-/// Everything that is wrong with a kernel's declaration.
+/// Everything for which a device may refuse a kernel, or would read or write something else than the host.
 fn complaints(kernel: &Kernel) -> Vec<String> {
-    let mut composer = composer().expect("the imports are valid");
-    let module = match kernel.compose(&mut composer) {
+    let module = match compose(kernel) {
         Ok(module) => module,
-        Err(error) => return vec![error.emit_to_string(&composer)],
+        Err(error) => return vec![error],
     };
     let mut wrong = Vec::new();
     // No capabilities: the kernels ask for no feature of a device.
@@ -138,15 +86,14 @@ fn complaints(kernel: &Kernel) -> Vec<String> {
     let entries: Vec<_> = (module.entry_points.iter())
         .map(|entry| (entry.name.as_str(), entry.stage, entry.workgroup_size))
         .collect();
-    let wanted = [("main", ShaderStage::Compute, [kernel.workgroup, 1, 1])];
-    if entries != wanted {
-        wrong.push(format!("entry points are {entries:?}, declared {wanted:?}"));
+    if !matches!(entries[..], [("main", ShaderStage::Compute, [1..=MAX_THREADS, 1, 1])]) {
+        wrong.push(format!("entry points are {entries:?}"));
     }
-    let (in_source, in_rust) = (bound(&module), declared(kernel.bindings));
-    if in_source != in_rust {
-        wrong.push(format!("binds {in_source:?}, declared {in_rust:?}"));
+    let bindings = bindings(&module);
+    if bindings.iter().any(|binding| binding.group != 0) {
+        wrong.push("binds another group than 0".to_owned());
     }
-    let storage = kernel.bindings.iter().filter(|b| b.access != Access::Uniform).count();
+    let storage = bindings.iter().filter(|b| b.access != Access::Uniform).count();
     if storage > MAX_STORAGE {
         wrong.push(format!("{storage} storage buffers"));
     }
@@ -172,59 +119,55 @@ fn laid_out(expected: &Struct) -> Layout {
     (expected.size, fields.collect())
 }
 
-fn structs_of(module: &Module) -> impl Iterator<Item = (&str, Layout)> {
+fn structs_of(module: &naga::Module) -> impl Iterator<Item = (&str, Layout)> {
     module.types.iter().filter_map(|(_, ty)| match &ty.inner {
         TypeInner::Struct { members, span } => {
-            let fields = members.iter().map(|m| (plain(&m.name).to_owned(), m.offset as usize));
-            Some((plain(&ty.name), (*span as usize, fields.collect())))
+            let fields = members
+                .iter()
+                .map(|m| (own_name(&m.name).to_owned(), m.offset as usize));
+            Some((own_name(&ty.name), (*span as usize, fields.collect())))
         }
         _ => None,
     })
 }
 
-/// The constants of one of the imported files.
-fn constants(file: &str) -> BTreeMap<String, u32> {
-    let (_, source) = MODULES.iter().find(|(name, _)| *name == file).expect("it is imported");
-    // What is not constant may use imports: only the lines of constants are read.
-    let lines: Vec<&str> = source.lines().filter(|line| line.starts_with("const ")).collect();
-    let module = front::wgsl::parse_str(&lines.join("\n")).expect("constants alone are valid");
-    let value = |init| match module.global_expressions[init] {
-        Expression::Literal(Literal::U32(value)) => Some(value),
-        _ => None,
-    };
-    (module.constants.iter())
-        .filter_map(|(_, constant)| Some((constant.name.clone()?, value(constant.init)?)))
-        .collect()
-}
-
-fn every_kernel_is_what_it_is_declared_to_be() {
-    let all: Vec<String> = kernels()
+fn every_kernel_runs_on_any_device() {
+    let wrong: Vec<String> = all_kernels()
         .flat_map(|kernel| {
-            complaints(kernel)
-                .into_iter()
-                .map(|what| format!("{}: {what}", kernel.name))
+            let wrong = complaints(kernel).into_iter();
+            wrong.map(|what| format!("{}: {what}", kernel.name))
         })
         .collect();
-    assert!(all.is_empty(), "{}", all.join("\n"));
-    assert!(kernels().count() >= 18);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 fn names_of_kernels_are_their_own() {
     // Compiled kernels are found by name.
     let mut names = HashSet::new();
-    for kernel in kernels() {
+    for kernel in all_kernels() {
         assert!(names.insert(kernel.name), "{} twice", kernel.name);
+    }
+    assert!(names.len() >= 50);
+}
+
+fn shaders_import_from_stages_before_theirs() {
+    let mut composer = shader::composer([]).unwrap();
+    for Shaders { modules, kernels } in ALL_SHADERS {
+        if let Err(error) = shader::add(&mut composer, *modules) {
+            panic!("{}", error.emit_to_string(&composer));
+        }
+        for kernel in *kernels {
+            if let Err(error) = kernel.compose(&mut composer) {
+                panic!("{}: {}", kernel.name, error.emit_to_string(&composer));
+            }
+        }
     }
 }
 
 fn every_struct_is_laid_out_as_in_wgsl() {
     let mut seen = BTreeSet::new();
-    let mut composer = composer().unwrap();
-    for kernel in kernels() {
-        let module = kernel
-            .compose(&mut composer)
-            .map_err(|e| e.emit_to_string(&composer))
-            .unwrap();
+    for kernel in all_kernels() {
+        let module = compose(kernel).unwrap();
         for (name, found) in structs_of(&module) {
             if let Some(expected) = structs().find(|s| s.name == name) {
                 assert_eq!(found, laid_out(expected), "{name} in {}", kernel.name);
@@ -232,12 +175,11 @@ fn every_struct_is_laid_out_as_in_wgsl() {
             }
         }
         // A struct in a buffer that the host knows nothing of could not be compared.
-        for binding in kernel.bindings {
-            let known = ["u32", "vec2<u32>", "vec4<u32>"].contains(&binding.element);
+        for Binding { element, .. } in bindings(&module) {
+            let known = ["u32", "vec2<u32>", "vec4<u32>"].contains(&element.as_str());
             assert!(
-                known || structs().any(|s| s.name == binding.element),
-                "{} in {}",
-                binding.element,
+                known || structs().any(|s| s.name == element),
+                "{element} in {}",
                 kernel.name
             );
         }
@@ -248,99 +190,205 @@ fn every_struct_is_laid_out_as_in_wgsl() {
 
 fn elements_of_buffers_have_no_gaps_between_them() {
     // Rust's arrays have none; WGSL's are padded to the alignment of the element.
-    let mut composer = composer().unwrap();
-    for kernel in kernels() {
-        let module = kernel
-            .compose(&mut composer)
-            .map_err(|e| e.emit_to_string(&composer))
-            .unwrap();
+    for kernel in all_kernels() {
+        let module = compose(kernel).unwrap();
         for (_, variable) in module.global_variables.iter().filter(|(_, v)| v.binding.is_some()) {
             if let TypeInner::Array { base, stride, .. } = module.types[variable.ty].inner {
                 let size = module.types[base].inner.size(module.to_ctx());
-                assert_eq!(stride, size, "{} in {}", spelled(&module, base), kernel.name);
+                assert_eq!(stride, size, "{} in {}", type_name(&module, base), kernel.name);
             }
         }
     }
 }
 
-fn every_constant_is_the_same_in_wgsl() {
-    let files = [
-        ("types.wgsl", layout::CONSTANTS),
-        ("solver_types.wgsl", solver::layout::CONSTANTS),
-    ];
-    for (file, in_rust) in files {
-        let in_source = constants(file);
-        for &(name, value) in in_rust {
-            assert_eq!(in_source.get(name), Some(&value), "{name} in {file}");
+/// A set's buffers: names, and what their elements are called in WGSL.
+type Elements = &'static [(&'static str, &'static str)];
+
+const IMPULSE_SETS: [Elements; 1] = [Buffers::ELEMENTS];
+const CONTACT_SETS: [Elements; 4] = [
+    Buffers::ELEMENTS,
+    ContactBuffers::ELEMENTS,
+    SolverBuffers::ELEMENTS,
+    StepBuffers::ELEMENTS,
+];
+
+/// Every call of every program of a step, with lists of some length, with the buffers that the program has.
+fn all_calls() -> Vec<(Call, &'static [Elements])> {
+    let mut all: Vec<(Call, &'static [Elements])> = Vec::new();
+    let mut add = |calls: Calls, sets: &'static [Elements]| all.extend(calls.iter().map(|call| (call.clone(), sets)));
+    // Sorts end in either of their buffers, by the number of bits.
+    for bodies in [100, 1000, 100_000] {
+        let sizes = Sizes {
+            bodies,
+            planes: 4,
+            pairs: 4 * bodies,
+            ..Sizes::default()
+        };
+        let room = StepCapacity {
+            contacts: ContactCapacity {
+                pairs: bodies,
+                points: 4 * bodies,
+                ..ContactCapacity::default()
+            },
+            bodies,
+            touches: bodies,
+        };
+        let recorder = |response, passes| Recorder {
+            response,
+            sizes: &sizes,
+            room: (response != Response::Impulse).then_some(&room),
+            passes,
+        };
+        let alone = Place::of(0, 1);
+        add(
+            recorder(Response::Impulse, None).calls(&Stage::ALL, alone),
+            &IMPULSE_SETS,
+        );
+        add(recorder(Response::None, None).calls(&Stage::ALL, alone), &CONTACT_SETS);
+        for sleeping in [true, false] {
+            let settings = SolverSettings {
+                sleeping,
+                ..SolverSettings::default()
+            };
+            let interval = CollisionSubstep {
+                dt: 0.01,
+                substeps: 3,
+                gravity: Vec3::ZERO,
+            };
+            let passes = Some(Passes::new(&settings, &interval));
+            for place in [alone, Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
+                let calls = recorder(Response::Contacts, passes).calls(&Stage::ALL, place);
+                add(calls, &CONTACT_SETS);
+            }
         }
     }
+    all
 }
 
-fn sizes_of_blocks_are_the_same_in_wgsl() {
-    let scan_file = constants("scan.wgsl");
-    assert_eq!(scan_file["BLOCK"], scan::BLOCK);
-    assert_eq!(scan_file["SORT_BLOCK"], radix_sort::BLOCK);
-    assert_eq!(constants("dispatch.wgsl")["MAX_ROW"], MAX_ROW);
-}
-
-fn contact_generation_counts_as_in_wgsl() {
-    let types = constants("types.wgsl");
-    assert_eq!(types["MOST_POINTS"] as usize, manifolds::MOST_POINTS);
-    assert_eq!(types["MAX_PLANE_POINTS"] as usize, manifolds::cpu::planes::MAX_POINTS);
-    assert_eq!(types["NOTHING"], manifolds::cpu::planes::NO_FACE);
-    let sides = constants("sides.wgsl");
-    assert_eq!(sides["HEADER"] as usize, mesh_features::HEADER);
-    assert_eq!(sides["RECORD"] as usize, mesh_features::RECORD);
-}
-
-/// Wrong declarations of a right kernel, and what must be said of them.
-fn a_wrong_declaration_is_reported() {
-    let right = Kernel { ..scan::SUMS };
-    assert_eq!(complaints(&right), [""; 0]);
-    const CONSTANTS: Binding = uniform(0, "constants", "vec4<u32>");
-    const COUNTERS: Binding = read(1, "counters", "u32");
-    const VALUES: Binding = read(2, "values", "u32");
-    const SUMS: Binding = write(3, "sums", "u32");
-    const WRONG: [(&str, &[Binding]); 6] = [
-        ("a slot", &[CONSTANTS, COUNTERS, VALUES, write(4, "sums", "u32")]),
-        ("a name", &[CONSTANTS, COUNTERS, read(2, "value", "u32"), SUMS]),
-        ("access", &[CONSTANTS, COUNTERS, VALUES, read(3, "sums", "u32")]),
-        ("a type", &[CONSTANTS, read(1, "counters", "i32"), VALUES, SUMS]),
-        ("one too few", &[CONSTANTS, COUNTERS, VALUES]),
-        (
-            "one too many",
-            &[CONSTANTS, COUNTERS, VALUES, SUMS, read(4, "more", "u32")],
-        ),
-    ];
-    for (what, bindings) in WRONG {
-        let wrong = complaints(&Kernel { bindings, ..right });
-        assert!(wrong.len() == 1 && wrong[0].starts_with("binds "), "{what}: {wrong:?}");
+/// What is wrong with a call of a kernel that binds this, by the names and elements of these sets.
+fn wrong_of_call(call: &Call, bindings: &[Binding], sets: &[Elements]) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let element_of = |name: &str| {
+        let found = sets.iter().find_map(|set| set.iter().find(|(own, _)| *own == name));
+        found.map(|(_, element)| *element)
+    };
+    let mut seen: HashMap<&str, Access> = HashMap::new();
+    let mut arguments = None;
+    if let Groups::Indirect(buffer, _) = call.groups {
+        arguments = Some(buffer);
+        if element_of(buffer) != Some("u32") {
+            wrong.push(format!("there are no arguments {buffer}"));
+        }
     }
-    let wrong = complaints(&Kernel {
-        workgroup: 128,
-        ..right
-    });
-    assert!(wrong.len() == 1 && wrong[0].starts_with("entry points"), "{wrong:?}");
+    for binding in bindings.iter().filter(|binding| binding.name != CONSTANTS) {
+        let (name, words) = call.buffer_of(&binding.name);
+        match element_of(name) {
+            None => wrong.push(format!("there is no buffer {name}")),
+            Some(element) if !words && element != binding.element => {
+                wrong.push(format!("{name} holds {element} and not {}", binding.element));
+            }
+            Some(_) => {}
+        }
+        let other = seen.insert(name, binding.access);
+        let writes = |access| access == Some(Access::Write);
+        if other.is_some() && (writes(other) || writes(Some(binding.access))) {
+            wrong.push(format!("{name} is written under another name"));
+        }
+        if arguments == Some(name) && binding.access == Access::Write {
+            wrong.push(format!("{name} is written by what it dispatches"));
+        }
+    }
+    if bindings.iter().any(|binding| binding.name == CONSTANTS) != call.has_constants() {
+        wrong.push("has constants that nobody reads, or none that somebody reads".to_owned());
+    }
+    for variable in call.rebound() {
+        if !bindings.iter().any(|binding| binding.name == variable) {
+            wrong.push(format!("there is no variable {variable}"));
+        }
+    }
+    wrong
+}
+
+fn every_call_finds_its_buffers() {
+    let mut bound: HashMap<&str, Vec<Binding>> = HashMap::new();
+    let mut all = BTreeSet::new();
+    for (call, sets) in all_calls() {
+        let kernel = call.kernel;
+        let bindings = bound
+            .entry(kernel.name)
+            .or_insert_with(|| bindings(&compose(kernel).unwrap()));
+        let wrong = wrong_of_call(&call, bindings, sets).into_iter();
+        all.extend(wrong.map(|what| format!("{}: {what}", kernel.name)));
+    }
+    assert!(all.is_empty(), "{all:#?}");
+}
+
+fn every_kernel_is_called() {
+    let called: BTreeSet<&str> = all_calls().iter().map(|(call, _)| call.kernel.name).collect();
+    let declared: BTreeSet<&str> = all_kernels().map(|kernel| kernel.name).collect();
+    assert_eq!(called, declared);
+}
+
+fn names_of_buffers_are_their_own() {
+    // So it does not matter in which of a program's sets a name is looked up first.
+    let mut names = HashSet::new();
+    for (name, _) in CONTACT_SETS.into_iter().flatten() {
+        assert!(names.insert(name), "{name} twice");
+        assert_ne!(*name, CONSTANTS);
+    }
+}
+
+fn a_wrong_call_is_reported() {
+    let bindings = bindings(&compose(&scan::APPLY).unwrap());
+    const SETS: [Elements; 1] = [&[
+        ("counters", "u32"),
+        ("sums", "u32"),
+        ("values", "u32"),
+        ("bodies", "Body"),
+    ]];
+    let said = |change: fn(&mut Call) -> &mut Call, what: &str| {
+        let mut calls = Calls::new(Stage::BroadPhase);
+        change(calls.call(&scan::APPLY, Groups::Exactly(1)).constants([0; 4]));
+        let call = calls.iter().next().unwrap();
+        assert_eq!(wrong_of_call(call, &bindings, &SETS).join(", "), what);
+    };
+    said(|call| call, "");
+    said(|call| call.bind("values", "elsewhere"), "there is no buffer elsewhere");
+    said(|call| call.bind("values", "bodies"), "bodies holds Body and not u32");
+    said(|call| call.bind_words("values", "bodies"), "");
+    said(|call| call.bind("values", "sums"), "sums is written under another name");
+    said(|call| call.bind("value", "sums"), "there is no variable value");
+    let mut calls = Calls::new(Stage::BroadPhase);
+    calls.call(&scan::APPLY, Groups::Indirect("values", 0));
+    let call = calls.iter().next().unwrap();
+    assert_eq!(
+        wrong_of_call(call, &bindings, &SETS).join(", "),
+        "values is written by what it dispatches, has constants that nobody reads, or none that somebody reads"
+    );
 }
 
 fn a_wrong_kernel_is_reported() {
-    let kernel = |source| Kernel {
-        name: "wrong",
-        source,
-        emit: false,
-        workgroup: 1,
-        bindings: &[],
-    };
     let said = |source, what: &str| {
-        let wrong = complaints(&kernel(source));
+        let wrong = complaints(&Kernel {
+            name: "wrong",
+            source,
+            emit: false,
+        });
         assert!(wrong.iter().any(|text| text.contains(what)), "{what}: {wrong:?}");
     };
     said("@compute @workgroup_size(1) fn main() { let x: u32 = 1.5; }", "error");
     said("@compute @workgroup_size(1) fn other() {}", "entry points");
+    said("@compute @workgroup_size(8, 8) fn main() {}", "entry points");
+    said("@compute @workgroup_size(512) fn main() {}", "entry points");
     said(
         "var<workgroup> large: array<vec4<f32>, 1025>;
          @compute @workgroup_size(1) fn main() { large[0] = vec4(1.0); }",
         "16400 bytes of workgroup memory",
+    );
+    said(
+        "@group(1) @binding(0) var<storage, read_write> list: array<u32>;
+         @compute @workgroup_size(1) fn main() { list[0] = 1u; }",
+        "binds another group than 0",
     );
     // Two fields of `Plane` in the other order.
     said(
@@ -352,20 +400,123 @@ fn a_wrong_kernel_is_reported() {
          @compute @workgroup_size(1) fn main() { p.distance = 1.0; }",
         "Plane is (",
     );
-    const NINE: &[Binding] = &[
-        write(0, "a", "u32"),
-        write(1, "b", "u32"),
-        write(2, "c", "u32"),
-        write(3, "d", "u32"),
-        write(4, "e", "u32"),
-        write(5, "f", "u32"),
-        write(6, "g", "u32"),
-        write(7, "h", "u32"),
-        write(8, "i", "u32"),
-    ];
-    let wrong = complaints(&Kernel {
-        bindings: NINE,
-        ..kernel("@compute @workgroup_size(1) fn main() {}")
-    });
-    assert!(wrong.contains(&"9 storage buffers".to_owned()), "{wrong:?}");
+    let nine: String = (0..9)
+        .map(|slot| format!("@group(0) @binding({slot}) var<storage, read_write> list_{slot}: array<u32>;"))
+        .collect();
+    let nine = format!("{nine} @compute @workgroup_size(1) fn main() {{ list_0[0] = 1u; }}");
+    said(nine.leak(), "9 storage buffers");
+}
+
+fn shared_constants_arrive_to_the_bit() {
+    let mut count = 0;
+    for module in all_modules() {
+        // What is not constant may use imports: only the lines of constants are read.
+        let wgsl = module.wgsl();
+        let lines: Vec<&str> = wgsl.lines().filter(|line| line.starts_with("const ")).collect();
+        let parsed = front::wgsl::parse_str(&lines.join("\n")).expect("constants alone are valid");
+        let literal = |handle| match parsed.global_expressions[handle] {
+            Expression::Literal(Literal::U32(value)) => value,
+            Expression::Literal(Literal::I32(value)) => value as u32,
+            Expression::Literal(Literal::F32(value)) => value.to_bits(),
+            ref other => panic!("{other:?} in {}", module.name),
+        };
+        let found: BTreeMap<&str, Vec<u32>> = (parsed.constants.iter())
+            .map(|(_, constant)| {
+                let bits = match &parsed.global_expressions[constant.init] {
+                    Expression::Compose { components, .. } => components.iter().map(|&c| literal(c)).collect(),
+                    _ => vec![literal(constant.init)],
+                };
+                (constant.name.as_deref().unwrap_or_default(), bits)
+            })
+            .collect();
+        for (name, value) in module.constants {
+            let bits = |all: &[f64]| all.iter().map(|&x| (x as f32).to_bits()).collect::<Vec<_>>();
+            let expected = match value {
+                Value::U32(value) => vec![*value],
+                Value::F32(value) => bits(&[*value]),
+                Value::Vec2(all) => bits(all),
+                Value::Vec3(all) => bits(all),
+            };
+            assert_eq!(found.get(name), Some(&expected), "{name} in {}", module.name);
+            count += 1;
+        }
+    }
+    assert!(count >= 100, "{count}");
+}
+
+/// Files below a folder with an ending, and what they hold without comments.
+fn sources(folder: &str, ending: &str) -> Vec<(PathBuf, String)> {
+    fn walk(folder: &Path, ending: &str, found: &mut Vec<(PathBuf, String)>) {
+        for entry in fs::read_dir(folder).unwrap().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                walk(&path, ending, found);
+            } else if path.extension().is_some_and(|own| own == ending) {
+                let text = fs::read_to_string(&path).unwrap();
+                let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned() + "\n";
+                found.push((path, text.lines().map(code).collect()));
+            }
+        }
+    }
+    let mut found = Vec::new();
+    walk(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), ending, &mut found);
+    assert!(!found.is_empty());
+    found
+}
+
+/// The names after the word `const`.
+fn constants_of(code: &str) -> impl Iterator<Item = &str> {
+    code.split("const ").skip(1).filter_map(|rest| {
+        let name = rest.split(':').next()?;
+        let is_name = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
+        (!name.is_empty() && name.chars().all(is_name)).then_some(name)
+    })
+}
+
+/// Numbers with a decimal point in WGSL.
+fn decimals_of(code: &str) -> impl Iterator<Item = f64> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '_';
+    let words = code.split(move |c| !is_part(c)).filter(|word| word.contains('.'));
+    words.filter_map(|word| word.parse().ok())
+}
+
+fn no_constant_stands_in_both_languages() {
+    let rust = sources("src", "rs");
+    let in_rust: HashMap<&str, &PathBuf> = (rust.iter())
+        .flat_map(|(path, code)| constants_of(code).map(move |name| (name, path)))
+        .collect();
+    // A half, powers of ten and the like say nothing.
+    let is_unusual = |x: f64| {
+        let text = format!("{:e}", x as f32);
+        let digits = text.split('e').next().unwrap_or_default();
+        !["0", "1", "2", "2.5", "4", "5", "8"].contains(&digits)
+    };
+    let shared: Vec<(&str, f64)> = all_modules()
+        .flat_map(|module| module.constants)
+        .flat_map(|(name, value)| {
+            let values = match value {
+                Value::U32(_) => vec![],
+                Value::F32(value) => vec![*value],
+                Value::Vec2(all) => all.to_vec(),
+                Value::Vec3(all) => all.to_vec(),
+            };
+            values.into_iter().map(move |value| (*name, value))
+        })
+        .filter(|(_, value)| is_unusual(*value))
+        .collect();
+    let mut twice = Vec::new();
+    for (path, code) in sources("shaders", "wgsl") {
+        let path = path.display();
+        for name in constants_of(&code) {
+            if let Some(other) = in_rust.get(name) {
+                twice.push(format!("{name} stands in {path} and in {}", other.display()));
+            }
+        }
+        for x in decimals_of(&code) {
+            if let Some((name, _)) = shared.iter().find(|(_, value)| *value as f32 == x as f32) {
+                twice.push(format!("{x} in {path} has the value of {name}"));
+            }
+        }
+    }
+    assert!(twice.is_empty(), "{twice:#?}");
 }

@@ -35,6 +35,8 @@ const BITS: [u32; 3] = [3, 2, 2];
 /// Cells in a block.
 const BLOCK: u32 = 1 << (BITS[0] + BITS[1] + BITS[2]);
 
+/// Spheres overlap if the square of their distance is no more than this times that of their radii together: for rounding.
+pub(crate) const SPHERE_SLACK: f32 = 1.0 + 1.0e-6;
 /// More than rounding can add to a distance that the sphere test accepts.
 const SLACK: f64 = 1.0 + 2.0e-6;
 
@@ -322,7 +324,7 @@ impl Grid {
             let [p, q, o, other] = self.spheres.each_ref().map(some);
             let [dx, dy, dz] = [x - p, y - q, z - o];
             let reach = r + other;
-            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * f32x8::splat(1.0 + 1.0e-6));
+            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * f32x8::splat(SPHERE_SLACK));
             let mut hits = overlap.to_bitmask();
             while hits != 0 {
                 let i = first + hits.trailing_zeros() as usize;

@@ -6,11 +6,13 @@ use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 
 /// Cosine between the normals of a patch and of a feature that agrees with it.
-const AGREES: f64 = 0.7;
+pub(crate) const AGREES: f64 = 0.7;
+/// Rays probe a patch at its centre, and this part of the way from there to the extremes of its contour.
+pub(crate) const PROBED: f64 = 0.75;
 /// How far a patch has a say, beside the radius of its contour.
-const SPREAD: f64 = 1.3;
+pub(crate) const SPREAD: f64 = 1.3;
 /// Contours that enclose less than this part of the square of the bodies' size have no direction.
-const LEAST_AREA: f64 = 1.0e-12;
+pub(crate) const LEAST_ENCLOSED_AREA: f64 = 1.0e-12;
 
 /// Ends of contours that should go on count as the same point if they are this near, in units of the bodies' size.
 const TIE: f64 = 1.0e-6;
@@ -267,7 +269,7 @@ impl Patch {
             radius = radius.max(p.distance_squared(center)).max(q.distance_squared(center));
         }
         let size = area.length() / (size * size);
-        (size > LEAST_AREA).then(|| Self {
+        (size > LEAST_ENCLOSED_AREA).then(|| Self {
             center,
             normal: area.normalize(),
             area: area.length(),
@@ -311,7 +313,7 @@ impl Patch {
             farthest(&|arm| arm.dot(across)),
             farthest(&|arm| -arm.dot(across)),
         ];
-        let [p, q, r, s] = arms.map(|arm| self.center + arm * 0.75);
+        let [p, q, r, s] = arms.map(|arm| self.center + arm * PROBED);
         [self.center, p, q, r, s]
     }
 }

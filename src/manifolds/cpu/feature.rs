@@ -6,16 +6,16 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 
 /// How far, as a sine, an edge may lead below a face at whose vertex it starts.
-const BELOW: f64 = 0.02;
+pub(crate) const BELOW: f64 = 0.02;
 /// How far, as a sine, the normal of an edge may leave the arc between its faces' normals, and how near to a face's
 /// normal it becomes that normal.
 pub const ARC: f64 = 0.05;
 /// Edges whose faces differ by less than this, as a sine, are flat, and their vertices and faces say all.
-const FLAT: f64 = 1.0e-3;
+pub(crate) const FLAT: f64 = 1.0e-3;
 /// Edges that differ by less than this, as a sine, are parallel and have no normal.
-const PARALLEL: f64 = 1.0e-3;
+pub(crate) const PARALLEL: f64 = 1.0e-3;
 /// How far outside a face a vertex's projection may lie, beside the face's edge.
-const OUTSIDE: f64 = 1.0e-6;
+pub(crate) const OUTSIDE: f64 = 1.0e-6;
 
 /// A point at which the bodies push each other: a vertex over a face, an edge over an edge, or what stands for them.
 #[derive(Clone, Copy, Debug)]

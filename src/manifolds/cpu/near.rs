@@ -145,10 +145,12 @@ impl Place {
 }
 
 /// What single precision costs a product of two vectors, relative to their lengths.
-const ERROR: f32 = 2.0e-6;
+pub(crate) const ERROR: f32 = 2.0e-6;
 
 /// The direction of a normal must be known as well as this, radians.
-const DIRECTION_ERROR: f32 = 1.0e-3;
+pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
+/// By which factor radii are taken to be larger, for rounding.
+pub(crate) const AROUND_ERROR: f32 = 1.001;
 
 impl Placed {
     fn new(side: &Side, place: &Place, cluster: u32, window: Option<&Window>) -> Self {
@@ -251,7 +253,7 @@ impl Placed {
         };
         let (beside_own, beside_other) = (beside(direction), beside(other.direction));
         let slack = f32x8::splat(8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
-        let around = (at(self.around) + other.around) * f32x8::splat(1.001) + slack;
+        let around = (at(self.around) + other.around) * f32x8::splat(AROUND_ERROR) + slack;
         let square = around * around;
         let vertices = beside_own.simd_le(square) | beside_other.simd_le(square);
 

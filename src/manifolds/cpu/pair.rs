@@ -12,17 +12,17 @@ use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
 
 /// How deep features may overlap, in units of the bodies' size; what is deeper is found by rays.
-const DEEP: f64 = 0.04;
+pub(crate) const DEEP: f64 = 0.04;
 /// What overlaps by less, in the same unit, touches: rounding must not part bodies that rest on each other.
 const TOUCH: f64 = 1.0e-6;
 /// Heights over planes are wrong by less, in units of the bounding radii together.
 const ROUNDING: f64 = 1.0e-14;
 /// How far rays run, in the same unit: through all of the smaller body.
-const RAY: f64 = 1.0;
+pub(crate) const RAY: f64 = 1.0;
 /// A patch that no ray leaves counts if it is larger than this, in units of the size squared,
-const LEAST_AREA: f64 = 1.0e-6;
+pub(crate) const LEAST_PROBED_AREA: f64 = 1.0e-6;
 /// and is taken for this deep at most.
-const SHALLOW: f64 = 0.002;
+pub(crate) const SHALLOW: f64 = 0.002;
 
 /// The place in a patch of a point that no ray found; those of rays are smaller.
 const MIDDLE: u8 = 5;
@@ -152,7 +152,7 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
     // Twice the area over the length is the radius of a circle.
     let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
     let half = patch.normal * (0.5 * depth);
-    (patch.area > LEAST_AREA * size * size).then(|| Feature {
+    (patch.area > LEAST_PROBED_AREA * size * size).then(|| Feature {
         points: [patch.center + half, patch.center - half],
         normal: patch.normal,
         separation: -depth,

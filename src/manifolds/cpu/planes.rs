@@ -9,6 +9,7 @@ use crate::parallel::per_thread::PerThread;
 use crate::simd::lanes::{bits, dot, splat};
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
+use crate::state::margins::SAFETY;
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
 use crate::types::body::RigidBody;
@@ -20,9 +21,9 @@ pub const MAX_POINTS: usize = 8;
 /// The face of a point that lies on none.
 pub const NO_FACE: u32 = u32::MAX;
 /// Vertices this near the lowest one, as a part of the body's diameter, are as low as it.
-const LEVEL: f32 = 0.0025;
+pub(crate) const LEVEL: f32 = 0.0025;
 /// Points are made this far from the surface, as a part of the body's diameter, beyond what the body moves.
-const MARGIN: f32 = 0.01;
+pub(crate) const MARGIN: f32 = 0.01;
 
 /// Memory kept between calls.
 #[derive(Default)]
@@ -103,7 +104,7 @@ fn manifold(
     let above = normal.dot(frame.center) - plane.distance as f64;
     let fall = config.gravity.length() * bodies.gravity_scale[body].abs() * config.dt;
     let speed = bodies.linear_velocity[body].length() + bodies.angular_velocity[body].length() * radius + fall;
-    let margin = 2.0 * MARGIN * radius + 1.5 * speed * config.dt;
+    let margin = 2.0 * MARGIN * radius + SAFETY * speed * config.dt;
     let height = above as f32;
     if height >= radius + margin {
         return None;

@@ -4,13 +4,13 @@ use super::feature::Feature;
 use crate::manifolds::MOST_POINTS;
 
 /// What a difference of normals counts beside a distance in units of the bodies' size, both squared.
-const TURN: f64 = 0.02;
+pub(crate) const TURN: f64 = 0.02;
 /// Points nearer than this, by that measure, are one.
-const SAME: f64 = 1.0e-8;
+pub(crate) const SAME: f64 = 1.0e-8;
 /// Points that are shallower by this part of the bodies' size count by a factor of e less.
-const SHALLOWER: f64 = 0.01;
+pub(crate) const SHALLOWER: f64 = 0.01;
 /// But never less than this.
-const LEAST_WEIGHT: f64 = 0.01;
+pub(crate) const LEAST_WEIGHT: f64 = 0.01;
 
 /// Memory kept between pairs.
 #[derive(Default)]

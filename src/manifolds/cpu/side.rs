@@ -48,13 +48,16 @@ pub struct Triangle {
     pub handed: f64,
 }
 
+/// A contact's normal may turn from a triangle's by this many times [`ARC`] more than to the edges: for rounding.
+pub(crate) const ARC_SLACK: f64 = 1.1;
+
 /// Bodies are in the same place if their centres differ by less than this part of their size, and their rotations by as many
 /// radians.
-const SAME_PLACE: f64 = 1.0e-4;
+pub(crate) const SAME_PLACE: f64 = 1.0e-4;
 /// How far from there the second one is taken to be, in the same unit...
-const ASIDE: f64 = 1.0e-3;
+pub(crate) const ASIDE: f64 = 1.0e-3;
 /// ...in a direction that is along no side of a mesh.
-const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+pub(crate) const DEFAULT_DIRECTION: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 
 /// The two bodies of a pair. `one_mesh` is whether both have the same.
 pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
@@ -90,7 +93,7 @@ fn aside(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     let same = a.scale == b.scale
         && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
         && a.frame.rotation.abs_diff_eq(b.frame.rotation, SAME_PLACE);
-    if same { ANY_WAY * (ASIDE * size) } else { DVec3::ZERO }
+    if same { DEFAULT_DIRECTION * (ASIDE * size) } else { DVec3::ZERO }
 }
 
 impl Side<'_> {
@@ -155,7 +158,7 @@ impl Side<'_> {
         let scale = self.scale.abs();
         let is_even = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
         let turns = &self.features.edge_normal_rotations[first as usize..];
-        let slack = 1.1 * ARC as f32;
+        let slack = ARC_SLACK as f32 * ARC as f32;
         f32x8::new(std::array::from_fn(|lane| match turns.get(lane) {
             Some(turn) if is_even && turn + slack < ANY_NORMAL => turn + slack,
             _ => ANY_NORMAL,

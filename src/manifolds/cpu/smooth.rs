@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// How far, as a sine, the normal at a vertex may differ from a contact's: half the angle between faces of a round of 32.
 /// What is cut more coarsely lies on its facets.
-const SMOOTH: f64 = 0.1;
+pub(crate) const SMOOTH: f64 = 0.1;
 
 /// How the smooth surfaces touch at a feature.
 pub struct Smoothed {

@@ -1,13 +1,11 @@
 //! Every buffer of contact generation, and how large it is.
 
-use crate::gpu::buffers::{TooLarge, check, grow, make};
-use crate::gpu::device::Gpu;
+use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::layout::{
     CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint,
     ContactSetting, FEATURES, Feature, MarginPair, NEAR_TRIANGLES, Patch, SEGMENTS, STAGED_POINTS, Segment,
 };
 use crate::gpu::scan;
-use wgpu::{Buffer, BufferUsages};
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,72 +73,42 @@ impl ContactCapacity {
     }
 }
 
-macro_rules! buffers {
-    ($($(#[$doc:meta])* $name:ident: $what:literal, $element:ty, $usage:expr, |$sizes:ident| $count:expr;)*) => {
-        /// Every buffer of contact generation; `shaders/shared/types.wgsl` explains their elements.
-        #[derive(Debug)]
-        pub struct ContactBuffers {
-            /// What fits.
-            pub sizes: ContactCapacity,
-            $($(#[$doc])* pub $name: Buffer,)*
-        }
-
-        impl ContactBuffers {
-            /// Makes all of them.
-            ///
-            /// # Errors
-            /// If one is larger than the device allows; none is made then.
-            pub fn new(gpu: &Gpu, sizes: ContactCapacity) -> Result<Self, TooLarge> {
-                $(let $name = {
-                    let $sizes = &sizes;
-                    check(gpu, $what, u64::from($count) * size_of::<$element>() as u64)?
-                };)*
-                Ok(Self { sizes, $($name: make(gpu, $what, $name, $usage),)* })
-            }
-
-            /// Bytes of all of them.
-            pub fn bytes(&self) -> u64 {
-                [$(&self.$name),*].into_iter().map(Buffer::size).sum()
-            }
-        }
-    };
-}
-
-const NONE: BufferUsages = BufferUsages::empty();
-
 buffers! {
-    /// Uniform.
-    limits: "contact limits", ContactLimits, BufferUsages::UNIFORM, |_s| 1u32;
-    /// The host writes how many pairs there are, and zeroes the others.
-    counters: "contact counters", u32, NONE, |_s| CONTACT_COUNTERS;
-    /// Of indirect dispatches.
-    arguments: "contact arguments", u32, BufferUsages::INDIRECT, |_s| 16u32;
-    /// Pairs of bodies that are looked at, ascending.
-    margin_pairs: "pairs with margins", MarginPair, NONE, |s| s.margin_pairs;
-    /// How they lie to each other.
-    settings: "settings of pairs", ContactSetting, NONE, |s| s.margin_pairs;
-    /// Pairs of triangles near each other.
-    near_triangles: "near triangles", [u32; 4], NONE, |s| s.near_triangles;
-    /// What they have to say.
-    features: "contact features", Feature, NONE, |s| s.features;
-    /// Where they cross.
-    segments: "contour segments", Segment, NONE, |s| s.segments;
-    /// How segments are joined.
-    links: "contour links", [u32; 8], NONE, |s| s.segments;
-    /// Patches of a pair start where its segments do.
-    patches: "contour patches", Patch, NONE, |s| s.segments;
-    /// Points in any order.
-    staged: "staged contact points", ContactPoint, NONE, |s| s.staged_points;
-    /// Where each pair's, and each body's and half-space's, are among them.
-    slots: "contact slots", ContactPair, NONE, |s| s.slots;
-    /// Where each slot's pair goes.
-    pair_places: "places of contact pairs", u32, NONE, |s| s.slots;
-    /// Where each slot's points go.
-    point_places: "places of contact points", u32, NONE, |s| s.slots;
-    /// Scratch of the scans.
-    sums: "contact scan sums", u32, NONE, |s| s.slots.div_ceil(scan::BLOCK) + 1;
-    /// Result.
-    contact_pairs: "contact pairs", ContactPair, NONE, |s| s.pairs;
-    /// Result.
-    contact_points: "contact points", ContactPoint, NONE, |s| s.points;
+    /// Every buffer of contact generation; `shaders/shared/types.wgsl` explains their elements.
+    ContactBuffers(ContactCapacity), |sizes| {
+        /// How long the lists are.
+        limits: UNIFORM ContactLimits, 1u32, "contact limits";
+        /// The host writes how many pairs there are, and zeroes the others.
+        contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
+        /// Of indirect dispatches.
+        contact_arguments: INDIRECT u32, 16u32, "contact arguments";
+        /// Pairs of bodies that are looked at, ascending.
+        margin_pairs: ARRAY MarginPair, sizes.margin_pairs, "pairs with margins";
+        /// How they lie to each other.
+        settings: ARRAY ContactSetting, sizes.margin_pairs, "settings of pairs";
+        /// Pairs of triangles near each other.
+        near_triangles: ARRAY [u32; 4], sizes.near_triangles, "near triangles";
+        /// What they have to say.
+        features: ARRAY Feature, sizes.features, "contact features";
+        /// Where they cross.
+        segments: ARRAY Segment, sizes.segments, "contour segments";
+        /// How segments are joined: eight words each.
+        contour_links: ARRAY u32, 8 * u64::from(sizes.segments), "contour links";
+        /// Patches of a pair start where its segments do.
+        patches: ARRAY Patch, sizes.segments, "contour patches";
+        /// Points in any order.
+        staged: ARRAY ContactPoint, sizes.staged_points, "staged contact points";
+        /// Where each pair's, and each body's and half-space's, are among them.
+        slots: ARRAY ContactPair, sizes.slots, "contact slots";
+        /// Where each slot's pair goes.
+        pair_places: ARRAY u32, sizes.slots, "places of contact pairs";
+        /// Where each slot's points go.
+        point_places: ARRAY u32, sizes.slots, "places of contact points";
+        /// Scratch of the scans.
+        slot_sums: ARRAY u32, sizes.slots.div_ceil(scan::BLOCK) + 1, "contact scan sums";
+        /// Result.
+        contact_pairs: ARRAY ContactPair, sizes.pairs, "contact pairs";
+        /// Result.
+        contact_points: ARRAY ContactPoint, sizes.points, "contact points";
+    }
 }

@@ -50,7 +50,7 @@ impl Latent {
                 break;
             };
             let seen = body.motion();
-            // Components of those that fall asleep do not say so before their results are there.
+            // The component of a body that falls asleep changes only when the results come.
             let says_asleep = !body.params.woken;
             let (shadow, carried, woken) = match sources.next().flatten() {
                 Some(source) => {

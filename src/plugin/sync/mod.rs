@@ -18,7 +18,8 @@ use crate::state::fault::BodyFault;
 use crate::state::{Body, Counts, Motion, Plane};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
-use crate::step::gpu::contacts::memory::DeviceMemory;
+use crate::step::gpu::memory::DeviceMemory;
+#[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
@@ -165,7 +166,7 @@ impl Step {
                 angular_velocity: motion.angular_velocity,
                 ..*body
             };
-            // Where the components say it was fit to take part.
+            // If the new state is invalid, use that of the components, which was valid.
             if self.state.input.bodies.push(&moved, &self.state.input.meshes).is_err() {
                 let _ = self.state.input.bodies.push(body, &self.state.input.meshes);
             }
@@ -181,7 +182,7 @@ impl Step {
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
             self.counts = self.state.results.counts();
-            // What was there is overwritten by the next step, in the same memory.
+            // Swapped instead of moved, so that the next step reuses the memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
     }
@@ -203,7 +204,7 @@ impl Step {
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;
             let Some(output) = self.engine.advance(&self.state.input, carried, detail, LATENCY) else {
-                // The device failed. Whoever takes over begins where the components say.
+                // The device failed. The next backend starts from the components.
                 self.latent.restart();
                 continue;
             };

@@ -208,7 +208,7 @@ pub(crate) fn publish(
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
     std::mem::swap(&mut collisions.entities, &mut results.entities);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
-    // The next step reads what those had that sleep.
+    // Copied, because the next step reuses the manifolds of bodies asleep.
     collisions.manifolds.copy(&step.state.results.manifolds);
 }
 

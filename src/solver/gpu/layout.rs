@@ -1,7 +1,7 @@
 //! What passes between the solver's kernels and the host, byte for byte as in `shaders/solver/types.wgsl`, where every
 //! field is explained.
 
-use crate::gpu::layout::{Struct, constants, layout};
+use crate::gpu::layout::{constants, layout};
 use bytemuck::{Pod, Zeroable};
 
 type Vec3 = [f32; 3];
@@ -114,35 +114,46 @@ layout! {
 }
 
 constants! {
-    CHANGED = 2;
+    // Shifts of what `SolverBody::flags` holds beside kind and sensor.
+    u32 RESTITUTION_RULE = 8;
+    u32 FRICTION_RULE = 12;
+    u32 LOCKED_AXES = 16;
 
-    RESTITUTION_RULE = 8;
-    FRICTION_RULE = 12;
-    LOCKED_AXES = 16;
+    /// `BodyState::asleep` of a static body that is not where it was in the step before, or not as it was.
+    u32 CHANGED = 2;
 
-    PAIRS = 0;
-    POINTS = 1;
-    ENTRIES = 2;
-    SKIPPED = 3;
-    KEPT_PAIRS = 4;
-    SUBSTEP = 5;
-    KEPT_SUBSTEP = 6;
-    PAIRS_FOUND = 7;
-    POINTS_FOUND = 8;
-    COUNTERS = 16;
+    // Indices into `solver_counters`, which outlive an interval: they hold how much is kept for a warm start.
+    u32 PAIRS = 0;
+    u32 POINTS = 1;
+    u32 ENTRIES = 2;
+    /// Not 0: nothing was solved, since a list was too small.
+    u32 SKIPPED = 3;
+    u32 KEPT_PAIRS = 4;
+    /// The bits of its length in seconds.
+    u32 SUBSTEP = 5;
+    u32 KEPT_SUBSTEP = 6;
+    /// As many as there are, even if the lists hold fewer.
+    u32 PAIRS_FOUND = 7;
+    u32 POINTS_FOUND = 8;
+    u32 COUNTERS = 16;
 
-    GROUPS_PER_64_PAIRS = 0;
-    GROUPS_PER_SORT_BLOCK = 1;
-    GROUPS_PER_DIGIT_BLOCK = 2;
-    GROUPS_PER_64_BODIES = 3;
-    GROUPS_PER_64_OLD_BODIES = 4;
-    SLOTS = 5;
+    // Slots of `solver_arguments`.
+    u32 GROUPS_PER_64_PAIRS = 0;
+    u32 GROUPS_PER_SORT_BLOCK = 1;
+    u32 GROUPS_PER_DIGIT_BLOCK = 2;
+    u32 GROUPS_PER_64_BODIES = 3;
+    u32 GROUPS_PER_64_OLD_BODIES = 4;
+    u32 SLOTS = 5;
 
-    PASS_BIASED = 1;
-    PASS_MEASURES = 2;
-    THEN_ADVANCE = 1;
-    THEN_ACCELERATE = 2;
+    // What a pass does beside solving: it lets overlaps push; it measures the points first.
+    u32 PASS_BIASED = 1;
+    u32 PASS_MEASURES = 2;
 
-    WAKE = 0;
-    SETTLE = 1;
+    // What follows when bodies have taken their impulses.
+    u32 THEN_ADVANCE = 1;
+    u32 THEN_ACCELERATE = 2;
+
+    // What the kernels of sleep are about.
+    u32 WAKE = 0;
+    u32 SETTLE = 1;
 }

@@ -1,14 +1,11 @@
 //! An interval as calls.
 
-use super::kernels::*;
-use super::layout::*;
-use super::lists::{Inputs, Lists};
-use crate::gpu::kernel::{Builder, Groups};
+use super::*;
+use crate::gpu::program::{Calls, Groups};
 use crate::gpu::radix_sort::Sort;
-use crate::sleep::gpu as sleep;
 use crate::solver::CollisionSubstep;
 use crate::types::solver_settings::SolverSettings;
-use wgpu::Buffer;
+use layout::*;
 
 /// How often everything is done in an interval: all that calls depend on beside buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,7 +14,8 @@ pub struct Passes {
     bias: u32,
     relax: u32,
     bounce: u32,
-    sleeping: bool,
+    /// Whether bodies may fall asleep.
+    pub sleeping: bool,
 }
 
 impl Passes {
@@ -33,38 +31,58 @@ impl Passes {
     }
 }
 
-/// Adds the calls of one interval.
-pub fn record(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
-    record_solve(builder, inputs, lists, passes);
-    record_settle(builder, inputs, lists, passes);
+/// Adds the call that counts pairs and points, and says how many workgroups all others have. It comes before all else.
+pub fn record_arguments(calls: &mut Calls) {
+    calls.call(&ARGUMENTS, Groups::Exactly(1));
 }
 
-/// Adds those that find who falls asleep.
-pub fn record_settle(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
-    if passes.sleeping {
-        sleep::record(builder, inputs, lists, SETTLE);
-    }
-}
-
-/// Adds those before.
-pub fn record_solve(builder: &mut Builder, inputs: &Inputs, lists: &Lists, passes: Passes) {
-    let recorder = Recorder::new(builder, inputs, lists);
-    recorder.count(builder);
-    if passes.sleeping {
-        sleep::record(builder, inputs, lists, WAKE);
-    } else {
-        sleep::record_without(builder, inputs, lists);
-    }
-    recorder.prepare(builder);
+/// Adds the calls that solve an interval.
+pub fn record(calls: &mut Calls, room: &Room, passes: Passes) {
+    let ends = prepare(calls, room);
+    let mut recorder = Recorder { calls, ends };
     for substep in 1..=passes.substeps {
-        let last = substep == passes.substeps;
-        recorder.substep(builder, passes, last);
+        recorder.substep(passes, substep == passes.substeps);
     }
-    recorder.bounce(builder, passes.bounce);
-    recorder.finish(builder);
+    recorder.restitution(passes.bounce);
+    recorder.finish();
 }
 
-/// A body's part in a pass.
+/// As many groups as it takes for a thread a body.
+pub(crate) const fn per_body() -> Groups {
+    per(GROUPS_PER_64_BODIES)
+}
+
+/// As many groups as it takes for a thread a pair.
+pub(crate) const fn per_pair() -> Groups {
+    per(GROUPS_PER_64_PAIRS)
+}
+
+const fn per(slot: u32) -> Groups {
+    Groups::Indirect("solver_arguments", slot)
+}
+
+const SORT: Sort = Sort {
+    counters: "solver_counters",
+    input: ["end_keys", "ends"],
+    scratch: ["other_end_keys", "other_ends"],
+    digits: "end_digits",
+    sums: "end_sums",
+};
+
+/// Adds the calls before the first substep, and tells where the sorted ends are.
+fn prepare(calls: &mut Calls, room: &Room) -> &'static str {
+    calls.call(&BEGIN, per_body());
+    calls.call(&WARM_START_RENUMBER, per(GROUPS_PER_64_OLD_BODIES));
+    calls.call(&CONSTRAINTS, per_pair());
+    calls.call(&WARM_START, per_pair());
+    calls.call(&ENDS, per_pair());
+    let groups = [GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK].map(per);
+    let [keys, ends] = SORT.record(calls, ENTRIES, room.body_bits(), groups);
+    calls.call(&SEGMENTS, per_pair()).bind("end_keys", keys);
+    ends
+}
+
+/// What bodies do with the impulses of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Take {
     /// Counts the pairs that push the body first.
@@ -73,125 +91,16 @@ struct Take {
     then: u32,
 }
 
-/// The buffers, and the small uniforms that calls share.
-struct Recorder<'b> {
-    inputs: &'b Inputs<'b>,
-    lists: &'b Lists,
-    pairs: Groups,
-    bodies: Groups,
-    /// By what a pass does beside solving.
-    passes: [Buffer; 4],
-    /// By `then`, without counting and with.
-    takes: [[Buffer; 4]; 2],
-    /// Sorted ends: their bodies, and themselves.
-    ends: [&'b Buffer; 2],
+struct Recorder<'c> {
+    calls: &'c mut Calls,
+    /// Where the sorted ends are.
+    ends: &'static str,
 }
 
-impl<'b> Recorder<'b> {
-    fn new(builder: &Builder, inputs: &'b Inputs<'b>, lists: &'b Lists) -> Self {
-        let slot = |slot| Groups::Indirect(inputs.first_slot + slot);
-        let takes = |shares| [0, 1, 2, 3].map(|then| builder.constants([shares, then, 0, 0]));
-        Self {
-            inputs,
-            lists,
-            pairs: slot(GROUPS_PER_64_PAIRS),
-            bodies: slot(GROUPS_PER_64_BODIES),
-            passes: [0, 1, 2, 3].map(|flags| builder.constants([flags, 0, 0, 0])),
-            takes: [0, 1].map(takes),
-            ends: sorted_ends(lists),
-        }
-    }
-
-    fn count(&self, builder: &mut Builder) {
-        let (i, l) = (self.inputs, self.lists);
-        let constants = builder.constants([i.counter_of[0], i.counter_of[1], i.first_slot, 0]);
-        let counts = [
-            &l.interval,
-            &constants,
-            i.contact_counters,
-            i.status,
-            &l.counters,
-            i.arguments,
-        ];
-        builder.call(&ARGUMENTS, &counts, Groups::Exactly(1));
-    }
-
-    fn prepare(&self, builder: &mut Builder) {
-        let (i, l) = (self.inputs, self.lists);
-        let bodies = [
-            &l.interval,
-            i.bodies,
-            i.states,
-            i.forces,
-            &l.movers,
-            &l.velocities,
-            &l.masses,
-            &l.shifts,
-            &l.links,
-        ];
-        builder.call(&BEGIN, &bodies, self.bodies);
-        let old = Groups::Indirect(i.first_slot + GROUPS_PER_64_OLD_BODIES);
-        builder.call(&RENUMBER, &[&l.interval, i.renumbered, &l.links], old);
-        let pairs = [
-            &l.interval,
-            &l.counters,
-            i.contact_pairs,
-            i.bodies,
-            i.states,
-            &l.masses,
-            &l.links,
-            &l.kept_pairs,
-            &l.pairs,
-        ];
-        builder.call(&PREPARE_PAIRS, &pairs, self.pairs);
-        let points = [
-            &l.interval,
-            &l.counters,
-            i.contact_points,
-            &l.pairs,
-            &l.kept_pairs,
-            &l.kept_points,
-            &l.movers,
-            &l.shapes,
-            &l.points,
-        ];
-        builder.call(&PREPARE_POINTS, &points, self.pairs);
-        self.sort_ends(builder);
-    }
-
-    fn sort_ends(&self, builder: &mut Builder) {
-        let l = self.lists;
-        let ends = [&l.interval, &l.counters, &l.pairs, &l.keys, &l.values];
-        builder.call(&ENDS, &ends, self.pairs);
-        let sort = Sort {
-            counters: &l.counters,
-            input: [&l.keys, &l.values],
-            scratch: [&l.other_keys, &l.other_values],
-            digits: &l.digits,
-            sums: &l.sums,
-        };
-        let groups = [GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK];
-        let groups = groups.map(|slot| Groups::Indirect(self.inputs.first_slot + slot));
-        sort.record(builder, ENTRIES, l.room.body_bits(), groups);
-        let segments = [&l.interval, &l.counters, self.ends[0], &l.links];
-        builder.call(&SEGMENTS, &segments, self.pairs);
-    }
-
+impl Recorder<'_> {
     /// Bodies have sped up already; unless it is the last one they do so again at its end, for the next.
-    fn substep(&self, builder: &mut Builder, passes: Passes, last: bool) {
-        let l = self.lists;
-        let substep = [
-            &l.interval,
-            &l.counters,
-            &l.pairs,
-            &l.shapes,
-            &l.points,
-            &l.masses,
-            &l.shifts,
-            &l.velocities,
-            &l.impulses,
-        ];
-        builder.call(&BEGIN_SUBSTEP, &substep, self.pairs);
+    fn substep(&mut self, passes: Passes, last: bool) {
+        self.calls.call(&SUBSTEP_BEGIN, per_pair());
         let mut takes = vec![Take::default(); 1 + passes.bias as usize + passes.relax as usize];
         takes[0].shares = true;
         takes[passes.bias as usize].then |= THEN_ADVANCE;
@@ -204,92 +113,30 @@ impl<'b> Recorder<'b> {
                 // The first pass after the bodies have moved.
                 let measures = k == passes.bias + 1;
                 let flag = |set: bool, flag| if set { flag } else { 0 };
-                self.pass(builder, flag(biased, PASS_BIASED) | flag(measures, PASS_MEASURES));
+                let flags = flag(biased, PASS_BIASED) | flag(measures, PASS_MEASURES);
+                self.calls.call(&SOLVE, per_pair()).constants([flags, 0, 0, 0]);
             }
-            self.take(builder, take);
+            self.apply_impulses(take);
         }
     }
 
-    fn pass(&self, builder: &mut Builder, flags: u32) {
-        let l = self.lists;
-        let pass = [
-            &l.interval,
-            &self.passes[flags as usize],
-            &l.counters,
-            &l.pairs,
-            &l.shapes,
-            &l.points,
-            &l.masses,
-            &l.shifts,
-            &l.velocities,
-            &l.impulses,
-        ];
-        builder.call(&PASS, &pass, self.pairs);
+    fn apply_impulses(&mut self, take: Take) {
+        let call = self.calls.call(&APPLY_IMPULSES, per_body());
+        call.constants([take.shares.into(), take.then, 0, 0])
+            .bind("ends", self.ends);
     }
 
-    fn take(&self, builder: &mut Builder, take: Take) {
-        let l = self.lists;
-        let buffers = [
-            &l.interval,
-            &self.takes[usize::from(take.shares)][take.then as usize],
-            &l.movers,
-            &l.velocities,
-            &l.masses,
-            &l.shifts,
-            &l.links,
-            self.ends[1],
-            &l.impulses,
-            &l.pairs,
-        ];
-        builder.call(&TAKE, &buffers, self.bodies);
-    }
-
-    fn bounce(&self, builder: &mut Builder, times: u32) {
-        let l = self.lists;
-        let begin = [
-            &l.interval,
-            &l.counters,
-            &l.pairs,
-            &l.shapes,
-            &l.points,
-            &l.masses,
-            &l.shifts,
-            &l.impulses,
-        ];
-        builder.call(&BOUNCE_BEGIN, &begin, self.pairs);
-        let shares = Take { shares: true, then: 0 };
-        self.take(builder, shares);
-        let bounce = [&l.counters, &l.pairs, &l.points, &l.masses, &l.velocities, &l.impulses];
+    fn restitution(&mut self, times: u32) {
+        self.calls.call(&RESTITUTION_BEGIN, per_pair());
+        self.apply_impulses(Take { shares: true, then: 0 });
         for _ in 0..times {
-            builder.call(&BOUNCE, &bounce, self.pairs);
-            self.take(builder, Take::default());
+            self.calls.call(&RESTITUTION, per_pair());
+            self.apply_impulses(Take::default());
         }
     }
 
-    fn finish(&self, builder: &mut Builder) {
-        let l = self.lists;
-        let finish = [&l.interval, &l.movers, &l.velocities, &l.shifts, self.inputs.states];
-        builder.call(&FINISH, &finish, self.bodies);
-        let keep = [
-            &l.interval,
-            &l.counters,
-            &l.pairs,
-            &l.shapes,
-            &l.points,
-            &l.movers,
-            &l.kept_pairs,
-            &l.kept_points,
-        ];
-        builder.call(&KEEP, &keep, self.pairs);
-    }
-}
-
-/// Where the sort leaves its keys and values: every digit moves them to the other side.
-fn sorted_ends(lists: &Lists) -> [&Buffer; 2] {
-    let digits = lists.room.body_bits().div_ceil(crate::gpu::radix_sort::DIGIT);
-    if digits.is_multiple_of(2) {
-        [&lists.keys, &lists.values]
-    } else {
-        [&lists.other_keys, &lists.other_values]
+    fn finish(&mut self) {
+        self.calls.call(&FINISH, per_body());
+        self.calls.call(&WARM_START_KEEP, per_pair());
     }
 }

@@ -2,9 +2,8 @@
 
 use super::layout;
 use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
-use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, KINEMATIC, SENSOR, STATIC};
+use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_ROUNDNESS, KINEMATIC, SENSOR, STATIC};
 use crate::manifolds::{Manifold, ManifoldPoint};
-use crate::sleep::cpu::hash;
 use crate::solver::softness::Softness;
 use crate::solver::{CollisionSubstep, SleepState, SolverBody, SolverMotion};
 use crate::types::body::{ExternalForces, RigidBody};
@@ -12,14 +11,11 @@ use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
 use glam::{DQuat, DVec3, DVec4, Vec3};
 
-/// Stands for an infinite length: WGSL has no dependable infinity.
-pub const ENDLESS: f32 = 1.0e30;
-
 /// The square of a speed limit must be a finite number.
 const FASTEST: f32 = 1.0e18;
 
-/// The coarse parts of rotations are multiples of this, as in `solver_math.wgsl`.
-const ROTATION_DIGIT: f64 = 1.0 / (1 << 21) as f64;
+/// The coarse parts of rotations are multiples of this, and so are those of centres below a metre.
+pub(super) const COARSE_DIGIT: f64 = 1.0 / (1 << 21) as f64;
 
 /// What holds for an interval with so many bodies, of which `old_bodies` were there before, and for lists of this room.
 pub fn interval(
@@ -103,14 +99,14 @@ fn rule(rule: CombineRule) -> u32 {
 
 /// 0 for what is no length.
 fn length(value: f32) -> f32 {
-    if value > 0.0 { value.min(ENDLESS) } else { 0.0 }
+    if value > 0.0 { value.min(FLAT_ROUNDNESS) } else { 0.0 }
 }
 
-/// Where a body is.
-pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u64) -> layout::BodyState {
+/// Where a body is. `key` tells it from other bodies.
+pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::BodyState {
     let center = motion.center.as_vec3();
     let rotation = DVec4::from(motion.rotation);
-    let coarse = (rotation / ROTATION_DIGIT).round() * ROTATION_DIGIT;
+    let coarse = (rotation / COARSE_DIGIT).round() * COARSE_DIGIT;
     layout::BodyState {
         center: center.to_array(),
         center_low: (motion.center - center.as_dvec3()).as_vec3().to_array(),
@@ -122,7 +118,7 @@ pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u64) -> layout::Bod
         rest_time: sleep.rest_time,
         // Half of a sum is the sum of halves.
         neighbours: sleep.neighbours as u32,
-        key: hash(key) as u32,
+        key,
     }
 }
 

@@ -3,42 +3,53 @@
 //! A step can go on from the one before although the host has not seen its results: poses and velocities stay on the
 //! device. If a list turns out to be too short a flag on the device turns that step and all later ones into nothing;
 //! the host makes the list longer and sends them off again.
+//!
+//! | file | holds |
+//! |---|---|
+//! | [`upload`], [`solver_input`] | what a step is told |
+//! | [`lineage`] | which body of a step was which in the step before |
+//! | [`record`] | the kernels of each part of a step, in the order of [`order`](crate::step::order) |
+//! | [`buffers`], [`contact_programs`] | what only steps with contact points have |
+//! | [`submit`] | sends a step off |
+//! | [`flight`] | a step whose results are on their way |
+//! | [`overflow`] | lists that turn out to be too short |
+//! | [`room`] | makes buffers |
+//! | [`results`] | what comes of a step |
+//! | [`memory`] | what outlives it, for snapshots |
 
-pub mod contacts;
+pub mod buffers;
+mod contact_programs;
 mod flight;
-mod memory;
+pub mod lineage;
+pub mod memory;
+mod overflow;
+pub mod record;
 pub mod results;
 mod room;
+mod solver_input;
+mod submit;
 pub mod upload;
 
 use crate::gpu::arena::Arena;
 use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
-use crate::gpu::kernel::{Builder, Kernel, Kernels, Program};
-use crate::gpu::layout::{
-    self, CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MOST_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
-};
-use crate::gpu::readback::{read_words, scoped, staging};
+use crate::gpu::kernel::Kernels;
+use crate::gpu::layout;
+use crate::gpu::program::Program;
+use crate::gpu::readback::{read_words, scoped};
 use crate::gpu::timer::Timer;
-use crate::gpu::{radix_sort, scan};
-use crate::integrate;
-use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::speeds::Speeds;
-use crate::state::{Motion, StepInput};
+use crate::state::Motion;
 use crate::step::StepState;
-use crate::triangle_test;
-use crate::types::settings::Response;
 use crate::types::stage::Stage;
-use crate::{angles, broad_phase, force_scan};
-use contacts::Contacts;
-use contacts::input::{SolverInput, Told};
-use contacts::lineage::Lineage;
-use contacts::lists::StepCapacity;
+use contact_programs::ContactPrograms;
 use flight::Flight;
-use results::{Detail, Output, Parts};
+use lineage::Lineage;
+use record::all_modules;
+use results::{Detail, Output};
+use solver_input::Told;
 use std::collections::VecDeque;
 use thiserror::Error;
-use upload::{Carried, Input};
 use wgpu::Buffer;
 
 /// Why a step did not run.
@@ -55,22 +66,6 @@ pub enum StepError {
     CutShort,
 }
 
-/// Every kernel there is.
-pub fn kernels() -> impl Iterator<Item = &'static Kernel> {
-    own_kernels().chain(contacts::all_kernels())
-}
-
-/// Those of a step without contact points.
-fn own_kernels() -> impl Iterator<Item = &'static Kernel> {
-    (scan::KERNELS.into_iter())
-        .chain(radix_sort::KERNELS)
-        .chain(broad_phase::gpu::KERNELS)
-        .chain(angles::gpu::KERNELS)
-        .chain(triangle_test::gpu::KERNELS)
-        .chain(force_scan::gpu::KERNELS)
-        .chain(integrate::gpu::KERNELS)
-}
-
 /// The stages on a device.
 pub struct GpuStep {
     gpu: Gpu,
@@ -79,7 +74,7 @@ pub struct GpuStep {
     buffers: Buffers,
     program: Program,
     /// What finds contact points and moves bodies by them, where somebody asks for it.
-    contacts: Option<Contacts>,
+    contacts: Option<ContactPrograms>,
     /// Somebody has: its kernels are compiled, and meshes come with their corners and edges.
     has_features: bool,
     /// Which body was which in the last step, if it had contacts.
@@ -126,9 +121,10 @@ impl GpuStep {
     /// If the device cannot run the stages.
     pub fn with_room(gpu: Gpu, sizes: Sizes) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
-            let kernels = Kernels::new(&gpu, own_kernels())?;
+            let calls = room::impulse_calls(&sizes);
+            let kernels = Kernels::new(&gpu, all_modules(), calls.iter().map(|call| call.kernel))?;
             let buffers = Buffers::new(&gpu, sizes).map_err(|error| error.to_string())?;
-            let program = program(&gpu, &kernels, &buffers);
+            let program = room::impulse_program(&gpu, &kernels, &buffers);
             let timer = Timer::new(&gpu);
             Ok((kernels, buffers, program, timer))
         });
@@ -184,7 +180,7 @@ impl GpuStep {
 
     /// Bytes on the device.
     pub fn bytes(&self) -> u64 {
-        self.buffers.bytes() + self.contacts.as_ref().map_or(0, Contacts::bytes)
+        self.buffers.bytes() + self.contacts.as_ref().map_or(0, ContactPrograms::bytes)
     }
 
     /// Dispatches of each stage, in order; of a step with contacts those of one interval, once there was one.
@@ -211,19 +207,6 @@ impl GpuStep {
             output?.put(state);
         }
         Ok(())
-    }
-
-    /// Sends a step off. `carried` has an entry for each body of `state`, or none at all: bodies then are where `state`
-    /// says.
-    ///
-    /// # Errors
-    /// If the device cannot hold the bodies or meshes, or fails: all steps in flight are given up then.
-    pub fn submit(&mut self, state: &StepInput, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
-        let result = self.submit_within(state, carried, detail);
-        if result.is_err() {
-            self.fail();
-        }
-        result
     }
 
     /// Steps that were submitted and not taken.
@@ -309,178 +292,6 @@ impl GpuStep {
             bodies: self.bodies,
         }
     }
-
-    fn submit_within(
-        &mut self,
-        state: &StepInput,
-        carried: &[Option<Carried>],
-        detail: Detail,
-    ) -> Result<(), StepError> {
-        let wants_points = state.config.response != Response::Impulse;
-        if wants_points {
-            self.want_contacts()?;
-        }
-        let mut input = Input::new(state, carried);
-        if state.config.response == Response::Contacts {
-            let descent = self.lineage.follow(state);
-            // What may have changed while the results are on their way: what the host told, and what falls.
-            let push = self.told.iter().map(|told| told.push).sum();
-            let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
-            let known = self
-                .told
-                .iter()
-                .fold(self.speeds, |speeds, told| speeds.and(told.speeds));
-            let solver = SolverInput::new(state, carried, known.after(push, fall), descent);
-            self.told.push_back(solver.told);
-            input = input.with_solver(solver);
-        } else {
-            self.lineage.forget();
-            self.told.push_back(Told::default());
-        }
-        let mut changes = Vec::new();
-        if !self.arena.holds(&state.meshes) {
-            // Steps that must run again find their meshes where they were.
-            self.settle()?;
-            changes = self.arena.update(&state.meshes)?;
-        }
-        let needed = Sizes {
-            bodies: input.len(),
-            planes: state.planes.len() as u32,
-            meshes: self.arena.slots(),
-            words: self.arena.words(),
-            ..Sizes::default()
-        };
-        if !wants_points && self.buffers.sizes.grown(needed) != self.buffers.sizes {
-            // Swarms of impulses need no room for contact points: it is made again when somebody wants some.
-            self.settle()?;
-            self.contacts = None;
-        }
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
-            bodies: input.old_bodies(),
-            ..contacts.room
-        });
-        if self.lacks(needed, for_contacts) {
-            self.settle()?;
-        }
-        if !self.make_room(needed, for_contacts)? {
-            self.write(changes)?;
-        }
-        self.bodies = input.len();
-        self.launch(input, detail)
-    }
-
-    /// Waits until every step in flight has landed.
-    fn settle(&mut self) -> Result<(), StepError> {
-        while !self.flights.is_empty() {
-            let output = self.land()?;
-            self.landed.push_back(output);
-        }
-        Ok(())
-    }
-
-    /// Waits for the oldest flight.
-    fn land(&mut self) -> Result<Output, StepError> {
-        while let Some(flight) = self.flights.front_mut() {
-            let results = scoped(&self.gpu, || flight.wait(&self.gpu));
-            let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
-            self.waits += u64::from(waited);
-            if raw.counters[CUT_SHORT as usize] != 0 || raw.tally[CONTACTS_CUT_SHORT as usize] != 0 {
-                return Err(StepError::CutShort);
-            }
-            if raw.counters[SKIPPED as usize] == 0
-                && let Some(flight) = self.flights.pop_front()
-            {
-                self.spare.push(flight.staging);
-                return Ok(raw.sort(&flight.input, self.timer.as_ref()));
-            }
-            if !self.repeat(&raw.counters, &raw.tally)? {
-                return Err(StepError::Device(
-                    "a list is too short, and none needs to be longer".into(),
-                ));
-            }
-        }
-        Err(StepError::Device("there is no step to wait for".into()))
-    }
-
-    /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved:
-    /// the first one found a list too short, and that made the others do nothing.
-    fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
-        let needed = Sizes {
-            pairs: counters[SPHERE_PAIRS as usize].max(tally[MOST_PAIRS as usize]),
-            hits: counters[HITS as usize],
-            plane_contacts: counters[PLANE_CONTACTS as usize],
-            ..Sizes::default()
-        };
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
-            contacts: ContactCapacity::needed(tally),
-            touches: tally[TOUCHES as usize],
-            ..contacts.room
-        });
-        if !self.lacks(needed, for_contacts) {
-            return Ok(false);
-        }
-        self.make_room(needed, for_contacts)?;
-        for flight in std::mem::take(&mut self.flights) {
-            self.launch(flight.input, flight.detail)?;
-        }
-        Ok(true)
-    }
-
-    fn launch(&mut self, input: Input, detail: Detail) -> Result<(), StepError> {
-        let Self {
-            gpu,
-            kernels,
-            contacts,
-            buffers,
-            program,
-            timer,
-            flights,
-            spare,
-            ..
-        } = self;
-        let wanted = input.response != Response::Impulse;
-        let mut contacts = contacts.as_mut().filter(|_| wanted);
-        let flight = scoped(gpu, || {
-            if let (Some(contacts), Some(solver)) = (&mut contacts, &input.solver) {
-                contacts.prepare(gpu, kernels, buffers, solver.passes());
-            }
-            let contacts = contacts.as_deref();
-            let parts = Parts::new(&buffers.sizes, contacts, &input, detail);
-            input.write(gpu, buffers, contacts);
-            if flights.is_empty() {
-                // No list is known to be too short.
-                gpu.queue.write_buffer(&buffers.status, 0, &[0; 16]);
-            }
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("faceoff step"),
-            });
-            encoder.clear_buffer(&buffers.buckets, 0, None);
-            encoder.clear_buffer(&buffers.body_contacts, 0, None);
-            match (contacts, &input.solver) {
-                (Some(contacts), Some(solver)) => contacts.record(&mut encoder, buffers, solver, timer.as_ref()),
-                (Some(contacts), None) => contacts.record_detection(&mut encoder, buffers, input.len(), timer.as_ref()),
-                (None, _) => {
-                    for stage in Stage::ALL {
-                        let timestamps = timer.as_ref().map(|timer| timer.around(stage, 0));
-                        program.record(stage, &mut encoder, input.len(), &buffers.arguments, timestamps);
-                    }
-                }
-            }
-            if let Some(timer) = timer {
-                timer.resolve(&mut encoder, input.collision_substeps());
-            }
-            let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
-            let staging = match fitting {
-                Some(at) => spare.swap_remove(at),
-                None => staging(gpu, parts.total),
-            };
-            parts.copy(buffers, contacts, timer.as_ref(), &mut encoder, &staging);
-            let submission = gpu.queue.submit([encoder.finish()]);
-            Flight::new(input, detail, parts, staging, submission)
-        });
-        flights.push_back(flight.map_err(StepError::Device)?);
-        Ok(())
-    }
 }
 
 /// Two poses of every body, in the order of the last step that was submitted; its results may not be known yet.
@@ -493,22 +304,4 @@ pub struct Poses<'a> {
     pub current: &'a Buffer,
     /// How many there are.
     pub bodies: u32,
-}
-
-/// All calls, by stage.
-fn program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
-    let mut builder = Builder::new(gpu, kernels);
-    for stage in Stage::ALL {
-        builder.stage(stage);
-        match stage {
-            Stage::BroadPhase => broad_phase::gpu::record(&mut builder, buffers),
-            Stage::Angles => angles::gpu::record(&mut builder, buffers),
-            Stage::TriangleTest => triangle_test::gpu::record(&mut builder, buffers),
-            // Impulses need no contact points.
-            Stage::Manifolds => {}
-            Stage::ForceScan => force_scan::gpu::record(&mut builder, buffers),
-            Stage::Integrate => integrate::gpu::record(&mut builder, buffers),
-        }
-    }
-    builder.finish()
 }

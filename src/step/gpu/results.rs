@@ -1,6 +1,6 @@
 //! What a step found, brought back into the host's arrays, in an order that does not depend on which workgroup was first.
 
-use super::contacts::Contacts as ContactStep;
+use super::contact_programs::ContactPrograms;
 use super::upload::Input;
 use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::{Buffers, Sizes};
@@ -81,7 +81,7 @@ pub(super) struct Parts {
 
 impl Parts {
     /// Room for as much as the lists hold: how much there will be is not known when the copy is recorded.
-    pub fn new(sizes: &Sizes, contacts: Option<&ContactStep>, input: &Input, detail: Detail) -> Self {
+    pub fn new(sizes: &Sizes, contacts: Option<&ContactPrograms>, input: &Input, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
@@ -97,7 +97,7 @@ impl Parts {
         let touching = part(lists(sizes.pairs), size_of::<Touching>());
         let hits = part(lists(sizes.hits), size_of::<Hit>());
         let planes = part(lists(sizes.plane_contacts), size_of::<PlaneContact>());
-        let room = contacts.map(|contacts| contacts.room);
+        let room = contacts.map(ContactPrograms::room);
         let [pairs, points, touched] =
             room.map_or([0; 3], |room| [room.contacts.pairs, room.contacts.points, room.touches]);
         let tally = part(if room.is_some() { TALLIES } else { 0 }, 4);
@@ -126,7 +126,7 @@ impl Parts {
     pub fn copy(
         &self,
         buffers: &Buffers,
-        contacts: Option<&ContactStep>,
+        contacts: Option<&ContactPrograms>,
         timer: Option<&Timer>,
         encoder: &mut CommandEncoder,
         to: &Buffer,
@@ -142,11 +142,11 @@ impl Parts {
         ];
         let found = contacts.map(|contacts| {
             [
-                (&contacts.lists.tally, &self.tally),
-                (&contacts.contacts.counters, &self.found),
+                (&contacts.step.tally, &self.tally),
+                (&contacts.contacts.contact_counters, &self.found),
                 (&contacts.contacts.contact_pairs, &self.contact_pairs),
                 (&contacts.contacts.contact_points, &self.contact_points),
-                (&contacts.lists.touches, &self.touches),
+                (&contacts.step.touches, &self.touches),
             ]
         });
         for (from, range) in lists.into_iter().chain(found.into_iter().flatten()).chain(times) {

@@ -1,12 +1,19 @@
 //! Room on the device: for what a step needs, and for what only steps with contacts need.
 
-use super::{GpuStep, StepError, program};
+use super::buffers::StepCapacity;
+use super::contact_programs::{ContactPrograms, START};
+use super::record::{Recorder, all_kernels, all_modules};
+use super::{GpuStep, StepError};
 use crate::gpu::arena::Change;
 use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
+use crate::gpu::device::Gpu;
+use crate::gpu::kernel::Kernels;
 use crate::gpu::layout;
+use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::scoped;
-use crate::step::gpu::contacts::lists::StepCapacity;
-use crate::step::gpu::contacts::{self, Contacts};
+use crate::step::order::Place;
+use crate::types::settings::Response;
+use crate::types::stage::Stage;
 
 impl GpuStep {
     /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
@@ -24,9 +31,9 @@ impl GpuStep {
         } = self;
         let made = scoped(gpu, || {
             if !*has_features {
-                kernels.add(gpu, contacts::all_kernels())?;
+                kernels.add(gpu, all_modules(), all_kernels())?;
             }
-            Ok::<_, String>(Contacts::new(gpu, kernels, buffers, contacts::START))
+            Ok::<_, String>(ContactPrograms::new(gpu, kernels, buffers, START))
         });
         let contacts = made.and_then(|made| made).map_err(StepError::Device)?;
         if !self.has_features {
@@ -39,7 +46,7 @@ impl GpuStep {
 
     /// Whether some list does not suffice.
     pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepCapacity>) -> bool {
-        let room = self.contacts.as_ref().map(|contacts| contacts.room);
+        let room = self.contacts.as_ref().map(ContactPrograms::room);
         self.buffers.sizes.grown(needed) != self.buffers.sizes
             || room
                 .zip(for_contacts)
@@ -60,14 +67,14 @@ impl GpuStep {
                 // The only thing here that outlives a step.
                 let (from, to) = (&self.buffers.moved, &buffers.moved);
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
-                Some((program(&self.gpu, &self.kernels, &buffers), buffers))
+                Some((impulse_program(&self.gpu, &self.kernels, &buffers), buffers))
             } else {
                 None
             };
             let contacts = match (&self.contacts, for_contacts) {
                 (Some(old), Some(needed)) => {
                     let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
-                    let contacts = Contacts::new(&self.gpu, &self.kernels, buffers, old.room.grown(needed))?;
+                    let contacts = ContactPrograms::new(&self.gpu, &self.kernels, buffers, old.room().grown(needed))?;
                     contacts.take_memory(old, &mut encoder);
                     Some(contacts)
                 }
@@ -109,4 +116,20 @@ impl GpuStep {
         })
         .map_err(StepError::Device)
     }
+}
+
+/// The calls of a step with [`Response::Impulse`].
+pub(super) fn impulse_calls(sizes: &Sizes) -> Calls {
+    let recorder = Recorder {
+        response: Response::Impulse,
+        sizes,
+        room: None,
+        passes: None,
+    };
+    recorder.calls(&Stage::ALL, Place::of(0, 1))
+}
+
+/// The same, with their buffers.
+pub(super) fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
+    Program::new(gpu, kernels, &impulse_calls(&buffers.sizes), &[buffers])
 }

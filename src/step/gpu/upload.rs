@@ -1,7 +1,7 @@
 //! From the host's arrays to the device's.
 
-use super::contacts::Contacts;
-use super::contacts::input::SolverInput;
+use super::contact_programs::ContactPrograms;
+use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::buffers::{Buffers, Sizes};
 use crate::gpu::device::Gpu;
@@ -199,7 +199,7 @@ impl Input {
     }
 
     /// Writes everything.
-    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&Contacts>) {
+    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&ContactPrograms>) {
         let sizes = &buffers.sizes;
         let held = Sizes {
             bodies: self.step.bodies,
@@ -211,7 +211,7 @@ impl Input {
             pair_capacity: sizes.pairs,
             hit_capacity: sizes.hits,
             plane_contact_capacity: sizes.plane_contacts,
-            touch_capacity: contacts.map_or(0, |contacts| contacts.room.touches),
+            touch_capacity: contacts.map_or(0, |contacts| contacts.room().touches),
             ..self.step
         };
         let mut counters = [0u32; COUNTERS as usize];
@@ -223,7 +223,7 @@ impl Input {
         if let Some(contacts) = contacts {
             contacts.write_limits(gpu, step.bodies, step.planes);
             if let Some(solver) = &self.solver {
-                solver.write(gpu, &contacts.lists, contacts.solver_room());
+                solver.write(gpu, &contacts.step, contacts.solver.sizes);
             }
         }
     }

@@ -136,7 +136,7 @@ impl Contour {
 
 /// The share of a circle's area that a contour must enclose for its area vector to say anything: patches on opposite
 /// sides cancel, and so do crossings of open sheets.
-const SIGNIFICANT: f64 = 0.02;
+pub(crate) const SIGNIFICANT: f64 = 0.02;
 
 /// The pair's contact, from its contour or, without a usable one, along the line of centres.
 pub fn contact(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, contour: &Contour, view: &PairView) -> Contact {

@@ -8,6 +8,9 @@ use crate::state::mesh_arena::Points;
 use glam::Vec3;
 use wide::f32x8;
 
+/// Planes cross in no line if the sum of its direction's components is below this.
+pub(crate) const LEAST_LINE: f32 = 1.0e-30;
+
 /// Eight triangles and what is known of their planes.
 pub struct Eight {
     pub corners: [Points; 3],
@@ -76,7 +79,7 @@ pub fn decide_by([a, b]: [&Eight; 2], heights_a: &[f32x8; 3], heights_b: &[f32x8
 
     let apart = side_a.one | side_b.one;
     // Nearly parallel planes, or tiny faces, have next to no common line.
-    let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(f32x8::splat(1.0e-30));
+    let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(f32x8::splat(LEAST_LINE));
     let hit = clear & overlap.simd_gt(bound);
     let miss = apart | (clear & overlap.simd_lt(-bound));
     let hit = hit.to_bitmask() & !apart.to_bitmask();

@@ -1,12 +1,14 @@
 //! More workgroups than one dimension holds: every one runs, once, whoever counted them.
 
 use bevy_faceoff::broad_phase::gpu::ARGUMENTS;
+use bevy_faceoff::gpu::SHADERS;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::kernel::{Builder, Groups, Kernel, Kernels, MAX_ROW, read, rows, write};
+use bevy_faceoff::gpu::kernel::{Kernel, Kernels};
 use bevy_faceoff::gpu::layout::{
     COUNTERS, ENTRIES, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_PAIR, GROUPS_PER_SORT_BLOCK, PAIRS,
     SKIPPED, SPHERE_PAIRS, Step,
 };
+use bevy_faceoff::gpu::program::{BufferSet, Calls, Groups, MAX_ROW, Program, rows};
 use bevy_faceoff::gpu::radix_sort;
 use bevy_faceoff::gpu::readback::{read_words, scoped};
 use bevy_faceoff::gpu::scan;
@@ -31,8 +33,6 @@ const MARK: Kernel = Kernel {
         }
     ",
     emit: false,
-    workgroup: 1,
-    bindings: &[read(0, "wanted", "u32"), write(1, "marks", "u32")],
 };
 
 /// The device's own `rows`, into the first slot.
@@ -51,8 +51,6 @@ const ROWS: Kernel = Kernel {
         }
     ",
     emit: false,
-    workgroup: 1,
-    bindings: &[read(0, "wanted", "u32"), write(1, "arguments", "u32")],
 };
 
 fn buffer(gpu: &Gpu, words: &[u32], usage: BufferUsages) -> Buffer {
@@ -64,13 +62,14 @@ fn buffer(gpu: &Gpu, words: &[u32], usage: BufferUsages) -> Buffer {
 }
 
 /// Runs what `add` adds; indirect dispatches take their groups from `arguments`.
-fn run(gpu: &Gpu, kernels: &Kernels, arguments: &Buffer, add: impl FnOnce(&mut Builder)) {
+fn run(gpu: &Gpu, kernels: &Kernels, buffers: &dyn BufferSet, kernel: &'static Kernel, groups: Groups) {
+    const STAGE: Stage = Stage::BroadPhase;
     scoped(gpu, || {
-        let mut builder = Builder::new(gpu, kernels);
-        add(&mut builder);
+        let mut calls = Calls::new(STAGE);
+        calls.call(kernel, groups);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let program = builder.finish();
-        program.record(Stage::BroadPhase, &mut encoder, 0, arguments, None);
+        let program = Program::new(gpu, kernels, &calls, &[buffers]);
+        program.record(STAGE, &mut encoder, 0, None);
         gpu.queue.submit([encoder.finish()]);
     })
     .unwrap();
@@ -86,28 +85,25 @@ fn check_marks(gpu: &Gpu, marks: &Buffer, wanted: u32) {
 }
 
 pub fn direct(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, [&MARK]).unwrap();
-    let arguments = buffer(gpu, &[0; 4], BufferUsages::INDIRECT);
+    let kernels = Kernels::new(gpu, SHADERS.modules, [&MARK]).unwrap();
     for wanted in COUNTS {
         let count = buffer(gpu, &[wanted], BufferUsages::empty());
         let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
-        run(gpu, &kernels, &arguments, |builder| {
-            builder.call(&MARK, &[&count, &marks], Groups::Exactly(wanted));
-        });
+        let buffers = [("wanted", &count), ("marks", &marks)];
+        run(gpu, &kernels, &buffers, &MARK, Groups::Exactly(wanted));
         check_marks(gpu, &marks, wanted);
     }
 }
 
 pub fn indirect(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, [&MARK, &ROWS]).unwrap();
+    let kernels = Kernels::new(gpu, SHADERS.modules, [&MARK, &ROWS]).unwrap();
     for wanted in COUNTS {
         let arguments = buffer(gpu, &[0; 4], BufferUsages::INDIRECT);
         let count = buffer(gpu, &[wanted], BufferUsages::empty());
         let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
-        run(gpu, &kernels, &arguments, |builder| {
-            builder.call(&ROWS, &[&count, &arguments], Groups::Exactly(1));
-            builder.call(&MARK, &[&count, &marks], Groups::Indirect(0));
-        });
+        let buffers = [("wanted", &count), ("arguments", &arguments), ("marks", &marks)];
+        run(gpu, &kernels, &buffers, &ROWS, Groups::Exactly(1));
+        run(gpu, &kernels, &buffers, &MARK, Groups::Indirect("arguments", 0));
         assert_eq!(read_words(gpu, &arguments, 3).unwrap(), rows(wanted));
         check_marks(gpu, &marks, wanted);
     }
@@ -127,9 +123,13 @@ fn broad_phase_arguments(gpu: &Gpu, kernels: &Kernels, pairs: u32, capacity: u32
     let counters = buffer(gpu, &start, BufferUsages::empty());
     // What an earlier step left there must not matter.
     let arguments = buffer(gpu, &[77; 16], BufferUsages::INDIRECT);
-    run(gpu, kernels, &arguments, |builder| {
-        builder.call(&ARGUMENTS, &[&step, &status, &counters, &arguments], Groups::Exactly(1));
-    });
+    let buffers = [
+        ("step", &step),
+        ("status", &status),
+        ("counters", &counters),
+        ("arguments", &arguments),
+    ];
+    run(gpu, kernels, &buffers, &ARGUMENTS, Groups::Exactly(1));
     [counters, arguments]
 }
 
@@ -145,7 +145,7 @@ fn slots(pairs: u32) -> [(u32, u32); 4] {
 }
 
 pub fn of_the_broad_phase(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, [&MARK, &ARGUMENTS]).unwrap();
+    let kernels = Kernels::new(gpu, SHADERS.modules, [&MARK, &ARGUMENTS]).unwrap();
     for pairs in [0, 1, 64, 65, MAX_ROW + 1, 70_000, 5_000_000] {
         let [counters, arguments] = broad_phase_arguments(gpu, &kernels, pairs, 5_000_000);
         let counters = read_words(gpu, &counters, COUNTERS as usize).unwrap();
@@ -154,16 +154,15 @@ pub fn of_the_broad_phase(gpu: &Gpu) {
         for (slot, wanted) in slots(pairs) {
             let count = buffer(gpu, &[wanted], BufferUsages::empty());
             let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
-            run(gpu, &kernels, &arguments, |builder| {
-                builder.call(&MARK, &[&count, &marks], Groups::Indirect(slot));
-            });
+            let buffers = [("wanted", &count), ("marks", &marks), ("arguments", &arguments)];
+            run(gpu, &kernels, &buffers, &MARK, Groups::Indirect("arguments", slot));
             check_marks(gpu, &marks, wanted);
         }
     }
 }
 
 pub fn nothing_after_overflow(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, [&ARGUMENTS]).unwrap();
+    let kernels = Kernels::new(gpu, SHADERS.modules, [&ARGUMENTS]).unwrap();
     let [counters, arguments] = broad_phase_arguments(gpu, &kernels, 1001, 1000);
     let counters = read_words(gpu, &counters, COUNTERS as usize).unwrap();
     let noted = [PAIRS, ENTRIES, SPHERE_PAIRS].map(|counter| counters[counter as usize]);

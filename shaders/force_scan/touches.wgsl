@@ -1,0 +1,58 @@
+// ForceScan of a step with contacts, before bodies fall asleep: who touched whom, and where. `src/step/touches.rs` explains it. A thread a pair.
+#import faceoff::dispatch::group_index
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> step: t::Step;
+@group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(2) var<storage, read> solver_pairs: array<s::SolverPair>;
+@group(0) @binding(3) var<storage, read> contact_points: array<t::ContactPoint>;
+@group(0) @binding(4) var<storage, read> points: array<s::PointState>;
+@group(0) @binding(5) var<storage, read> states: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read> shifts: array<s::Shift>;
+@group(0) @binding(7) var<storage, read_write> tally: array<atomic<u32>>;
+@group(0) @binding(8) var<storage, read_write> touches: array<t::Touch>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    if 2u * i >= solver_counters[s::ENTRIES] {
+        return;
+    }
+    let pair = solver_pairs[i];
+    if (pair.flags & s::VALID) == 0u || pair.count == 0u {
+        return;
+    }
+    var nearest = pair.first;
+    var pushes = false;
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        if contact_points[k].separation < contact_points[nearest].separation {
+            nearest = k;
+        }
+        // Those of bodies that sleep hold the impulse that they had last.
+        pushes |= impulse_of(points[k]) > 0.0 || points[k].impulse > 0.0;
+    }
+    if !(pushes || contact_points[nearest].separation <= pair.rest_offset) {
+        return;
+    }
+    if pair.b < step.bodies {
+        atomicAdd(&tally[t::TOUCHING_NOW], 1u);
+    }
+    let first = atomicAdd(&tally[t::TOUCHES], pair.count);
+    if first + pair.count > step.touch_capacity {
+        return;
+    }
+    // As the interval began.
+    let center = states[pair.a].center + (states[pair.a].center_low - shifts[pair.a].moved);
+    let lap = atomicLoad(&tally[t::INTERVALS]);
+    for (var k = 0u; k < pair.count; k += 1u) {
+        let point = contact_points[pair.first + k];
+        let middle = center + (point.arm_a + point.normal * (0.5 * point.separation));
+        let pushed = impulse_of(points[pair.first + k]);
+        touches[first + k] = t::Touch(middle, pair.a, point.normal, pair.b, point.separation, pushed, lap, k);
+    }
+}
+
+fn impulse_of(point: s::PointState) -> f32 {
+    return point.total + point.impulse + point.bounce;
+}

@@ -1,0 +1,399 @@
+// Contact generation: the segments of a pair, joined into closed contours, and the patches that these enclose. A workgroup a
+// pair. `src/manifolds/cpu/contour.rs` explains it.
+#import faceoff::constants::manifolds::{DEEP, LEAST_ENCLOSED_AREA, SPREAD}
+#import faceoff::dispatch::group_index
+#import faceoff::types as t
+
+@group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
+@group(0) @binding(1) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
+// Eight words a segment. Of a pair with n segments: a table of 4 n slots for the ends of segments, by what these share
+// with the segment that goes on there (later a list of loose ends); for each end the other end of that, 2 n; the number of
+// the first segment known to belong to the same contour, n; for each first segment how many there are, n.
+@group(0) @binding(3) var<storage, read_write> contour_links: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> patches: array<t::Patch>;
+
+// Ends of contours that should go on count as the same point if they are this near, beside the rounding of heights.
+const TIE_ROUNDINGS: f32 = 4.0;
+// More loose ends than this are not tied.
+const MOST_LOOSE: u32 = 1024u;
+
+var<workgroup> loose: atomic<u32>;
+var<workgroup> changed: array<atomic<u32>, 3>;
+var<workgroup> lowest: atomic<u32>;
+var<workgroup> sums: array<vec4<f32>, 64>;
+var<workgroup> best_reach: array<vec4<f32>, 64>;
+var<workgroup> best_end: array<vec4<u32>, 64>;
+
+// The pair's segments.
+var<private> first: u32;
+var<private> count: u32;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let index = group_index(group);
+    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+        return;
+    }
+    let setting = settings[index];
+    first = setting.first_segment;
+    count = setting.segment_count;
+    if setting.valid == 0u || count == 0u {
+        return;
+    }
+    join(thread);
+    tie_loose_ends(thread, TIE_ROUNDINGS * setting.rounding);
+    label(thread);
+    find_patches(index, setting, thread);
+}
+
+fn slot(i: u32) -> u32 {
+    return 8u * first + i;
+}
+
+fn partner_of(end: u32) -> u32 {
+    return 8u * first + 4u * count + end;
+}
+
+fn label_of(i: u32) -> u32 {
+    return 8u * first + 6u * count + i;
+}
+
+fn size_of(i: u32) -> u32 {
+    return 8u * first + 7u * count + i;
+}
+
+// An edge of one body and the triangle of the other that it pierces.
+fn key(end: u32) -> vec2<u32> {
+    let segment = segments[first + end / 2u];
+    let edge = select(segment.start_edge, segment.end_edge, end % 2u == 1u);
+    return vec2(edge, select(segment.b, segment.a, (edge & t::OF_SECOND) != 0u));
+}
+
+fn place(end: u32) -> vec3<f32> {
+    let i = first + end / 2u;
+    if end % 2u == 1u {
+        return segments[i].end;
+    }
+    return segments[i].start;
+}
+
+// Finds for each end another with the same key.
+fn join(thread: u32) {
+    for (var i = thread; i < 4u * count; i += 64u) {
+        atomicStore(&contour_links[slot(i)], 0u);
+    }
+    for (var i = thread; i < 2u * count; i += 64u) {
+        atomicStore(&contour_links[partner_of(i)], t::NOTHING);
+    }
+    for (var i = thread; i < count; i += 64u) {
+        atomicStore(&contour_links[label_of(i)], i);
+        atomicStore(&contour_links[size_of(i)], 0u);
+    }
+    if thread == 0u {
+        atomicStore(&loose, 0u);
+    }
+    sync();
+    var end = thread;
+    while end < 2u * count {
+        let own = key(end);
+        var at = hash(own) % (4u * count);
+        loop {
+            var held = atomicLoad(&contour_links[slot(at)]);
+            if held == 0u {
+                let put = atomicCompareExchangeWeak(&contour_links[slot(at)], 0u, end + 1u);
+                if put.exchanged {
+                    break;
+                }
+                held = put.old_value;
+            }
+            // It may still be empty: exchanges fail now and then.
+            if held != 0u {
+                if all(key(held - 1u) == own) {
+                    // Who comes first holds the slot, and which of several is noted there does not matter.
+                    atomicStore(&contour_links[partner_of(end)], held - 1u);
+                    atomicStore(&contour_links[partner_of(held - 1u)], end);
+                    break;
+                }
+                at = (at + 1u) % (4u * count);
+            }
+        }
+        end += 64u;
+    }
+    check(end >= 2u * count);
+    sync();
+}
+
+// Some devices leave a loop that takes long.
+fn check(finished: bool) {
+    if !finished {
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
+    }
+}
+
+fn hash(key: vec2<u32>) -> u32 {
+    var h = key.x * 0x9e3779b1u ^ (key.y + 0x7f4a7c15u) * 0x85ebca77u;
+    h = (h ^ (h >> 15u)) * 0xc2b2ae3du;
+    return h ^ (h >> 13u);
+}
+
+// Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they are.
+fn tie_loose_ends(thread: u32, reach: f32) {
+    for (var end = thread; end < 2u * count; end += 64u) {
+        if atomicLoad(&contour_links[partner_of(end)]) == t::NOTHING {
+            // Twice as many fit.
+            atomicStore(&contour_links[slot(atomicAdd(&loose, 1u))], end);
+        }
+    }
+    sync();
+    let number = atomicLoad(&loose);
+    if number > MOST_LOOSE {
+        return;
+    }
+    for (var i = thread; i < number; i += 64u) {
+        let end = atomicLoad(&contour_links[slot(i)]);
+        let p = place(end);
+        var nearest = t::NOTHING;
+        for (var j = 0u; j < number; j += 1u) {
+            let other = atomicLoad(&contour_links[slot(j)]);
+            let way = place(other) - p;
+            if other != end && dot(way, way) <= reach * reach {
+                nearest = min(nearest, other);
+            }
+        }
+        atomicStore(&contour_links[partner_of(end)], nearest);
+    }
+    sync();
+}
+
+// Gives all segments of a contour the number of its first one.
+fn label(thread: u32) {
+    if thread < 3u {
+        atomicStore(&changed[thread], 0u);
+    }
+    workgroupBarrier();
+    var turn = 0u;
+    var go_on = true;
+    for (var round = 0u; round <= count; round += 1u) {
+        var any_change = false;
+        for (var end = thread; end < 2u * count; end += 64u) {
+            let partner = atomicLoad(&contour_links[partner_of(end)]);
+            if partner != t::NOTHING {
+                let own = atomicLoad(&contour_links[label_of(end / 2u)]);
+                let other = atomicLoad(&contour_links[label_of(partner / 2u)]);
+                if own != other {
+                    any_change = true;
+                    let least = min(own, other);
+                    atomicMin(&contour_links[label_of(end / 2u)], least);
+                    atomicMin(&contour_links[label_of(partner / 2u)], least);
+                    // And that of the one after which the higher was named.
+                    atomicMin(&contour_links[label_of(max(own, other))], least);
+                }
+            }
+            let named = atomicLoad(&contour_links[label_of(end / 2u)]);
+            let root = atomicLoad(&contour_links[label_of(named)]);
+            if root < named {
+                any_change = true;
+                atomicMin(&contour_links[label_of(end / 2u)], root);
+            }
+        }
+        if any_change {
+            atomicStore(&changed[turn], 1u);
+        }
+        sync();
+        go_on = atomicLoad(&changed[turn]) == 1u;
+        // Cleared for the round after the next: others may still read this one.
+        if thread == 0u {
+            atomicStore(&changed[(turn + 2u) % 3u], 0u);
+        }
+        turn = (turn + 1u) % 3u;
+        if !go_on {
+            break;
+        }
+    }
+    check(!go_on);
+    for (var i = thread; i < count; i += 64u) {
+        atomicAdd(&contour_links[size_of(atomicLoad(&contour_links[label_of(i)]))], 1u);
+    }
+    sync();
+}
+
+fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
+    var low = vec3(3.0e38);
+    var high = vec3(-3.0e38);
+    var way = vec3(0.0);
+    var number = 0u;
+    var next = 0u;
+    var finished = false;
+    loop {
+        // The next contour of more than one segment.
+        if thread == 0u {
+            atomicStore(&lowest, t::NOTHING);
+        }
+        workgroupBarrier();
+        for (var i = thread; i < count; i += 64u) {
+            if i >= next && atomicLoad(&contour_links[size_of(i)]) > 1u {
+                atomicMin(&lowest, i);
+                break;
+            }
+        }
+        workgroupBarrier();
+        let root = atomicLoad(&lowest);
+        workgroupBarrier();
+        if root == t::NOTHING {
+            finished = true;
+            break;
+        }
+        next = root + 1u;
+        let found = patch_of(setting, root, thread);
+        if found.reach > 0.0 {
+            let half = vec3(found.reach + 0.5 * DEEP * setting.size);
+            low = min(low, found.center - half);
+            high = max(high, found.center + half);
+            // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
+            way = select(vec3(0.0), found.normal, number == 0u);
+            if thread == 0u {
+                patches[first + number] = found;
+            }
+            number += 1u;
+        }
+    }
+    check(finished);
+    if thread == 0u {
+        settings[index].low = low;
+        settings[index].high = high;
+        settings[index].way = way;
+        settings[index].patch_count = number;
+    }
+}
+
+// The patch of the contour whose first segment is `root`; its reach is zero if it encloses no area.
+fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
+    var result: t::Patch;
+    result.reach = 0.0;
+    // Sums are taken about the first point, for digits.
+    let origin = segments[first + root].start;
+    var sum = vec4(0.0);
+    for (var i = thread; i < count; i += 64u) {
+        if atomicLoad(&contour_links[label_of(i)]) == root {
+            let segment = segments[first + i];
+            let along = segment.end - segment.start;
+            let length = sqrt(dot(along, along));
+            sum += vec4(((segment.start - origin) + (segment.end - origin)) * (0.5 * length), length);
+        }
+    }
+    sum = total(sum, thread);
+    let length = sum.w;
+    if !(length > 0.0) {
+        return result;
+    }
+    let center = origin + sum.xyz / length;
+    var area = vec3(0.0);
+    var square = 0.0;
+    for (var i = thread; i < count; i += 64u) {
+        if atomicLoad(&contour_links[label_of(i)]) == root {
+            let segment = segments[first + i];
+            let arm = segment.start - center;
+            let other = segment.end - center;
+            area += 0.5 * cross(arm, segment.end - segment.start);
+            square = max(square, max(dot(arm, arm), dot(other, other)));
+        }
+    }
+    area = total(vec4(area, 0.0), thread).xyz;
+    let radius = sqrt(largest(square, thread));
+    let size = sqrt(dot(area, area));
+    // A contour that is a line to and fro encloses what rounding makes of it.
+    if !(size > LEAST_ENCLOSED_AREA * setting.size * setting.size && size > 0.5 * setting.rounding * length) {
+        return result;
+    }
+    result.center = center;
+    result.normal = area / size;
+    result.area = size;
+    result.length = length;
+    result.reach = SPREAD * radius + setting.margin;
+    result.kept = 0u;
+    result.a = segments[first + root].a;
+    result.b = segments[first + root].b;
+
+    // The farthest from the centre across the normal is the first, so both bodies choose the same.
+    let n = result.normal;
+    let to_first = farthest(thread, root, center, mat3x3(vec3(0.0), vec3(0.0), vec3(0.0)), n);
+    result.arm_a = arm_of(to_first.x, center);
+    let across = cross(n, result.arm_a);
+    let others = farthest(thread, root, center, mat3x3(-result.arm_a, across, -across), n);
+    result.arm_b = arm_of(others.y, center);
+    result.arm_c = arm_of(others.z, center);
+    result.arm_d = arm_of(others.w, center);
+    return result;
+}
+
+fn arm_of(i: u32, center: vec3<f32>) -> vec3<f32> {
+    return segments[first + i].start - center;
+}
+
+// The segments of a contour whose starts are farthest from the centre: across the normal, and along each of three ways.
+fn farthest(thread: u32, root: u32, center: vec3<f32>, ways: mat3x3<f32>, normal: vec3<f32>) -> vec4<u32> {
+    var best = vec4(-3.0e38);
+    var number = vec4(root);
+    for (var i = thread; i < count; i += 64u) {
+        if atomicLoad(&contour_links[label_of(i)]) == root {
+            let arm = segments[first + i].start - center;
+            let aside = arm - normal * dot(arm, normal);
+            let reach = vec4(dot(aside, aside), arm * ways);
+            number = select(number, vec4(i), reach > best);
+            best = max(best, reach);
+        }
+    }
+    best_reach[thread] = best;
+    best_end[thread] = number;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half {
+            let other = best_reach[thread + half];
+            let other_end = best_end[thread + half];
+            let own = best_reach[thread];
+            let own_end = best_end[thread];
+            let better = (other > own) | ((other == own) & (other_end < own_end));
+            best_reach[thread] = select(own, other, better);
+            best_end[thread] = select(own_end, other_end, better);
+        }
+        workgroupBarrier();
+    }
+    let result = best_end[0];
+    workgroupBarrier();
+    return result;
+}
+
+fn total(own: vec4<f32>, thread: u32) -> vec4<f32> {
+    sums[thread] = own;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half {
+            sums[thread] += sums[thread + half];
+        }
+        workgroupBarrier();
+    }
+    let result = sums[0];
+    workgroupBarrier();
+    return result;
+}
+
+fn largest(own: f32, thread: u32) -> f32 {
+    sums[thread].x = own;
+    workgroupBarrier();
+    for (var half = 32u; half > 0u; half /= 2u) {
+        if thread < half {
+            sums[thread].x = max(sums[thread].x, sums[thread + half].x);
+        }
+        workgroupBarrier();
+    }
+    let result = sums[0].x;
+    workgroupBarrier();
+    return result;
+}
+
+// All threads have come so far, and see what the others have written.
+fn sync() {
+    storageBarrier();
+    workgroupBarrier();
+}

@@ -1,0 +1,253 @@
+#define_import_path faceoff::features
+
+// Vertices over faces, edges over edges, and segments in which triangles cross: `src/manifolds/cpu/feature.rs` and
+// `contour.rs` explain them.
+
+#import faceoff::arena::words
+#import faceoff::constants::manifolds::{ARC, BELOW, FLAT, OUTSIDE, PARALLEL}
+#import faceoff::sides
+#import faceoff::types as t
+
+// Planes that differ by less than this, as a squared sine, are one.
+const SAME_PLANE: f32 = 1.0e-12;
+
+// Two triangles and the heights of their corners over each other's planes.
+struct Encounter {
+    a: sides::Triangle,
+    b: sides::Triangle,
+    heights_a: vec3<f32>,
+    heights_b: vec3<f32>,
+    rounding: f32,
+    // Separations of features.
+    low: f32,
+    high: f32,
+}
+
+fn none() -> t::Feature {
+    var feature: t::Feature;
+    feature.separation = t::DROPPED;
+    return feature;
+}
+
+// Corner k of `own` over the triangle `over`.
+fn vertex_feature(
+    side: sides::Side, own: sides::Triangle, over: sides::Triangle, height: f32, k: u32, rounding: f32
+) -> t::Feature {
+    let p = own.corners[k];
+    let foot = p - over.normal * height;
+    for (var i = 0u; i < 3u; i += 1u) {
+        let start = over.corners[i];
+        let edge = over.corners[(i + 1u) % 3u] - start;
+        let inside = dot(cross(edge, foot - start), over.normal) * over.handed;
+        let square = dot(edge, edge);
+        // Nothing lies over a triangle that has collapsed.
+        if inside <= -(OUTSIDE * square + rounding * sqrt(square)) {
+            return none();
+        }
+    }
+    let vertex = sides::vertices(side, own.number)[k];
+    let range = sides::neighbors(side, vertex);
+    for (var n = range.x; n < range.y; n += 1u) {
+        let edge = sides::vertex(side, words[n]) - p;
+        let along = dot(edge, over.normal);
+        if along < 0.0 && along * along > BELOW * BELOW * dot(edge, edge) {
+            return none();
+        }
+    }
+    var feature: t::Feature;
+    let of_second = side.mark != 0u;
+    feature.point_a = select(p, foot, of_second);
+    feature.point_b = select(foot, p, of_second);
+    feature.normal = select(-over.normal, over.normal, of_second);
+    feature.separation = height;
+    feature.vertex = vertex | side.mark;
+    feature.a = select(own.number, over.number, of_second);
+    feature.b = select(over.number, own.number, of_second);
+    return feature;
+}
+
+// Edge k of the first triangle over edge l of the second.
+fn edge_feature(sa: sides::Side, sb: sides::Side, met: Encounter, k: u32, l: u32) -> t::Feature {
+    let start_a = met.a.corners[k];
+    let start_b = met.b.corners[l];
+    let along_a = met.a.corners[(k + 1u) % 3u] - start_a;
+    let along_b = met.b.corners[(l + 1u) % 3u] - start_b;
+    let normal_of_both = cross(along_a, along_b);
+    let square = dot(normal_of_both, normal_of_both);
+    // The lines' distance comes first, as it rejects most.
+    let way = start_b - start_a;
+    let product = dot(way, normal_of_both);
+    let most = max(abs(met.low), abs(met.high));
+    if product * product > most * most * square {
+        return none();
+    }
+    if square <= PARALLEL * PARALLEL * dot(along_a, along_a) * dot(along_b, along_b) {
+        return none();
+    }
+    let at_a = dot(cross(way, along_b), normal_of_both) / square;
+    let at_b = dot(cross(way, along_a), normal_of_both) / square;
+    if !(at_a >= 0.0 && at_a <= 1.0 && at_b >= 0.0 && at_b <= 1.0) {
+        return none();
+    }
+    let across_a = sides::across(sa, met.a.number, k);
+    let across_b = sides::across(sb, met.b.number, l);
+    let rim_a = across_a == t::NOTHING;
+    let rim_b = across_b == t::NOTHING;
+    var other_a = vec3(0.0);
+    var other_b = vec3(0.0);
+    if !rim_a {
+        other_a = sides::normal_of(sa, across_a);
+    }
+    if !rim_b {
+        other_b = sides::normal_of(sb, across_b);
+    }
+    // Rims face every way from one side of the sheet round to the other, so their neighbours decide.
+    var towards = met.a.normal + other_a;
+    if rim_a {
+        towards = select(-(met.b.normal + other_b), sb.center - sa.center, rim_b);
+    }
+    var normal = normal_of_both / sqrt(square);
+    if dot(normal, towards) < 0.0 {
+        normal = -normal;
+    }
+    if !may_face(met.a, along_a, normal, rim_a, other_a) || !may_face(met.b, along_b, -normal, rim_b, other_b) {
+        return none();
+    }
+    var nearest = vec4(normal, 1.0 - 0.5 * ARC * ARC);
+    nearest = nearer(nearest, normal, met.a.normal);
+    if !rim_a {
+        nearest = nearer(nearest, normal, other_a);
+    }
+    nearest = nearer(nearest, normal, -met.b.normal);
+    if !rim_b {
+        nearest = nearer(nearest, normal, -other_b);
+    }
+    var feature: t::Feature;
+    feature.point_a = start_a + along_a * at_a;
+    feature.point_b = start_b + along_b * at_b;
+    feature.normal = nearest.xyz;
+    feature.separation = dot(nearest.xyz, feature.point_b - feature.point_a);
+    feature.vertex = t::NOTHING;
+    feature.a = met.a.number;
+    feature.b = met.b.number;
+    if feature.separation < met.low || feature.separation > met.high {
+        return none();
+    }
+    return feature;
+}
+
+// The face's normal if it is nearer to the edge's than what is known.
+fn nearer(known: vec4<f32>, normal: vec3<f32>, face: vec3<f32>) -> vec4<f32> {
+    let cosine = dot(face, normal);
+    if cosine > known.w {
+        return vec4(face, cosine);
+    }
+    return known;
+}
+
+// Whether the edge is convex, or a rim, and `normal` lies between the normals of its owner and of the other face.
+fn may_face(own: sides::Triangle, along: vec3<f32>, normal: vec3<f32>, rim: bool, other: vec3<f32>) -> bool {
+    let length = sqrt(dot(along, along));
+    let least = -ARC * length;
+    if own.handed * dot(cross(own.normal, normal), along) < least {
+        return false;
+    }
+    return rim || (own.handed * dot(cross(own.normal, other), along) > FLAT * length
+        && own.handed * dot(cross(normal, other), along) >= least);
+}
+
+// Where an edge pierces a plane.
+struct Crossing {
+    point: vec3<f32>,
+    at: f32,
+    edge: u32,
+}
+
+// Where a triangle's edges pierce the other's plane, in order along the common line.
+struct Chord {
+    start: Crossing,
+    end: Crossing,
+}
+
+// Whether the triangles cross and are not in one plane. Heights up to the rounding are none, and then the first body counts
+// as a little smaller than it is: its corners are below the second's planes, and the second's above its own.
+fn crosses(met: Encounter) -> bool {
+    let above_a = above(met.heights_a, met.rounding, false);
+    let above_b = above(met.heights_b, -met.rounding, true);
+    let line = cross(met.a.normal, met.b.normal);
+    return above_a != 0u && above_a != 7u && above_b != 0u && above_b != 7u && dot(line, line) >= SAME_PLANE;
+}
+
+// A bit for each height above the limit, or at it.
+fn above(heights: vec3<f32>, limit: f32, at_it: bool) -> u32 {
+    var bits = 0u;
+    for (var k = 0u; k < 3u; k += 1u) {
+        if heights[k] > limit || (at_it && heights[k] == limit) {
+            bits |= 1u << k;
+        }
+    }
+    return bits;
+}
+
+// The segment of triangles that cross. Its end is its start, and its edge `NOTHING`, if they miss each other.
+fn segment(sa: sides::Side, sb: sides::Side, met: Encounter) -> t::Segment {
+    let line = cross(met.a.normal, met.b.normal);
+    let of_a = chord(sa, met.a, met.heights_a, above(met.heights_a, met.rounding, false), line);
+    let of_b = chord(sb, met.b, met.heights_b, above(met.heights_b, -met.rounding, true), line);
+    // Where both end at once, the first body, which counts as smaller, ends first.
+    let slack = met.rounding * sqrt(dot(line, line));
+    var start = of_b.start;
+    if of_a.start.at >= of_b.start.at - slack {
+        start = of_a.start;
+    }
+    var end = of_b.end;
+    if of_a.end.at <= of_b.end.at + slack {
+        end = of_a.end;
+    }
+    var result: t::Segment;
+    result.start = start.point;
+    result.end = end.point;
+    result.start_edge = select(t::NOTHING, start.edge, start.at < end.at);
+    result.end_edge = end.edge;
+    result.a = met.a.number;
+    result.b = met.b.number;
+    return result;
+}
+
+fn chord(side: sides::Side, own: sides::Triangle, heights: vec3<f32>, bits: u32, line: vec3<f32>) -> Chord {
+    let vertices = sides::vertices(side, own.number);
+    var result: Chord;
+    var count = 0u;
+    for (var k = 0u; k < 3u; k += 1u) {
+        var i = k;
+        var j = (k + 1u) % 3u;
+        if ((bits >> i) & 1u) == ((bits >> j) & 1u) {
+            continue;
+        }
+        // From the same end for both triangles at the edge, so that both get the same point.
+        if vertices[i] > vertices[j] {
+            i = j;
+            j = k;
+        }
+        // Both may be zero, and then any point of the edge is as good as any other.
+        let fall = heights[i] - heights[j];
+        var at = 0.5;
+        if fall != 0.0 {
+            at = clamp(heights[i] / fall, 0.0, 1.0);
+        }
+        let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
+        let crossing = Crossing(point, dot(line, point), sides::edge_number(side, own.number, k) | side.mark);
+        if count == 0u {
+            result.start = crossing;
+        } else {
+            result.end = crossing;
+        }
+        count += 1u;
+    }
+    if result.start.at > result.end.at {
+        let swapped = result.start;
+        result.start = result.end;
+        result.end = swapped;
+    }
+    return result;
+}

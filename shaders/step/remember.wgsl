@@ -1,0 +1,22 @@
+// Integrate of a step with contacts, last: what the solver remembers outlives the step, unless that has to run again.
+#import faceoff::dispatch::group_index
+#import faceoff::types as t
+
+// Which of the solver's counters holds the number of elements, or `NOTHING` for one; and how long an element is.
+@group(0) @binding(0) var<uniform> constants: vec4<u32>;
+@group(0) @binding(1) var<storage, read> counters: array<u32>;
+@group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(3) var<storage, read> source: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read_write> stored: array<vec4<u32>>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let i = group_index(group) * 64u + thread;
+    var count = 1u;
+    if constants.x != t::NOTHING {
+        count = solver_counters[constants.x];
+    }
+    if counters[t::SKIPPED] == 0u && i < count * constants.y {
+        stored[i] = source[i];
+    }
+}

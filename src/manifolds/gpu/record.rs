@@ -1,0 +1,77 @@
+//! The order in which contact generation runs.
+
+use super::*;
+use crate::broad_phase::gpu::SORT;
+use crate::gpu::buffers::Sizes;
+use crate::gpu::layout::{
+    CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, GROUPS_PER_64_MARGIN_PAIRS, GROUPS_PER_64_PAIRS, GROUPS_PER_64_SLOTS,
+    GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_MARGIN_PAIR, GROUPS_PER_SLOT_BLOCK, GROUPS_PER_SORT_BLOCK, PAIRS,
+};
+use crate::gpu::program::{Calls, Groups};
+use crate::gpu::radix_sort::KeysAndValues;
+use crate::gpu::scan::{Length, Scan};
+
+/// Adds the calls that select the pairs of a step that contact generation looks at. Those that the broad phase finds are in
+/// the order of its buckets.
+pub fn record_select(calls: &mut Calls, sizes: &Sizes) {
+    // Those for two keys a pair are more than enough.
+    let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
+        .map(|slot| Groups::Indirect("arguments", slot));
+    let sort = |calls: &mut Calls, input: KeysAndValues| {
+        let scratch = if input == SORT.input { SORT.scratch } else { SORT.input };
+        let sort = SORT.between(input, scratch);
+        sort.record(calls, PAIRS, sizes.body_bits(), [per_block, per_digit_block])
+    };
+    calls.call(&SELECT_KEYS, per_pair);
+    let [keys, values] = sort(calls, SORT.input);
+    calls
+        .call(&SELECT_ORDER, per_pair)
+        .bind("keys", keys)
+        .bind("values", values);
+    let [_, values] = sort(calls, [keys, values]);
+    calls.call(&SELECT_PAIRS, per_pair).bind("values", values);
+}
+
+/// Adds those that find points, in any order, for as many bodies as `limits` says.
+pub fn record_points(calls: &mut Calls) {
+    let per_pair = per(GROUPS_PER_MARGIN_PAIR);
+    calls.call(&ARGUMENTS, Groups::Exactly(1));
+    calls.call(&PLACE, per(GROUPS_PER_64_MARGIN_PAIRS));
+    for search in 0..2 {
+        let constants = [search, 0, 0, 0];
+        calls.call(&NEAR, per_pair).constants(constants);
+        calls.call(&FEATURES, per_pair).constants(constants);
+        if search == 0 {
+            calls.call(&CONTOUR, per_pair);
+        }
+    }
+    for kernel in [&ADMIT, &RAY, &INSIDE, &REDUCE] {
+        calls.call(kernel, per_pair);
+    }
+    calls.call(&PLANES, Groups::PerBodies(1));
+}
+
+/// Adds those that put them in order.
+pub fn record_lists(calls: &mut Calls) {
+    calls.call(&COUNTS, per(GROUPS_PER_64_SLOTS));
+    for (values, total) in [("pair_places", CONTACT_PAIRS), ("point_places", CONTACT_POINTS)] {
+        let scan = Scan {
+            counters: "contact_counters",
+            values,
+            sums: "slot_sums",
+        };
+        scan.record(
+            calls,
+            CONTACT_SLOTS,
+            Length::Counter,
+            Some(total),
+            per(GROUPS_PER_SLOT_BLOCK),
+        );
+    }
+    calls.call(&EMIT, per(GROUPS_PER_64_SLOTS));
+}
+
+/// As many groups as a slot of `contact_arguments` says.
+pub const fn per(slot: u32) -> Groups {
+    Groups::Indirect("contact_arguments", slot)
+}

@@ -1,0 +1,229 @@
+//! Buffers and calls of steps with contact points.
+//!
+//! Such a step is one submission, whatever number of collision substeps it is cut into. Bodies and the solver's memory stay on
+//! the device from step to step, in the buffers that [`StepBuffers::memory`] lists. These are written at the end of a step and
+//! not before, and only if no list was too short in any of its intervals; so such a step can run again.
+
+use super::buffers::{StepBuffers, StepCapacity};
+use super::record::Recorder;
+use super::solver_input::SolverInput;
+use crate::gpu::buffers::{Buffers, TooLarge};
+use crate::gpu::device::Gpu;
+use crate::gpu::kernel::Kernels;
+use crate::gpu::program::{Calls, Program};
+use crate::gpu::timer::Timer;
+use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
+use crate::solver::gpu::{Passes, SolverBuffers};
+use crate::step::order::Place;
+use crate::types::settings::Response;
+use crate::types::stage::Stage;
+use std::collections::HashMap;
+use wgpu::{Buffer, CommandEncoder};
+
+/// Lists start with room for this many things, and grow.
+pub const START: StepCapacity = StepCapacity {
+    contacts: ContactCapacity {
+        margin_pairs: 0,
+        slots: 0,
+        near_triangles: 1 << 15,
+        features: 1 << 13,
+        segments: 1 << 12,
+        staged_points: 2048,
+        pairs: 256,
+        points: 2048,
+    },
+    bodies: 0,
+    touches: 2048,
+};
+
+/// Calls are kept for so many ways of cutting up a step: one for each number of substeps an interval may have.
+const MAX_PROGRAMS: usize = 16;
+
+/// Stages that find contact points.
+const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest, Stage::Manifolds];
+
+/// Buffers and calls of steps with contact points.
+pub struct ContactPrograms {
+    /// Of contact generation.
+    pub contacts: ContactBuffers,
+    /// Of the solver.
+    pub solver: SolverBuffers,
+    /// Between them.
+    pub step: StepBuffers,
+    /// Finds contact points, and moves bodies without them: [`Response::None`].
+    report: Program,
+    /// Finds contact points in the first interval of a step.
+    first: Program,
+    /// In the others.
+    other: Program,
+    /// Moves bodies by them, by how often everything is done.
+    solve: HashMap<Passes, Program>,
+    /// Ends an interval after which another one follows.
+    between: Program,
+    /// Ends the step.
+    last: Program,
+}
+
+impl ContactPrograms {
+    /// Makes buffers and calls. What outlives a step is empty.
+    ///
+    /// # Errors
+    /// If the device cannot hold the lists.
+    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, room: StepCapacity) -> Result<Self, TooLarge> {
+        let room = room.beside(&buffers.sizes);
+        let mut made = Self {
+            contacts: ContactBuffers::new(gpu, room.contacts)?,
+            solver: SolverBuffers::new(gpu, room.solver())?,
+            step: StepBuffers::new(gpu, room)?,
+            report: Program::default(),
+            first: Program::default(),
+            other: Program::default(),
+            solve: HashMap::new(),
+            between: Program::default(),
+            last: Program::default(),
+        };
+        let simple = recorder(Response::None, buffers, &room);
+        let contacts = recorder(Response::Contacts, buffers, &room);
+        let bind = |calls: Calls| made.bind(gpu, kernels, buffers, &calls);
+        let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
+        let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
+        let programs = [
+            bind(contacts.calls(&DETECTION, first)),
+            bind(contacts.calls(&DETECTION, middle)),
+            bind(contacts.calls(&[Stage::Integrate], middle)),
+            bind(contacts.calls(&[Stage::Integrate], last)),
+        ];
+        made.report = report;
+        [made.first, made.other, made.between, made.last] = programs;
+        Ok(made)
+    }
+
+    fn bind(&self, gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, calls: &Calls) -> Program {
+        Program::new(
+            gpu,
+            kernels,
+            calls,
+            &[buffers, &self.contacts, &self.solver, &self.step],
+        )
+    }
+
+    /// What fits.
+    pub fn room(&self) -> StepCapacity {
+        self.step.sizes
+    }
+
+    /// Bytes on the device.
+    pub fn bytes(&self) -> u64 {
+        self.contacts.bytes() + self.solver.bytes() + self.step.bytes()
+    }
+
+    /// Copies what outlives a step from `old`.
+    pub fn take_memory(&self, old: &Self, encoder: &mut CommandEncoder) {
+        for (from, to) in old.step.memory().into_iter().zip(self.step.memory()) {
+            copy_all(encoder, from, to);
+        }
+    }
+
+    /// Calls of all stages for one interval, with contacts.
+    pub fn dispatches(&self) -> [usize; Stage::COUNT] {
+        let solve = self.solve.values().next();
+        Stage::ALL.map(|stage| self.first.len(stage) + solve.map_or(0, |solve| solve.len(stage)) + self.last.len(stage))
+    }
+
+    /// Writes how long the lists are, for so many bodies and half-spaces.
+    pub fn write_limits(&self, gpu: &Gpu, bodies: u32, planes: u32) {
+        let limits = self.contacts.sizes.limits(bodies, planes);
+        gpu.queue
+            .write_buffer(&self.contacts.limits, 0, bytemuck::bytes_of(&limits));
+    }
+
+    /// Records a step without response, whose contact points are wanted all the same.
+    pub fn record_report(&self, encoder: &mut CommandEncoder, bodies: u32, timer: Option<&Timer>) {
+        encoder.clear_buffer(&self.step.tally, 0, None);
+        encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
+        for stage in Stage::ALL {
+            let around = timer.map(|timer| timer.around(stage, 0));
+            self.report.record(stage, encoder, bodies, around);
+        }
+    }
+
+    /// Makes the calls of intervals with these passes, if there are none yet.
+    pub fn prepare(&mut self, gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, passes: Passes) {
+        if self.solve.contains_key(&passes) {
+            return;
+        }
+        if self.solve.len() >= MAX_PROGRAMS {
+            self.solve.clear();
+        }
+        let room = self.room();
+        let recorder = Recorder {
+            passes: Some(passes),
+            ..recorder(Response::Contacts, buffers, &room)
+        };
+        // It is the same in each interval.
+        let calls = recorder.calls(&[Stage::ForceScan], Place::of(0, 1));
+        let program = self.bind(gpu, kernels, buffers, &calls);
+        self.solve.insert(passes, program);
+    }
+
+    /// Records a step with contacts.
+    pub fn record(&self, encoder: &mut CommandEncoder, buffers: &Buffers, input: &SolverInput, timer: Option<&Timer>) {
+        let Self { step, solver, .. } = self;
+        let Some(solve) = self.solve.get(&input.passes()) else {
+            return;
+        };
+        encoder.clear_buffer(&step.tally, 0, None);
+        for (from, to) in [
+            (&step.stored_counters, &solver.solver_counters),
+            (&step.stored_pairs, &solver.kept_pairs),
+            (&step.stored_points, &solver.kept_points),
+            (&step.stored_contact_pairs, &self.contacts.contact_pairs),
+            (&step.stored_contact_points, &self.contacts.contact_points),
+        ] {
+            copy_all(encoder, from, to);
+        }
+        if input.old_bodies() == 0 {
+            encoder.clear_buffer(&solver.solver_counters, 0, None);
+        }
+        for lap in 0..input.collision_substeps {
+            let place = Place::of(lap, input.collision_substeps);
+            let (interval, numbers, find) = if place.is_first {
+                (&step.first_interval, &step.first_numbers, &self.first)
+            } else {
+                encoder.clear_buffer(&buffers.buckets, 0, None);
+                (&step.other_interval, &step.other_numbers, &self.other)
+            };
+            copy_all(encoder, interval, &solver.interval);
+            copy_all(encoder, numbers, &step.renumbered);
+            encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
+            for stage in Stage::ALL {
+                let program = match stage {
+                    Stage::ForceScan => solve,
+                    Stage::Integrate if place.is_last => &self.last,
+                    Stage::Integrate => &self.between,
+                    _ => find,
+                };
+                let around = timer.map(|timer| timer.around(stage, lap));
+                program.record(stage, encoder, input.room(), around);
+                if stage == Stage::BroadPhase && place.is_first {
+                    // To draw from.
+                    copy_all(encoder, &buffers.bodies, &buffers.before);
+                }
+            }
+        }
+    }
+}
+
+fn recorder<'s>(response: Response, buffers: &'s Buffers, room: &'s StepCapacity) -> Recorder<'s> {
+    Recorder {
+        response,
+        sizes: &buffers.sizes,
+        room: Some(room),
+        passes: None,
+    }
+}
+
+/// Copies a buffer, or as much of it as the other one holds.
+fn copy_all(encoder: &mut CommandEncoder, from: &Buffer, to: &Buffer) {
+    encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+}

@@ -1,0 +1,73 @@
+//! Lists that turn out to be too short: they are made longer, and every step since runs again.
+//!
+//! A kernel that finds a list too short, of pairs in `broad_phase/arguments`, of others in `step/overflow_lists` and
+//! `step/overflow_touches`, says so in `status` and in the step's counters; that step and those after it then change nothing.
+
+use super::buffers::StepCapacity;
+use super::results::Output;
+use super::{GpuStep, StepError};
+use crate::gpu::buffers::Sizes;
+use crate::gpu::layout::{
+    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MOST_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
+};
+use crate::gpu::readback::scoped;
+use crate::manifolds::gpu::ContactCapacity;
+
+impl GpuStep {
+    /// Waits until every step in flight has landed.
+    pub(super) fn settle(&mut self) -> Result<(), StepError> {
+        while !self.flights.is_empty() {
+            let output = self.land()?;
+            self.landed.push_back(output);
+        }
+        Ok(())
+    }
+
+    /// Waits for the oldest flight.
+    pub(super) fn land(&mut self) -> Result<Output, StepError> {
+        while let Some(flight) = self.flights.front_mut() {
+            let results = scoped(&self.gpu, || flight.wait(&self.gpu));
+            let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
+            self.waits += u64::from(waited);
+            if raw.counters[CUT_SHORT as usize] != 0 || raw.tally[CONTACTS_CUT_SHORT as usize] != 0 {
+                return Err(StepError::CutShort);
+            }
+            if raw.counters[SKIPPED as usize] == 0
+                && let Some(flight) = self.flights.pop_front()
+            {
+                self.spare.push(flight.staging);
+                return Ok(raw.sort(&flight.input, self.timer.as_ref()));
+            }
+            if !self.repeat(&raw.counters, &raw.tally)? {
+                return Err(StepError::Device(
+                    "a list is too short, and none needs to be longer".into(),
+                ));
+            }
+        }
+        Err(StepError::Device("there is no step to wait for".into()))
+    }
+
+    /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved:
+    /// the first one found a list too short, and that made the others do nothing.
+    fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
+        let needed = Sizes {
+            pairs: counters[SPHERE_PAIRS as usize].max(tally[MOST_PAIRS as usize]),
+            hits: counters[HITS as usize],
+            plane_contacts: counters[PLANE_CONTACTS as usize],
+            ..Sizes::default()
+        };
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
+            contacts: ContactCapacity::needed(tally),
+            touches: tally[TOUCHES as usize],
+            ..contacts.room()
+        });
+        if !self.lacks(needed, for_contacts) {
+            return Ok(false);
+        }
+        self.make_room(needed, for_contacts)?;
+        for flight in std::mem::take(&mut self.flights) {
+            self.launch(flight.input, flight.detail)?;
+        }
+        Ok(true)
+    }
+}

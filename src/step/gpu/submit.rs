@@ -1,0 +1,143 @@
+//! Sends a step off.
+
+use super::buffers::StepCapacity;
+use super::flight::Flight;
+use super::results::{Detail, Parts};
+use super::solver_input::{SolverInput, Told};
+use super::upload::{Carried, Input};
+use super::{GpuStep, StepError};
+use crate::gpu::buffers::Sizes;
+use crate::gpu::readback::{scoped, staging};
+use crate::state::StepInput;
+use crate::types::settings::Response;
+use crate::types::stage::Stage;
+
+impl GpuStep {
+    /// Sends a step off. `carried` has an entry for each body of `state`, or none at all: bodies then are where `state`
+    /// says.
+    ///
+    /// # Errors
+    /// If the device cannot hold the bodies or meshes, or fails: all steps in flight are given up then.
+    pub fn submit(&mut self, state: &StepInput, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
+        let result = self.submit_within(state, carried, detail);
+        if result.is_err() {
+            self.fail();
+        }
+        result
+    }
+
+    fn submit_within(
+        &mut self,
+        state: &StepInput,
+        carried: &[Option<Carried>],
+        detail: Detail,
+    ) -> Result<(), StepError> {
+        let wants_points = state.config.response != Response::Impulse;
+        if wants_points {
+            self.want_contacts()?;
+        }
+        let mut input = Input::new(state, carried);
+        if state.config.response == Response::Contacts {
+            let descent = self.lineage.follow(state);
+            // What may have changed while the results are on their way: what the host told, and what falls.
+            let push = self.told.iter().map(|told| told.push).sum();
+            let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
+            let known = self
+                .told
+                .iter()
+                .fold(self.speeds, |speeds, told| speeds.and(told.speeds));
+            let solver = SolverInput::new(state, carried, known.after(push, fall), descent);
+            self.told.push_back(solver.told);
+            input = input.with_solver(solver);
+        } else {
+            self.lineage.forget();
+            self.told.push_back(Told::default());
+        }
+        let mut changes = Vec::new();
+        if !self.arena.holds(&state.meshes) {
+            // Steps that must run again find their meshes where they were.
+            self.settle()?;
+            changes = self.arena.update(&state.meshes)?;
+        }
+        let needed = Sizes {
+            bodies: input.len(),
+            planes: state.planes.len() as u32,
+            meshes: self.arena.slots(),
+            words: self.arena.words(),
+            ..Sizes::default()
+        };
+        if !wants_points && self.buffers.sizes.grown(needed) != self.buffers.sizes {
+            // Swarms of impulses need no room for contact points: it is made again when somebody wants some.
+            self.settle()?;
+            self.contacts = None;
+        }
+        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
+            bodies: input.old_bodies(),
+            ..contacts.room()
+        });
+        if self.lacks(needed, for_contacts) {
+            self.settle()?;
+        }
+        if !self.make_room(needed, for_contacts)? {
+            self.write(changes)?;
+        }
+        self.bodies = input.len();
+        self.launch(input, detail)
+    }
+
+    pub(super) fn launch(&mut self, input: Input, detail: Detail) -> Result<(), StepError> {
+        let Self {
+            gpu,
+            kernels,
+            contacts,
+            buffers,
+            program,
+            timer,
+            flights,
+            spare,
+            ..
+        } = self;
+        let wanted = input.response != Response::Impulse;
+        let mut contacts = contacts.as_mut().filter(|_| wanted);
+        let flight = scoped(gpu, || {
+            if let (Some(contacts), Some(solver)) = (&mut contacts, &input.solver) {
+                contacts.prepare(gpu, kernels, buffers, solver.passes());
+            }
+            let contacts = contacts.as_deref();
+            let parts = Parts::new(&buffers.sizes, contacts, &input, detail);
+            input.write(gpu, buffers, contacts);
+            if flights.is_empty() {
+                // No list is known to be too short.
+                gpu.queue.write_buffer(&buffers.status, 0, &[0; 16]);
+            }
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("faceoff step"),
+            });
+            encoder.clear_buffer(&buffers.buckets, 0, None);
+            encoder.clear_buffer(&buffers.body_contacts, 0, None);
+            match (contacts, &input.solver) {
+                (Some(contacts), Some(solver)) => contacts.record(&mut encoder, buffers, solver, timer.as_ref()),
+                (Some(contacts), None) => contacts.record_report(&mut encoder, input.len(), timer.as_ref()),
+                (None, _) => {
+                    for stage in Stage::ALL {
+                        let timestamps = timer.as_ref().map(|timer| timer.around(stage, 0));
+                        program.record(stage, &mut encoder, input.len(), timestamps);
+                    }
+                }
+            }
+            if let Some(timer) = timer {
+                timer.resolve(&mut encoder, input.collision_substeps());
+            }
+            let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
+            let staging = match fitting {
+                Some(at) => spare.swap_remove(at),
+                None => staging(gpu, parts.total),
+            };
+            parts.copy(buffers, contacts, timer.as_ref(), &mut encoder, &staging);
+            let submission = gpu.queue.submit([encoder.finish()]);
+            Flight::new(input, detail, parts, staging, submission)
+        });
+        flights.push_back(flight.map_err(StepError::Device)?);
+        Ok(())
+    }
+}
