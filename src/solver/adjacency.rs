@@ -1,6 +1,6 @@
 //! The pairs of each body: an adjacency list in compressed sparse rows.
 
-use super::constraints::Pair;
+use super::contact::Pair;
 use super::motion::BodyStates;
 
 /// For every body its sides of pairs, in the order of pairs.

@@ -1,9 +1,8 @@
 //! Properties of a body that are constant during a collision substep, and the free rotation that follows from them.
 
 use super::bodies::SolverBody;
-use super::motion::{rotated, rotation_displacement};
 use crate::types::body::LockedAxes;
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat, Vec3, Vec3A};
 
 /// Free rotation is integrated in angles of at most this many radians...
 pub(super) const FREE_ANGLE: f32 = 0.25;
@@ -128,4 +127,16 @@ impl BodyConstants {
         *rotation_change = change;
         next
     }
+}
+
+/// `rotation * v - v`, without cancellation.
+pub(super) fn rotation_displacement(rotation: Quat, v: Vec3A) -> Vec3A {
+    let (u, w) = (Vec3A::from(rotation.xyz()), rotation.w);
+    let t = 2.0 * u.cross(v);
+    w * t + u.cross(t)
+}
+
+/// `rotation`, followed by the rotation vector `by` in world axes.
+pub(super) fn rotated(rotation: Quat, by: Vec3) -> Quat {
+    (Quat::from_scaled_axis(by) * rotation).normalize()
 }

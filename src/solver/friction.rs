@@ -1,6 +1,6 @@
 //! Friction: tangential impulses within Coulomb's cone.
 
-use super::constraints::Point;
+use super::contact::Point;
 use super::solve::PairVelocities;
 
 /// The friction impulse that stops the sliding at a point, clamped to the length `limit`.

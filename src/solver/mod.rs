@@ -20,7 +20,8 @@
 //! | [`speeds`] | bounds on relative speeds, and the number of collision substeps |
 //! | `motion` | velocities and poses of bodies during a collision substep, and their integration |
 //! | `body_constants` | properties of a body that are constant during a collision substep; free rotation |
-//! | `constraints` | contact constraints, one per pair, and the parallel loop over them |
+//! | `contact` | the contact constraint of one pair |
+//! | `constraints` | all constraints, and the parallel loop over them |
 //! | `prepare` | how constraints are made from manifolds |
 //! | `solve` | one pass over one pair: warm start and normal impulses |
 //! | `friction` | friction impulses |
@@ -38,6 +39,7 @@ mod adjacency;
 pub mod bodies;
 mod body_constants;
 mod constraints;
+mod contact;
 mod friction;
 #[cfg(feature = "gpu")]
 pub mod gpu;

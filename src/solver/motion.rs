@@ -2,8 +2,8 @@
 
 use super::adjacency::PairAdjacency;
 use super::bodies::{SolverBodies, SolverBody};
-use super::body_constants::BodyConstants;
-use super::constraints::{Impulse, Pair};
+use super::body_constants::{BodyConstants, rotated};
+use super::contact::{Impulse, Pair};
 use glam::{DQuat, Mat3A, Quat, Vec3, Vec3A};
 use rayon::prelude::*;
 
@@ -284,13 +284,6 @@ fn limited(v: Vec3A, limit: f32) -> Vec3A {
     }
 }
 
-/// `rotation * v - v`, without cancellation.
-pub(super) fn rotation_displacement(rotation: Quat, v: Vec3A) -> Vec3A {
-    let (u, w) = (Vec3A::from(rotation.xyz()), rotation.w);
-    let t = 2.0 * u.cross(v);
-    w * t + u.cross(t)
-}
-
 /// `rotation` in single precision and of unit length; the identity if its length is zero or not finite.
 fn unit(rotation: DQuat) -> Quat {
     let length = rotation.length();
@@ -299,9 +292,4 @@ fn unit(rotation: DQuat) -> Quat {
     } else {
         Quat::IDENTITY
     }
-}
-
-/// `rotation`, followed by the rotation vector `by` in world axes.
-pub(super) fn rotated(rotation: Quat, by: Vec3) -> Quat {
-    (Quat::from_scaled_axis(by) * rotation).normalize()
 }

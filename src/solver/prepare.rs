@@ -1,7 +1,7 @@
 //! How contact constraints are made from manifolds and from the impulses of the last collision substep.
 
 use super::bodies::SolverBodies;
-use super::constraints::{Pair, Point, Row};
+use super::contact::{Pair, Point, Row};
 use super::motion::BodyStates;
 use super::overlap::{self, Overlap};
 use super::warm_start::{PointMatcher, WarmStart};

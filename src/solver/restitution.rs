@@ -1,6 +1,6 @@
 //! Restitution: impulses after the last substep that reverse the impact velocity (Newton's law of restitution).
 
-use super::constraints::{Impulse, Pair, Point};
+use super::contact::{Impulse, Pair, Point};
 use super::friction::friction_impulse;
 use super::motion::BodyStates;
 use super::solve::PairVelocities;

@@ -1,13 +1,14 @@
 //! One pass over one pair: from the velocities of its two bodies to an impulse for each.
 
-use super::constraints::{Impulse, Pair, Point, Row};
+use super::body_constants::rotation_displacement;
+use super::contact::{Impulse, Pair, Point, Row};
 use super::friction::friction_impulse;
-use super::motion::{BodyStates, Mass, Velocity, rotation_displacement};
+use super::motion::{BodyStates, Mass, Velocity};
 use super::softness::Softness;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3A;
 
-/// Points are active in a substep if they come nearer than this fraction of the rest offset, beyond the rest offset.
+/// A point is active in a substep if the gap beyond the rest offset will be less than this fraction of the rest offset.
 pub(super) const ACTIVATION_DISTANCE: f32 = 0.5;
 
 /// Parameters of a pass, the same for all pairs.

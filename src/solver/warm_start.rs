@@ -1,7 +1,8 @@
 //! Warm starting: the contact impulses of one collision substep are the first guess for the next.
 
 use super::bodies::SolverBodies;
-use super::constraints::{Constraints, Point};
+use super::constraints::Constraints;
+use super::contact::Point;
 use super::motion::BodyStates;
 use crate::state::ManifoldPoint;
 use crate::types::solver_settings::SolverSettings;

@@ -1,17 +1,17 @@
-//! What is fast does not pass what is thin.
+//! Fast bodies do not tunnel through thin ones.
 
 use super::flights::{Flights, Random, flight, stay};
 use super::shapes::{cuboid, moved, sheet};
-use bevy_faceoff::ccd::{ClampScratch, Stop, clamp};
+use bevy_faceoff::ccd::{Impact, ImpactScratch, find_impacts};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-const SLACK: f32 = 0.005;
+const TARGET_DISTANCE: f32 = 0.005;
 const WIDTH: f64 = 8.0;
-/// Of what is fired, and how far each reaches from its centre of mass.
+/// Upper bound for the bounding radius of the bullets.
 const RADIUS: f64 = 0.55;
 
-/// What is fired, of size 1 each.
+/// The bullets, each of size 1.
 fn bullets() -> [TriMesh; 3] {
     [
         moved(&shapes::ball(0.5, 1), Quat::IDENTITY, Vec3::new(3.0, 0.0, 0.0)),
@@ -20,12 +20,12 @@ fn bullets() -> [TriMesh; 3] {
     ]
 }
 
-/// Fires at `target`, which is mesh 0 and thin along its z axis, from `sizes` away to as far behind it, from all sides, and
-/// tells how many there were and how many of them hit.
+/// Fires bullets at `target`, which is mesh 0 and thin along its z axis, from all sides, over a path of `sizes` metres
+/// with the target in the middle. Returns the number of bullets and of hits.
 fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
     let [ball, needle, torus] = bullets();
     let mut flights = Flights::new(&[target, ball, needle, torus]);
-    let (mut scratch, mut stops) = (ClampScratch::default(), Vec::new());
+    let (mut scratch, mut impacts) = (ImpactScratch::default(), Vec::new());
     let mut random = Random::new(sizes as u64);
     let mut hits = 0;
     let count = 1000;
@@ -33,7 +33,7 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
         flights.clear();
         let plate = random.rotation();
         flights.add(0, Vec3::ONE, stay(far, plate));
-        // In the plate's axes. Every other one is aimed beside it.
+        // In the plate's axes. Every second bullet is aimed beside the plate.
         let aims_at = shot % 2 == 0;
         let aside = if aims_at {
             random.range(0.0, 0.22 * WIDTH)
@@ -53,32 +53,35 @@ fn fire(target: TriMesh, sizes: f64, far: DVec3) -> [usize; 2] {
         let sweep = flight(far + plate * start, random.rotation(), plate * (-from * sizes), turn);
         flights.add(1 + random.below(3), Vec3::ONE, sweep);
         let input = &flights.input;
-        clamp(
+        find_impacts(
             &input.bodies,
             &input.meshes,
             &[],
             &flights.sweeps,
             &[false, true],
             &[[0, 1]],
-            |_| SLACK,
+            |_| TARGET_DISTANCE,
             &mut scratch,
-            &mut stops,
+            &mut impacts,
         );
         if !aims_at {
-            assert!(stops.is_empty(), "shot {shot} was stopped by nothing");
+            assert!(
+                impacts.is_empty(),
+                "shot {shot} was stopped although it passes beside the plate"
+            );
             continue;
         }
-        let [Stop { body: 1, fraction, .. }] = stops[..] else {
-            panic!("shot {shot} is not stopped: {stops:?}");
+        let [Impact { body: 1, fraction, .. }] = impacts[..] else {
+            panic!("shot {shot} is not stopped: {impacts:?}");
         };
-        // All of it is on the side from which it came.
-        let stopped = flights.mover(1).at(f64::from(fraction), far);
+        // All of the bullet is on the side from which it came.
+        let stopped = flights.moving_mesh(1).at(f64::from(fraction), far);
         let height = |p: &DVec3| (plate.inverse() * *p).z * from.z.signum();
         let lowest = stopped.iter().flatten().map(height).fold(f64::INFINITY, f64::min);
         assert!(lowest > 0.0, "shot {shot} is through: {lowest}");
-        // And not far from it.
+        // It is not far from the plate.
         assert!(
-            lowest < 0.0051 + 1.25 * f64::from(SLACK),
+            lowest < 0.0051 + 1.25 * f64::from(TARGET_DISTANCE),
             "shot {shot} is stopped at {lowest}"
         );
         hits += 1;
@@ -113,14 +116,14 @@ fn ten_thousand_triangles_stop_bullets() {
     assert_eq!(fire(sheet(WIDTH as f32, 71), 500.0, DVec3::ZERO), [1000, 500]);
 }
 
-/// What is thrown along the plate, a little above it or within it, touches it where a formula says.
+/// A cube that moves along the plate, a little above it or through it, has its impact where a formula says.
 #[test]
-fn grazing_ways_are_decided_by_the_slack() {
+fn grazing_paths_are_decided_by_the_target_distance() {
     let mut flights = Flights::new(&[sheet(WIDTH as f32, 8), shapes::cube(1.0)]);
     for (height, expected) in [
-        (1.3 * SLACK, false),
-        (0.9 * SLACK, true),
-        (0.5 * SLACK, true),
+        (1.3 * TARGET_DISTANCE, false),
+        (0.9 * TARGET_DISTANCE, true),
+        (0.5 * TARGET_DISTANCE, true),
         (-0.1, true),
     ] {
         flights.clear();
@@ -128,15 +131,20 @@ fn grazing_ways_are_decided_by_the_slack() {
         let from = DVec3::new(-50.0, 0.3, 0.5 + f64::from(height));
         let travel = DVec3::new(100.0, 0.0, 0.0);
         flights.add(1, Vec3::ONE, flight(from, DQuat::IDENTITY, travel, DVec3::ZERO));
-        let time = flights.time(SLACK);
+        let time = flights.time(TARGET_DISTANCE);
         assert_eq!(time.is_some(), expected, "at {height}: {time:?}");
-        let below_slack = (f64::from(SLACK).powi(2) - f64::from(height).powi(2)).max(0.0).sqrt();
+        let margin_at_edge = (f64::from(TARGET_DISTANCE).powi(2) - f64::from(height).powi(2))
+            .max(0.0)
+            .sqrt();
         if let Some(time) = time.filter(|_| height > 0.0) {
-            // The lower edge in front comes near the plate's edge, a little above it.
+            // The lower front edge of the cube reaches the target distance from the plate's edge.
             let reached = -49.5 + 100.0 * f64::from(time);
             let edge = -0.5 * WIDTH;
-            assert!(reached < edge - below_slack + 1.0e-5, "at {height}: {reached}");
-            assert!(reached > edge - 1.3 * f64::from(SLACK), "at {height}: {reached}");
+            assert!(reached < edge - margin_at_edge + 1.0e-5, "at {height}: {reached}");
+            assert!(
+                reached > edge - 1.3 * f64::from(TARGET_DISTANCE),
+                "at {height}: {reached}"
+            );
         }
     }
 }

@@ -1,13 +1,13 @@
-//! Two or more bodies on their ways, as the product and as the oracle see them.
+//! Moving bodies, for the product and for the oracle.
 
-use super::oracle::Mover;
+use super::oracle::MovingMesh;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::ccd::{Pose, Scratch, Sweep, time_of_impact};
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::state::{Body, StepInput};
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-/// Bodies, and how each moves in an interval.
+/// Bodies and the motion of each in a collision substep.
 #[derive(Default)]
 pub struct Flights {
     pub input: StepInput,
@@ -16,7 +16,7 @@ pub struct Flights {
 }
 
 impl Flights {
-    /// For bodies of these meshes.
+    /// Without bodies; they may have these meshes.
     pub fn new(meshes: &[TriMesh]) -> Self {
         let mut flights = Self::default();
         for mesh in meshes {
@@ -25,13 +25,13 @@ impl Flights {
         flights
     }
 
-    /// Without bodies.
+    /// Removes all bodies.
     pub fn clear(&mut self) {
         self.input.bodies.clear();
         self.sweeps.clear();
     }
 
-    /// Adds a body. Its own pose is far from where its sweep is.
+    /// Adds a body. Its own pose is far from its sweep, and must not matter.
     pub fn add(&mut self, mesh: usize, scale: Vec3, sweep: Sweep) -> u32 {
         let body = Body::at_rest(mesh as u32, Vec3::new(-7.0, 70.0, 700.0), Quat::IDENTITY, scale);
         self.input
@@ -42,24 +42,24 @@ impl Flights {
         self.sweeps.len() as u32 - 1
     }
 
-    pub fn time_of(&mut self, pair: [u32; 2], slack: f32) -> Option<f32> {
+    pub fn time_of(&mut self, pair: [u32; 2], target_distance: f32) -> Option<f32> {
         let sweeps = pair.map(|i| &self.sweeps[i as usize]);
         let Self { input, scratch, .. } = self;
-        time_of_impact(&input.bodies, &input.meshes, pair, sweeps, slack, scratch)
+        time_of_impact(&input.bodies, &input.meshes, pair, sweeps, target_distance, scratch)
     }
 
-    /// Of bodies 0 and 1.
-    pub fn time(&mut self, slack: f32) -> Option<f32> {
-        self.time_of([0, 1], slack)
+    /// The time of impact of bodies 0 and 1.
+    pub fn time(&mut self, target_distance: f32) -> Option<f32> {
+        self.time_of([0, 1], target_distance)
     }
 
-    /// Body `i` as the oracle has it.
-    pub fn mover(&self, i: usize) -> Mover {
+    /// Body `i` for the oracle.
+    pub fn moving_mesh(&self, i: usize) -> MovingMesh {
         let slot = &self.input.meshes[self.input.bodies.mesh[i]].mesh;
         let (scale, sweep) = (self.input.bodies.scale[i].as_dvec3(), &self.sweeps[i]);
         let mass_center = slot.mass.center.as_dvec3();
         let place = |p: Vec3| sweep.before.rotation * (scale * (p.as_dvec3() - mass_center));
-        Mover {
+        MovingMesh {
             triangles: (0..slot.mesh.triangles().len())
                 .map(|t| slot.mesh.corners(t).map(place))
                 .collect(),
@@ -70,12 +70,12 @@ impl Flights {
     }
 
     /// Bodies 0 and 1.
-    pub fn movers(&self) -> [Mover; 2] {
-        [self.mover(0), self.mover(1)]
+    pub fn moving_meshes(&self) -> [MovingMesh; 2] {
+        [self.moving_mesh(0), self.moving_mesh(1)]
     }
 }
 
-/// A body that flies from `from` by `travel`, turning by `turn`.
+/// The motion of a body that starts at `from` and moves by `travel`, with the rotation vector `turn`.
 pub fn flight(from: DVec3, rotation: DQuat, travel: DVec3, turn: DVec3) -> Sweep {
     Sweep {
         before: Pose { center: from, rotation },
@@ -84,12 +84,12 @@ pub fn flight(from: DVec3, rotation: DQuat, travel: DVec3, turn: DVec3) -> Sweep
     }
 }
 
-/// A body that stays.
+/// The motion of a body at rest.
 pub fn stay(at: DVec3, rotation: DQuat) -> Sweep {
     Sweep::at_rest(Pose { center: at, rotation })
 }
 
-/// Random numbers of these tests.
+/// Random numbers for these tests.
 pub struct Random(fastrand::Rng);
 
 impl Random {

@@ -1,9 +1,9 @@
-//! Continuous collision: when moving meshes come near each other, against formulas and against many poses along their ways, each
-//! decided by brute force in double precision.
+//! Continuous collision detection: times of impact of moving meshes against formulas, and against distances at many
+//! poses along their paths, computed by brute force in double precision.
 
 mod bullets;
-mod clamped;
 mod flights;
+mod impacts;
 mod oracle;
 mod random;
 mod shapes;

@@ -1,19 +1,19 @@
-//! Distances of moving meshes, by brute force in double precision. Nothing here comes from the product.
+//! Distances of moving meshes, by brute force in double precision. It shares no code with the product.
 
 use glam::{DMat3, DVec3};
 
 pub type Triangle = [DVec3; 3];
 
-/// A body on its way: corners about the centre of mass before the turn, already scaled and rotated.
+/// A moving mesh. Corners are relative to the centre of mass at the start, already scaled and rotated.
 #[derive(Clone)]
-pub struct Mover {
+pub struct MovingMesh {
     pub triangles: Vec<Triangle>,
     pub center: DVec3,
     pub travel: DVec3,
     pub turn: DVec3,
 }
 
-impl Mover {
+impl MovingMesh {
     /// Its triangles at time `t`, relative to `origin`.
     pub fn at(&self, t: f64, origin: DVec3) -> Vec<Triangle> {
         let turn = rotation(self.turn * t);
@@ -25,7 +25,7 @@ impl Mover {
     }
 }
 
-/// The matrix of a turn, by Rodrigues' formula.
+/// The matrix of a rotation vector, by Rodrigues' formula.
 fn rotation(turn: DVec3) -> DMat3 {
     let angle = turn.length();
     if angle == 0.0 {
@@ -36,17 +36,17 @@ fn rotation(turn: DVec3) -> DMat3 {
     DMat3::IDENTITY + k * angle.sin() + k * k * (1.0 - angle.cos())
 }
 
-/// The distance of two movers at time `t`, if it is less than `most`; else `most`.
-pub fn distance(movers: &[Mover; 2], t: f64, most: f64) -> f64 {
-    let origin = movers[0].center;
-    let [a, b] = [0, 1].map(|i| movers[i].at(t, origin));
+/// The distance of two moving_meshes at time `t`, at most `most`.
+pub fn distance(moving_meshes: &[MovingMesh; 2], t: f64, most: f64) -> f64 {
+    let origin = moving_meshes[0].center;
+    let [a, b] = [0, 1].map(|i| moving_meshes[i].at(t, origin));
     let round = |triangle: &Triangle| {
         let center = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
         let radius = triangle.iter().map(|p| p.distance(center)).fold(0.0, f64::max);
         (center, radius)
     };
-    // Whoever is beyond this ball about the first body is beyond `most`.
-    let center = movers[0].travel * t;
+    // Triangles that do not reach this sphere around the first body are farther away than `most`.
+    let center = moving_meshes[0].travel * t;
     let radius = a.iter().flatten().map(|p| p.distance(center)).fold(0.0, f64::max);
     let b: Vec<(Triangle, (DVec3, f64))> = b
         .iter()
@@ -68,11 +68,11 @@ pub fn distance(movers: &[Mover; 2], t: f64, most: f64) -> f64 {
     least
 }
 
-/// The first of `samples` times, evenly from 0 to `end`, at which the movers are nearer than `slack`.
-pub fn first_near(movers: &[Mover; 2], slack: f64, samples: usize, end: f64) -> Option<f64> {
+/// The first of `samples` times, evenly from 0 to `end`, at which the moving_meshes are nearer than `target_distance`.
+pub fn first_near(moving_meshes: &[MovingMesh; 2], target_distance: f64, samples: usize, end: f64) -> Option<f64> {
     (0..=samples)
         .map(|i| end * i as f64 / samples as f64)
-        .find(|&t| distance(movers, t, slack) < slack)
+        .find(|&t| distance(moving_meshes, t, target_distance) < target_distance)
 }
 
 /// The distance of two triangles.
@@ -120,7 +120,8 @@ fn to_segment(p: DVec3, [from, to]: [DVec3; 2]) -> f64 {
     p.distance(from + way * part)
 }
 
-/// Of two segments: where their lines are nearest if that is within both, else at an end of one.
+/// The distance of two segments: that of their lines if the nearest points are within both, otherwise that of an end
+/// point.
 fn segments(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
     let ends = [
         to_segment(a[0], b),

@@ -1,4 +1,4 @@
-//! Meshes of all kinds on random ways, against many poses along them.
+//! Times of impact of many kinds of meshes on random paths, against distances at many poses along them.
 
 use super::flights::{Flights, Random, flight};
 use super::oracle::{distance, first_near};
@@ -28,8 +28,8 @@ struct Found {
     near: usize,
 }
 
-/// Random pairs, and how many ended how. `turns` is how often a body turns at most; `samples` is how many poses are
-/// looked at.
+/// Checks random pairs and counts their outcomes. `turns` is the largest number of revolutions, and `samples` the
+/// number of poses at which distances are computed.
 fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Found {
     let meshes = meshes();
     let mut flights = Flights::new(&meshes);
@@ -38,14 +38,14 @@ fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Fou
     for case in 0..count {
         flights.clear();
         let middle = random.direction() * far;
-        let slack = random.range(0.002, 0.02);
+        let target_distance = random.range(0.002, 0.02);
         for end in 0..2 {
             let mesh = random.below(meshes.len());
             let mut scale = [0; 3].map(|_| random.range(0.4, 1.5) * [1.0, 1.0, -1.0][random.below(3)]);
             if case % 3 == 0 {
                 scale = [scale[0]; 3];
             }
-            // They come towards each other, and some pass.
+            // They approach each other, and some miss.
             let side = [-1.0, 1.0][end];
             let from = middle + DVec3::X * side * random.range(0.4, 2.0) + random.direction() * 0.5;
             let travel = DVec3::NEG_X * side * random.range(0.0, 4.0) + random.direction() * 0.7;
@@ -53,25 +53,25 @@ fn compare(seed: u64, count: usize, turns: f64, far: f64, samples: usize) -> Fou
             let scale = Vec3::from_array(scale.map(|s| s as f32));
             flights.add(mesh, scale, flight(from, random.rotation(), travel, turn));
         }
-        let time = flights.time(slack as f32);
-        let slack = f64::from(slack as f32);
-        let movers = flights.movers();
-        let about = format!("case {case} of {seed}, {time:?}, slack {slack}");
-        // What is lost in single precision: the time, and what is far from the origin.
+        let time = flights.time(target_distance as f32);
+        let target_distance = f64::from(target_distance as f32);
+        let moving_meshes = flights.moving_meshes();
+        let about = format!("case {case} of {seed}, {time:?}, target_distance {target_distance}");
+        // Rounding errors: of the time in single precision, and of positions far from the origin.
         let rounding = 1.0e-6 + 1.0e-14 * far;
         match time.map(f64::from) {
             Some(time) => {
                 // Never late.
-                let early = first_near(&movers, slack - rounding, samples, time);
+                let early = first_near(&moving_meshes, target_distance - rounding, samples, time);
                 assert_eq!(early, None, "{about}: late");
                 // Never early.
-                let gap = distance(&movers, time, 1.0);
-                assert!(gap < 1.25 * slack + rounding, "{about}: {gap} apart");
+                let gap = distance(&moving_meshes, time, 1.0);
+                assert!(gap < 1.25 * target_distance + rounding, "{about}: {gap} apart");
                 found.stopped += 1;
             }
-            None if distance(&movers, 0.0, 1.0) < 1.25 * slack + rounding => found.near += 1,
+            None if distance(&moving_meshes, 0.0, 1.0) < 1.25 * target_distance + rounding => found.near += 1,
             None => {
-                let missed = first_near(&movers, slack - rounding, samples, 1.0);
+                let missed = first_near(&moving_meshes, target_distance - rounding, samples, 1.0);
                 assert_eq!(missed, None, "{about}: missed");
                 found.free += 1;
             }
@@ -104,7 +104,7 @@ fn far_from_the_origin() {
     assert!(found.stopped > 35 && found.free > 10, "{found:?}");
 }
 
-/// What a small body's mesh is beside a large one's.
+/// A small body and a large one.
 #[test]
 fn of_different_sizes() {
     let mut flights = Flights::new(&[sheet(1.0, 5), shapes::ball(0.5, 1)]);
@@ -123,10 +123,10 @@ fn of_different_sizes() {
             let from = aim - way * 0.5;
             let turn = random.direction() * 3.0;
             flights.add(1, Vec3::splat(size as f32), flight(from, random.rotation(), way, turn));
-            let slack = 0.1 * size;
-            let time = f64::from(flights.time(slack as f32).expect("a hit"));
-            let gap = distance(&flights.movers(), time, 1.0) / slack;
-            assert!((0.99..1.26).contains(&gap), "{gap} slacks at size {size}");
+            let target_distance = 0.1 * size;
+            let time = f64::from(flights.time(target_distance as f32).expect("a hit"));
+            let gap = distance(&flights.moving_meshes(), time, 1.0) / target_distance;
+            assert!((0.99..1.26).contains(&gap), "{gap} target distances at size {size}");
         }
     }
 }

@@ -1,25 +1,25 @@
-//! Against times that follow from a formula.
+//! Times of impact against times that follow from a formula.
 
 use super::flights::{Flights, Random, flight, stay};
 use super::shapes::{cuboid, moved, sheet};
 use bevy_faceoff::geometry::shapes;
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-const SLACK: f32 = 0.01;
+const TARGET_DISTANCE: f32 = 0.01;
 
-/// The time is one at which something is between one and 5/4 of the slack above the plane, where `height` tells what is lowest.
+/// Checks that at `time` the lowest point, at `height`, is between 1 and 5/4 target distances above the plane.
 fn require(time: Option<f32>, height: impl Fn(f64) -> f64, what: &str) -> f64 {
     let time = f64::from(time.unwrap_or_else(|| panic!("{what} is not stopped")));
-    let gap = height(time) / f64::from(SLACK);
+    let gap = height(time) / f64::from(TARGET_DISTANCE);
     assert!(
         (0.9999..1.2501).contains(&gap),
-        "{what}: {gap} slacks above the plane at {time}"
+        "{what}: {gap} target distances above the plane at {time}"
     );
     time
 }
 
 #[test]
-fn what_does_not_turn_stops_where_its_lowest_corner_arrives() {
+fn a_body_without_rotation_stops_where_its_lowest_corner_arrives() {
     let mut flights = Flights::new(&[sheet(20.0, 10), shapes::ball(0.5, 2), shapes::knot_1120()]);
     let mut random = Random::new(1);
     for shot in 0..300 {
@@ -33,10 +33,10 @@ fn what_does_not_turn_stops_where_its_lowest_corner_arrives() {
             scale,
             flight(from, random.rotation(), travel, DVec3::ZERO),
         );
-        let corners = flights.mover(1).triangles;
+        let corners = flights.moving_mesh(1).triangles;
         let reach = corners.iter().flatten().map(|p| p.z).fold(f64::INFINITY, f64::min);
         require(
-            flights.time(SLACK),
+            flights.time(TARGET_DISTANCE),
             |t| from.z + travel.z * t + reach,
             &format!("shot {shot}"),
         );
@@ -44,12 +44,13 @@ fn what_does_not_turn_stops_where_its_lowest_corner_arrives() {
 }
 
 #[test]
-fn a_rod_that_turns_on_the_spot_reaches_the_plane() {
+fn a_rod_that_rotates_in_place_reaches_the_plane() {
     let half = DVec3::new(0.05, 0.05, 1.0);
     let mut flights = Flights::new(&[sheet(20.0, 10), cuboid((half * 2.0).as_vec3())]);
     let mut random = Random::new(2);
     for shot in 0..200 {
-        // It lies, and turns about y by up to ten turns; corner (x, z) then is at x sin - z cos below the centre.
+        // It starts horizontal and makes up to ten revolutions about y. Corner (x, z) is then x sin - z cos below the
+        // centre.
         let height = random.range(0.1, 0.99);
         let turn = random.range(2.0, 60.0);
         flights.clear();
@@ -60,7 +61,7 @@ fn a_rod_that_turns_on_the_spot_reaches_the_plane() {
         let radius = half.x.hypot(half.z);
         let ahead = (half.x / half.z).atan();
         let lowest = |t: f64| height - radius * (turn * t + ahead).sin();
-        let time = require(flights.time(SLACK), lowest, &format!("rod {shot}"));
+        let time = require(flights.time(TARGET_DISTANCE), lowest, &format!("rod {shot}"));
         assert!(
             turn * time + ahead < 1.6,
             "rod {shot} is stopped in its first quarter turn"
@@ -80,15 +81,15 @@ fn a_ball_that_spins_fast_stops_as_one_that_does_not() {
             let turn = random.direction() * turns * std::f64::consts::TAU;
             flights.add(1, Vec3::ONE, flight(from, random.rotation(), travel, turn));
             // Its corners are on a sphere of radius 0.5, its faces within one of 0.493.
-            let time = f64::from(flights.time(SLACK).expect("a hit"));
+            let time = f64::from(flights.time(TARGET_DISTANCE).expect("a hit"));
             let height = from.z + travel.z * time;
-            let range = 0.493 + f64::from(SLACK)..0.5 + 1.26 * f64::from(SLACK);
+            let range = 0.493 + f64::from(TARGET_DISTANCE)..0.5 + 1.26 * f64::from(TARGET_DISTANCE);
             assert!(range.contains(&height), "shot {shot} at {turns} turns: {height}");
         }
     }
 }
 
-/// Until its tips reach the plane it cannot arrive, and half a turn later it must have.
+/// There is no impact before the tips can reach the plane, and there must be one half a revolution later.
 #[test]
 fn thousands_of_turns_are_not_missed() {
     let half = DVec3::new(0.05, 0.05, 1.0);
@@ -102,14 +103,17 @@ fn thousands_of_turns_are_not_missed() {
             Vec3::ONE,
             flight(from, DQuat::IDENTITY, DVec3::NEG_Z * 5.0, DVec3::Y * turn),
         );
-        let time = f64::from(flights.time(SLACK).expect("a hit"));
-        let tips = (3.0 - half.x.hypot(half.z) - f64::from(SLACK)) / 5.0;
+        let time = f64::from(flights.time(TARGET_DISTANCE).expect("a hit"));
+        let tips = (3.0 - half.x.hypot(half.z) - f64::from(TARGET_DISTANCE)) / 5.0;
         assert!(time < tips + std::f64::consts::PI / turn, "late at {turn}: {time}");
-        assert!(time > tips - 0.1 * f64::from(SLACK), "early at {turn}: {time}");
+        assert!(
+            time > tips - 0.1 * f64::from(TARGET_DISTANCE),
+            "early at {turn}: {time}"
+        );
     }
 }
 
-/// The corners that lead are on the axis of the turn.
+/// The leading corners are on the axis of rotation.
 #[test]
 fn a_needle_that_spins_about_its_axis_flies_as_if_it_did_not() {
     let mut flights = Flights::new(&[sheet(20.0, 10), cuboid(Vec3::new(0.001, 0.001, 1.0))]);
@@ -117,7 +121,7 @@ fn a_needle_that_spins_about_its_axis_flies_as_if_it_did_not() {
     let travel = DVec3::NEG_Z * 500.0;
     let spin = DVec3::Z * 10_000.0;
     flights.add(1, Vec3::ONE, flight(DVec3::Z * 250.0, DQuat::IDENTITY, travel, spin));
-    require(flights.time(SLACK), |t| 250.0 - 500.0 * t - 0.5, "the needle");
+    require(flights.time(TARGET_DISTANCE), |t| 250.0 - 500.0 * t - 0.5, "the needle");
 }
 
 #[test]
@@ -138,8 +142,8 @@ fn both_may_move() {
         Vec3::splat(2.0),
         flight(from, DQuat::IDENTITY, DVec3::X * -70.0, DVec3::X * 4.0),
     );
-    require(flights.time(SLACK), |t| 20.0 - 100.0 * t - 1.5, "the cube");
-    // Side by side at the same speed nothing happens, however fast.
+    require(flights.time(TARGET_DISTANCE), |t| 20.0 - 100.0 * t - 1.5, "the cube");
+    // Bodies side by side with the same velocity never collide, however fast they are.
     flights.clear();
     let travel = DVec3::new(400.0, 300.0, 200.0);
     flights.add(0, Vec3::ONE, flight(far, DQuat::IDENTITY, travel, DVec3::ZERO));
@@ -148,5 +152,5 @@ fn both_may_move() {
         Vec3::ONE,
         flight(far + DVec3::X * 1.02, DQuat::IDENTITY, travel, DVec3::ZERO),
     );
-    assert_eq!(flights.time(SLACK), None);
+    assert_eq!(flights.time(TARGET_DISTANCE), None);
 }

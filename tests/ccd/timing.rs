@@ -1,4 +1,4 @@
-//! What a call costs: `cargo test --release --test stages -- --ignored --nocapture ccd::timing`.
+//! Time per call: `cargo test --release --test stages ccd::timing -- --ignored --nocapture`.
 
 use super::flights::{Flights, Random, flight, stay};
 use super::shapes::{cuboid, sheet};
@@ -7,7 +7,8 @@ use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-/// Fires `bullet` at `target` from random places, `sizes` far and turning up to so many `turns`, and prints microseconds per call.
+/// Fires `bullet` at `target` from random positions, over a path of `sizes` metres with up to `turns` revolutions, and
+/// prints microseconds per call.
 fn time(what: &str, target: TriMesh, bullet: TriMesh, sizes: f64, turns: f64, beside: f64) {
     let mut flights = Flights::new(&[target, bullet]);
     let mut random = Random::new(1);

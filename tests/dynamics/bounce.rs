@@ -1,4 +1,4 @@
-//! Impacts of balls of 5,120 faces: outgoing speeds by Newton's law, averaged over how the balls are turned.
+//! Impacts of balls of 5,120 faces: outgoing speeds by Newton's law, averaged over the rotations of the balls.
 
 use crate::world::World;
 use bevy_faceoff::testing::scenes::flight;
@@ -7,20 +7,20 @@ use glam::{DVec3, Vec3};
 
 const RADIUS: f32 = 0.5;
 
-/// Speeds along a normal and across it, in the plane of all motion. What a facet throws out of the plane is as much to one
-/// side as to the other.
+/// Speeds along a normal and tangential to it, in the plane of motion. Deviations out of the plane, by facets, cancel
+/// on average.
 fn split(velocity: DVec3, normal: DVec3) -> [f64; 2] {
     [normal, DVec3::Z.cross(normal)].map(|direction| velocity.dot(direction))
 }
 
-/// Checks the mean of `outgoing` speeds along the normal and across, which may be off by 3 % of the incoming speed.
+/// Checks the mean of the `outgoing` normal and tangential speeds, with a tolerance of 3 % of the incoming speed.
 fn check(name: &str, restitution: f32, incoming: [f64; 2], outgoing: &[[f64; 2]]) {
     let mean = [0, 1].map(|k| outgoing.iter().map(|speeds| speeds[k]).sum::<f64>() / outgoing.len() as f64);
     let wanted = [-f64::from(restitution) * incoming[0], incoming[1]];
     let error = [0, 1].map(|k| (mean[k] - wanted[k]) / incoming[0].hypot(incoming[1]));
     println!(
-        "{name}, restitution {restitution}: {:.4} and {:.4} m/s along the normal and across, off by {:+.2} % and {:+.2} % of \
-         the incoming speed",
+        "{name}, restitution {restitution}: {:.4} and {:.4} m/s along the normal and tangential, off by {:+.2} % and \
+         {:+.2} % of the incoming speed",
         mean[0],
         mean[1],
         100.0 * error[0],
@@ -39,11 +39,11 @@ fn balls_leave_each_other_by_their_restitution() {
     }
 }
 
-/// A ball that meets another, `sideways` off the line of their centres, turned in so many ways.
+/// A ball that hits another, `sideways` off the line of centres, with `turns` random rotations.
 pub fn ball_on_ball(restitution: f32, sideways: f32, turns: usize, random: &mut fastrand::Rng) {
     let gap = SolverSettings::default().rest_offset * 2.0 * RADIUS;
     let speeds = [Vec3::X * 2.0, Vec3::X * -1.0];
-    // Where the balls are when they touch, a rest offset apart.
+    // Positions at the moment of contact, a rest offset apart.
     let reach = f64::from(2.0 * RADIUS + gap);
     let side = f64::from(sideways);
     let normal = DVec3::new((reach * reach - side * side).sqrt(), side, 0.0) / reach;
@@ -71,7 +71,7 @@ fn balls_leave_a_wall_by_their_restitution() {
     }
 }
 
-/// A ball that meets a wall at so many degrees from its normal, turned in so many ways.
+/// A ball that hits a wall at `angle` degrees from its normal, with `turns` random rotations.
 pub fn ball_on_wall(restitution: f32, angle: f32, turns: usize, random: &mut fastrand::Rng) {
     let velocity = 3.0 * Vec3::new(angle.to_radians().sin(), -angle.to_radians().cos(), 0.0);
     let outgoing: Vec<[f64; 2]> = (0..turns)

@@ -1,4 +1,4 @@
-//! Bodies faster than their size per step, shot at a thin plate.
+//! Bodies that move by more than their size per step, shot at a thin plate.
 
 use crate::world::World;
 use bevy_faceoff::geometry::{TriMesh, shapes};
@@ -17,8 +17,8 @@ fn unit(random: &mut fastrand::Rng) -> Vec3 {
     }
 }
 
-/// Shoots `tries` bullets of diameter 1 at a plate in the plane z = 0, each `sizes` of its own per step fast, and counts
-/// those that are on the other side a few steps later. They spin by up to so many radians per step.
+/// Shoots `tries` bullets of diameter 1 at a plate in the plane z = 0, at `sizes` diameters per step, and counts those
+/// that are on the other side a few steps later. They rotate by up to `spin` radians per step.
 fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: bool) -> usize {
     let mut random = fastrand::Rng::with_seed(sizes as u64);
     let mut world = World::new();
@@ -26,11 +26,11 @@ fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: boo
     let (mesh, cube) = (world.mesh(bullet), world.mesh(&shapes::cube(1.0)));
     let mut bullets = Vec::new();
     for try_ in 0..tries {
-        // Each pair has a place of its own.
+        // The pairs are far from each other.
         let home = Vec3::new((try_ % 32) as f32, (try_ / 32) as f32, 0.0) * 4.0e3;
         let thin = Vec3::new(3.0e3, 3.0e3, 0.01);
         world.add(RigidBody::Static, cube, thin, home, Quat::IDENTITY);
-        // No flatter than 17 degrees, from anywhere within the way of one step.
+        // At an angle of at least 17 degrees to the plate, from any distance within the path of one step.
         let mut way = unit(&mut random);
         way.z = -way.z.abs().max(0.3);
         let way = way.normalize();
@@ -56,7 +56,7 @@ fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: boo
 }
 
 #[test]
-fn none_passes_a_thin_plate() {
+fn no_bullet_passes_a_thin_plate() {
     for (name, bullet, spin, tries) in [
         ("ball", shapes::ball_320(), 10.0, 1000),
         ("torus", shapes::torus_240(), 0.0, 300),
@@ -72,14 +72,14 @@ fn none_passes_a_thin_plate() {
 }
 
 #[test]
-fn without_it_nearly_all_pass() {
+fn without_continuous_collision_nearly_all_pass() {
     let passed = passed(&shapes::ball_320(), 50.0, 10.0, 100, false);
     assert!(passed > 50, "{passed} of 100");
 }
 
-/// How large the plates are at which small bullets are shot, metres.
+/// Size of the plates for small bullets, metres.
 const PLATE: f64 = 400.0;
-/// Along which they fly.
+/// Direction of their flight.
 const WAY: Vec3 = Vec3::new(-0.953, -0.286, -0.0953);
 
 /// A plate of 1 cm in the plane x = 0.
@@ -97,8 +97,8 @@ fn plate(kind: RigidBody, velocity: Vec3, spin: Vec3) -> Body {
     }
 }
 
-/// Shoots a bullet of 2 cm without friction from x = 2 at `plate`. After half a second it tells whether the bullet got through,
-/// and with which velocity it and the plate move.
+/// Shoots a bullet of 2 cm without friction from x = 2 at `plate`. Returns whether the bullet got through within half a
+/// second, and the velocities of the bullet and of the plate.
 fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [Vec3; 2]) {
     let mut world = World::weightless();
     let (cube, bullet) = (world.mesh(&shapes::cube(1.0)), world.mesh(bullet));
@@ -121,7 +121,7 @@ fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [V
         world.step();
         let after = seen_from_plate(&world);
         if before.x > 0.0 && after.x <= 0.0 {
-            // It may also have slid round the edge.
+            // It may also have slid around the edge.
             let there = before.lerp(after, before.x / (before.x - after.x));
             through |= there.y.abs().max(there.z.abs()) < 0.5 * PLATE;
         }
@@ -141,7 +141,7 @@ fn small_torus() -> TriMesh {
 }
 
 #[test]
-fn none_passes_a_plate_that_moves_itself() {
+fn no_bullet_passes_a_moving_plate() {
     for (name, plate) in [
         ("comes", plate(RigidBody::Kinematic, Vec3::X * 0.5, Vec3::ZERO)),
         ("comes faster", plate(RigidBody::Kinematic, Vec3::X * 1.5, Vec3::ZERO)),
@@ -157,7 +157,7 @@ fn none_passes_a_plate_that_moves_itself() {
             let speed = 20.0 * number as f32;
             let (through, [bullet, plate]) = shoot(plate, &small_ball(), WAY * speed, Vec3::ZERO);
             assert!(!through, "at {speed} m/s, the plate {name}");
-            // Nor is it on its way through: the slowest came with 19 m/s.
+            // It is not moving through the plate either: the slowest bullet had 19 m/s.
             let parting = bullet.x - plate.x;
             assert!(parting > -0.5, "{parting} m/s from {speed} m/s, the plate {name}");
         }
@@ -165,7 +165,7 @@ fn none_passes_a_plate_that_moves_itself() {
 }
 
 #[test]
-fn none_passes_a_plate_that_turns() {
+fn no_bullet_passes_a_rotating_plate() {
     for spin in [0.05, -0.05] {
         for number in 1..=20 {
             let speed = 20.0 * number as f32;
@@ -177,7 +177,7 @@ fn none_passes_a_plate_that_turns() {
 }
 
 #[test]
-fn none_that_spins_passes_a_fixed_plate() {
+fn no_spinning_bullet_passes_a_fixed_plate() {
     let mut random = fastrand::Rng::with_seed(3);
     for (name, bullet) in [
         ("ball", small_ball()),
@@ -220,7 +220,7 @@ fn a_bullet_between_a_door_and_a_wall_stays_there_until_it_is_crushed() {
             world.step();
             let [of_bullet, of_door] = [bullet, door].map(|i| world.center(i).x);
             assert!(of_bullet > 0.0, "through the wall at {speed} m/s");
-            // Half a door and half the bullet.
+            // Half of the door's thickness and the bullet's radius.
             let room = of_door > 0.03;
             assert!(!room || of_bullet < of_door, "through the door at {speed} m/s");
         }

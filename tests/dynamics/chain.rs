@@ -1,4 +1,4 @@
-//! Chains of rings: they hang, are shaken, and stay linked.
+//! Chains of rings that hang, are shaken, and stay linked.
 
 use crate::world::World;
 use bevy_faceoff::testing::scenes::chain::{chain, length, linking_number};
@@ -19,9 +19,9 @@ fn check_links(world: &World, when: &str) {
     }
 }
 
-/// Hangs for so many seconds, is shaken, and hangs again.
+/// A chain hangs, is shaken, and hangs again, for so many seconds each.
 pub fn hangs_and_is_shaken(count: usize, [seconds, shaken, afterwards]: [usize; 3]) {
-    // 2 cm short of where they hang.
+    // The rings start 2 cm closer than they hang.
     let mut world = World::of(&chain(count, 0.74));
     let watched = |world: &mut World, when: &str| {
         world.step();
@@ -39,7 +39,7 @@ pub fn hangs_and_is_shaken(count: usize, [seconds, shaken, afterwards]: [usize; 
     world.state.input.bodies.kind[0] = RigidBody::Kinematic;
     let start = world.center(0);
     for k in 0..64 * shaken {
-        // 0.3 m to both sides, once a second.
+        // By 0.3 m to both sides, once a second.
         let at = |k: usize| 0.3 * (TAU * k as f32 / 64.0).sin();
         world.state.input.bodies.linear_velocity[0] = Vec3::X * 64.0 * (at(k + 1) - at(k));
         deepest[1] = deepest[1].max(watched(&mut world, "shaken"));
@@ -50,8 +50,8 @@ pub fn hangs_and_is_shaken(count: usize, [seconds, shaken, afterwards]: [usize; 
         deepest[2] = deepest[2].max(watched(&mut world, "afterwards"));
     }
     println!(
-        "{count} rings: {found:.4} m long after {seconds} s, {:+.3} % off, fastest {fastest:.4} m/s; deepest {:.2} % of the \
-         diameter, shaken {:.2} %, afterwards {:.2} %",
+        "{count} rings: {found:.4} m long after {seconds} s, {:+.3} % off, fastest {fastest:.4} m/s; deepest {:.2} % of \
+         the diameter, shaken {:.2} %, afterwards {:.2} %",
         100.0 * (found / wanted - 1.0),
         100.0 * deepest[0],
         100.0 * deepest[1],

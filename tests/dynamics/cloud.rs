@@ -1,4 +1,4 @@
-//! Knots that fly into each other, with nothing outside: what they keep.
+//! Conservation of momentum and energy by knots that fly into each other in a closed system.
 
 use super::motion::Motion;
 use crate::world::World;
@@ -6,8 +6,8 @@ use bevy_faceoff::testing::scenes::flight;
 use bevy_faceoff::types::material::Friction;
 use glam::Vec3;
 
-/// `count` knots that fly inward and past each other, of restitution 1 or, if `mixed`, of any restitution, friction, size
-/// and density.
+/// `count` knots that fly inward and past each other, of restitution 1 or, if `mixed`, of any restitution, friction,
+/// size and density.
 fn cloud(count: usize, mixed: bool) -> World {
     let mut random = fastrand::Rng::with_seed(11);
     let scene = flight::cloud(count, &mut || random.f32(), |knot, random| {
@@ -44,8 +44,8 @@ pub fn keeps_momentum(count: usize, steps: usize, mixed: bool) {
     }
     let left = Motion::of(&world).kinetic / before.kinetic;
     println!(
-        "{count} knots, {}: {pairs} impacts in {steps} steps, drift of momentum {linear:.2e} and {angular:.2e}, energy at most \
-         {:.3} % of the start, {:.1} % at the end",
+        "{count} knots, {}: {pairs} impacts in {steps} steps, drift of momentum {linear:.2e} and {angular:.2e}, energy at \
+         most {:.3} % of the start, {:.1} % at the end",
         if mixed { "mixed" } else { "restitution 1" },
         100.0 * kinetic,
         100.0 * left

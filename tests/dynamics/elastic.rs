@@ -1,4 +1,4 @@
-//! Balls that bounce without loss, as a spawner makes them: copies of one mesh that are not turned.
+//! Elastic balls: copies of one mesh, all with the same rotation, as a spawner makes them.
 
 use crate::world::World;
 use bevy_faceoff::asset::CollisionMesh;
@@ -8,7 +8,7 @@ use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::material::Friction;
 use glam::{Quat, Vec3};
 
-/// A ball without friction that bounces without loss.
+/// A ball without friction, of restitution 1.
 fn elastic(mesh: u32, position: Vec3, velocity: Vec3) -> Body {
     Body {
         linear_velocity: velocity,
@@ -21,7 +21,7 @@ fn elastic(mesh: u32, position: Vec3, velocity: Vec3) -> Body {
     }
 }
 
-/// Kinetic and potential energy of the first `count` bodies per mass, joules per kilogram.
+/// Kinetic and potential energy of the first `count` bodies, per mass, joules per kilogram.
 fn energy(world: &World, count: usize) -> f64 {
     (0..count)
         .map(|i| 0.5 * f64::from(world.velocity(i).length_squared()) + 9.81 * world.center(i).y)
@@ -29,7 +29,7 @@ fn energy(world: &World, count: usize) -> f64 {
 }
 
 #[test]
-fn equal_balls_that_are_not_turned_bounce_without_loss_at_any_speed() {
+fn equal_balls_without_rotation_bounce_elastically_at_any_speed() {
     let mesh = CollisionMesh::new(&shapes::ball(0.5, 3));
     for speed in [2.0, 5.0, 10.0, 20.0, 40.0] {
         for k in 0..10 {
@@ -40,9 +40,9 @@ fn equal_balls_that_are_not_turned_bounce_without_loss_at_any_speed() {
             world.put(&elastic(ball, Vec3::Y * 2.0 + aside, Vec3::NEG_Y * speed));
             world.seconds(1);
             let kept = [0, 1].map(|i| world.velocity(i).length_squared()).iter().sum::<f32>() / (speed * speed);
-            // Theory: all of it, and of a central impact everything goes over.
+            // Theory: a central impact conserves all of the energy, and transfers it to the other ball.
             assert!((kept - 1.0).abs() < 0.01, "{kept} of the energy at {speed} m/s, {k}");
-            assert!(world.velocity(0).length() > 0.5 * speed, "they met");
+            assert!(world.velocity(0).length() > 0.5 * speed, "there was no impact");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What happens on a slope: Coulomb's law, and rolling. Sleep is off: it would hold what creeps.
+//! Friction and rolling on a slope, by Coulomb's law. Sleep is off, because it would hide creep.
 
 use crate::world::{GAP, World, any_turn};
 use bevy_faceoff::asset::CollisionMesh;
@@ -9,10 +9,10 @@ use bevy_faceoff::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 
 const GRAVITY: f64 = 9.81;
-/// That of all bodies, if nothing else is said.
+/// Default coefficient of friction.
 const FRICTION: f64 = 0.5;
 
-/// A slope that leads down along x by `angle` radians.
+/// A slope that descends along x at `angle` radians.
 struct Slope {
     world: World,
     turn: Quat,
@@ -30,7 +30,7 @@ impl Slope {
         }
     }
 
-    /// A cube of edge 1 that lies on it, askew.
+    /// A cube of edge 1 that lies on it, rotated about the normal.
     fn cube(&mut self) -> usize {
         let cube = self.world.mesh(&shapes::cube(1.0));
         let at = self.turn * (Vec3::Y * (0.5 + GAP));
@@ -38,7 +38,7 @@ impl Slope {
         self.world.add(RigidBody::Dynamic, cube, Vec3::ONE, at, turn)
     }
 
-    /// How fast body `i` goes down.
+    /// Speed of body `i` down the slope.
     fn speed(&self, i: usize) -> f64 {
         self.world.velocity(i).as_dvec3().dot(self.down)
     }
@@ -49,7 +49,7 @@ fn a_box_sticks_below_the_angle_of_friction() {
     sticks(10);
 }
 
-/// A cube just below the angle of friction, for so many seconds.
+/// A cube just below the angle of friction does not move for so many seconds.
 pub fn sticks(seconds: u32) {
     let angle = FRICTION.atan() - 2.0f64.to_radians();
     let mut slope = Slope::new(angle);
@@ -71,7 +71,7 @@ fn a_box_slides_above_the_angle_of_friction() {
     }
 }
 
-/// A cube beyond the angle of friction, in its second second.
+/// The acceleration of a cube beyond the angle of friction, in its second second.
 pub fn slides(degrees: f64) {
     let angle = f64::to_radians(degrees);
     let mut slope = Slope::new(angle);
@@ -86,7 +86,7 @@ pub fn slides(degrees: f64) {
     assert!(error.abs() < 0.03, "{degrees}: {found}, not {wanted}");
 }
 
-/// How much faster, as a part, balls roll down than they should, averaged over 2 s and over how they are turned.
+/// Relative error of the acceleration of rolling balls, averaged over 2 s and over the rotations of the balls.
 pub fn rolling_error(degrees: f64, half_space: bool, runs: u32) -> f64 {
     let mut random = fastrand::Rng::with_seed(9);
     let mesh = shapes::ball(0.5, 4);
@@ -123,7 +123,7 @@ pub fn rolling_error(degrees: f64, half_space: bool, runs: u32) -> f64 {
 
 #[test]
 fn balls_roll_down_a_mesh() {
-    // Up to the tangent 7/2 of friction's a ball rolls without sliding.
+    // A ball rolls without sliding up to a slope whose tangent is 7/2 of the coefficient of friction.
     for degrees in [5.0, 10.0, 20.0] {
         assert!(rolling_error(degrees, false, 6).abs() < 0.03);
     }

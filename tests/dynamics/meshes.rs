@@ -1,4 +1,4 @@
-//! Mixed meshes, poured.
+//! Different meshes poured into a bin.
 
 use crate::world::World;
 use bevy_faceoff::geometry::shapes;
@@ -36,12 +36,12 @@ fn bodies_poured_into_a_bin_come_to_rest() {
             deepest = deepest.max(world.deepest());
         }
         let (still_deep, fastest) = (world.deepest(), world.fastest());
-        println!("{name}: deepest on the way {deepest:.4} m, then {still_deep:.4} m, fastest {fastest:.4} m/s");
+        println!("{name}: deepest before {deepest:.4} m, then {still_deep:.4} m, fastest {fastest:.4} m/s");
         for i in 5..5 + count {
             let c = world.center(i);
             assert!(c.x.abs() < 1.5 && c.z.abs() < 1.5 && c.y > 0.0, "{name} {i} is at {c}");
         }
-        // The last ones land with 18 m/s.
+        // The last ones land at 18 m/s.
         assert!(still_deep < 0.01 && deepest < 0.2, "{name}: {still_deep}, {deepest}");
         assert!(fastest < 0.1, "{name}: {fastest}");
     }

@@ -1,4 +1,4 @@
-//! Steps with contacts, without an app: what bodies do that lie on, hang on and fall onto each other.
+//! Steps with contacts, without an app: bodies at rest, hanging chains, falling and colliding bodies.
 
 mod bounce;
 mod bullets;

@@ -1,9 +1,9 @@
-//! What bodies have that closed systems keep.
+//! Conserved quantities of closed systems: momentum and energy.
 
 use crate::world::World;
 use glam::{DMat3, DVec3};
 
-/// Sums over all dynamic bodies.
+/// Sums over all dynamic bodies of a world.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
     /// kg m/s.

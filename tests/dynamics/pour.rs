@@ -1,10 +1,10 @@
-//! Knots poured into a bin. Sleep is off: the pile has to come to rest by itself.
+//! Knots poured into a bin. Sleep is off, so the pile must come to rest by contacts alone.
 
 use crate::world::{World, any_turn};
 use bevy_faceoff::testing::scenes::Scene;
 use bevy_faceoff::testing::scenes::pour::{knots, walls};
 
-/// How deep pairs in contact overlap, as parts of the diameter.
+/// Overlap of pairs in contact, as fractions of the diameter.
 #[derive(Default)]
 struct Depths {
     sum: f64,
@@ -13,7 +13,7 @@ struct Depths {
 }
 
 impl Depths {
-    /// Adds all pairs of knots, and of knots and walls, that are as near as bodies at rest, or nearer.
+    /// Adds all pairs of knots, and of knots and walls, with a gap of at most that of bodies at rest.
     fn add(&mut self, world: &World) {
         let state = &world.state;
         for pair in &state.results.manifolds.pairs {
@@ -35,7 +35,7 @@ impl Depths {
     }
 }
 
-/// Pours `count` knots into a bin `width` wide, and watches for so many seconds.
+/// Pours `count` knots into a bin of `width` metres, and measures for so many seconds.
 pub fn pour(count: usize, width: f32, seconds: usize) {
     let high = 60.0;
     let mut scene = Scene::new();
@@ -52,8 +52,8 @@ pub fn pour(count: usize, width: f32, seconds: usize) {
     still.add(&world);
     let fastest = world.fastest();
     println!(
-        "{count} knots after {seconds} s: fastest {fastest:.4} m/s; {} pairs in contact, {:.4} % deep on average and {:.3} % at \
-         most; on the way {:.4} % and {:.3} %",
+        "{count} knots after {seconds} s: fastest {fastest:.4} m/s; {} pairs in contact, {:.4} % deep on average and {:.3} % \
+         at most; before {:.4} % and {:.3} %",
         still.pairs,
         100.0 * still.mean(),
         100.0 * still.most,

@@ -1,16 +1,16 @@
-//! What stands and lies still: by itself, in stacks, in piles. Sleep is off, so that it is contacts that hold.
+//! Bodies at rest: single, in stacks, in piles. Sleep is off, so that only contacts hold them.
 
 use crate::world::{GAP, World};
 use bevy_faceoff::testing::scenes::rest as scenes;
 use glam::DVec3;
 
-/// How far bodies have moved, and sunk, at most.
+/// The largest distances by which bodies have moved and sunk, metres.
 pub struct Moved {
     far: f64,
     sunk: f64,
 }
 
-/// Watches all bodies but the floor, the first, for so many seconds.
+/// Measures all bodies except the first, which is the floor, for so many seconds.
 fn watch(world: &mut World, seconds: usize) -> Moved {
     let start: Vec<DVec3> = (1..world.state.input.bodies.len()).map(|i| world.center(i)).collect();
     let mut most = Moved { far: 0.0, sunk: 0.0 };
@@ -51,14 +51,14 @@ fn ten_cubes_stand_on_each_other() {
     stack(10, 30);
 }
 
-/// Cubes on each other.
+/// A stack of cubes.
 pub fn stack(count: usize, seconds: usize) {
     let mut world = World::of(&scenes::stack(count, GAP));
     let moved = watch(&mut world, seconds);
     check(&format!("stack of {count}"), &moved, 0.02, 0.02);
 }
 
-/// Rows of cubes in a plane, each one shorter than that below.
+/// Rows of cubes in a plane, each shorter than the row below.
 pub fn pyramid(rows: usize, seconds: usize) {
     let mut world = World::of(&scenes::pyramid(rows, GAP));
     let moved = watch(&mut world, seconds);
@@ -83,9 +83,9 @@ fn a_pyramid_of_fifty_five_cubes_stands() {
     pyramid(10, 30);
 }
 
-/// Five rings that lie on each other, each shifted by `shift` against that below, to and fro.
+/// Five rings that lie on each other, each shifted by `shift` relative to the one below, alternately to both sides.
 pub fn rings(shift: f32, seconds_to_settle: u32, seconds: usize) -> Moved {
-    // What a ring of diameter 1 keeps between itself and others.
+    // The gap at rest of a ring of diameter 1.
     let mut world = World::of(&scenes::rings(shift, 0.005));
     world.seconds(seconds_to_settle);
     watch(&mut world, seconds)

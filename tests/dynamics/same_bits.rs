@@ -28,7 +28,7 @@ pub fn pile() -> World {
     world
 }
 
-/// All that the bodies do over so many steps, by so many threads. More than `least_pairs` come near each other.
+/// The bits of all motions over so many steps, with so many threads. Requires more than `least_pairs` near pairs.
 pub fn bits(threads: usize, steps: usize, least_pairs: usize) -> Vec<u32> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let mut world = pile();

@@ -1,4 +1,4 @@
-//! Scenes as games have them: bodies in flight together, bodies put into each other, and landings. What they cost is counted.
+//! Scenes from games: bodies in flight together, overlapping bodies, and landings. The work per step is counted.
 
 use crate::world::{World, any_turn};
 use bevy_faceoff::geometry::{TriMesh, shapes};
@@ -6,7 +6,7 @@ use bevy_faceoff::state::Body;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
-/// Of one step: pairs of spheres, pairs that are near, contact points, intervals.
+/// Work of one step: sphere pairs, near pairs, contact points, collision substeps.
 type Work = [usize; 4];
 
 fn work(world: &World) -> Work {
@@ -19,7 +19,7 @@ fn work(world: &World) -> Work {
     ]
 }
 
-/// `side` cubed bodies, `gap` apart, some of which touch their neighbours.
+/// A block of `side` cubed bodies, `gap` apart.
 fn block(world: &mut World, mesh: &TriMesh, side: usize, gap: f32, lowest: f32, velocity: Vec3) {
     let mesh = world.mesh(mesh);
     for i in 0..side.pow(3) {
@@ -32,7 +32,7 @@ fn block(world: &mut World, mesh: &TriMesh, side: usize, gap: f32, lowest: f32, 
 }
 
 #[test]
-fn what_all_bodies_have_in_common_costs_nothing_and_changes_nothing() {
+fn a_common_velocity_costs_nothing_and_changes_nothing() {
     for (mesh, gap) in [
         (shapes::ball(0.25, 3), 0.6),
         (shapes::ball(0.25, 3), 0.501),
@@ -61,7 +61,7 @@ pub fn formation(mesh: &TriMesh, side: usize, gap: f32, steps: usize) {
         let velocity = Vec3::new(0.6, 0.0, 0.8) * speed;
         let (moving, moved) = fly(velocity);
         assert_eq!(works, moving, "at {speed} m/s");
-        // What single precision makes of a place that far away.
+        // Rounding error of single precision so far from the origin.
         let tolerance = 1.0e-5 + 4.0 * f32::EPSILON * speed * steps as f32;
         for (p, q) in places.iter().zip(&moved) {
             assert!(p.distance(*q) < tolerance, "at {speed} m/s {p} is {q}");
@@ -70,11 +70,12 @@ pub fn formation(mesh: &TriMesh, side: usize, gap: f32, steps: usize) {
 }
 
 #[test]
-fn a_swarm_that_lands_is_not_looked_at_from_afar() {
+fn a_landing_swarm_has_small_margins() {
     swarm(3, 26.0);
 }
 
-/// A block of finely cut balls that falls from so high. Two of its layers land one after the other, and none may be lost.
+/// A block of finely tessellated balls that falls from `height`. Its layers land one after the other, and no ball may
+/// get lost.
 pub fn swarm(side: usize, height: f32) {
     let mut world = World::new();
     let ball = shapes::ball(0.25, 3);
@@ -93,7 +94,7 @@ pub fn swarm(side: usize, height: f32) {
         world.step();
         let state = &world.state;
         for pair in &state.results.near_pairs {
-            // A quarter of a ball, with safety, and the contact margin.
+            // A quarter of a ball, with the safety factor, and the contact margin.
             let most = if state.results.collision_substeps < 8 {
                 0.5 * 0.25 * 1.5 + 0.006
             } else {
@@ -101,7 +102,7 @@ pub fn swarm(side: usize, height: f32) {
             };
             assert!(
                 pair.margin <= most,
-                "{} in {} collision_substeps",
+                "{} in {} collision substeps",
                 pair.margin,
                 state.results.collision_substeps
             );
@@ -115,7 +116,7 @@ pub fn swarm(side: usize, height: f32) {
 }
 
 #[test]
-fn what_is_pushed_out_does_not_sleep_before_it_is_out() {
+fn a_body_does_not_sleep_before_it_is_pushed_out() {
     for (shape, depth) in [
         (shapes::ball(0.5, 3), 0.6),
         (shapes::ball(0.5, 3), 0.3),
@@ -126,7 +127,7 @@ fn what_is_pushed_out_does_not_sleep_before_it_is_out() {
     }
 }
 
-/// A body of half a metre's radius, so deep in the top of a block.
+/// A body with a radius of half a metre that starts `depth` metres deep in the top of a block.
 pub fn pushed_out(shape: &TriMesh, depth: f32) {
     let mut world = World::new();
     world.state.input.config.solver.sleeping = true;
@@ -149,7 +150,7 @@ pub fn pushed_out(shape: &TriMesh, depth: f32) {
     }
     assert!(world.state.results.asleep[0], "it is out, and at rest");
     assert!((world.center(0).y - 0.5).abs() < 0.01, "{}", world.center(0));
-    // The speed of the push falls with the depth and never rises: like a damped spring's, by less than half in a step.
+    // The depenetration speed decreases with the depth, as that of a damped spring, by less than half per step.
     for (k, pair) in speeds.windows(2).enumerate() {
         let falls = pair[1] <= pair[0] + 0.1 && pair[1] >= 0.5 * pair[0] - 0.05;
         assert!(falls, "from {} to {} m/s at step {k}", pair[0], pair[1]);
@@ -157,7 +158,7 @@ pub fn pushed_out(shape: &TriMesh, depth: f32) {
 }
 
 #[test]
-fn two_that_overlap_part_before_they_sleep() {
+fn two_overlapping_bodies_separate_before_they_sleep() {
     for shape in [
         shapes::cube(1.0),
         shapes::torus_240(),
@@ -169,17 +170,17 @@ fn two_that_overlap_part_before_they_sleep() {
 }
 
 #[test]
-fn bodies_in_the_same_place_part() {
+fn bodies_in_the_same_place_separate() {
     for shape in [shapes::cube(1.0), shapes::torus_240(), shapes::ball(0.5, 2)] {
         for count in [2, 5, 20] {
             overlapping(&shape, count, Vec3::ZERO);
         }
     }
-    // What differs by rounding alone is in the same place too.
+    // Positions that differ by rounding errors only count as the same place too.
     overlapping(&shapes::ball(0.5, 2), 2, Vec3::X * 1.0e-6);
 }
 
-/// So many bodies of one mesh, each so far from the one before, without gravity.
+/// `count` bodies of one mesh without gravity, each `apart` from the one before.
 pub fn overlapping(mesh: &TriMesh, count: usize, apart: Vec3) {
     let mut world = World::weightless();
     world.state.input.config.solver.sleeping = true;
@@ -232,7 +233,8 @@ fn few_bodies_are_little_work() {
         for _ in 0..64 {
             world.step();
             let [spheres, near, points, collision_substeps] = work(&world);
-            // Neighbours' spheres overlap; the cubes are half a metre apart, and have a plane point for each corner below.
+            // The spheres of neighbours overlap. The cubes are half a metre apart, and each lower corner has a point
+            // with the plane.
             assert!(
                 spheres < count && near == 0 && points <= 4 * count && collision_substeps == 1,
                 "{:?}",
@@ -243,7 +245,7 @@ fn few_bodies_are_little_work() {
 }
 
 #[test]
-fn what_is_far_and_fast_adds_no_pair_and_no_point() {
+fn a_distant_fast_body_adds_no_pair_and_no_point() {
     let play = |with_bullet: bool| -> Vec<[usize; 2]> {
         let mut world = World::new();
         let ball = world.mesh(&shapes::ball(0.05, 2));

@@ -1,16 +1,16 @@
-//! A body that turns freely and whose moments of inertia all differ.
+//! Free rotation of a body with three different moments of inertia.
 
 use super::motion::{Motion, inertia};
 use crate::world::World;
 use bevy_faceoff::testing::scenes::flight::squeezed_knot;
 use glam::{DMat3, DVec3, Vec3};
 
-/// A knot that turns with `spin` in its own axes.
+/// A knot that rotates with `spin` in its own axes.
 fn knot(spin: Vec3) -> (World, usize) {
     (World::of(&squeezed_knot(spin)), 0)
 }
 
-/// Moments of inertia about the body's own axes, which the squeezed knot's symmetry makes principal.
+/// Moments of inertia about the body's own axes. They are principal axes, because the squeezed knot is symmetric.
 fn moments(world: &World, body: usize) -> DVec3 {
     let axes = world.state.input.bodies.frame[body].rotation;
     let own = axes.transpose() * inertia(world, body) * axes;
@@ -39,7 +39,7 @@ fn a_squeezed_knot_keeps_angular_momentum_and_energy_for_a_minute() {
     }
 }
 
-/// What a knot keeps that turns with `spin`.
+/// Checks angular momentum and energy of a knot that rotates with `spin`.
 pub fn keeps_turning(spin: Vec3, seconds: usize) {
     let (mut world, body) = knot(spin);
     let moments = moments(&world, body);
@@ -67,7 +67,7 @@ fn a_knot_that_spins_about_its_middle_axis_flips() {
     assert!(counts[1] >= 4 && counts[0] == 0 && counts[2] == 0, "{counts:?}");
 }
 
-/// The body's axes, that of the smallest moment of inertia first.
+/// The body's axes, in ascending order of the moment of inertia.
 pub fn axes() -> [usize; 3] {
     let (world, body) = knot(Vec3::ZERO);
     let moments = moments(&world, body).to_array();
@@ -76,7 +76,7 @@ pub fn axes() -> [usize; 3] {
     order
 }
 
-/// How often the spin about an axis of the body turns round, as the body sees it.
+/// How often the angular velocity about an axis of the body changes sign, in the body's axes.
 pub fn flips(axis: usize, seconds: usize) -> usize {
     let (mut world, body) = knot(Vec3::AXES[axis] * 5.0 + Vec3::splat(0.02));
     let (mut flips, mut up) = (0, true);

@@ -1,6 +1,6 @@
-//! A nut on a bolt: meshes that others made, if they lie beside the checkout. At 64 Hz with default settings, 8 substeps: the
-//! thread is so thin that steps are cut into five or six intervals, of two substeps each. A step takes about a second: the longer
-//! of the tests is for those who have the time.
+//! A nut on a bolt, with external meshes, if they are beside the checkout. At 64 Hz with default settings and 8
+//! substeps the thread is so thin that a step has five or six collision substeps of two substeps each. A step takes
+//! about a second, so the longer test is ignored by default.
 
 use crate::world::World;
 use bevy_faceoff::asset::{CollisionMesh, import_file};
@@ -11,11 +11,11 @@ use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use std::f64::consts::TAU;
 
-/// Metres per turn: ISO 261, M16.
+/// Metres per revolution: ISO 261, M16.
 const PITCH: f64 = 0.002;
-/// Radians per second about z: a right-hand thread leads down.
+/// Radians per second about z. A right-hand thread moves the nut down.
 const SPEED: f32 = -6.0;
-/// Steps in which the nut falls onto the thread and comes up to speed.
+/// Steps in which the nut falls onto the thread and accelerates.
 const SETTLING: u32 = 16;
 
 fn mesh(name: &str) -> Option<CollisionMesh> {
@@ -37,7 +37,7 @@ fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
     let [bolt, nut] = meshes.map(|mesh| world.state.input.meshes.add(mesh));
     for (kind, mesh, at) in [
         (RigidBody::Static, bolt, Vec3::ZERO),
-        // Five turns above the bottom of the thread.
+        // Five revolutions above the bottom of the thread.
         (RigidBody::Dynamic, nut, Vec3::Z * 0.01),
     ] {
         world.put(&Body {
@@ -53,7 +53,7 @@ fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
     Some(world)
 }
 
-/// Spins the nut by so many turns, by a torque that holds the speed, and compares how far it goes down.
+/// Rotates the nut by `turns` revolutions, with a torque that keeps the speed, and checks how far it moves down.
 fn spun(friction: f32, rest_offset: f32, turns: f64) {
     let Some(mut world) = nut_on_bolt(friction, rest_offset) else {
         return;
@@ -74,7 +74,7 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
         if step % 8 == 0 {
             println!("step {step}: turned by {turned:.3}");
         }
-        // Four times as many as it takes.
+        // Four times as many steps as needed.
         let limit = f64::from(SETTLING) + 4.0 * 64.0 * turns * TAU / f64::from(SPEED.abs());
         assert!(f64::from(step) < limit, "it got stuck after {turned} turns");
         if step == SETTLING {
@@ -90,14 +90,14 @@ fn spun(friction: f32, rest_offset: f32, turns: f64) {
     };
     let error = travel / PITCH - 1.0;
     println!(
-        "friction {friction}: {:.4} mm per turn, {:+.2} % off, over {turns} turns in {step} steps; never farther than {:.4} mm \
-         from the thread's line",
+        "friction {friction}: {:.4} mm per turn, {:+.2} % off, over {turns} turns in {step} steps; never farther than \
+         {:.4} mm from the thread's line",
         1.0e3 * travel,
         100.0 * error,
         1.0e3 * farthest_off
     );
     assert!(error.abs() < 0.05, "{travel} m per turn");
-    // A turn further is ten times as far.
+    // An error of one revolution would be ten times as large.
     assert!(farthest_off < 0.1 * PITCH, "{farthest_off}");
 }
 
@@ -111,8 +111,8 @@ fn a_smooth_nut_goes_down_its_thread() {
 
 /// 1.986 mm per turn, never farther than 0.0042 mm from the thread's line; 46 s.
 ///
-/// With the default rest offset the nut jams: that is 0.15 mm on both flanks, more than their play of 0.17 to 0.25 mm has
-/// room for, so that they squeeze the nut and friction holds it.
+/// With the default rest offset the nut jams: the gap is 0.15 mm on both flanks, more than their play of 0.17 to 0.25
+/// mm allows. So the flanks squeeze the nut and friction holds it.
 #[test]
 fn a_rough_nut_goes_down_its_thread() {
     spun(0.1, 0.0005, 0.25);

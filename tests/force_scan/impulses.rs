@@ -1,4 +1,4 @@
-//! Contacts and impulses: where they push, and what they keep.
+//! Contacts and impulses: positions, directions, and conservation laws.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
@@ -14,7 +14,7 @@ fn step(state: &mut StepState) {
     }
 }
 
-/// Bodies as they stand after a step, put in again for the next.
+/// Makes the bodies after a step the input of the next.
 fn again(state: &mut StepState) {
     let bodies = std::mem::take(&mut state.input.bodies);
     for i in 0..bodies.len() {
@@ -145,7 +145,8 @@ fn a_crowd_keeps_momentum_and_gains_no_energy() {
     let (momentum, mut energy, size) = measure(&state);
     let mut touched = 0;
     for _ in 0..120 {
-        // Impulses alone: turning a lopsided body at constant angular velocity is no free motion, and changes energy.
+        // Without rotation: rotating an anisotropic body at constant angular velocity is not free motion and changes
+        // its energy.
         for stage in Stage::ALL {
             bevy_faceoff::step::cpu::run(stage, &mut state);
             if stage == Stage::TriangleTest {
@@ -176,7 +177,11 @@ fn kinematic_and_static_bodies_are_not_pushed() {
             state.input.bodies.push(&body, &state.input.meshes).unwrap();
         }
         step(&mut state);
-        assert_eq!(state.input.bodies.linear_velocity[0], Vec3::X, "given, and kept");
+        assert_eq!(
+            state.input.bodies.linear_velocity[0],
+            Vec3::X,
+            "its velocity stays the same"
+        );
         let expected = if kind == RigidBody::Kinematic { 3.0 } else { 1.0 };
         assert!((state.input.bodies.linear_velocity[1].x - expected).abs() < 0.02);
     }

@@ -1,3 +1,3 @@
-//! The response that gives each pair one contact and one impulse.
+//! The response with one contact and one impulse per pair.
 
 mod impulses;

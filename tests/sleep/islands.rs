@@ -1,4 +1,4 @@
-//! Which bodies are frozen, and what wakes them.
+//! Which bodies fall asleep, and what wakes them.
 
 use crate::solver::shapes::Shape;
 use crate::solver::world::World;
@@ -50,9 +50,9 @@ fn a_stack_falls_asleep_and_stays() {
 }
 
 #[test]
-fn a_stack_that_wakes_goes_on_as_if_it_had_not_slept() {
+fn a_stack_that_wakes_continues_as_if_it_had_not_slept() {
     let mut world = stack();
-    // At speeds at which it may sleep a stack still moves by parts of a millimetre.
+    // Below the sleep speed a stack still moves by fractions of a millimetre.
     world.settings.sleeping = false;
     world.seconds(3.0);
     world.settings.sleeping = true;
@@ -101,7 +101,7 @@ fn impulses_forces_and_velocities_wake() {
 #[test]
 fn a_stack_wakes_when_its_support_is_taken_away() {
     let mut world = sleeping_stack();
-    // The lowest box goes.
+    // The lowest box is moved away.
     world.motion(1).center.x = 50.0;
     world.step(2);
     assert_eq!(asleep(&world), [6]);
@@ -110,7 +110,7 @@ fn a_stack_wakes_when_its_support_is_taken_away() {
 }
 
 #[test]
-fn a_kinematic_body_that_starts_to_move_wakes_what_lies_on_it() {
+fn a_kinematic_body_that_starts_to_move_wakes_the_bodies_on_it() {
     let mut world = World::heavy();
     world.settings.sleeping = true;
     let platform = Shape::Box(DVec3::new(3.0, 0.25, 3.0));
@@ -120,7 +120,11 @@ fn a_kinematic_body_that_starts_to_move_wakes_what_lies_on_it() {
     assert_eq!(asleep(&world), [cube]);
     world.motion(platform).linear_velocity = Vec3::X * 0.02;
     world.seconds(2.0);
-    assert_eq!(asleep(&world), [0; 0], "slow as it is, what it carries moves");
+    assert_eq!(
+        asleep(&world),
+        [0; 0],
+        "the bodies that it carries move, however slow it is"
+    );
     assert!((world.velocity(cube).x - 0.02).abs() < 1.0e-3);
 }
 

@@ -1,3 +1,3 @@
-//! Sleep.
+//! Sleep islands.
 
 mod islands;

@@ -1,4 +1,4 @@
-//! What can be said of a single body: forces, locks, damping, limits, and input that makes no sense.
+//! Single bodies: forces, locked axes, damping, speed limits, and invalid input.
 
 use super::shapes::Shape;
 use super::world::{World, check};
@@ -38,7 +38,7 @@ fn damping_decays_exponentially() {
     world.seconds(2.0);
     check("linear", world.velocity(0).x as f64, 4.0 * (-1.4f64).exp(), 1.0e-4);
     check("angular", world.spin(0).z as f64, 5.0 * (-2.6f64).exp(), 1.0e-4);
-    check("way", world.center(0).x, 4.0 / 0.7 * (1.0 - (-1.4f64).exp()), 0.01);
+    check("path", world.center(0).x, 4.0 / 0.7 * (1.0 - (-1.4f64).exp()), 0.01);
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn speed_limits_hold() {
         0.0,
         1.0e-5,
     );
-    check("way", world.center(0).y, -3.0 * 2.0 + 9.0 / (2.0 * 9.81), 0.02);
+    check("path", world.center(0).y, -3.0 * 2.0 + 9.0 / (2.0 * 9.81), 0.02);
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn an_impulse_at_a_point_works_once() {
 }
 
 #[test]
-fn locked_translation_takes_no_push() {
+fn locked_translation_resists_impulses() {
     let mut world = World::heavy();
     world.floor(0.0);
     let cube = world.dynamic(CUBE, 1.0, DVec3::Y * 0.505);
@@ -101,18 +101,18 @@ fn locked_translation_takes_no_push() {
     assert_eq!(world.motion(cube).rotation, DQuat::IDENTITY);
     assert!(
         world.velocity(ball).x < -4.0,
-        "it came back from what does not give way: {}",
+        "it rebounds from a body that does not move: {}",
         world.velocity(ball)
     );
 }
 
 #[test]
-fn a_locked_axis_of_rotation_takes_the_moment_of_its_bearing() {
+fn the_bearing_of_a_locked_axis_balances_moments_about_it() {
     let mut world = single(BRICK, 1.0);
     world.motion(0).rotation = DQuat::from_euler(glam::EulerRot::XYZ, 0.4, 0.3, 0.2);
     world.bodies.bodies[0].locked_axes = LockedAxes::ROTATION_X | LockedAxes::ROTATION_Y;
     world.bodies.forces[0].angular_impulse = Vec3::new(1.0, 2.0, 3.0);
-    // About a fixed axis the moment of inertia is that about the axis, whatever the products.
+    // For rotation about a fixed axis only the moment of inertia about it counts, not the products of inertia.
     let turn = world.motion(0).rotation.as_quat();
     let axis = turn.conjugate() * Vec3::Z;
     let moment = axis.dot(BRICK.inertia(1.0) * axis);
@@ -131,7 +131,7 @@ fn a_locked_axis_of_rotation_takes_the_moment_of_its_bearing() {
 #[test]
 fn a_heavy_ball_pushes_a_light_one_away() {
     let mut world = World::new();
-    world.detections = Some(8);
+    world.collision_substeps = Some(8);
     let light = world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
     let heavy = world.dynamic(Shape::Sphere(0.5), 100.0, DVec3::X * -1.5);
     world.motion(heavy).linear_velocity = Vec3::X * 2.0;
@@ -161,7 +161,7 @@ fn nothing_moves_a_static_body_and_nothing_stops_a_kinematic_one() {
 }
 
 #[test]
-fn input_that_makes_no_sense_is_left_out() {
+fn invalid_input_is_ignored() {
     let mut world = World::heavy();
     world.floor(0.0);
     let cube = world.dynamic(CUBE, 1.0, DVec3::Y * 0.505);
@@ -257,26 +257,34 @@ fn input_that_makes_no_sense_is_left_out() {
 }
 
 #[test]
-fn faster_and_thinner_bodies_are_looked_at_more_often() {
+fn faster_and_thinner_bodies_get_more_collision_substeps() {
     let mut world = World::new();
     let settings = world.settings;
     world.dynamic(Shape::Sphere(0.5), 1.0, DVec3::ZERO);
-    let detections =
+    let collision_substeps =
         |world: &World| Speeds::of(&world.bodies, |_| false).collision_substeps(&settings, &world.bodies, world.dt);
-    assert_eq!(detections(&world), 1, "at rest");
+    assert_eq!(collision_substeps(&world), 1, "at rest");
     world.motion(0).linear_velocity = Vec3::X * 1000.0;
-    assert_eq!(detections(&world), 1, "nothing moves against it");
+    assert_eq!(collision_substeps(&world), 1, "there is no relative motion");
     world.immovable(Shape::Sphere(0.5), RigidBody::Static, DVec3::X);
     world.motion(0).linear_velocity = Vec3::X * 15.5;
-    assert_eq!(detections(&world), 1, "just below a quarter of its diameter per step");
+    assert_eq!(
+        collision_substeps(&world),
+        1,
+        "just below a quarter of its diameter per step"
+    );
     world.motion(0).linear_velocity = Vec3::X * 16.5;
-    assert_eq!(detections(&world), 2);
+    assert_eq!(collision_substeps(&world), 2);
     world.motion(0).angular_velocity = Vec3::X * 33.0;
-    assert_eq!(detections(&world), 3, "turning counts");
+    assert_eq!(collision_substeps(&world), 3, "rotation counts");
     world.immovable(Shape::Box(DVec3::new(5.0, 0.05, 5.0)), RigidBody::Static, DVec3::ZERO);
-    assert_eq!(detections(&world), 8, "a thin wall counts, and there is a limit");
+    assert_eq!(
+        collision_substeps(&world),
+        8,
+        "a thin wall counts, and there is a limit"
+    );
     world.motion(0).linear_velocity = Vec3::NAN;
-    assert!((1..=8).contains(&detections(&world)));
+    assert!((1..=8).contains(&collision_substeps(&world)));
     assert_eq!(
         [1, 2, 3, 8].map(|n| settings.substeps_per_collision_substep(n)),
         [8, 4, 3, 1]

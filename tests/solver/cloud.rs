@@ -1,10 +1,10 @@
-//! Many bodies that meet, with nothing outside: what they keep.
+//! Conservation of momentum and energy by many bodies that collide in a closed system.
 
 use super::shapes::Shape;
 use super::world::{World, check_below};
 use glam::{DVec3, Vec3};
 
-/// 500 balls of mixed sizes that fly at each other.
+/// 500 balls of mixed sizes that fly towards each other.
 pub fn cloud(restitution: f32) -> World {
     let mut world = World::new();
     let mut random = fastrand::Rng::with_seed(11);

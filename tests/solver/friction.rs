@@ -1,4 +1,4 @@
-//! Friction: sticking, sliding, rolling, being carried.
+//! Friction: sticking, sliding, rolling, and bodies carried by others.
 
 use super::shapes::Shape;
 use super::world::{World, check, check_below};
@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 const CUBE: Shape = Shape::Box(DVec3::splat(0.5));
 
-/// A shape on a slope of this angle, a rest offset above it; everything has the friction 0.5.
+/// A shape on a slope of this angle, a rest offset above it. All coefficients of friction are 0.5.
 fn on_slope(shape: Shape, degrees: f64) -> (World, usize, DVec3) {
     let mut world = World::heavy();
     let slope = degrees.to_radians();
@@ -93,14 +93,14 @@ fn a_ball_that_slides_comes_to_roll_at_five_sevenths_of_its_speed() {
 }
 
 #[test]
-fn a_box_stops_after_the_way_that_friction_allows() {
+fn a_box_stops_after_the_distance_that_friction_allows() {
     let mut world = World::heavy();
     world.floor(0.0);
     let cube = world.dynamic(CUBE, 1.0, DVec3::Y * (0.5 + 0.00866));
     world.motion(cube).linear_velocity = Vec3::X * 2.0;
     world.seconds(2.0);
     let way = 2.0 * 2.0 / (2.0 * 0.5 * 9.81);
-    check("way", world.center(cube).x, way, 0.02 * way);
+    check("distance", world.center(cube).x, way, 0.02 * way);
     check("speed", world.velocity(cube).length() as f64, 0.0, 1.0e-3);
 }
 
@@ -120,7 +120,7 @@ fn a_platform_carries_a_box() {
         0.0,
         1.0e-3,
     );
-    // It slips until friction has given it the platform's speed.
+    // It slips until friction has accelerated it to the platform's speed.
     let v = wanted.length() as f64;
     let slip = (world.center(cube) - world.center(platform)) * DVec3::new(1.0, 0.0, 1.0);
     check("slip", slip.length(), v * v / (2.0 * 0.5 * 9.81), 0.02);
@@ -133,26 +133,27 @@ fn a_platform_carries_a_box() {
 }
 
 #[test]
-fn a_turntable_carries_a_box_round() {
+fn a_turntable_carries_a_box() {
     let mut world = World::heavy();
     let table = Shape::Box(DVec3::new(3.0, 0.25, 3.0));
     let table = world.immovable(table, RigidBody::Kinematic, DVec3::Y * -0.25);
-    // One turn in ten seconds; 0.39 m/s^2 at the box.
+    // One revolution in ten seconds; 0.39 m/s^2 at the box.
     world.motion(table).angular_velocity = Vec3::Y * std::f32::consts::TAU * 0.1;
     let cube = world.dynamic(CUBE, 1.0, DVec3::new(1.0, 0.5 + 0.00866, 0.0));
     world.motion(cube).linear_velocity = Vec3::Z * -std::f32::consts::TAU * 0.1;
     world.motion(cube).angular_velocity = world.spin(table);
     world.seconds(10.0);
     let apart = (world.center(cube) - DVec3::X) * DVec3::new(1.0, 0.0, 1.0);
-    check("off its place after a turn, metres", apart.length(), 0.0, 0.03);
+    check("offset after a revolution, metres", apart.length(), 0.0, 0.03);
 }
 
 #[test]
 fn a_slab_tips_over_its_edge_as_a_pendulum_does() {
-    // Between detections the lever of an impulse does not turn with its body, so the rate of detection tells.
-    for (detections, tolerance) in [(1, 0.03), (8, 0.01)] {
+    // Contact points are fixed to the bodies until the next detection, so accuracy depends on the number of collision
+    // substeps.
+    for (collision_substeps, tolerance) in [(1, 0.03), (8, 0.01)] {
         let mut world = World::heavy();
-        world.detections = Some(detections);
+        world.collision_substeps = Some(collision_substeps);
         world.floor(0.0);
         let half = DVec3::new(0.05, 0.5, 0.5);
         let slab = world.dynamic(Shape::Box(half), 1.0, DVec3::ZERO);
@@ -169,7 +170,7 @@ fn a_slab_tips_over_its_edge_as_a_pendulum_does() {
         let about_edge = (0.05f64.powi(2) + 0.25) * 4.0 / 3.0;
         let wanted = (2.0 * 9.81 * (start.y - world.center(slab).y) / about_edge).sqrt();
         check(
-            &format!("{detections} detections: rad/s"),
+            &format!("{collision_substeps} collision substeps: rad/s"),
             -world.spin(slab).z as f64,
             wanted,
             tolerance * wanted,

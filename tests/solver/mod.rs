@@ -1,4 +1,4 @@
-//! The solver against mechanics that has an answer on paper. Contact points are made here, from spheres, boxes and planes.
+//! The solver against analytic solutions. Contact points come from spheres, boxes and planes of these tests.
 
 mod bodies;
 mod cloud;

@@ -1,4 +1,4 @@
-//! Bodies that overlap when they first meet.
+//! Deep penetration: bodies that overlap at their first contact.
 
 use super::shapes::Shape;
 use super::world::{World, check_below};
@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3, Vec3};
 const BALL: Shape = Shape::Sphere(0.5);
 
 #[test]
-fn balls_on_top_of_each_other_part_slowly() {
+fn overlapping_balls_separate_slowly() {
     for apart in [0.0, 0.1, 0.5, 0.9, 0.97] {
         let mut world = World::new();
         let a = world.dynamic(BALL, 1.0, DVec3::ZERO);
@@ -42,7 +42,7 @@ fn a_heap_spawned_in_one_place_comes_apart() {
             fastest = fastest.max(world.velocity(i).length());
         }
     }
-    // As fast as a fall from the heap's top, at most.
+    // At most as fast as a fall from the top of the heap.
     check_below("fastest, m/s", fastest as f64, 9.0);
     check_below("deepest, metres", world.deepest() as f64, 0.01);
 }
@@ -67,7 +67,7 @@ fn a_box_sunk_into_the_floor_comes_up() {
 }
 
 #[test]
-fn two_boxes_in_one_place_part() {
+fn two_boxes_in_one_place_separate() {
     let mut world = World::new();
     let cube = Shape::Box(DVec3::splat(0.5));
     let a = world.dynamic(cube, 1.0, DVec3::ZERO);
@@ -82,7 +82,8 @@ fn two_boxes_in_one_place_part() {
     check_below("deepest, metres", world.deepest() as f64, 1.0e-3);
 }
 
-/// Two balls that come from outside and then overlap so that their points push both ways, as thin parts of meshes do.
+/// Two balls that overlap and have points with opposed normals, as thin parts of meshes do. With `approach` they touch
+/// before they overlap.
 fn disputed(approach: bool) -> (World, f64) {
     let mut world = World::new();
     world.dynamic(BALL, 1.0, DVec3::ZERO);
@@ -123,13 +124,13 @@ fn disputed(approach: bool) -> (World, f64) {
 }
 
 #[test]
-fn points_that_disagree_with_where_a_pair_came_from_are_left_out() {
+fn points_whose_normals_conflict_with_the_last_contact_are_ignored() {
     let (_, apart) = disputed(true);
-    assert!(apart > 1.0, "pushed out the way they came: {apart}");
+    assert!(apart > 1.0, "pushed back to the side they came from: {apart}");
 }
 
 #[test]
-fn opposed_points_of_a_fresh_pair_are_untangled() {
+fn a_new_pair_with_opposed_normals_is_in_deep_penetration() {
     let (world, apart) = disputed(false);
     assert!(apart > 1.0, "{apart}");
     check_below("fastest, m/s", world.velocity(0).length() as f64, 1.1);

@@ -1,4 +1,4 @@
-//! Bodies that ought to stay where they are.
+//! Bodies at rest: single boxes, stacks and piles.
 
 use super::shapes::Shape;
 use super::world::{World, check, check_below};
@@ -100,7 +100,7 @@ fn a_heavy_box_rests_on_a_light_one() {
             0.05,
         );
         check_below("speed, m/s", world.velocity(light).length() as f64, 0.01);
-        // Upside down it must be easy.
+        // With the light box on top it must be easy.
         let mut world = World::heavy();
         world.floor(0.0);
         world.dynamic(cube(), ratio, DVec3::Y * (0.5 + GAP));
@@ -136,9 +136,9 @@ fn a_dropped_stack_comes_to_rest() {
 }
 
 #[test]
-fn the_impulse_that_holds_a_box_is_its_weight() {
+fn the_impulse_that_supports_a_box_is_its_weight() {
     let mut world = World::heavy();
-    world.detections = Some(1);
+    world.collision_substeps = Some(1);
     world.floor(0.0);
     world.dynamic(cube(), 3.0, DVec3::Y * (0.5 + GAP));
     world.seconds(2.0);
@@ -163,9 +163,9 @@ fn a_stack_stands_while_the_step_changes() {
     let mut off = 0.0f64;
     for i in 0..300 {
         world.dt = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 60.0][i % 3];
-        world.detections = Some([1, 2, 5][i / 10 % 3]);
+        world.collision_substeps = Some([1, 2, 5][i / 10 % 3]);
         world.step(1);
-        // Shorter substeps make stiffer contacts, on which it stands higher.
+        // Shorter substeps make stiffer contacts, so the stack stands higher.
         off = off.max(top.y - world.center(6).y);
     }
     check_below("the top sank, metres", off, 5.0e-5);

@@ -1,4 +1,4 @@
-//! Impacts: outgoing speeds by Newton's law, and what they keep.
+//! Restitution: outgoing speeds by Newton's law, and conserved quantities.
 
 use super::shapes::Shape;
 use super::world::{World, check};
@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 
 const BALL: Shape = Shape::Sphere(0.5);
 
-/// Two balls of these masses meet along x at 3 m/s, `sideways` off the line of centres, without friction.
+/// Two balls of these masses collide along x at 3 m/s, `sideways` off the line of centres, without friction.
 fn meet(masses: [f32; 2], restitution: f32, sideways: f64) -> (World, Vec3) {
     let mut world = World::new();
     let a = world.dynamic(BALL, masses[0], DVec3::new(-1.0, 0.0, 0.0));
@@ -19,7 +19,7 @@ fn meet(masses: [f32; 2], restitution: f32, sideways: f64) -> (World, Vec3) {
         world.bodies.bodies[i].restitution = restitution;
         world.bodies.bodies[i].friction = 0.0;
     }
-    // The normal at the moment they touch, a rest offset apart.
+    // The normal at the moment of contact, a rest offset apart.
     let along = (1.005f64.powi(2) - sideways * sideways).sqrt();
     let normal = DVec3::new(along, sideways, 0.0).normalize().as_vec3();
     let before = world.measure();
@@ -74,7 +74,7 @@ fn a_ball_that_bounces_on_a_floor_keeps_its_height() {
     assert!(tops.len() >= 4, "{tops:?}");
     println!("tops {tops:?}");
     for (i, top) in tops.iter().enumerate() {
-        // Gravity's share of the interval in which it bounces is lost: half a percent of the speed.
+        // In the collision substep of the impact the acceleration by gravity is lost: half a percent of the speed.
         check("height of the top", *top, 1.5, 0.012 * (i + 1) as f64);
     }
 }
@@ -141,7 +141,7 @@ fn a_fast_ball_does_not_get_through_a_thin_wall() {
             world.step(1);
             farthest = farthest.max(world.center(ball).x);
         }
-        // Part of the speed is left after the first substep.
+        // Part of the speed remains after the first substep.
         let slack = 0.002 + speed as f64 * 1.0e-4;
         check(
             &format!("{speed} m/s: the farthest its centre came"),

@@ -1,4 +1,4 @@
-//! The same input gives the same bits, whoever computes it; and numbers of bodies mean nothing.
+//! Determinism: the same input gives the same bits, with any number of threads.
 
 use super::shapes::Shape;
 use super::world::World;

@@ -7,9 +7,9 @@ use glam::{DQuat, DVec3, Mat3, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     Sphere(f64),
-    /// Half of its edges.
+    /// Half extents.
     Box(DVec3),
-    /// The half-space below the body's own xz plane through its centre.
+    /// The half-space below the xz plane of the body's own axes, through its centre.
     Plane,
 }
 
@@ -42,14 +42,14 @@ impl Shape {
     }
 }
 
-/// A contact point in the world: on `a`, on `b`, and the normal from `a` to `b`.
+/// A contact point in world axes: the points on `a` and on `b`, and the normal from `a` to `b`.
 struct Touch {
     on_a: DVec3,
     on_b: DVec3,
     normal: DVec3,
 }
 
-/// Points nearer than `margin`.
+/// Contact points whose separation is less than `margin`.
 pub fn contact(shapes: [Shape; 2], motions: [&SolverMotion; 2], margin: f64) -> Vec<ManifoldPoint> {
     let [a, b] = motions.map(|m| (m.center, m.rotation));
     let touches = match shapes {
@@ -77,7 +77,8 @@ pub fn contact(shapes: [Shape; 2], motions: [&SolverMotion; 2], margin: f64) -> 
         .collect()
 }
 
-/// Of balls their radius. Of boxes corners touch, but for faces under balls.
+/// Radii of curvature: that of the ball for balls, 0 for boxes, because their corners touch, and infinity for faces
+/// under balls.
 fn round(shapes: [Shape; 2]) -> [f32; 2] {
     let [a, b] = shapes;
     let of = |own, other| match (own, other) {
@@ -88,7 +89,7 @@ fn round(shapes: [Shape; 2]) -> [f32; 2] {
     [of(a, b), of(b, a)]
 }
 
-/// Of two balls the normal turns with the way over the distance of their centres.
+/// Rotation of the normal, radians per metre: for two balls the inverse of the distance of their centres.
 fn turn(shapes: [Shape; 2], touch: &Touch) -> f32 {
     match shapes {
         [Shape::Sphere(a), Shape::Sphere(b)] => (a + b + (touch.on_b - touch.on_a).dot(touch.normal)).recip() as f32,
@@ -138,7 +139,7 @@ fn box_sphere((center, rotation): Pose, half: DVec3, sphere: DVec3, r: f64) -> V
     let own = rotation.conjugate() * (sphere - center);
     let nearest = own.clamp(-half, half);
     let (nearest, normal) = if nearest == own {
-        // Inside: out through the nearest face.
+        // The centre is inside: the normal is that of the nearest face.
         let room = half - own.abs();
         let axis = (0..3).min_by(|&i, &j| room[i].total_cmp(&room[j])).unwrap();
         let mut normal = DVec3::ZERO;
@@ -157,7 +158,7 @@ fn box_sphere((center, rotation): Pose, half: DVec3, sphere: DVec3, r: f64) -> V
     }]
 }
 
-/// Separating axes, then the incident face clipped by the sides of the reference face, or one point for two edges.
+/// Separating axis test, then the incident face clipped by the sides of the reference face, or one point for two edges.
 fn box_box(a: Pose, half_a: DVec3, b: Pose, half_b: DVec3, margin: f64) -> Vec<Touch> {
     let axes = |p: Pose| [DVec3::X, DVec3::Y, DVec3::Z].map(|v| p.1 * v);
     let (axes_a, axes_b) = (axes(a), axes(b));

@@ -1,4 +1,4 @@
-//! Bodies that turn freely.
+//! Free rotation of bodies.
 
 use super::shapes::Shape;
 use super::world::{World, check, check_below};
@@ -14,7 +14,7 @@ fn free_rotation_keeps_angular_momentum_and_energy_for_a_minute() {
         Vec3::new(0.0, 20.0, 0.3),
     ] {
         let mut world = World::new();
-        world.detections = Some(1);
+        world.collision_substeps = Some(1);
         let body = world.dynamic(BRICK, 3.0, DVec3::new(1.0, 2.0, 3.0));
         world.motion(body).angular_velocity = spin;
         world.motion(body).rotation = DQuat::from_rotation_x(0.3);
@@ -33,7 +33,7 @@ fn free_rotation_keeps_angular_momentum_and_energy_for_a_minute() {
 
 #[test]
 fn the_middle_axis_flips() {
-    // Dzhanibekov: about the middle moment of inertia (y here) rotation is unstable.
+    // Dzhanibekov effect: rotation about the axis of the intermediate moment of inertia (y here) is unstable.
     let flips = |spin: Vec3, axis: DVec3| {
         let mut world = World::new();
         let body = world.dynamic(BRICK, 1.0, DVec3::ZERO);
@@ -56,7 +56,7 @@ fn the_middle_axis_flips() {
 }
 
 #[test]
-fn a_flip_takes_the_time_that_euler_equations_say() {
+fn a_flip_takes_the_time_of_eulers_equations() {
     // Reference in double precision, with tiny steps, in the body's axes.
     let spin = DVec3::new(0.05, 4.0, 0.0);
     let inertia = BRICK.inertia(1.0).as_dmat3();
@@ -88,9 +88,9 @@ fn a_flip_takes_the_time_that_euler_equations_say() {
 }
 
 #[test]
-fn a_slender_body_that_spins_madly_stays_bounded() {
+fn a_slender_body_that_spins_very_fast_stays_bounded() {
     let mut world = World::new();
-    world.detections = Some(1);
+    world.collision_substeps = Some(1);
     let needle = Shape::Box(DVec3::new(1.0, 0.05, 0.06));
     let body = world.dynamic(needle, 0.1, DVec3::ZERO);
     world.motion(body).angular_velocity = Vec3::new(300.0, 4.0, 7.0);
@@ -120,7 +120,7 @@ fn a_ball_keeps_its_spin_to_the_bit() {
     assert_eq!(world.spin(ball), spin);
     let wanted = DQuat::from_scaled_axis(spin.as_dvec3() * 10.0);
     check_below(
-        "turned too far, radians",
+        "error of the rotation, radians",
         world.motion(ball).rotation.angle_between(wanted),
         1.0e-4,
     );

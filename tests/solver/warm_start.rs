@@ -1,4 +1,4 @@
-//! The warm start: impulses of one step begin the next, by the keys of bodies.
+//! Warm starting: the impulses of one step are the first guess for the next, matched by the keys of bodies.
 
 use super::same_bits::heap;
 use super::shapes::Shape;
@@ -7,7 +7,7 @@ use bevy_faceoff::manifolds::Manifolds;
 use bevy_faceoff::solver::SolverBodies;
 use glam::DVec3;
 
-/// Numbers the bodies the other way round.
+/// Reverses the numbers of the bodies.
 fn renumber(world: &mut World) {
     let count = world.shapes.len();
     world.shapes.reverse();
@@ -27,8 +27,8 @@ fn renumber(world: &mut World) {
 }
 
 #[test]
-fn impulses_outlive_a_renumbering() {
-    // A tall stack that is warm stands still; one that is cold sinks at first.
+fn impulses_survive_a_renumbering() {
+    // A tall stack with warm starting stands still. Without saved impulses it sinks at first.
     let stack = || {
         let mut world = World::heavy();
         world.floor(0.0);
@@ -54,7 +54,7 @@ fn impulses_outlive_a_renumbering() {
         }
         sunk
     };
-    check_below("left alone: sinks, metres", sinks(&|_| {}), 1.0e-5);
+    check_below("unchanged: sinks, metres", sinks(&|_| {}), 1.0e-5);
     check_below("renumbered: sinks, metres", sinks(&renumber), 1.0e-4);
     let twice = |world: &mut World| {
         renumber(world);
@@ -63,8 +63,8 @@ fn impulses_outlive_a_renumbering() {
     };
     check_below("renumbered twice: sinks, metres", sinks(&twice), 1.0e-4);
     let cold = sinks(&|world| world.warm.clear());
-    println!("cold: sinks {cold} m");
-    assert!(cold > 3.0e-4, "without warm start nothing would differ: {cold}");
+    println!("without saved impulses: sinks {cold} m");
+    assert!(cold > 3.0e-4, "warm starting makes no difference: {cold}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A world of spheres, boxes and planes, and what is measured about it.
+//! A world of spheres, boxes and planes, and measurements of it.
 
 use super::shapes::{self, Shape};
 use bevy_faceoff::manifolds::{Manifold, Manifolds};
@@ -19,13 +19,13 @@ pub struct World {
     pub settings: SolverSettings,
     pub gravity: Vec3,
     pub dt: f32,
-    /// Overrules the settings' rule.
-    pub detections: Option<u32>,
+    /// Fixed number of collision substeps per step, instead of the settings' rule.
+    pub collision_substeps: Option<u32>,
     pub time_solving: std::time::Duration,
 }
 
 impl World {
-    /// Weightless, and awake: tests of sleep say so.
+    /// Without gravity and without sleep.
     pub fn new() -> Self {
         Self {
             bodies: SolverBodies::default(),
@@ -40,7 +40,7 @@ impl World {
             },
             gravity: Vec3::ZERO,
             dt: 1.0 / 64.0,
-            detections: None,
+            collision_substeps: None,
             time_solving: std::time::Duration::ZERO,
         }
     }
@@ -72,7 +72,7 @@ impl World {
         self.add(shape, body, SolverMotion::at(center))
     }
 
-    /// The static half-space below the plane through the origin, turned about z.
+    /// The static half-space below a plane through the origin, inclined about z.
     pub fn floor(&mut self, slope: f64) -> usize {
         let floor = self.immovable(Shape::Plane, RigidBody::Static, DVec3::ZERO);
         self.bodies.motions[floor].rotation = DQuat::from_rotation_z(slope);
@@ -97,15 +97,15 @@ impl World {
 
     pub fn step(&mut self, count: usize) {
         for _ in 0..count {
-            let detections = self.detections.unwrap_or_else(|| {
+            let collision_substeps = self.collision_substeps.unwrap_or_else(|| {
                 Speeds::of(&self.bodies, |_| false).collision_substeps(&self.settings, &self.bodies, self.dt)
             });
             let interval = CollisionSubstep {
-                dt: self.dt / detections as f32,
-                substeps: self.settings.substeps_per_collision_substep(detections),
+                dt: self.dt / collision_substeps as f32,
+                substeps: self.settings.substeps_per_collision_substep(collision_substeps),
                 gravity: self.gravity,
             };
-            for _ in 0..detections {
+            for _ in 0..collision_substeps {
                 self.detect(interval.dt);
                 self.sleeper
                     .wake(&mut self.bodies, &self.manifolds, &self.settings, &interval);
@@ -201,11 +201,11 @@ pub struct Momenta {
     /// About the origin.
     pub angular: DVec3,
     pub kinetic: f64,
-    /// The sum of sizes of linear momenta.
+    /// The sum of the magnitudes of the linear momenta.
     pub size: f64,
 }
 
-/// Prints what was measured, for the record (`--nocapture`), and fails if it is off.
+/// Prints the measured value (see `--nocapture`), and fails if it is not within the tolerance.
 #[track_caller]
 pub fn check(what: &str, found: f64, wanted: f64, tolerance: f64) {
     let error = found - wanted;

@@ -98,7 +98,7 @@ pub fn balls_meet_off_their_centres(gpu: &Gpu) {
 
 pub fn impulses_are_those_that_hold_a_box(gpu: &Gpu) {
     let mut world = World::heavy();
-    world.detections = Some(1);
+    world.collision_substeps = Some(1);
     world.floor(0.0);
     world.dynamic(CUBE, 3.0, DVec3::Y * 0.50866);
     let mut twin = Twin::new(gpu, world);
@@ -170,7 +170,7 @@ pub fn substeps_of_changing_length(gpu: &Gpu) {
     for i in 0..64 {
         for world in [&mut cpu, &mut twin.world] {
             world.dt = [1.0 / 64.0, 1.0 / 128.0, 1.0 / 60.0][i % 3];
-            world.detections = Some([1, 2, 5][i / 10 % 3]);
+            world.collision_substeps = Some([1, 2, 5][i / 10 % 3]);
         }
         cpu.step(1);
         twin.step(1);

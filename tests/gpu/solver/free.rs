@@ -29,7 +29,7 @@ pub fn a_free_body_turns_the_same(gpu: &Gpu) {
     ] {
         let make = || {
             let mut world = skewed(World::heavy());
-            world.detections = Some(1);
+            world.collision_substeps = Some(1);
             world.motion(0).angular_velocity = spin;
             world
         };
@@ -46,7 +46,7 @@ pub fn a_free_body_turns_the_same(gpu: &Gpu) {
 /// Several radians in an interval: nothing about rotations may rely on small angles.
 pub fn a_needle_that_spins_madly_stays_bounded(gpu: &Gpu) {
     let mut world = World::new();
-    world.detections = Some(1);
+    world.collision_substeps = Some(1);
     world.dynamic(Shape::Box(DVec3::new(1.0, 0.05, 0.06)), 0.1, DVec3::ZERO);
     world.motion(0).angular_velocity = Vec3::new(300.0, 4.0, 7.0);
     let before = world.measure();

@@ -102,7 +102,7 @@ pub fn a_heap_in_one_place_comes_apart(gpu: &Gpu) {
 pub fn a_block_of_balls(gpu: &Gpu) {
     let make = || {
         let mut world = World::heavy();
-        world.detections = Some(1);
+        world.collision_substeps = Some(1);
         world.floor(0.0);
         let mut random = fastrand::Rng::with_seed(9);
         for i in 0..1331 {

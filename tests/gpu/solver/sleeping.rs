@@ -113,7 +113,7 @@ fn web() -> World {
     let mut world = World::new();
     world.settings.sleeping = true;
     world.settings.sleep_time = 0.0;
-    world.detections = Some(1);
+    world.collision_substeps = Some(1);
     let mut random = fastrand::Rng::with_seed(6);
     for i in 0..3000 {
         world.dynamic(CUBE, 1.0, DVec3::X * f64::from(i));

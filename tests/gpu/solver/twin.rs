@@ -41,15 +41,15 @@ impl Twin {
     pub fn step(&mut self, count: usize) {
         for _ in 0..count {
             let world = &mut self.world;
-            let detections = world.detections.unwrap_or_else(|| {
+            let collision_substeps = world.collision_substeps.unwrap_or_else(|| {
                 Speeds::of(&world.bodies, |_| false).collision_substeps(&world.settings, &world.bodies, world.dt)
             });
             let interval = CollisionSubstep {
-                dt: world.dt / detections as f32,
-                substeps: world.settings.substeps_per_collision_substep(detections),
+                dt: world.dt / collision_substeps as f32,
+                substeps: world.settings.substeps_per_collision_substep(collision_substeps),
                 gravity: world.gravity,
             };
-            for _ in 0..detections {
+            for _ in 0..collision_substeps {
                 self.world.detect(interval.dt);
                 self.solve(&interval);
             }

@@ -1,42 +1,42 @@
-//! Many bodies at once.
+//! Impacts of many bodies at once, and how the bodies move after them.
 
 use super::flights::{Flights, Random, flight, stay};
 use super::oracle::distance;
 use super::shapes::sheet;
-use bevy_faceoff::ccd::{ClampScratch, Pose, Stop, clamp};
+use bevy_faceoff::ccd::{Impact, ImpactScratch, Pose, find_impacts};
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::state::Plane;
 use bevy_faceoff::types::body::{LockedAxes, RigidBody};
 use glam::{DQuat, DVec3, Vec3};
 
-const SLACK: f32 = 0.005;
+const TARGET_DISTANCE: f32 = 0.005;
 
-fn stops(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<Stop> {
-    let mut stops = Vec::new();
+fn impacts(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<Impact> {
+    let mut impacts = Vec::new();
     let (bodies, meshes) = (&flights.input.bodies, &flights.input.meshes);
-    clamp(
+    find_impacts(
         bodies,
         meshes,
         &flights.input.planes,
         &flights.sweeps,
         continuous,
         pairs,
-        |_| SLACK,
+        |_| TARGET_DISTANCE,
         scratch,
-        &mut stops,
+        &mut impacts,
     );
-    stops
+    impacts
 }
 
-fn fractions(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ClampScratch) -> Vec<f32> {
+fn fractions(flights: &Flights, continuous: &[bool], pairs: &[[u32; 2]], scratch: &mut ImpactScratch) -> Vec<f32> {
     let mut fractions = vec![1.0; flights.sweeps.len()];
-    for stop in stops(flights, continuous, pairs, scratch) {
-        fractions[stop.body as usize] = stop.fraction;
+    for impact in impacts(flights, continuous, pairs, scratch) {
+        fractions[impact.body as usize] = impact.fraction;
     }
     fractions
 }
 
-/// Three sheets, one behind the other, and two balls on ways through all of them.
+/// Three sheets, one behind the other, and two balls whose paths cross all of them.
 fn gallery() -> Flights {
     let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     flights.add(0, Vec3::ONE, stay(DVec3::ZERO, DQuat::IDENTITY));
@@ -52,35 +52,35 @@ fn gallery() -> Flights {
     flights
 }
 
-/// The sheet that counts is neither in the first pairs nor in the last.
+/// The sheet that the balls hit first is neither in the first pairs nor in the last.
 const GALLERY: [[u32; 2]; 7] = [[0, 2], [0, 3], [1, 2], [1, 3], [2, 3], [2, 4], [3, 4]];
 
 #[test]
-fn the_first_of_several_counts_and_only_for_those_that_ask() {
+fn the_earliest_impact_counts_and_only_for_continuous_bodies() {
     let flights = gallery();
-    let scratch = &mut ClampScratch::default();
+    let scratch = &mut ImpactScratch::default();
     let found = fractions(&flights, &[false, false, true, false], &GALLERY, scratch);
     assert_eq!([found[0], found[1], found[3], found[4]], [1.0; 4]);
     assert!((0.23..0.24).contains(&found[2]), "{found:?}");
     let both = fractions(&flights, &[false, false, true, true], &GALLERY, scratch);
     assert_eq!(both[2], found[2]);
     assert!((0.23..0.24).contains(&both[3]), "{found:?}");
-    // Without the nearer sheet the other one stops them.
+    // Without the nearer sheet the other one impacts them.
     let found = fractions(&flights, &[false, false, true, false], &GALLERY[..2], scratch);
     assert!((0.48..0.49).contains(&found[2]), "{found:?}");
-    // Who does not move is met by those that do.
+    // Bodies at rest have an impact if a moving one hits them.
     let found = fractions(&flights, &[true, true], &GALLERY, scratch);
     assert!(
         (0.23..0.24).contains(&found[1]) && (0.48..0.49).contains(&found[0]),
         "{found:?}"
     );
     assert_eq!(found[2..], [1.0; 3]);
-    // Too few flags are none.
+    // Missing flags count as not continuous.
     assert_eq!(fractions(&flights, &[], &GALLERY, scratch), [1.0; 5]);
 }
 
 #[test]
-fn two_that_meet_stop_at_the_same_time_and_apart() {
+fn two_bodies_that_collide_stop_at_the_same_time_and_at_the_target_distance() {
     let mut flights = Flights::new(&[shapes::torus_240()]);
     let mut random = Random::new(8);
     let mut met = 0;
@@ -92,18 +92,18 @@ fn two_that_meet_stop_at_the_same_time_and_apart() {
             let turn = random.direction() * 10.0;
             flights.add(0, Vec3::ONE, flight(from, random.rotation(), travel, turn));
         }
-        let found = fractions(&flights, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
+        let found = fractions(&flights, &[true; 2], &[[0, 1]], &mut ImpactScratch::default());
         assert_eq!(found[0], found[1]);
         if found[0] < 1.0 {
             met += 1;
-            let gap = distance(&flights.movers(), f64::from(found[0]), 1.0) / f64::from(SLACK);
-            assert!((0.99..1.26).contains(&gap), "{gap} slacks");
+            let gap = distance(&flights.moving_meshes(), f64::from(found[0]), 1.0) / f64::from(TARGET_DISTANCE);
+            assert!((0.99..1.26).contains(&gap), "{gap} target distances");
         }
     }
     assert!(met > 100, "{met}");
 }
 
-/// One pose as another sees it.
+/// The pose `other` relative to `one`.
 fn seen_from(one: &Pose, other: &Pose) -> Pose {
     let back = one.rotation.inverse();
     Pose {
@@ -113,7 +113,7 @@ fn seen_from(one: &Pose, other: &Pose) -> Pose {
 }
 
 #[test]
-fn what_meets_a_door_is_carried_by_it() {
+fn a_body_that_hits_a_door_is_carried_by_it() {
     let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     for turn in [DVec3::ZERO, DVec3::X * 0.4, DVec3::Z * 2.0] {
         flights.clear();
@@ -121,26 +121,26 @@ fn what_meets_a_door_is_carried_by_it() {
         let ball = flight(DVec3::new(0.3, 0.5, 5.0), DQuat::IDENTITY, DVec3::Z * -20.0, DVec3::Y);
         flights.add(0, Vec3::ONE, door);
         flights.add(1, Vec3::ONE, ball);
-        let found = stops(&flights, &[false, true], &[[0, 1]], &mut ClampScratch::default());
-        let [Stop { body: 1, fraction, end }] = found[..] else {
+        let found = impacts(&flights, &[false, true], &[[0, 1]], &mut ImpactScratch::default());
+        let [Impact { body: 1, fraction, end }] = found[..] else {
             panic!("{found:?}");
         };
         assert!((0.2..0.3).contains(&fraction));
-        // Until rounding of the fraction to single precision.
+        // Equal up to the rounding of the fraction to single precision.
         let (then, now) = (
             seen_from(&door.at(fraction.into()), &ball.at(fraction.into())),
             seen_from(&door.at(1.0), &end),
         );
         assert!(then.center.distance(now.center) < 1.0e-5, "{then:?}, {now:?}");
-        // What is held in its place is not.
+        // A body with locked axes is not carried.
         flights.input.bodies.params[1].locked_axes = LockedAxes::TRANSLATION | LockedAxes::ROTATION;
-        let held = stops(&flights, &[false, true], &[[0, 1]], &mut ClampScratch::default());
+        let held = impacts(&flights, &[false, true], &[[0, 1]], &mut ImpactScratch::default());
         assert!(held[0].end.center.distance(ball.at(fraction.into()).center) < 1.0e-5);
     }
 }
 
 #[test]
-fn two_that_meet_go_on_with_their_common_momentum_whatever_moves_with_them() {
+fn two_bodies_that_collide_conserve_momentum_in_any_frame_of_reference() {
     let mut flights = Flights::new(&[shapes::ball(0.5, 2)]);
     let wind = DVec3::new(30.0, -7.0, 11.0);
     let mut ends = Vec::new();
@@ -149,12 +149,12 @@ fn two_that_meet_go_on_with_their_common_momentum_whatever_moves_with_them() {
         for (i, (from, travel)) in [(0.0, 2.0), (3.0, -4.0)].into_iter().enumerate() {
             let sweep = flight(DVec3::X * from, DQuat::IDENTITY, DVec3::X * travel + wind, DVec3::ZERO);
             flights.add(0, Vec3::ONE, sweep);
-            // The second one is of twice the mass.
+            // The second one has twice the mass.
             flights.input.bodies.inverse_mass[i] = [1.0, 0.5][i];
         }
-        let found = stops(&flights, &[true; 2], &[[0, 1]], &mut ClampScratch::default());
+        let found = impacts(&flights, &[true; 2], &[[0, 1]], &mut ImpactScratch::default());
         let middle = (found[0].end.center + 2.0 * found[1].end.center) / 3.0;
-        // (3 * 2 - 4 * 2 + 2) / 3: what meets does not change where their common centre goes.
+        // (3 * 2 - 4 * 2 + 2) / 3: a collision does not change the motion of the common centre of mass.
         assert!(
             middle.distance(DVec3::X * (2.0 + (2.0 - 8.0) / 3.0) + wind) < 1.0e-9,
             "{middle}"
@@ -170,7 +170,7 @@ fn two_that_meet_go_on_with_their_common_momentum_whatever_moves_with_them() {
 
 /// A door pushes a ball that pushes another one: all three move as one.
 #[test]
-fn what_is_carried_carries_on() {
+fn a_carried_body_carries_others() {
     let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     let door = flight(DVec3::ZERO, DQuat::IDENTITY, DVec3::Z * 2.0, DVec3::ZERO);
     flights.add(0, Vec3::ONE, door);
@@ -178,17 +178,17 @@ fn what_is_carried_carries_on() {
         flights.add(1, Vec3::ONE, stay(DVec3::Z * height, DQuat::IDENTITY));
     }
     let pairs = [[0, 1], [0, 2], [1, 2]];
-    let found = stops(&flights, &[false, true, true], &pairs, &mut ClampScratch::default());
-    let heights: Vec<f64> = found.iter().map(|stop| stop.end.center.z).collect();
+    let found = impacts(&flights, &[false, true, true], &pairs, &mut ImpactScratch::default());
+    let heights: Vec<f64> = found.iter().map(|impact| impact.end.center.z).collect();
     assert_eq!(heights.len(), 2);
-    // A ball's radius and then a diameter above the door, but for slacks and the ball's corners.
+    // A ball's radius and then a diameter above the door, except for target distances and the ball's facets.
     for (height, wanted) in heights.iter().zip([2.25, 2.75]) {
         assert!((height - wanted).abs() < 0.03, "{heights:?}");
     }
 }
 
 #[test]
-fn what_is_squeezed_stays_with_what_gives_way_less() {
+fn a_squeezed_body_stays_with_the_body_that_yields_less() {
     let mut flights = Flights::new(&[sheet(4.0, 4), shapes::ball(0.25, 2)]);
     let (up, down) = (DVec3::Z * 2.0, DVec3::Z * -2.0);
     for (wall_is_first, kind) in [
@@ -212,15 +212,15 @@ fn what_is_squeezed_stays_with_what_gives_way_less() {
         }
         flights.add(1, Vec3::ONE, ball);
         let pairs = [[0, 2], [1, 2]];
-        let found = stops(&flights, &[false, false, true], &pairs, &mut ClampScratch::default());
-        let [Stop { body: 2, end, .. }] = found[..] else {
+        let found = impacts(&flights, &[false, false, true], &pairs, &mut ImpactScratch::default());
+        let [Impact { body: 2, end, .. }] = found[..] else {
             panic!("{found:?}");
         };
         assert!((0.24..0.27).contains(&end.center.z), "{end:?}");
     }
 }
 
-/// A ball lies on the ground: neither one that falls on it nor a door that comes down carries it into the ground.
+/// A ball lies on the ground. Neither a ball that falls on it nor a closing door carries it into the ground.
 #[test]
 fn nothing_is_carried_into_a_half_space() {
     for with_door in [true, false] {
@@ -233,10 +233,10 @@ fn nothing_is_carried_into_a_half_space() {
         let way = DVec3::new(0.5, 0.0, -3.0);
         let above = flight(DVec3::Z, DQuat::IDENTITY, way, DVec3::ZERO);
         flights.add(usize::from(!with_door), Vec3::ONE, above);
-        let found = stops(&flights, &[true, !with_door], &[[0, 1]], &mut ClampScratch::default());
+        let found = impacts(&flights, &[true, !with_door], &[[0, 1]], &mut ImpactScratch::default());
         assert_eq!(found[0].body, 0);
         assert!((found[0].end.center.z - 0.26).abs() < 1.0e-9, "{found:?}");
-        assert!(found[0].end.center.x > 0.1, "along the ground it is");
+        assert!(found[0].end.center.x > 0.1, "it is carried along the ground");
         if let Some(other) = found.get(1) {
             assert!(other.end.center.z > 0.74, "{found:?}");
         }
@@ -254,7 +254,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
     let pairs: Vec<[u32; 2]> = (0..60).flat_map(|a| (a + 1..60).map(move |b| [a, b])).collect();
     let flags: Vec<bool> = (0..60).map(|i| i % 4 != 0).collect();
-    let mut scratch = ClampScratch::default();
+    let mut scratch = ImpactScratch::default();
     let runs = [1, 1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let found = pool.install(|| fractions(&flights, &flags, &pairs, &mut scratch));

@@ -1,0 +1,167 @@
+//! The contact constraint of one pair, its points and their rows.
+
+use glam::{Vec3, Vec3A};
+
+/// An impulse on a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Impulse {
+    pub linear: Vec3A,
+    /// About the centre of mass.
+    pub angular: Vec3A,
+}
+
+impl Impulse {
+    pub fn new(linear: Vec3, angular: Vec3) -> Self {
+        Self {
+            linear: linear.into(),
+            angular: angular.into(),
+        }
+    }
+}
+
+/// The contact constraint of two bodies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pair {
+    pub bodies: [u32; 2],
+    /// Its points: first number and count.
+    pub first: u32,
+    pub count: u32,
+    pub friction: f32,
+    pub restitution: f32,
+    /// The gap that the contact keeps, metres.
+    pub rest_offset: f32,
+    /// No impulse moves either body: the pair is not solved, and its saved impulses persist.
+    pub frozen: bool,
+    /// Some point is active.
+    pub active: bool,
+    /// In deep penetration: pushed apart along one direction, by its first point, until nothing overlaps.
+    pub depenetrating: bool,
+    /// The direction that resolves a conflict between contact points, in world axes; zero for other pairs. See
+    /// [`Overlap::Conflicting`](super::overlap::Overlap::Conflicting).
+    pub separating_direction: Vec3,
+}
+
+/// One row of a point's constraint: the normal or a tangent, with the Jacobian along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    /// Unit vector. The normal points from the first body to the second and is constant once the point has an impulse.
+    pub direction: Vec3A,
+    /// The moment of a unit impulse about each centre of mass: `r x direction`.
+    pub moments: [Vec3A; 2],
+    /// The change of angular velocity by that moment.
+    pub angular_responses: [Vec3A; 2],
+}
+
+/// A contact point of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    /// From each centre of mass to the point on the surface, at the start of the collision substep.
+    pub anchors: [Vec3A; 2],
+    /// From each centre of mass to the centre of curvature, at the start of the collision substep. For a flat surface
+    /// it is the anchor.
+    pub curvature_centers: [Vec3A; 2],
+    /// Where impulses act, as a fraction of the way from the first anchor to the second.
+    pub contact_fraction: f32,
+    /// From the first anchor to the second, at the start of the collision substep.
+    pub anchor_offset: Vec3A,
+    /// The normal at the start of the collision substep.
+    pub initial_normal: Vec3A,
+    /// How fast the normal rotates as the surfaces slide, radians per metre.
+    pub normal_rotation: f32,
+    /// The normal and two tangents.
+    pub rows: [Row; 3],
+    /// For each body: change of velocity by a unit impulse along the normal, and along a tangent.
+    pub inverse_effective_mass: [[f32; 2]; 2],
+    /// Separation beyond the rest offset at the start of the collision substep.
+    pub initial_separation: f32,
+    /// Separation beyond the rest offset now.
+    pub separation: f32,
+    /// Impulses of this substep, along the normal and along the tangents.
+    pub normal_impulse: f32,
+    pub friction_impulse: [f32; 2],
+    /// Additional impulses by restitution, along the normal and along the tangents.
+    pub restitution_impulse: f32,
+    pub restitution_friction_impulse: [f32; 2],
+    /// The largest normal impulse of any pass so far.
+    pub max_normal_impulse: f32,
+    /// The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
+    pub total_normal_impulse: f32,
+    /// The normal velocity just before the first normal impulse, negative if the bodies approached each other.
+    pub impact_velocity: f32,
+    /// Its numbers are valid, and it is part of the constraint.
+    pub valid: bool,
+    /// It is solved in this substep.
+    pub active: bool,
+}
+
+impl Row {
+    const fn along(direction: Vec3A) -> Self {
+        Self {
+            direction,
+            moments: [Vec3A::ZERO; 2],
+            angular_responses: [Vec3A::ZERO; 2],
+        }
+    }
+
+    /// Rows along `normal` and two tangents. [`update_points`](super::solve::update_points) sets the rest.
+    pub fn frame(normal: Vec3) -> [Self; 3] {
+        let (t, u) = normal.any_orthonormal_pair();
+        [normal, t, u].map(|d| Self::along(d.into()))
+    }
+}
+
+impl Point {
+    /// A point without effect.
+    pub const NONE: Self = Self {
+        anchors: [Vec3A::ZERO; 2],
+        curvature_centers: [Vec3A::ZERO; 2],
+        contact_fraction: 0.5,
+        anchor_offset: Vec3A::ZERO,
+        initial_normal: Vec3A::X,
+        normal_rotation: 0.0,
+        rows: [Row::along(Vec3A::X), Row::along(Vec3A::Y), Row::along(Vec3A::Z)],
+        inverse_effective_mass: [[0.0; 2]; 2],
+        initial_separation: 0.0,
+        separation: 0.0,
+        normal_impulse: 0.0,
+        friction_impulse: [0.0; 2],
+        restitution_impulse: 0.0,
+        restitution_friction_impulse: [0.0; 2],
+        max_normal_impulse: 0.0,
+        total_normal_impulse: 0.0,
+        impact_velocity: 0.0,
+        valid: false,
+        active: false,
+    };
+
+    /// Rotates the normal of curved surfaces that have not touched yet, as that of two balls that pass each other:
+    /// their impulse acts along the normal at the moment of contact. `displacement` is how far the second centre of
+    /// curvature has moved relative to the first.
+    pub fn rotate_normal(&mut self, displacement: Vec3A) {
+        if self.normal_rotation > 0.0 && self.max_normal_impulse == 0.0 && self.normal_impulse == 0.0 {
+            let normal = self.initial_normal + self.normal_rotation * displacement;
+            self.rows = Row::frame(normal.normalize_or(self.initial_normal).into());
+        }
+    }
+
+    /// The separation beyond the rest offset after such a displacement.
+    pub fn separation_after(&self, displacement: Vec3A) -> f32 {
+        let along = self.initial_separation + self.normal().dot(displacement);
+        if self.normal_rotation > 0.0 {
+            // The distance between the centres of curvature is shorter along the rotated normal.
+            along - 0.5 * self.normal().distance_squared(self.initial_normal) / self.normal_rotation
+        } else {
+            along
+        }
+    }
+
+    /// Unit vector from the first body to the second.
+    pub fn normal(&self) -> Vec3A {
+        self.rows[0].direction
+    }
+
+    /// The friction impulse in world axes.
+    pub fn friction_vector(&self) -> Vec3A {
+        self.rows[1].direction * self.friction_impulse[0] + self.rows[2].direction * self.friction_impulse[1]
+    }
+}
