@@ -19,7 +19,7 @@ pub(crate) const OVERLAP: f32 = 1.0;
 ///
 /// Around every collision substep: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
 /// [`Sleeper::settle`] after it. The manifolds must hold the pairs of sleeping bodies too; as these do not move, those of
-/// the last interval do (see [`Sleeper::is_inactive`]).
+/// the last interval do (see [`Sleeper::is_still`]).
 #[derive(Clone, Debug, Default)]
 pub struct Sleeper {
     /// Of each body, one nearer to the root of its island.
@@ -33,7 +33,7 @@ pub struct Sleeper {
 impl Sleeper {
     /// Whether nothing about the pair of bodies `a` and `b` can have changed since the last interval: both sleep, or one
     /// sleeps and the other is static.
-    pub fn is_inactive(bodies: &SolverBodies, a: u32, b: u32) -> bool {
+    pub fn is_still(bodies: &SolverBodies, a: u32, b: u32) -> bool {
         let [asleep, fixed] = [
             [a, b].map(|i| bodies.sleep[i as usize].asleep),
             [a, b].map(|i| bodies.bodies[i as usize].kind == RigidBody::Static),
