@@ -2,7 +2,7 @@
 
 // How contacts answer; `src/force_scan/mod.rs` explains it.
 
-#import faceoff::constants::force_scan::{BOUNCE_STEPS, PUSH}
+#import faceoff::constants::force_scan::{RESTITUTION_STEPS, PUSH}
 #import faceoff::math::{conjugate, rotate}
 #import faceoff::types as t
 
@@ -21,7 +21,7 @@ fn velocity(step: t::Step, body: t::Body, arm: vec3<f32>) -> vec3<f32> {
 
 // Closing speeds below this do not bounce, or a body at rest would bounce off what gravity gave it within the step.
 fn bounce_threshold(step: t::Step) -> f32 {
-    return BOUNCE_STEPS * sqrt(dot(step.gravity, step.gravity)) * step.dt;
+    return RESTITUTION_STEPS * sqrt(dot(step.gravity, step.gravity)) * step.dt;
 }
 
 // The inverse inertia in world axes, times v.

@@ -1,6 +1,6 @@
 // Contact generation: how the bodies of each pair lie to each other. A thread a pair.
 #import faceoff::arena::meshes
-#import faceoff::constants::manifolds::{ANY_WAY, ASIDE, SAME_PLACE}
+#import faceoff::constants::manifolds::{DEFAULT_DIRECTION, ASIDE, SAME_PLACE}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, largest, matrix, rotate}
 #import faceoff::types as t
@@ -57,7 +57,7 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     let arm_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
     var between = (b.position - a.position) + (arm_b - arm_a);
     if same_place(a, b, between) {
-        between += ANY_WAY * (ASIDE * min(a.radius, b.radius));
+        between += DEFAULT_DIRECTION * (ASIDE * min(a.radius, b.radius));
     }
     let apart = rotate(back, between * result.unit);
     if b.radius < a.radius {

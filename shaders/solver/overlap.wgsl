@@ -3,7 +3,7 @@
 // What is made of overlaps whose contact points may disagree about the way out; `src/solver/overlap.rs` explains it.
 
 #import faceoff::constants::shared::SAFETY
-#import faceoff::constants::solver::{ANY_WAY, DISPUTED_DEPTH, LEAST_WAY, OPPOSED, SETTLED_DEPTH}
+#import faceoff::constants::solver::{DEFAULT_DIRECTION, CONFLICT_DEPTH, MIN_DIRECTION_LENGTH, OPPOSED, RESOLVED_DEPTH}
 #import faceoff::solver_math::finite_vector
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -47,9 +47,9 @@ fn judge(pair: s::SolverPair) -> Overlap {
     let direction = kept_direction(pair);
     var disputed = false;
     if all(direction == vec3(0.0)) {
-        disputed = opposed(pair, DISPUTED_DEPTH * pair.diameter);
+        disputed = opposed(pair, CONFLICT_DEPTH * pair.diameter);
     } else {
-        disputed = deeper_than(pair, SETTLED_DEPTH * pair.diameter);
+        disputed = deeper_than(pair, RESOLVED_DEPTH * pair.diameter);
     }
     if !disputed {
         return usual;
@@ -59,7 +59,7 @@ fn judge(pair: s::SolverPair) -> Overlap {
         way = unit_or(kept_push(pair), 0.0, vec3(0.0));
     }
     if all(way == vec3(0.0)) {
-        way = unit_or(pair.between, 0.0, ANY_WAY);
+        way = unit_or(pair.between, 0.0, DEFAULT_DIRECTION);
     }
     return Overlap(DISPUTED, way);
 }
@@ -113,8 +113,8 @@ fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
 
 // The line of centres; away from a body without mass the mean of normals, as its centre says little about its surface.
 fn way_out(pair: s::SolverPair) -> vec3<f32> {
-    let least = LEAST_WAY * pair.diameter;
-    let centers = unit_or(pair.between, least, ANY_WAY);
+    let least = MIN_DIRECTION_LENGTH * pair.diameter;
+    let centers = unit_or(pair.between, least, DEFAULT_DIRECTION);
     if (pair.flags & s::FIRST_HAS_MASS) != 0u && (pair.flags & s::SECOND_HAS_MASS) != 0u {
         return centers;
     }

@@ -1,6 +1,6 @@
 // Solver: one pass that turns round the speed at which a pair's points met (Newton's law of impact), with the friction that
 // goes with it.
-#import faceoff::constants::solver::BOUNCE_SWEEPS
+#import faceoff::constants::solver::RESTITUTION_SWEEPS
 #import faceoff::contact as c
 #import faceoff::contact::{solver_counters, solver_pairs, points}
 #import faceoff::dispatch::group_index
@@ -18,7 +18,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var local = c::local_of(pair);
-    for (var sweep = 0u; sweep < BOUNCE_SWEEPS; sweep += 1u) {
+    for (var sweep = 0u; sweep < RESTITUTION_SWEEPS; sweep += 1u) {
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
             if (points[k].flags & s::POINT_ACTIVE) != 0u {
                 solve(pair, k, &local);

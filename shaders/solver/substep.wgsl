@@ -1,5 +1,5 @@
 // Solver: every pair measures its points, finds out which of them push, and gives the impulses of the last substep again.
-#import faceoff::constants::solver::REST_PART
+#import faceoff::constants::solver::ACTIVATION_DISTANCE
 #import faceoff::contact as c
 #import faceoff::contact::{solver_counters, interval, solver_pairs, points}
 #import faceoff::dispatch::group_index
@@ -31,7 +31,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if point.largest == 0.0 {
             point.impact = speed;
         }
-        if point.impulse > 0.0 || point.separation + speed * interval.h < REST_PART * pair.rest_offset {
+        if point.impulse > 0.0 || point.separation + speed * interval.h < ACTIVATION_DISTANCE * pair.rest_offset {
             pushes = true;
             point.flags |= s::POINT_ACTIVE;
             let side = across(point.normal);

@@ -1,5 +1,5 @@
 // Solver: the points of every pair, ready to be solved, with last interval's impulses where they fit.
-#import faceoff::constants::solver::{MAX_GROWTH, MAX_MATCHED}
+#import faceoff::constants::solver::{MAX_IMPULSE_SCALE, MAX_MATCHED}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, rotate}
 #import faceoff::overlap as o
@@ -78,7 +78,7 @@ fn fill(pair: s::SolverPair) {
     }
     let substep = bitcast<f32>(solver_counters[s::KEPT_SUBSTEP]);
     // What holds up a weight is proportional to time.
-    let growth = select(1.0, min(interval.h / max(substep, 1.0e-30), MAX_GROWTH), substep > 0.0);
+    let growth = select(1.0, min(interval.h / max(substep, 1.0e-30), MAX_IMPULSE_SCALE), substep > 0.0);
     let reach = interval.match_distance * pair.diameter;
     // A bit for each old point that is given away.
     var taken = vec2(0u);

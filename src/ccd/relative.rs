@@ -1,24 +1,25 @@
-//! How two moving bodies lie and move relative to each other at one time.
+//! Relative pose and motion of two bodies at one time.
 
 use super::Sweep;
 use crate::simd::rounding::PAD;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
-/// Single precision costs a speed this part of the largest one.
+/// Rounding error of a speed in single precision, as a fraction of the largest speed.
 const SPEED_ERROR: f32 = 2.0e-6;
 
-/// Two bodies at one time, in the first one's axes at that time, about its centre of mass; metres and metres per interval.
+/// Two bodies at one time, relative to the first one's centre of mass and along its axes. Lengths are in metres,
+/// velocities in metres per collision substep.
 #[derive(Clone, Copy)]
 pub struct Relative {
     /// The time, 0 to 1.
     pub time: f64,
-    /// Turns the second body's axes into the first's.
+    /// From the second body's axes to the first's.
     pub rotation: DMat3,
     /// From the first body's centre of mass to the second's.
     pub translation: DVec3,
-    /// At which the first body's centre of mass comes towards the second's.
+    /// Velocity of the first body's centre of mass relative to the second's.
     pub velocity: DVec3,
-    /// Angular velocities, radians per interval.
+    /// Angular velocities, radians per collision substep.
     pub turns: [DVec3; 2],
 }
 
@@ -28,7 +29,7 @@ impl Relative {
         let [a, b] = sweeps;
         let axes = sweeps.map(|sweep| sweep.axes(t));
         let to_a = axes[0].transpose();
-        // Differences first: the bodies may be far from the origin.
+        // Subtraction comes first, because the bodies may be far from the origin.
         let apart = (b.before.center - a.before.center) + (b.travel - a.travel) * t;
         Self {
             time: t,
@@ -39,9 +40,9 @@ impl Relative {
         }
     }
 
-    /// The same in single precision, times `unit`; `size` is the sum of the bounding radii and `reach` how near is too near, in
-    /// metres.
-    pub fn rounded(&self, unit: f32, size: f64, reach: f64) -> Rounded {
+    /// The same in single precision, with lengths multiplied by `unit`. `size` is the sum of the bounding radii and
+    /// `target_distance` the distance at which bodies are stopped, both in metres.
+    pub fn rounded(&self, unit: f32, size: f64, target_distance: f64) -> Rounded {
         let scaled = |v: DVec3| (v * f64::from(unit)).as_vec3();
         let rotation = self.rotation.as_mat3();
         let turns = self.turns.map(|turn| turn.as_vec3());
@@ -56,7 +57,7 @@ impl Relative {
             back: rotation.transpose(),
             frames: [axes(DMat3::IDENTITY), axes(self.rotation.transpose())],
             turns,
-            pad: ((reach + rounding) * f64::from(unit)) as f32,
+            pad: ((target_distance + rounding) * f64::from(unit)) as f32,
             speed_pad: SPEED_ERROR * (self.velocity.length() * f64::from(unit)) as f32,
         }
     }
@@ -70,13 +71,13 @@ pub struct Rounded {
     pub frames: [Frame; 2],
     /// In the first body's axes.
     pub turns: [Vec3; 2],
-    /// What a gap has to be reduced by: how near is too near, and rounding.
+    /// Gaps are reduced by this: the target distance and the rounding error.
     pub pad: f32,
-    /// What a closing speed has to be increased by.
+    /// Closing speeds are increased by this: the rounding error.
     pub speed_pad: f32,
 }
 
-/// What [`Relative`] looks like along one body's axes.
+/// The vectors of [`Relative`] along one body's axes.
 #[derive(Clone, Copy)]
 pub struct Frame {
     pub translation: Vec3,
@@ -85,8 +86,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// For each of its axes, and for each body, the speed along it that the body's turn gives a point at a distance of one from
-    /// the axis of the turn, at most: `|e x w|`.
+    /// For each body and each axis `e`, the largest speed along `e` of a point at unit distance from the axis of
+    /// rotation: `|e x w|`.
     pub fn spins(&self) -> [Vec3; 2] {
         self.turns.map(|w| {
             let [x, y, z] = (w * w).to_array();

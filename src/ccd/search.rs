@@ -1,15 +1,16 @@
-//! When two moving meshes come near each other first.
+//! The first time at which two moving meshes reach the target distance: conservative advancement over their trees.
 //!
-//! Conservative advancement, but each pair of nodes of the two trees has a clock of its own: how long it stays apart for
-//! certain. The pair whose clock shows the earliest time is next. If it is far apart it is looked at again at that time; else the
-//! larger node is opened, and pairs of its children get clocks, down to pairs of triangles, which come nearer step by step.
-//! When the first of those arrives, all others stay apart until then. What never comes near runs over the end and is forgotten,
-//! and at most places of the meshes that is so a few levels below the root.
+//! Each pair of nodes of the two trees advances separately and has a time of its own, until which it is certainly
+//! apart. The search always continues with the pair of the earliest time. If its nodes are far apart, their safe time
+//! is computed again at that time. Otherwise the larger node is opened and pairs of its children are added, down to
+//! pairs of triangles, which advance step by step. The first of these to reach the target distance ends the search,
+//! because all other pairs are apart until then. Pairs that reach the end of the collision substep are dropped. For
+//! most parts of the meshes this happens a few levels below the root.
 
-use super::approach::{self, Reach};
 use super::distance::nearest;
-use super::nodes::{self, Placing};
+use super::nodes::{self, NodePlacer};
 use super::relative::{Relative, Rounded};
+use super::triangle_pair::{TargetDistance, safe_time};
 use super::triangles::Triangles;
 use super::{Pose, Sweep};
 use crate::geometry::cluster::CLUSTER;
@@ -20,15 +21,15 @@ use glam::{DMat3, DVec3, Mat3, Vec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// After so many looks at a pair of nodes or of triangles the search gives up, and takes the time it has got to.
-const MOST_LOOKS: u32 = 1 << 16;
+/// Largest number of visited pairs of nodes or triangles. Then the search stops and returns the time it has reached.
+const MAX_VISITS: u32 = 1 << 16;
 
-/// After so many looks the search begins anew, at the time it has got to, and is more patient next time. Clocks of small parts are
-/// right for what comes near at once; but of bodies that spin, many small parts come and go before any two meet, and larger
-/// ones would do for those that are gone.
-const PATIENCE: u32 = 192;
+/// After so many visits the search restarts from the roots, at the time it has reached, with a larger limit. Small
+/// nodes are efficient if a hit follows soon. But when bodies rotate, many small parts approach and recede before any
+/// two meet, and for those that recede larger nodes are enough.
+const VISITS_BEFORE_RESTART: u32 = 192;
 
-/// Memory kept between searches.
+/// Memory that is reused between searches.
 #[derive(Default)]
 pub struct Scratch {
     queue: BinaryHeap<Entry>,
@@ -40,84 +41,88 @@ pub struct Side<'a> {
     pub slot: &'a MeshSlot,
     pub sweep: &'a Sweep,
     pub scale: Vec3,
-    /// Of the bounding sphere, metres.
+    /// Radius of the bounding sphere, metres.
     pub radius: f64,
 }
 
-/// What a search is about.
+/// The search for the first hit of one pair of bodies.
 pub struct Search<'a> {
     pub sides: [Side<'a>; 2],
-    pub reach: Reach,
-    /// When the bounding spheres are near, from when to when.
+    pub target: TargetDistance,
+    /// First and last time at which the bounding spheres are within the target distance.
     pub span: [f64; 2],
-    /// No point of either body moves faster towards one of the other's, metres per interval.
+    /// Upper bound for the relative speed of any two points of the bodies, metres per collision substep.
     pub speed: f64,
 }
 
-/// When two bodies come near.
+/// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Meeting {
-    /// They do not.
-    Never,
-    /// They are at the start.
-    Already,
-    /// Within the interval.
-    At(Encounter),
+pub enum Outcome {
+    /// The bodies stay apart.
+    Apart,
+    /// They are within the target distance at the start.
+    InitiallyClose,
+    /// They reach the target distance.
+    Hit(Hit),
 }
 
-/// How two bodies come near.
+/// When and where two bodies reach the target distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Encounter {
-    /// At this part of the interval.
+pub struct Hit {
+    /// As a fraction of the collision substep.
     pub time: f64,
-    /// The first triangles to arrive; `None` if the search gave up before any had.
+    /// The first triangles that reach it; `None` if the search stopped before.
     pub triangles: Option<[u32; 2]>,
 }
 
-/// Two nodes, or two triangles, and until when they stay apart.
+/// A pair of nodes or of triangles, and the time until which it is certainly apart.
 #[derive(Clone, Copy)]
 struct Entry {
     /// See [`Search::tick`].
     tick: u64,
     time: f64,
-    /// Triangles are on level 0, clusters on level 1, and the roots on the highest.
+    /// Triangles have level 0, clusters level 1, and the roots the highest level.
     level: [u8; 2],
     number: [u32; 2],
-    /// Look again before opening.
+    /// Compute the safe time again before the nodes are opened.
     far: bool,
 }
 
 impl Search<'_> {
-    /// When any two triangles arrive within reach of each other.
-    pub fn run(&self, scratch: &mut Scratch) -> Meeting {
+    /// Finds the first pair of triangles that reaches the target distance.
+    pub fn run(&self, scratch: &mut Scratch) -> Outcome {
         let queue = &mut scratch.queue;
         let [start, end] = self.span;
         let mut relative = self.relative(start);
-        let mut moment = None;
-        let mut patience = PATIENCE;
-        let (mut looks, mut since, mut restart) = (0, 0, start);
+        let mut placement = None;
+        let mut visits_before_restart = VISITS_BEFORE_RESTART;
+        let (mut visits, mut visits_since_restart, mut restart_time) = (0, 0, start);
         queue.clear();
         queue.push(self.roots(start));
         while let Some(entry) = queue.pop() {
-            looks += 1;
-            since += 1;
-            if looks > MOST_LOOKS {
-                return self.met(&entry, None);
+            visits += 1;
+            visits_since_restart += 1;
+            if visits > MAX_VISITS {
+                return self.hit(&entry, None);
             }
-            if since > patience {
-                let time = self.beginning(entry.tick);
-                // Where no time was won, many things are near at once, and more have to be looked at.
-                patience = if time > restart { patience * 5 / 4 } else { patience * 2 };
-                (since, restart) = (0, time);
+            if visits_since_restart > visits_before_restart {
+                let time = self.time_of_tick(entry.tick);
+                // Without progress in time many pairs are near at once, and more visits are needed.
+                visits_before_restart = if time > restart_time {
+                    visits_before_restart * 5 / 4
+                } else {
+                    visits_before_restart * 2
+                };
+                (visits_since_restart, restart_time) = (0, time);
                 queue.clear();
                 queue.push(self.roots(time));
                 continue;
             }
             if relative.time != entry.time {
-                (relative, moment) = (self.relative(entry.time), None);
+                (relative, placement) = (self.relative(entry.time), None);
             }
-            let mut add = |next: Entry, stay: f64| {
-                let time = entry.time + stay;
+            let mut add = |next: Entry, safe_time: f64| {
+                let time = entry.time + safe_time;
                 if time <= end {
                     queue.push(Entry {
                         time,
@@ -127,30 +132,30 @@ impl Search<'_> {
                 }
             };
             if entry.level == [0, 0] {
-                match self.approach(entry.number, &relative) {
-                    Some(stay) => add(entry, stay),
-                    // What arrives within the first tick was there before.
-                    None if entry.tick == 0 => return Meeting::Already,
-                    None => return self.met(&entry, Some(entry.number)),
+                match self.safe_time(entry.number, &relative) {
+                    Some(safe_time) => add(entry, safe_time),
+                    // A pair that reaches the target in the first tick was there at the start.
+                    None if entry.tick == 0 => return Outcome::InitiallyClose,
+                    None => return self.hit(&entry, Some(entry.number)),
                 }
                 continue;
             }
-            let moment = moment.get_or_insert_with(|| self.moment(relative));
+            let placement = placement.get_or_insert_with(|| self.placement(relative));
             if entry.level == [1, 1] && !entry.far {
-                self.open_clusters(&entry, moment, &mut add);
+                self.open_clusters(&entry, placement, &mut add);
             } else {
-                self.open(&entry, moment, &mut add);
+                self.open(&entry, placement, &mut add);
             }
         }
-        Meeting::Never
+        Outcome::Apart
     }
 
-    fn met(&self, entry: &Entry, triangles: Option<[u32; 2]>) -> Meeting {
-        let time = self.beginning(entry.tick);
-        Meeting::At(Encounter { time, triangles })
+    fn hit(&self, entry: &Entry, triangles: Option<[u32; 2]>) -> Outcome {
+        let time = self.time_of_tick(entry.tick);
+        Outcome::Hit(Hit { time, triangles })
     }
 
-    /// Where a search starts, at a time until which all is apart.
+    /// The pair of roots, from which a search starts at a time until which the bodies are apart.
     fn roots(&self, time: f64) -> Entry {
         Entry {
             tick: self.tick(time),
@@ -165,32 +170,32 @@ impl Search<'_> {
         Relative::at([self.sides[0].sweep, self.sides[1].sweep], time)
     }
 
-    /// Times are compared by ticks so short that nothing comes nearer by more than a part of the tolerance, and within a tick
-    /// what is lower in the trees is first. Else, where faces arrive all at once, every pair of nodes would be opened before
-    /// the first two triangles are looked at.
+    /// Times are compared in ticks, and within a tick lower levels come first. In one tick distances shrink by no more
+    /// than a fraction of the tolerance. Without ticks, if whole faces arrive at the same time, every pair of nodes
+    /// would be opened before the first pair of triangles is visited.
     fn tick(&self, time: f64) -> u64 {
         (time * self.ticks()) as u64
     }
 
-    /// When a tick begins. All that is not yet looked at is apart until then.
-    fn beginning(&self, tick: u64) -> f64 {
+    /// The start of a tick. All pairs in the queue are apart until then.
+    fn time_of_tick(&self, tick: u64) -> f64 {
         (tick as f64 / self.ticks()).clamp(self.span[0], self.span[1])
     }
 
     fn ticks(&self) -> f64 {
-        let tolerance = self.reach.arrived - self.reach.aim;
+        let tolerance = self.target.reached - self.target.aim;
         (2.0 * self.speed / tolerance).clamp(1.0, 1.0e15)
     }
 
-    /// What is the same for all nodes that are looked at at one time.
-    fn moment(&self, relative: Relative) -> Moment {
+    /// What is common to all nodes that are visited at one time.
+    fn placement(&self, relative: Relative) -> Placement {
         let size = self.sides[0].radius + self.sides[1].radius;
         let unit = unit_of(size as f32);
-        let rounded = relative.rounded(unit, size, self.reach.aim);
-        Moment {
-            placings: [0, 1].map(|i| {
+        let rounded = relative.rounded(unit, size, self.target.aim);
+        Placement {
+            placers: [0, 1].map(|i| {
                 let side = &self.sides[i];
-                Placing::new(i, unit * side.scale, unit * side.radius as f32, &rounded)
+                NodePlacer::new(i, unit * side.scale, unit * side.radius as f32, &rounded)
             }),
             relative,
             rounded,
@@ -198,53 +203,53 @@ impl Search<'_> {
         }
     }
 
-    /// Looks at the children of the larger node, or again at the pair itself.
-    fn open(&self, entry: &Entry, moment: &Moment, add: &mut impl FnMut(Entry, f64)) {
+    /// Computes safe times for the children of the larger node, or again for the pair itself if it is far apart.
+    fn open(&self, entry: &Entry, placement: &Placement, add: &mut impl FnMut(Entry, f64)) {
         let [size_a, size_b] = [0, 1].map(|i| self.sides[i].size(entry.level[i]));
         let first = entry.level[1] == 1 || (entry.level[0] > 1 && size_a >= size_b);
         let opened = (!entry.far).then_some(usize::from(!first));
         let placed = [0, 1].map(|i| {
-            let (side, placing) = (&self.sides[i], &moment.placings[i]);
+            let (side, placer) = (&self.sides[i], &placement.placers[i]);
             let (level, number) = (entry.level[i], entry.number[i] as usize);
             if opened == Some(i) {
-                placing.nodes(&side.boxes(level - 1, number))
+                placer.nodes(&side.boxes(level - 1, number))
             } else {
-                placing
+                placer
                     .nodes(&side.boxes(level, number / CLUSTER))
                     .single(number % CLUSTER)
             }
         });
         let [a, b] = &placed;
-        let stay = nodes::stay(a, b, &moment.rounded);
+        let safe = nodes::safe_times(a, b, &placement.rounded);
         let lanes = if opened.is_some() { a.lanes & b.lanes } else { 1 };
         for lane in bits(lanes) {
             let mut next = Entry {
-                far: stay.far >> lane & 1 == 1,
+                far: safe.far >> lane & 1 == 1,
                 ..*entry
             };
             if let Some(i) = opened {
                 next.level[i] -= 1;
                 next.number[i] = child(entry.number[i], lane);
             }
-            add(next, f64::from(stay.time[lane]));
+            add(next, f64::from(safe.times[lane]));
         }
     }
 
-    /// Looks at all pairs of triangles of two clusters.
-    fn open_clusters(&self, entry: &Entry, moment: &Moment, add: &mut impl FnMut(Entry, f64)) {
-        let relative = &moment.relative;
+    /// Computes safe times for all pairs of triangles of two clusters.
+    fn open_clusters(&self, entry: &Entry, placement: &Placement, add: &mut impl FnMut(Entry, f64)) {
+        let relative = &placement.relative;
         let rotations = [DMat3::IDENTITY, relative.rotation];
-        let unit = f64::from(moment.unit);
+        let unit = f64::from(placement.unit);
         let [a, b] = [0, 1].map(|i| {
             let side = &self.sides[i];
             let cluster = &side.slot.lanes.clusters[entry.number[i] as usize];
             let matrix = rotations[i] * DMat3::from_diagonal(side.scale.as_dvec3() * unit);
             let origin = matrix * side.about_center(cluster.origin);
             let matrix: Mat3 = matrix.as_mat3();
-            Triangles::new(i, cluster, matrix, origin.as_vec3(), &moment.rounded)
+            Triangles::new(i, cluster, matrix, origin.as_vec3(), &placement.rounded)
         });
         for i in bits(a.lanes) {
-            let stay = a.stay(i, &b, &moment.rounded);
+            let times = a.safe_times(i, &b, &placement.rounded);
             for j in bits(b.lanes) {
                 let next = Entry {
                     level: [0, 0],
@@ -252,23 +257,23 @@ impl Search<'_> {
                     far: false,
                     ..*entry
                 };
-                add(next, f64::from(stay[j]));
+                add(next, f64::from(times[j]));
             }
         }
     }
 
-    /// For how long two triangles stay apart, if they have not arrived.
-    fn approach(&self, triangles: [u32; 2], relative: &Relative) -> Option<f64> {
+    /// The safe time of two triangles; `None` if they have reached the target distance.
+    fn safe_time(&self, triangles: [u32; 2], relative: &Relative) -> Option<f64> {
         let [a, b] = [0, 1].map(|i| self.sides[i].triangle(triangles[i]));
-        approach::stay(&a, &b.map(|corner| relative.rotation * corner), relative, self.reach)
+        safe_time(&a, &b.map(|corner| relative.rotation * corner), relative, self.target)
     }
 
-    /// Where the bodies touch when the first triangles arrive, and the direction from the first body to the second there.
-    pub fn contact(&self, encounter: &Encounter) -> Option<[DVec3; 2]> {
-        let triangles = encounter.triangles?;
+    /// Where the bodies touch at a hit, and the direction from the first body to the second there.
+    pub fn contact(&self, hit: &Hit) -> Option<[DVec3; 2]> {
+        let triangles = hit.triangles?;
         let [a, b] = [0, 1].map(|i| {
             let side = &self.sides[i];
-            let Pose { center, rotation } = side.sweep.at(encounter.time);
+            let Pose { center, rotation } = side.sweep.at(hit.time);
             side.triangle(triangles[i]).map(|corner| center + rotation * corner)
         });
         let nearest = nearest(&a, &b);
@@ -279,11 +284,11 @@ impl Search<'_> {
     }
 }
 
-/// What a [`Search`] needs at one time.
-struct Moment {
+/// Poses and motion of both bodies at one time.
+struct Placement {
     relative: Relative,
     rounded: Rounded,
-    placings: [Placing; 2],
+    placers: [NodePlacer; 2],
     unit: f32,
 }
 
@@ -297,14 +302,14 @@ impl Side<'_> {
         self.slot.lanes.levels.len() + 1
     }
 
-    /// How large nodes of a level are, about, in metres.
+    /// Approximate size of the nodes of a level, metres.
     fn size(&self, level: u8) -> f32 {
         let lanes = &self.slot.lanes;
         let size = lanes.sizes.get(usize::from(level) - 1);
         self.scale.abs().max_element() * size.copied().unwrap_or(lanes.aabb.half_size().length())
     }
 
-    /// A group of nodes of a level; that of the root holds it in all lanes.
+    /// A group of nodes of a level. The group of the root has it in all lanes.
     fn boxes(&self, level: u8, group: usize) -> BoxGroup {
         let lanes = &self.slot.lanes;
         match lanes.levels.get(usize::from(level) - 1) {
@@ -316,19 +321,19 @@ impl Side<'_> {
         }
     }
 
-    /// The corners of a triangle, in the body's axes.
+    /// The corners of a triangle relative to the centre of mass, in the body's axes, scaled.
     fn triangle(&self, number: u32) -> [DVec3; 3] {
         let corners = self.slot.mesh.mesh.corners(number as usize);
         corners.map(|corner| self.scale.as_dvec3() * self.about_center(corner))
     }
 
-    /// A point of the mesh, not scaled.
+    /// A point of the mesh relative to the centre of mass, not scaled.
     fn about_center(&self, point: Vec3) -> DVec3 {
         point.as_dvec3() - self.slot.mesh.mass.center.as_dvec3()
     }
 }
 
-/// The greatest is looked at first: of the earliest tick the lowest.
+/// The heap pops the greatest entry: the earliest tick, and within it the lowest level.
 impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
         let height = |entry: &Self| entry.level[0] + entry.level[1];

@@ -1,8 +1,8 @@
-//! How a body moves over an interval.
+//! The motion of a body during a collision substep.
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Where a body is.
+/// Position and rotation of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Centre of mass in the world, metres.
@@ -11,26 +11,26 @@ pub struct Pose {
     pub rotation: DQuat,
 }
 
-/// The motion of a body over an interval: its centre of mass along a line at constant speed, and a turn about it at constant
-/// angular velocity. Times are parts of the interval, 0 to 1.
+/// The motion of a body during a collision substep: its centre of mass moves along a line at constant velocity, and it
+/// rotates about it at constant angular velocity. Times are fractions of the collision substep, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// At the start of the interval.
+    /// The pose at the start.
     pub before: Pose,
-    /// The way of the centre of mass, metres: velocity times length of the interval.
+    /// Displacement of the centre of mass, metres: velocity times length of the collision substep.
     pub travel: DVec3,
-    /// Along the axis of the turn, in the world, as long as its angle in radians: angular velocity times length of the
-    /// interval. Of any length: bodies may turn many times.
+    /// Rotation vector in world axes, radians: angular velocity times length of the collision substep. It may have any
+    /// length, for several revolutions.
     pub turn: DVec3,
 }
 
 impl Sweep {
-    /// From pose to pose, turning the shorter way. Of a body that turns by more than half a turn poses do not tell how;
-    /// give [`Sweep::turn`] instead.
+    /// From pose to pose, by the shorter rotation. For a rotation by more than half a revolution set [`Sweep::turn`]
+    /// instead, because poses do not determine it.
     pub fn between(before: Pose, after: Pose) -> Self {
-        let turn = after.rotation * before.rotation.inverse();
-        // A quaternion and its negative are the same rotation; the one of positive `w` takes the shorter way.
-        let shorter = if turn.w < 0.0 { -turn } else { turn };
+        let rotation = after.rotation * before.rotation.inverse();
+        // A quaternion and its negative are the same rotation; the one with positive `w` is the shorter one.
+        let shorter = if rotation.w < 0.0 { -rotation } else { rotation };
         Self {
             before,
             travel: after.center - before.center,
@@ -38,7 +38,7 @@ impl Sweep {
         }
     }
 
-    /// The motion of a body that stays where it is.
+    /// The motion of a body at rest.
     pub fn at_rest(pose: Pose) -> Self {
         Self {
             before: pose,
@@ -47,7 +47,7 @@ impl Sweep {
         }
     }
 
-    /// Where the body is at time `t`.
+    /// The pose at time `t`.
     pub fn at(&self, t: f64) -> Pose {
         Pose {
             center: self.before.center + self.travel * t,
@@ -64,12 +64,7 @@ impl Sweep {
         }
     }
 
-    /// No point within `radius` of the centre of mass has a longer way, metres.
-    pub fn longest_way(&self, radius: f64) -> f64 {
-        self.travel.length() + self.turn.length() * radius
-    }
-
-    /// Whether all its numbers are numbers, and its rotation is one.
+    /// Whether all numbers are finite and the rotation is of unit length.
     pub(super) fn is_valid(&self) -> bool {
         let Pose { center, rotation } = self.before;
         center.is_finite() && rotation.is_normalized() && self.travel.is_finite() && self.turn.is_finite()

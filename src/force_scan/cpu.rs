@@ -2,8 +2,8 @@
 
 use super::impulse::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
 use crate::parallel::in_order::InOrder;
-use crate::sleep::cpu::{Sleeper, wake_on_new_ground};
-use crate::solver::{Interval, Solver, SolverBodies, WarmStart};
+use crate::sleep::cpu::{Sleeper, wake_on_changed_static};
+use crate::solver::{CollisionSubstep, Solver, SolverBodies, WarmStart};
 use crate::state::inactive::InactiveBodies;
 use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
 use crate::types::body::RigidBody;
@@ -20,11 +20,11 @@ pub(crate) struct Scratch {
     starts: Vec<u32>,
 }
 
-/// A contact's share in the motion of a body.
+/// The change of a body's velocity by one contact.
 #[derive(Clone, Copy)]
 struct Entry {
     body: u32,
-    /// The contact's number, planes after pairs.
+    /// Number of the contact; contacts with planes come after pairs.
     contact: u32,
     impulse: Impulse,
 }
@@ -74,10 +74,10 @@ pub(crate) fn sum_impulses(
             });
         }
     });
-    // Each body's entries stay in the order of contacts, so that the sum does not depend on threads.
+    // Each body's entries are in the order of contacts, so the sum does not depend on the number of threads.
     entries.par_sort_unstable_by_key(|entry| (entry.body, entry.contact));
 
-    // Each segment is summed where it starts.
+    // One segment per body; the first entry of a segment is its start.
     starts.clear();
     starts.extend(
         (0..entries.len() as u32).filter(|&i| i == 0 || entries[i as usize - 1].body != entries[i as usize].body),
@@ -96,33 +96,33 @@ pub(crate) fn sum_impulses(
     }
 }
 
-/// Wakes islands of bodies that something disturbs.
+/// Wakes islands that something disturbs.
 pub(crate) fn wake(
     settings: &SolverSettings,
-    interval: &Interval,
+    collision_substep: &CollisionSubstep,
     manifolds: &Manifolds,
     inactive: &InactiveBodies,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
 ) {
-    wake_on_new_ground(bodies, inactive, manifolds);
-    sleeper.wake(bodies, manifolds, settings, interval);
+    wake_on_changed_static(bodies, inactive, manifolds);
+    sleeper.wake(bodies, manifolds, settings, collision_substep);
 }
 
-/// Moves `bodies` by the points in `manifolds` over one interval.
+/// Solves the contacts in `manifolds` and moves `bodies` over one collision substep.
 pub(crate) fn solve(
     settings: &SolverSettings,
-    interval: &Interval,
+    collision_substep: &CollisionSubstep,
     manifolds: &Manifolds,
     solver: &mut Solver,
     warm: &mut WarmStart,
     bodies: &mut SolverBodies,
 ) {
-    solver.solve(bodies, manifolds, warm, settings, interval);
+    solver.solve(bodies, manifolds, warm, settings, collision_substep);
 }
 
-/// Freezes islands of bodies that have been at rest for long enough, after an interval of `dt` seconds. Who woke in it is not
-/// still any more.
+/// Puts islands to sleep that have been at rest for long enough, after a collision substep of `dt` seconds. Bodies that
+/// woke in it become active.
 pub(crate) fn fall_asleep(
     settings: &SolverSettings,
     dt: f32,

@@ -23,7 +23,7 @@ const TOUCHES: Kernel = kernel!("force_scan/touches");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::force_scan", {
     vec2 PUSH = impulse::PUSH;
-    f32 BOUNCE_STEPS = impulse::BOUNCE_STEPS;
+    f32 RESTITUTION_STEPS = impulse::RESTITUTION_STEPS;
 });
 
 /// All of them.

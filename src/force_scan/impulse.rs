@@ -1,16 +1,17 @@
-//! How one contact answers with [`Response::Impulse`](crate::types::settings::Response::Impulse).
+//! The impulse of one contact, for [`Response::Impulse`](crate::types::settings::Response::Impulse).
 
 use crate::state::{Bodies, Contacts, Impulse, PairContact, Plane, PlaneContact, StepConfig};
 use crate::types::body::RigidBody;
 use glam::Vec3;
 
-/// How fast a plane pushes a body out: share of the depth per step, and the largest speed in m/s.
+/// How fast a plane pushes a body out: fraction of the depth per step, and largest speed in m/s.
 pub(super) const PUSH: [f32; 2] = [0.2, 1.0];
 
-/// What falls for so many steps does not bounce.
-pub(super) const BOUNCE_STEPS: f32 = 2.0;
+/// The speed that gravity adds in this many steps is the largest without restitution.
+pub(super) const RESTITUTION_STEPS: f32 = 2.0;
 
-/// Contacts per body that push in this step. One that parts already takes no share of the mass.
+/// Counts for each body the contacts that apply an impulse in this step. Contacts that already separate do not count,
+/// so they take no part of the body's mass.
 pub(super) fn count_contacts(
     bodies: &Bodies,
     config: &StepConfig,
@@ -34,20 +35,20 @@ pub(super) fn count_contacts(
     }
 }
 
-/// Whether a pair's bodies are solid and closing in.
+/// Whether both bodies of a pair are solid and approach each other.
 pub(super) fn pair_closes(bodies: &Bodies, config: &StepConfig, pair: &PairContact) -> bool {
     let (n, point) = (pair.contact.normal, pair.contact.point);
     let [a, b] = pair.bodies.map(|i| speed(bodies, config, i, point, n));
     a > b && pair.bodies.iter().all(|&i| !bodies.sensor[i as usize])
 }
 
-/// Whether a body is solid and slower than a plane wants it to leave.
+/// Whether a body is solid and leaves a plane more slowly than it should.
 pub(super) fn plane_pushes(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &PlaneContact) -> bool {
     let speed = speed(bodies, config, contact.body, contact.point, plane.normal);
-    speed < wanted_speed(bodies, config, plane, contact, speed) && !bodies.sensor[contact.body as usize]
+    speed < target_speed(bodies, config, plane, contact, speed) && !bodies.sensor[contact.body as usize]
 }
 
-/// Velocity of a body's point along `n` at the end of the step if nothing is touched.
+/// Velocity of a point of a body along `n` at the end of the step, without contacts.
 fn speed(bodies: &Bodies, config: &StepConfig, i: u32, point: Vec3, n: Vec3) -> f32 {
     let i = i as usize;
     let spin = match bodies.kind[i] {
@@ -57,17 +58,17 @@ fn speed(bodies: &Bodies, config: &StepConfig, i: u32, point: Vec3, n: Vec3) -> 
     (free_velocity(bodies, config, i) + spin.cross(point - bodies.center[i])).dot(n)
 }
 
-/// The speed at which a plane wants a body to leave that arrives with `speed`.
-fn wanted_speed(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &PlaneContact, speed: f32) -> f32 {
-    let bounce = if -speed > bounce_threshold(config) {
+/// The speed at which a body should leave a plane that it reaches with `speed`.
+fn target_speed(bodies: &Bodies, config: &StepConfig, plane: &Plane, contact: &PlaneContact, speed: f32) -> f32 {
+    let rebound = if -speed > restitution_threshold(config) {
         0.5 * (bodies.restitution[contact.body as usize] + plane.restitution) * -speed
     } else {
         0.0
     };
-    bounce.max((PUSH[0] * contact.depth / config.dt).min(PUSH[1]))
+    rebound.max((PUSH[0] * contact.depth / config.dt).min(PUSH[1]))
 }
 
-/// Velocity at the end of the step if nothing is touched.
+/// Velocity at the end of the step without contacts.
 fn free_velocity(bodies: &Bodies, config: &StepConfig, i: usize) -> Vec3 {
     let v = bodies.linear_velocity[i];
     match bodies.kind[i] {
@@ -77,56 +78,63 @@ fn free_velocity(bodies: &Bodies, config: &StepConfig, i: usize) -> Vec3 {
     }
 }
 
-/// Closing speeds below this do not bounce, or a body at rest would bounce off what gravity gave it within the step.
-fn bounce_threshold(config: &StepConfig) -> f32 {
-    BOUNCE_STEPS * config.gravity.length() * config.dt
+/// Closing speed below which there is no restitution, m/s. Otherwise a body at rest would bounce with the speed that
+/// gravity adds within a step.
+fn restitution_threshold(config: &StepConfig) -> f32 {
+    RESTITUTION_STEPS * config.gravity.length() * config.dt
 }
 
-/// One end of a contact: velocity at the point along `n`, and how much a unit impulse along `n` changes it.
-struct End {
+/// One body of a contact, along the direction `n`.
+struct Side {
+    /// Velocity of the contact point.
     speed: f32,
-    inverse_mass: f32,
-    turn: Vec3,
+    /// Change of that velocity by a unit impulse.
+    inverse_effective_mass: f32,
+    /// Change of the angular velocity by a unit impulse.
+    angular_response: Vec3,
 }
 
-impl End {
+impl Side {
     fn new(bodies: &Bodies, config: &StepConfig, counts: &[u32], i: u32, point: Vec3, n: Vec3) -> Self {
         let speed = speed(bodies, config, i, point, n);
         let i = i as usize;
-        let arm = point - bodies.center[i];
-        let turn = bodies.inverse_inertia[i] * arm.cross(n);
+        let anchor = point - bodies.center[i];
+        let angular_response = bodies.inverse_inertia[i] * anchor.cross(n);
         Self {
             speed,
-            inverse_mass: counts[i] as f32 * (bodies.inverse_mass[i] + turn.cross(arm).dot(n)),
-            turn,
+            inverse_effective_mass: counts[i] as f32 * (bodies.inverse_mass[i] + angular_response.cross(anchor).dot(n)),
+            angular_response,
         }
     }
 }
 
-/// The changes of velocity of both bodies; zero if they part already.
+/// The changes of velocity of both bodies; zero if they already separate.
 pub(super) fn pair_impulses(bodies: &Bodies, config: &StepConfig, counts: &[u32], pair: &PairContact) -> [Impulse; 2] {
     let (n, point) = (pair.contact.normal, pair.contact.point);
-    let [a, b] = pair.bodies.map(|i| End::new(bodies, config, counts, i, point, n));
+    let [a, b] = pair.bodies.map(|i| Side::new(bodies, config, counts, i, point, n));
     let closing = a.speed - b.speed;
-    let resistance = a.inverse_mass + b.inverse_mass;
-    if !(closing > 0.0 && resistance > 0.0) {
+    let inverse_effective_mass = a.inverse_effective_mass + b.inverse_effective_mass;
+    if !(closing > 0.0 && inverse_effective_mass > 0.0) {
         return [Impulse::default(); 2];
     }
     let [ia, ib] = pair.bodies.map(|i| i as usize);
-    let restitution = if closing > bounce_threshold(config) {
+    let restitution = if closing > restitution_threshold(config) {
         0.5 * (bodies.restitution[ia] + bodies.restitution[ib])
     } else {
         0.0
     };
-    let size = (1.0 + restitution) * closing / resistance;
-    let along = |i: usize, turn: Vec3, size: f32| Impulse {
-        linear: n * (size * bodies.inverse_mass[i]),
-        angular: turn * size,
+    let impulse = (1.0 + restitution) * closing / inverse_effective_mass;
+    let change = |i: usize, angular_response: Vec3, impulse: f32| Impulse {
+        linear: n * (impulse * bodies.inverse_mass[i]),
+        angular: angular_response * impulse,
     };
-    [along(ia, a.turn, -size), along(ib, b.turn, size)]
+    [
+        change(ia, a.angular_response, -impulse),
+        change(ib, b.angular_response, impulse),
+    ]
 }
 
-/// The change of velocity of a body that reaches into a half-space.
+/// The change of velocity of a body that penetrates a half-space.
 pub(super) fn plane_impulse(
     bodies: &Bodies,
     config: &StepConfig,
@@ -135,15 +143,15 @@ pub(super) fn plane_impulse(
     contact: &PlaneContact,
 ) -> Impulse {
     let n = plane.normal;
-    let end = End::new(bodies, config, counts, contact.body, contact.point, n);
+    let side = Side::new(bodies, config, counts, contact.body, contact.point, n);
     let i = contact.body as usize;
-    let wanted = wanted_speed(bodies, config, plane, contact, end.speed);
-    if !(end.speed < wanted && end.inverse_mass > 0.0) {
+    let target = target_speed(bodies, config, plane, contact, side.speed);
+    if !(side.speed < target && side.inverse_effective_mass > 0.0) {
         return Impulse::default();
     }
-    let size = (wanted - end.speed) / end.inverse_mass;
+    let impulse = (target - side.speed) / side.inverse_effective_mass;
     Impulse {
-        linear: n * (size * bodies.inverse_mass[i]),
-        angular: end.turn * size,
+        linear: n * (impulse * bodies.inverse_mass[i]),
+        angular: side.angular_response * impulse,
     }
 }

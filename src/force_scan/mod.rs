@@ -1,14 +1,14 @@
-//! ForceScan: what contacts do to the bodies.
+//! ForceScan: the response of bodies to their contacts.
 //!
-//! With [`Response::Impulse`](crate::types::settings::Response::Impulse) there is one impulse per contact, one entry per body and
-//! contact, sorted by body, summed by a segmented scan. A contact answers with a single impulse along its normal that turns the
-//! closing speed round by the mean restitution. All contacts are answered at once from the same velocities, so a body in `n` contacts
-//! counts as `n` bodies of `1/n` its mass, one for each contact (mass splitting): their mean velocity is the body's new one, and
-//! pairs cannot add kinetic energy. Planes can, a little: they also push out what is inside. Pairs do not; bodies that overlap
-//! at rest stay as they are.
+//! [`Response::Impulse`](crate::types::settings::Response::Impulse): every contact applies one impulse along its
+//! normal, which reverses the closing speed times the mean coefficient of restitution. There is one entry per body and
+//! contact; entries are sorted by body and summed by a segmented scan. All contacts see the same velocities, so a body
+//! with `n` contacts counts as `n` bodies of `1/n` its mass, one for each contact (mass splitting). Its new velocity is
+//! the mean of theirs, so pairs never add kinetic energy. Planes may add a little, because they also push penetrating
+//! bodies out. Pairs do not: bodies that overlap at rest stay as they are.
 //!
-//! With [`Response::Contacts`](crate::types::settings::Response::Contacts) islands of bodies are woken, the
-//! [`solver`](crate::solver) runs, touches are noted, and islands at rest fall [`asleep`](crate::sleep).
+//! [`Response::Contacts`](crate::types::settings::Response::Contacts): islands that something disturbs wake, the
+//! [`solver`](crate::solver) runs, touching pairs are recorded, and islands at rest fall [`asleep`](crate::sleep).
 
 pub mod cpu;
 #[cfg(feature = "gpu")]

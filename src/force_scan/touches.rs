@@ -1,21 +1,21 @@
-//! Who touched whom in a step, from what the solver did in each of its intervals, and from who passed sensors.
+//! Which pairs touched in a step: in any of its collision substeps, or on the path of a body that passes a sensor.
 
 use crate::solver::{Solver, SolverBodies};
 use crate::state::manifolds::{nearest, pair_order};
 use crate::state::{Bodies, Contact, ContactPoint, Contacts, Manifolds, PairContact, PlaneContact};
 use crate::types::solver_settings::SolverSettings;
 
-/// The points of all pairs that touched so far in a step: that pushed each other, lay nearer than bodies at rest do, or passed
-/// each other.
+/// The contact points of all pairs that have touched so far in a step. A pair touches if an impulse acts between its
+/// bodies, if they are as near as bodies at rest, or if one is a sensor and they touch on their paths.
 #[derive(Default)]
 pub(crate) struct Touches {
     all: Vec<Touch>,
-    /// Memory for merging.
+    /// Scratch memory for merging.
     pairs: Vec<PairContact>,
     planes: Vec<PlaneContact>,
 }
 
-/// One point of a pair in one interval.
+/// One contact point of a pair in one collision substep.
 #[derive(Clone, Copy)]
 struct Touch {
     bodies: [u32; 2],
@@ -25,16 +25,17 @@ struct Touch {
 }
 
 impl Touches {
-    /// Forgets all, at the beginning of a step.
+    /// Removes all, at the beginning of a step.
     pub fn clear(&mut self) {
         self.all.clear();
     }
 
-    /// Adds those of an interval, which began with `bodies` where they are, and which `solver` has solved.
-    pub fn note(
+    /// Records the touching pairs of a collision substep that `solver` has just solved. `bodies` have the poses from
+    /// its start, `solver_bodies` those from its end.
+    pub fn record(
         &mut self,
         bodies: &Bodies,
-        moved: &SolverBodies,
+        solver_bodies: &SolverBodies,
         manifolds: &Manifolds,
         settings: &SolverSettings,
         solver: &Solver,
@@ -46,7 +47,7 @@ impl Touches {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
-            let diameter = 2.0 * moved.bodies[a].radius.min(moved.bodies[b].radius);
+            let diameter = 2.0 * solver_bodies.bodies[a].radius.min(solver_bodies.bodies[b].radius);
             let near = nearest.separation <= settings.rest_offset * diameter;
             if near || (first..first + points.len()).any(|point| solver.pushes(point)) {
                 let center = bodies.frame[a].center.as_vec3();
@@ -59,8 +60,8 @@ impl Touches {
         }
     }
 
-    /// Adds a pair of which one is a sensor, and where it touched on its way.
-    pub fn pass(&mut self, bodies: [u32; 2], contact: Contact) {
+    /// Records a pair of a sensor and another body that touch on their paths.
+    pub fn record_sensor(&mut self, bodies: [u32; 2], contact: Contact) {
         self.all.push(Touch {
             bodies,
             point: ContactPoint {
@@ -73,7 +74,7 @@ impl Touches {
         });
     }
 
-    /// Those that a device found, in any order.
+    /// The touches that a device has found, in any order.
     #[cfg(feature = "gpu")]
     pub fn from_device(mut found: Vec<crate::gpu::layout::Touch>) -> Self {
         found.sort_unstable_by_key(|touch| (touch.interval, touch.a, touch.b, touch.index));
@@ -93,11 +94,11 @@ impl Touches {
         }
     }
 
-    /// Adds to what the triangle test found in the step what it did not, and where and how strongly all pushed. Planes are the
-    /// bodies from `first_plane` on.
+    /// Adds the touching pairs that the triangle test did not find to `contacts`, and the contact points and impulses
+    /// of all. Planes have the numbers from `first_plane` on.
     pub fn report(&mut self, first_plane: u32, contacts: &mut Contacts) {
         let Self { all, pairs, planes } = self;
-        // Stable: each pair's stay in the order of intervals.
+        // A stable sort: the points of a pair stay in the order of collision substeps.
         all.sort_by_key(|touch| pair_order(touch.bodies, first_plane));
         let meshes_end = all.partition_point(|touch| touch.bodies[1] < first_plane);
         let points = &mut contacts.points;
@@ -150,8 +151,8 @@ impl Touches {
     }
 }
 
-/// Adds the points of a pair, and tells where they begin, how many there are and the sum of their impulses. What only passes a
-/// sensor has none.
+/// Appends the points of a pair. Returns the number of the first one, their count and the sum of their impulses.
+/// Touches with sensors have no points.
 fn add(run: &[Touch], points: &mut Vec<ContactPoint>) -> (u32, u32, f32) {
     let first = points.len() as u32;
     points.extend(run.iter().filter(|touch| !touch.passing).map(|touch| touch.point));
@@ -159,7 +160,7 @@ fn add(run: &[Touch], points: &mut Vec<ContactPoint>) -> (u32, u32, f32) {
     (first, points.len() as u32 - first, impulse)
 }
 
-/// The nearest of a pair's points, of the first interval if there are several.
+/// The touch of a pair with the smallest separation; the earliest if there are several.
 fn deepest(run: &[Touch]) -> Touch {
     *run.iter()
         .min_by(|s, t| s.point.separation.total_cmp(&t.point.separation))

@@ -1,6 +1,6 @@
 //! Integrate on the CPU.
 
-use crate::ccd::stops::Stops;
+use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::solver::SolverBodies;
 use crate::state::mesh_arena::MeshArena;
@@ -9,7 +9,7 @@ use crate::types::body::RigidBody;
 use glam::{DQuat, Vec3};
 use rayon::prelude::*;
 
-/// Moves every body by one step, with the sum of its impulses. What is derived from poses is stale afterwards.
+/// Moves every body by one step, with the sum of its impulses. Data derived from poses is stale afterwards.
 pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: &[Impulse], bodies: &mut Bodies) {
     let dt = config.dt;
     (
@@ -34,37 +34,46 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
                     *velocity += config.gravity * (gravity_scale * dt) + impulse.linear;
                     *spin += impulse.angular;
                 }
-                // The centre of mass moves along a line and the mesh's origin turns about it.
+                // The centre of mass moves along a line, and the mesh rotates about it.
                 let center = frame.center + (*velocity * dt).as_dvec3();
-                let turned = DQuat::from_scaled_axis((*spin * dt).as_dvec3()) * rotation.as_dquat();
-                let turned = turned.normalize();
+                let rotated = DQuat::from_scaled_axis((*spin * dt).as_dvec3()) * rotation.as_dquat();
+                let rotated = rotated.normalize();
                 if *spin != Vec3::ZERO {
-                    *rotation = turned.as_quat();
+                    *rotation = rotated.as_quat();
                 }
-                let arm = frame.scale * meshes[mesh].mesh.mass.center.as_dvec3();
-                *position = (center - turned * arm).as_vec3();
+                let local_center = frame.scale * meshes[mesh].mesh.mass.center.as_dvec3();
+                *position = (center - rotated * local_center).as_vec3();
             },
         );
 }
 
-/// Stops bodies with continuous collision where they first meet others, and notes which sensors they pass. `bodies` are where they
-/// were as the interval began, `moved` where the solver has taken them.
+/// Stops bodies with continuous collision detection at their first impact, and records the sensors on their paths.
+/// `bodies` have the poses from the start of the collision substep, `solver_bodies` those from its end.
 pub(crate) fn stop_fast_bodies(
-    interval: &StepConfig,
+    collision_substep: &StepConfig,
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
     sphere_pairs: &[[u32; 2]],
     manifolds: &Manifolds,
-    stops: &mut Stops,
-    moved: &mut SolverBodies,
+    ccd: &mut Ccd,
+    solver_bodies: &mut SolverBodies,
     touches: &mut Touches,
 ) {
-    let pass = |pair, contact| touches.pass(pair, contact);
-    stops.stop(moved, manifolds, bodies, meshes, planes, sphere_pairs, interval, pass);
+    let on_sensor_touch = |pair, contact| touches.record_sensor(pair, contact);
+    ccd.run(
+        solver_bodies,
+        manifolds,
+        bodies,
+        meshes,
+        planes,
+        sphere_pairs,
+        collision_substep,
+        on_sensor_touch,
+    );
 }
 
-/// Puts the bodies where the solver has moved them.
-pub(crate) fn move_bodies(moved: &SolverBodies, meshes: &MeshArena, bodies: &mut Bodies) {
-    moved.write(bodies, meshes);
+/// Copies poses and velocities from the solver's bodies.
+pub(crate) fn move_bodies(solver_bodies: &SolverBodies, meshes: &MeshArena, bodies: &mut Bodies) {
+    solver_bodies.write(bodies, meshes);
 }

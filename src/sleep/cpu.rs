@@ -1,6 +1,6 @@
-//! Which bodies are frozen: islands of bodies at rest.
+//! Sleep on the CPU: islands of bodies at rest, found by union-find over touching pairs.
 
-use crate::solver::Interval;
+use crate::solver::CollisionSubstep;
 use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::inactive::InactiveBodies;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
@@ -8,47 +8,50 @@ use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
-/// Bodies touch if their surfaces are nearer than this many rest offsets: at rest they are one apart.
+/// Bodies touch if the gap between their surfaces is at most this many rest offsets. At rest it is one.
 pub(crate) const TOUCH: f32 = 2.0;
 
-/// Bodies that overlap by more than this many rest offsets are being pushed apart, and are not at rest however slow they are.
+/// Bodies that overlap by more than this many rest offsets are not at rest, however slow they are: the solver is still
+/// pushing them apart.
 pub(crate) const OVERLAP: f32 = 1.0;
 
-/// Puts bodies at rest to sleep and wakes them. Holds nothing but memory; what it knows of bodies is in
+/// Puts islands of bodies to sleep and wakes them. It holds only scratch memory: the sleep state of the bodies is in
 /// [`SolverBodies::sleep`].
 ///
-/// Around every collision substep: [`Sleeper::wake`] before [`Solver::solve`](super::Solver::solve),
-/// [`Sleeper::settle`] after it. The manifolds must hold the pairs of sleeping bodies too; as these do not move, those of
-/// the last interval do (see [`Sleeper::is_still`]).
+/// In every collision substep, call [`Sleeper::wake`] before [`Solver::solve`](crate::solver::Solver::solve) and
+/// [`Sleeper::settle`] after it. The manifolds must include the pairs of sleeping bodies. As these do not move, their
+/// manifolds of the last collision substep are valid (see [`Sleeper::is_still`]).
 #[derive(Clone, Debug, Default)]
 pub struct Sleeper {
-    /// Of each body, one nearer to the root of its island.
+    /// The parent of each body in the union-find tree of its island.
     parents: Vec<u32>,
-    /// What each body touches, as a sum of hashes of keys.
+    /// The bodies that each body touches, as the sum of hashes of their keys.
     neighbours: Vec<u64>,
-    /// Of each island's root: something in it is awake, or must wake.
-    restless: Vec<bool>,
+    /// For the root of each island: the island stays awake, or must wake.
+    awake: Vec<bool>,
 }
 
 impl Sleeper {
-    /// Whether nothing about the pair of bodies `a` and `b` can have changed since the last interval: both sleep, or one
-    /// sleeps and the other is static.
+    /// Whether the pair of bodies `a` and `b` is unchanged since the last collision substep: both are asleep, or one is
+    /// asleep and the other is static.
     pub fn is_still(bodies: &SolverBodies, a: u32, b: u32) -> bool {
-        let [asleep, fixed] = [
+        let [asleep, is_static] = [
             [a, b].map(|i| bodies.sleep[i as usize].asleep),
             [a, b].map(|i| bodies.bodies[i as usize].kind == RigidBody::Static),
         ];
-        (asleep[0] && (asleep[1] || fixed[1])) || (asleep[1] && fixed[0])
+        (asleep[0] && (asleep[1] || is_static[1])) || (asleep[1] && is_static[0])
     }
 
-    /// Wakes whole islands in which a sleeping body was given a velocity, force or impulse, is touched by a body that is
-    /// awake or by a kinematic one that moves, or will be within the interval, or touches others than when it fell asleep.
+    /// Wakes whole islands. An island wakes if one of its bodies
+    /// * has received a velocity, force or impulse,
+    /// * touches an awake body or a moving kinematic one, or will within the collision substep,
+    /// * touches different bodies than when it fell asleep.
     pub fn wake(
         &mut self,
         bodies: &mut SolverBodies,
         manifolds: &Manifolds,
         settings: &SolverSettings,
-        interval: &Interval,
+        collision_substep: &CollisionSubstep,
     ) {
         if !bodies.sleep.iter().any(|s| s.asleep) {
             return;
@@ -72,21 +75,23 @@ impl Sleeper {
             };
             if disturbed {
                 let root = self.root(i as u32);
-                self.restless[root as usize] = true;
+                self.awake[root as usize] = true;
             }
         }
-        self.note_visitors(bodies, manifolds, settings, interval);
+        self.mark_approached(bodies, manifolds, settings, collision_substep);
         for i in 0..bodies.len() {
             let root = self.root(i as u32);
-            if bodies.sleep[i].asleep && self.restless[root as usize] {
+            if bodies.sleep[i].asleep && self.awake[root as usize] {
                 bodies.sleep[i] = Default::default();
             }
         }
     }
 
-    /// Measures how long bodies have been at rest, over an interval of `dt` seconds, and freezes islands that all have been
-    /// for [`SolverSettings::sleep_time`]. At rest is what is slow and overlaps nothing: what pushes bodies apart leaves them
-    /// no velocity.
+    /// Advances the rest times by a collision substep of `dt` seconds, and puts islands to sleep whose bodies all have
+    /// been at rest for [`SolverSettings::sleep_time`].
+    ///
+    /// A body is at rest if it is slow and overlaps nothing. Speed alone is not enough, because the relax passes remove
+    /// the velocity with which the bias passes push bodies apart.
     pub fn settle(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings, dt: f32) {
         if !settings.sleeping {
             return;
@@ -113,14 +118,14 @@ impl Sleeper {
         for i in 0..bodies.len() {
             if bodies.bodies[i].kind == RigidBody::Dynamic && !ready(bodies, i) {
                 let root = self.root(i as u32);
-                self.restless[root as usize] = true;
+                self.awake[root as usize] = true;
             }
         }
-        self.note_drivers(bodies, manifolds, settings);
+        self.mark_driven(bodies, manifolds, settings);
         for i in 0..bodies.len() {
             let root = self.root(i as u32);
-            let calm = !self.restless[root as usize];
-            if calm && bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep {
+            let at_rest = !self.awake[root as usize];
+            if at_rest && bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep {
                 let sleep = &mut bodies.sleep[i];
                 sleep.asleep = true;
                 sleep.neighbours = self.neighbours[i];
@@ -130,100 +135,101 @@ impl Sleeper {
         }
     }
 
-    /// Joins dynamic bodies that touch, and sums up whom each body touches.
+    /// Joins dynamic bodies that touch into islands, and sums the hashes of the bodies that each body touches.
     fn find_islands(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
         let count = bodies.len();
         self.parents.clear();
         self.parents.extend(0..count as u32);
         self.neighbours.clear();
         self.neighbours.resize(count, 0);
-        self.restless.clear();
-        self.restless.resize(count, false);
+        self.awake.clear();
+        self.awake.resize(count, false);
         for pair in &manifolds.pairs {
             if !touches(bodies, manifolds, pair, settings) {
                 continue;
             }
             let [a, b] = pair.bodies.map(|i| i as usize);
-            // A sum does not depend on the order of pairs.
+            // Wrapping sums do not depend on the order of pairs.
             self.neighbours[a] = self.neighbours[a].wrapping_add(hash(bodies.keys[b]));
             self.neighbours[b] = self.neighbours[b].wrapping_add(hash(bodies.keys[a]));
             if bodies.bodies[a].has_mass() && bodies.bodies[b].has_mass() {
                 let [a, b] = pair.bodies.map(|i| self.root(i));
-                // The smaller number is the root, whatever the order of pairs.
+                // The smaller number becomes the root, so the root does not depend on the order of pairs.
                 self.parents[a.max(b) as usize] = a.min(b);
             }
         }
     }
 
-    /// Kinematic bodies that move keep those awake that touch them.
-    fn note_drivers(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
+    /// Marks the islands that a moving kinematic body touches.
+    fn mark_driven(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
         for pair in &manifolds.pairs {
             if touches(bodies, manifolds, pair, settings) {
-                self.note_visitor(bodies, pair, |bodies, i| {
+                self.mark_other(bodies, pair, |bodies, i| {
                     bodies.bodies[i].kind == RigidBody::Kinematic && is_moving(bodies, i)
                 });
             }
         }
     }
 
-    /// Bodies that move wake those that they will have reached at the end of the interval: in their sleep these would not
-    /// give way.
-    fn note_visitors(
+    /// Marks the islands that a moving body will reach by the end of the collision substep: asleep, they would react to
+    /// the impact as if they were static.
+    fn mark_approached(
         &mut self,
         bodies: &SolverBodies,
         manifolds: &Manifolds,
         settings: &SolverSettings,
-        interval: &Interval,
+        collision_substep: &CollisionSubstep,
     ) {
-        let fall = interval.gravity.length() * interval.dt;
+        let CollisionSubstep { dt, gravity, .. } = *collision_substep;
+        let fall = gravity.length() * dt;
         for pair in &manifolds.pairs {
-            let Some(near) = nearness(bodies, pair, settings) else {
+            let Some(distance) = touch_distance(bodies, pair, settings) else {
                 continue;
             };
-            let meets = |p: &ManifoldPoint| {
-                let [a, b] = [0, 1].map(|end| {
-                    let motion = &bodies.motions[pair.bodies[end] as usize];
-                    motion.linear_velocity + motion.angular_velocity.cross(p.anchors[end])
+            let will_touch = |p: &ManifoldPoint| {
+                let [a, b] = [0, 1].map(|side| {
+                    let motion = &bodies.motions[pair.bodies[side] as usize];
+                    motion.linear_velocity + motion.angular_velocity.cross(p.anchors[side])
                 });
-                p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * interval.dt <= near
+                p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * dt <= distance
             };
-            if points_of(manifolds, pair).iter().any(meets) {
-                self.note_visitor(bodies, pair, |bodies, i| {
+            if points_of(manifolds, pair).iter().any(will_touch) {
+                self.mark_other(bodies, pair, |bodies, i| {
                     bodies.bodies[i].moves() && !bodies.sleep[i].asleep && is_moving(bodies, i)
                 });
             }
         }
     }
 
-    /// Makes the island restless of an end of `pair` whose other end is as asked.
-    fn note_visitor(&mut self, bodies: &SolverBodies, pair: &Manifold, visits: impl Fn(&SolverBodies, usize) -> bool) {
+    /// Marks the island of each body of `pair` whose other body `disturbs` it.
+    fn mark_other(&mut self, bodies: &SolverBodies, pair: &Manifold, disturbs: impl Fn(&SolverBodies, usize) -> bool) {
         let [a, b] = pair.bodies;
-        for (visitor, visited) in [(a, b), (b, a)] {
-            if visits(bodies, visitor as usize) {
-                let root = self.root(visited);
-                self.restless[root as usize] = true;
+        for (one, other) in [(a, b), (b, a)] {
+            if disturbs(bodies, one as usize) {
+                let root = self.root(other);
+                self.awake[root as usize] = true;
             }
         }
     }
 
-    /// The root of a body's island; halves the path on the way.
+    /// The root of a body's island, with path halving.
     fn root(&mut self, mut i: u32) -> u32 {
         while self.parents[i as usize] != i {
-            let above = self.parents[self.parents[i as usize] as usize];
-            self.parents[i as usize] = above;
-            i = above;
+            let grandparent = self.parents[self.parents[i as usize] as usize];
+            self.parents[i as usize] = grandparent;
+            i = grandparent;
         }
         i
     }
 }
 
-/// Wakes bodies that touch something fixed which is not as it was.
-pub(crate) fn wake_on_new_ground(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
+/// Wakes bodies that touch a static body that has changed.
+pub(crate) fn wake_on_changed_static(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
     for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies.map(|i| i as usize)) {
-        for (sleeper, ground) in [(a, b), (b, a)] {
+        for (sleeper, support) in [(a, b), (b, a)] {
             if bodies.sleep[sleeper].asleep
-                && bodies.bodies[ground].kind == RigidBody::Static
-                && !inactive.flags[ground]
+                && bodies.bodies[support].kind == RigidBody::Static
+                && !inactive.flags[support]
             {
                 bodies.sleep[sleeper] = Default::default();
             }
@@ -231,12 +237,13 @@ pub(crate) fn wake_on_new_ground(bodies: &mut SolverBodies, inactive: &InactiveB
     }
 }
 
-/// Whether both bodies are there and solid, and some point of theirs is as near as at rest.
+/// Whether both bodies exist and are solid, and some point is within the touch distance.
 fn touches(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
-    nearness(bodies, pair, settings).is_some_and(|near| points_of(manifolds, pair).iter().any(|p| p.separation <= near))
+    touch_distance(bodies, pair, settings)
+        .is_some_and(|distance| points_of(manifolds, pair).iter().any(|p| p.separation <= distance))
 }
 
-/// Whether both bodies are there and solid, and overlap by more than at rest.
+/// Whether both bodies exist and are solid, and overlap too deeply to be at rest.
 fn overlaps(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, settings: &SolverSettings) -> bool {
     rest_gap(bodies, pair, settings).is_some_and(|gap| {
         let mut points = points_of(manifolds, pair).iter();
@@ -244,12 +251,12 @@ fn overlaps(bodies: &SolverBodies, manifolds: &Manifolds, pair: &Manifold, setti
     })
 }
 
-/// Up to which separation a pair touches; `None` if a body is not there or not solid.
-fn nearness(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
+/// The largest separation at which a pair touches, metres; `None` if a body does not exist or is not solid.
+fn touch_distance(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
     rest_gap(bodies, pair, settings).map(|gap| TOUCH * gap)
 }
 
-/// The gap that a pair keeps at rest, metres; `None` if a body is not there or not solid.
+/// The gap of a pair at rest, metres; `None` if a body does not exist or is not solid.
 fn rest_gap(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
     let [a, b] = pair.bodies.map(|i| bodies.bodies.get(i as usize));
     let (a, b) = (a?, b?);
@@ -257,7 +264,7 @@ fn rest_gap(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -
     solid.then(|| settings.rest_offset * 2.0 * a.radius.min(b.radius))
 }
 
-/// The points of a pair; none if they are not there.
+/// The points of a pair; none if its range exceeds the list.
 fn points_of<'a>(manifolds: &'a Manifolds, pair: &Manifold) -> &'a [ManifoldPoint] {
     let first = pair.first_point as usize;
     let range = first..first.saturating_add(pair.point_count as usize);
@@ -268,13 +275,13 @@ fn is_moving(bodies: &SolverBodies, i: usize) -> bool {
     speed(&bodies.bodies[i], &bodies.motions[i]) != 0.0
 }
 
-/// How fast the fastest point of the body's bounding sphere moves.
+/// Speed of the fastest point of the body's bounding sphere.
 fn speed(body: &SolverBody, motion: &SolverMotion) -> f32 {
     motion.linear_velocity.length() + motion.angular_velocity.length() * body.radius
 }
 
-/// Mixes the bits of a key (the finaliser of SplitMix64: Steele et al., "Fast Splittable Pseudorandom Number Generators",
-/// 2014), so that sums of them tell sets apart.
+/// Hash of a key (the finaliser of SplitMix64: Steele et al., "Fast Splittable Pseudorandom Number Generators", 2014).
+/// Sums of such hashes differ for different sets of keys.
 pub(crate) fn hash(key: u64) -> u64 {
     let x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,6 +1,6 @@
-//! Sleep: which bodies are frozen, by islands.
+//! Sleep: islands of bodies at rest fall asleep, and wake when something disturbs them.
 
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
-pub(crate) mod traits;
+pub(crate) mod inputs;

@@ -1,4 +1,4 @@
-//! From the bodies of a step to those of the solver, and back.
+//! Conversion between the bodies of a step and those of the solver.
 
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::mesh_arena::MeshArena;
@@ -6,14 +6,12 @@ use crate::state::{Bodies, Plane};
 use crate::types::body::RigidBody;
 use glam::DMat3;
 
-/// Planes have the keys from here downward.
+/// Key of the first plane; the keys of planes descend from here.
 const PLANE_KEY: u64 = u64::MAX;
 
 impl SolverBodies {
-    /// Makes these the bodies of a step, followed by its planes as static bodies: plane `i` has the number
-    /// `bodies.len() + i` and the key `u64::MAX - i`.
-    ///
-    /// None of them is asleep.
+    /// Replaces all bodies by those of a step, followed by its planes as static bodies: plane `i` has the number
+    /// `bodies.len() + i` and the key `u64::MAX - i`. All are awake.
     ///
     /// # Panics
     /// If there are fewer `keys` than bodies.
@@ -63,26 +61,26 @@ impl SolverBodies {
         }
     }
 
-    /// Writes poses and velocities to the bodies these were read from, pose and frame alike. What else is derived from
-    /// poses (world inertia) is stale afterwards.
+    /// Writes poses, frames and velocities to the bodies that these were read from. World inertia tensors, which are
+    /// derived from poses, are stale afterwards.
     pub fn write(&self, bodies: &mut Bodies, meshes: &MeshArena) {
         for i in 0..bodies.len() {
             let motion = &self.motions[i];
             bodies.linear_velocity[i] = motion.linear_velocity;
             bodies.angular_velocity[i] = motion.angular_velocity;
             let before = &bodies.frame[i];
-            let turned = motion.rotation != bodies.rotation[i].as_dquat().normalize();
-            if bodies.kind[i] == RigidBody::Static || (motion.center == before.center && !turned) {
+            let rotated = motion.rotation != bodies.rotation[i].as_dquat().normalize();
+            if bodies.kind[i] == RigidBody::Static || (motion.center == before.center && !rotated) {
                 continue;
             }
             let frame = &mut bodies.frame[i];
-            let arm = frame.scale * meshes[bodies.mesh[i]].mesh.mass.center.as_dvec3();
+            let local_center = frame.scale * meshes[bodies.mesh[i]].mesh.mass.center.as_dvec3();
             frame.center = motion.center;
             frame.rotation = DMat3::from_quat(motion.rotation);
-            frame.position = motion.center - frame.rotation * arm;
+            frame.position = motion.center - frame.rotation * local_center;
             bodies.center[i] = motion.center.as_vec3();
             bodies.position[i] = frame.position.as_vec3();
-            if turned {
+            if rotated {
                 bodies.rotation[i] = motion.rotation.as_quat();
             }
         }

@@ -1,29 +1,29 @@
-//! Bodies as the solver sees them: what they are, how they move, what acts on them.
+//! The solver's bodies: properties, motion, external forces and sleep state.
 
 use crate::types::body::{ExternalForces, LockedAxes, RigidBody};
 use crate::types::material::CombineRule;
 use glam::{DQuat, DVec3, Mat3, Vec3};
 
-/// What a body is; does not change within a step.
+/// Properties of a body, constant within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverBody {
-    /// How it moves.
+    /// Static, kinematic or dynamic.
     pub kind: RigidBody,
     /// 1/kg. A dynamic body whose value is not positive and finite moves as a kinematic one.
     pub inverse_mass: f32,
-    /// In the body's own axes, 1/(kg m^2). Zero for what cannot be turned.
+    /// In the body's own axes, 1/(kg m^2). Zero for bodies that no moment rotates.
     pub inverse_inertia: Mat3,
-    /// Of the bounding sphere around the centre of mass, metres.
+    /// Radius of the bounding sphere around the centre of mass, metres.
     pub radius: f32,
-    /// Of the thinnest part, metres; infinite for a half-space.
+    /// Thickness of its thinnest part, metres; infinite for a half-space.
     pub thickness: f32,
-    /// Outgoing over incoming speed, 0 to 1.
+    /// Coefficient of restitution: outgoing over incoming normal speed, 0 to 1.
     pub restitution: f32,
-    /// How the restitution of a pair follows from both bodies'.
+    /// How the coefficients of both bodies combine.
     pub restitution_combine: CombineRule,
-    /// Coulomb's coefficient, 0 or more, the same for sticking and sliding.
+    /// Coulomb's coefficient of friction, 0 or more, both static and dynamic.
     pub friction: f32,
-    /// How the friction of a pair follows from both bodies'.
+    /// How the coefficients of both bodies combine.
     pub friction_combine: CombineRule,
     /// Factor on gravity.
     pub gravity_scale: f32,
@@ -35,16 +35,16 @@ pub struct SolverBody {
     pub max_linear_speed: f32,
     /// Largest angular speed, rad/s.
     pub max_angular_speed: f32,
-    /// World axes along and about which it does not move.
+    /// World axes along which it does not translate, and about which it does not rotate.
     pub locked_axes: LockedAxes,
-    /// Whether it takes part in contacts; sensors do not.
+    /// Whether contacts act on it. They do not act on sensors.
     pub solid: bool,
-    /// Whether someone else looks after it when it is fast: it does not make a step be cut up.
+    /// Whether it has continuous collision detection. Its speed then causes no collision substeps.
     pub continuous: bool,
 }
 
 impl SolverBody {
-    /// Moved by forces and contacts.
+    /// A body that forces and contacts move.
     pub fn dynamic(mass: f32, inertia: Mat3, radius: f32) -> Self {
         Self {
             kind: RigidBody::Dynamic,
@@ -54,7 +54,7 @@ impl SolverBody {
         }
     }
 
-    /// Without mass: static or kinematic.
+    /// A static or kinematic body, without mass.
     pub fn immovable(kind: RigidBody, radius: f32) -> Self {
         Self {
             kind,
@@ -77,7 +77,7 @@ impl SolverBody {
         }
     }
 
-    /// Whether it changes its place at all.
+    /// Whether it can move at all.
     pub(crate) fn moves(&self) -> bool {
         self.kind != RigidBody::Static
     }
@@ -91,21 +91,21 @@ impl SolverBody {
     }
 }
 
-/// Where a body is and how it moves. Double precision where small steps add up.
+/// Pose and velocity of a body. The pose has double precision, because small changes add up in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverMotion {
-    /// Centre of mass in the world.
+    /// Centre of mass in the world, metres.
     pub center: DVec3,
     /// From the body's axes to the world's; of unit length.
     pub rotation: DQuat,
-    /// Of the centre of mass, m/s.
+    /// Velocity of the centre of mass, m/s.
     pub linear_velocity: Vec3,
-    /// World axes, rad/s.
+    /// In world axes, rad/s.
     pub angular_velocity: Vec3,
 }
 
 impl SolverMotion {
-    /// At rest, unturned.
+    /// At rest at `center`, with the axes of the world.
     pub fn at(center: DVec3) -> Self {
         Self {
             center,
@@ -123,35 +123,35 @@ impl SolverMotion {
     }
 }
 
-/// Whether a body is frozen, and since when it has been at rest.
+/// Whether a body is asleep, and how long it has been at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SleepState {
-    /// Frozen: its velocity is zero and it is as good as static, until something wakes it.
+    /// Asleep: its velocity is zero and the solver treats it as static until it wakes.
     pub asleep: bool,
-    /// For how long it has been slow, seconds.
+    /// How long it has been slow, seconds.
     pub rest_time: f32,
-    /// What it touched when it fell asleep, as a sum of hashes of keys.
+    /// The bodies that it touched when it fell asleep, as the sum of hashes of their keys.
     pub neighbours: u64,
 }
 
 /// All bodies; one entry per body in every array.
 #[derive(Clone, Debug, Default)]
 pub struct SolverBodies {
-    /// What tells a body from others from step to step, however the bodies are numbered: an entity's bits, for example. No
-    /// two bodies share one.
+    /// Unique key of each body, the same in every step: an entity's bits, for example. Numbers of bodies may change
+    /// from step to step.
     pub keys: Vec<u64>,
-    /// What they are.
+    /// Properties.
     pub bodies: Vec<SolverBody>,
-    /// How they move.
+    /// Poses and velocities.
     pub motions: Vec<SolverMotion>,
-    /// What acts on them.
+    /// External forces and impulses.
     pub forces: Vec<ExternalForces>,
-    /// Which are frozen.
+    /// Which are asleep.
     pub sleep: Vec<SleepState>,
 }
 
 impl SolverBodies {
-    /// How many there are.
+    /// Number of bodies.
     pub fn len(&self) -> usize {
         self.keys.len()
     }
@@ -161,9 +161,9 @@ impl SolverBodies {
         self.keys.is_empty()
     }
 
-    /// Removes all, keeping the memory.
+    /// Removes all bodies and keeps the allocations.
     pub fn clear(&mut self) {
-        // Every array by name, so that a new one cannot be forgotten.
+        // Destructured, so that the compiler reports an array that is missing here.
         let Self {
             keys,
             bodies,
@@ -178,7 +178,7 @@ impl SolverBodies {
         sleep.clear();
     }
 
-    /// Adds a body on which nothing acts, awake, and returns its number.
+    /// Adds an awake body without external forces and returns its number.
     pub fn push(&mut self, key: u64, body: SolverBody, motion: SolverMotion) -> u32 {
         let number = self.keys.len() as u32;
         self.keys.push(key);

@@ -1,19 +1,19 @@
-//! Contact points as the solver works on them: flat, and ready to be solved again and again.
+//! Contact constraints: one per pair, with one point per contact point, in flat lists.
 
 use super::bodies::SolverBodies;
-use super::motion::Movers;
-use super::overlap::{self, Overlap};
-use super::pairs::{self, Pass};
-use super::warm_start::{Match, WarmStart};
-use crate::state::{ManifoldPoint, Manifolds};
-use crate::types::material::CombineRule;
+use super::motion::BodyStates;
+use super::prepare::Source;
+use super::restitution;
+use super::solve::{self, Pass};
+use super::warm_start::WarmStart;
+use crate::state::Manifolds;
 use crate::types::solver_settings::SolverSettings;
-use glam::{DVec3, Vec3, Vec3A};
+use glam::{Vec3, Vec3A};
 
-/// Pairs per task, at most.
+/// Largest number of pairs per task.
 const GRAIN: usize = 128;
 
-/// What a pair does to one of its bodies.
+/// An impulse on a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Impulse {
     pub linear: Vec3A,
@@ -30,83 +30,87 @@ impl Impulse {
     }
 }
 
-/// Two bodies and what holds for all their points.
+/// The contact constraint of two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pair {
     pub bodies: [u32; 2],
-    /// Its points.
+    /// Its points: first number and count.
     pub first: u32,
     pub count: u32,
     pub friction: f32,
     pub restitution: f32,
-    /// The gap that is kept, metres.
+    /// The gap that the contact keeps, metres.
     pub rest_offset: f32,
-    /// Neither end moves: left alone, impulses and all.
+    /// No impulse moves either body: the pair is not solved, and its saved impulses persist.
     pub frozen: bool,
-    /// Some point pushes, or may, in this substep.
+    /// Some point is active.
     pub active: bool,
-    /// Pushed apart along the line of centres, at its first point, until nothing overlaps.
+    /// In deep penetration: pushed apart along one direction, by its first point, until nothing overlaps.
     pub depenetrating: bool,
-    /// The way out of an overlap whose points disagree, in the world; zero for other pairs.
-    pub direction: Vec3,
+    /// The direction that resolves a conflict between contact points, in world axes; zero for other pairs. See
+    /// [`Overlap::Conflicting`](super::overlap::Overlap::Conflicting).
+    pub separating_direction: Vec3,
 }
 
-/// A direction in which a point pushes, and what a unit impulse along it does to the two bodies.
+/// One row of a point's constraint: the normal or a tangent, with the Jacobian along it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
-    /// From the first body to the second; stays as it is once the point pushes.
+    /// Unit vector. The normal points from the first body to the second and is constant once the point has an impulse.
     pub direction: Vec3A,
-    /// Its moment about each centre of mass.
+    /// The moment of a unit impulse about each centre of mass: `r x direction`.
     pub moments: [Vec3A; 2],
-    /// The angular velocity that the moment causes.
-    pub turns: [Vec3A; 2],
+    /// The change of angular velocity by that moment.
+    pub angular_responses: [Vec3A; 2],
 }
 
-/// A point of a pair.
+/// A contact point of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
-    /// From the centres of mass to the points on the surfaces, at the start of the interval.
+    /// From each centre of mass to the point on the surface, at the start of the collision substep.
     pub anchors: [Vec3A; 2],
-    /// From the centres of mass to the centres of curvature, at the start of the interval; to the points where it is flat.
-    pub rounds: [Vec3A; 2],
-    /// How far from the first body's point to the second's impulses act: on that of the sharper body.
-    pub along: f32,
-    /// From the first body's point to the second's, at the start of the interval.
-    pub offset: Vec3A,
-    /// The normal at the start of the interval, and how fast it turns as the surfaces slide, radians per metre.
-    pub first_normal: Vec3A,
-    pub turn: f32,
-    /// What impulses do along the normal and the tangents.
+    /// From each centre of mass to the centre of curvature, at the start of the collision substep. For a flat surface
+    /// it is the anchor.
+    pub curvature_centers: [Vec3A; 2],
+    /// Where impulses act, as a fraction of the way from the first anchor to the second.
+    pub contact_fraction: f32,
+    /// From the first anchor to the second, at the start of the collision substep.
+    pub anchor_offset: Vec3A,
+    /// The normal at the start of the collision substep.
+    pub initial_normal: Vec3A,
+    /// How fast the normal rotates as the surfaces slide, radians per metre.
+    pub normal_rotation: f32,
+    /// The normal and two tangents.
     pub rows: [Row; 3],
-    /// Change of velocity that a unit impulse causes at each end, along the normal and across it.
-    pub give: [[f32; 2]; 2],
-    /// Beyond the rest offset, at the start of the interval and now.
-    pub first_separation: f32,
+    /// For each body: change of velocity by a unit impulse along the normal, and along a tangent.
+    pub inverse_effective_mass: [[f32; 2]; 2],
+    /// Separation beyond the rest offset at the start of the collision substep.
+    pub initial_separation: f32,
+    /// Separation beyond the rest offset now.
     pub separation: f32,
-    /// Impulses of this substep, along the normal and the tangents.
-    pub impulse: f32,
-    pub friction: [f32; 2],
-    /// Impulses that made it bounce.
-    pub bounce: f32,
-    pub bounce_friction: [f32; 2],
-    /// The largest normal impulse.
-    pub largest: f32,
-    /// The sum of the normal impulses of the substeps so far, less what is in `impulse`.
-    pub total: f32,
-    /// How fast the bodies parted at the point just before it first pushed; negative if they met.
-    pub impact: f32,
-    /// Not left out.
-    pub usable: bool,
-    /// Pushes, or may, in this substep.
+    /// Impulses of this substep, along the normal and along the tangents.
+    pub normal_impulse: f32,
+    pub friction_impulse: [f32; 2],
+    /// Additional impulses by restitution, along the normal and along the tangents.
+    pub restitution_impulse: f32,
+    pub restitution_friction_impulse: [f32; 2],
+    /// The largest normal impulse of any pass so far.
+    pub max_normal_impulse: f32,
+    /// The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
+    pub total_normal_impulse: f32,
+    /// The normal velocity just before the first normal impulse, negative if the bodies approached each other.
+    pub impact_velocity: f32,
+    /// Its numbers are valid, and it is part of the constraint.
+    pub valid: bool,
+    /// It is solved in this substep.
     pub active: bool,
 }
 
-/// All points of an interval.
+/// All constraints of a collision substep.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Constraints {
     pairs: Vec<Pair>,
     points: Vec<Point>,
-    /// What each pair does to its ends in a pass.
+    /// The impulses of each pair on its two bodies in the last pass.
     impulses: Vec<[Impulse; 2]>,
 }
 
@@ -123,21 +127,26 @@ impl Constraints {
         &self.impulses
     }
 
+    /// The total normal impulse of a point over the collision substep.
     pub fn impulse_of(&self, index: usize) -> f32 {
-        self.points.get(index).map_or(0.0, |p| p.total + p.impulse + p.bounce)
+        self.points.get(index).map_or(0.0, |p| {
+            p.total_normal_impulse + p.normal_impulse + p.restitution_impulse
+        })
     }
 
-    /// Frozen ones hold the impulse that they had last.
+    /// Whether a point has an impulse. Points of frozen pairs have the impulse of their last solved substep.
     pub fn pushes(&self, index: usize) -> bool {
         let point = self.points.get(index);
-        point.is_some_and(|p| p.impulse > 0.0 || p.total + p.impulse + p.bounce > 0.0)
+        point.is_some_and(|p| {
+            p.normal_impulse > 0.0 || p.total_normal_impulse + p.normal_impulse + p.restitution_impulse > 0.0
+        })
     }
 
-    /// Makes a constraint of every manifold, with last interval's impulses where they fit.
+    /// Makes a constraint for every manifold, and warm starts it.
     pub fn prepare(
         &mut self,
         bodies: &SolverBodies,
-        movers: &Movers,
+        states: &BodyStates,
         manifolds: &Manifolds,
         warm: &WarmStart,
         settings: &SolverSettings,
@@ -148,7 +157,8 @@ impl Constraints {
         self.points.clear();
         self.impulses.clear();
         for manifold in &manifolds.pairs {
-            // Points keep their numbers; a manifold that names others' or none has none.
+            // Points keep their indices. A manifold whose range overlaps an earlier one or exceeds the list gets no
+            // points.
             let range = manifold.first_point as u64..manifold.first_point as u64 + manifold.point_count as u64;
             let fits = range.start >= self.points.len() as u64 && range.end <= manifolds.points.len() as u64;
             if fits {
@@ -168,45 +178,45 @@ impl Constraints {
         self.impulses.resize(self.pairs.len(), [Impulse::default(); 2]);
         let source = Source {
             bodies,
-            movers,
+            states,
             manifolds,
             warm,
             settings,
-            growth: warm.growth(h),
+            impulse_scale: warm.impulse_scale(h),
             dt,
         };
         self.for_each(|pair, points, _| source.fill(pair, points));
     }
 
-    pub fn begin_substep(&mut self, movers: &Movers, pass: &Pass) {
-        self.for_each(|pair, points, out| *out = pairs::begin_substep(pair, points, movers, pass));
+    pub fn begin_substep(&mut self, states: &BodyStates, pass: &Pass) {
+        self.for_each(|pair, points, out| *out = solve::begin_substep(pair, points, states, pass));
     }
 
-    pub fn solve(&mut self, movers: &Movers, pass: &Pass) {
-        self.for_each(|pair, points, out| *out = pairs::solve(pair, points, movers, pass));
+    pub fn solve(&mut self, states: &BodyStates, pass: &Pass) {
+        self.for_each(|pair, points, out| *out = solve::solve(pair, points, states, pass));
     }
 
-    pub fn begin_relaxing(&mut self, movers: &Movers) {
-        self.for_each(|pair, points, _| pairs::measure(pair, points, movers));
+    pub fn update_points(&mut self, states: &BodyStates) {
+        self.for_each(|pair, points, _| solve::update_points(pair, points, states));
     }
 
-    /// Makes the pairs active that bounce; whether any does.
-    pub fn begin_bounce(&mut self, threshold: f32) -> bool {
-        self.for_each(|pair, points, _| pairs::begin_bounce(pair, points, threshold));
+    /// Makes only the pairs active that need restitution, and returns whether there are any.
+    pub fn begin_restitution(&mut self, threshold: f32) -> bool {
+        self.for_each(|pair, points, _| restitution::begin_restitution(pair, points, threshold));
         self.pairs.iter().any(|pair| pair.active)
     }
 
-    pub fn bounce(&mut self, movers: &Movers) {
-        self.for_each(|pair, points, out| *out = pairs::bounce(pair, points, movers));
+    pub fn apply_restitution(&mut self, states: &BodyStates) {
+        self.for_each(|pair, points, out| *out = restitution::apply_restitution(pair, points, states));
     }
 
-    /// Calls `f` with every pair, its points and what it writes, in parallel.
+    /// Calls `f` with every pair, its points and its impulses, in parallel.
     fn for_each(&mut self, f: impl Fn(&mut Pair, &mut [Point], &mut [Impulse; 2]) + Sync) {
         halve(&mut self.pairs, &mut self.points, 0, &mut self.impulses, &f);
     }
 }
 
-/// Halves the work until it is small enough for one task. `points` starts at the point of number `first`.
+/// Splits the pairs in half until they are few enough for one task. `first` is the number of the first of `points`.
 fn halve<F: Fn(&mut Pair, &mut [Point], &mut [Impulse; 2]) + Sync>(
     pairs: &mut [Pair],
     points: &mut [Point],
@@ -238,223 +248,69 @@ impl Row {
         Self {
             direction,
             moments: [Vec3A::ZERO; 2],
-            turns: [Vec3A::ZERO; 2],
+            angular_responses: [Vec3A::ZERO; 2],
         }
+    }
+
+    /// Rows along `normal` and two tangents. [`solve::update_points`] sets the rest.
+    pub fn frame(normal: Vec3) -> [Self; 3] {
+        let (t, u) = normal.any_orthonormal_pair();
+        [normal, t, u].map(|d| Self::along(d.into()))
     }
 }
 
 impl Point {
-    /// One that does nothing.
-    const NONE: Self = Self {
+    /// A point without effect.
+    pub const NONE: Self = Self {
         anchors: [Vec3A::ZERO; 2],
-        rounds: [Vec3A::ZERO; 2],
-        along: 0.5,
-        offset: Vec3A::ZERO,
-        first_normal: Vec3A::X,
-        turn: 0.0,
+        curvature_centers: [Vec3A::ZERO; 2],
+        contact_fraction: 0.5,
+        anchor_offset: Vec3A::ZERO,
+        initial_normal: Vec3A::X,
+        normal_rotation: 0.0,
         rows: [Row::along(Vec3A::X), Row::along(Vec3A::Y), Row::along(Vec3A::Z)],
-        give: [[0.0; 2]; 2],
-        first_separation: 0.0,
+        inverse_effective_mass: [[0.0; 2]; 2],
+        initial_separation: 0.0,
         separation: 0.0,
-        impulse: 0.0,
-        friction: [0.0; 2],
-        bounce: 0.0,
-        bounce_friction: [0.0; 2],
-        largest: 0.0,
-        total: 0.0,
-        impact: 0.0,
-        usable: false,
+        normal_impulse: 0.0,
+        friction_impulse: [0.0; 2],
+        restitution_impulse: 0.0,
+        restitution_friction_impulse: [0.0; 2],
+        max_normal_impulse: 0.0,
+        total_normal_impulse: 0.0,
+        impact_velocity: 0.0,
+        valid: false,
         active: false,
     };
 
-    fn new(manifold: &ManifoldPoint, between: DVec3, rest_offset: f32) -> Self {
-        let sound = manifold.normal.is_normalized()
-            && manifold.separation.is_finite()
-            && manifold.normal_rotation.is_finite()
-            && manifold.anchors.iter().all(|arm| arm.is_finite());
-        if !sound {
-            return Self::NONE;
-        }
-        let [a, b] = manifold.anchors;
-        let out = [manifold.normal, -manifold.normal];
-        let rounds = [0, 1].map(|end| {
-            let (arm, roundness) = (manifold.anchors[end], manifold.curvature_radii[end]);
-            // No farther than to beside the centre of mass: of a ball that is just where its centre is.
-            let inside = arm.dot(out[end]).max(0.0);
-            let deep = if roundness < f32::INFINITY {
-                roundness.min(inside)
-            } else {
-                0.0
-            };
-            Vec3A::from(arm - deep * out[end])
-        });
-        Self {
-            anchors: manifold.anchors.map(Vec3A::from),
-            rounds,
-            along: along(manifold.curvature_radii),
-            offset: (between + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
-            first_normal: manifold.normal.into(),
-            turn: manifold.normal_rotation,
-            rows: rows(manifold.normal),
-            first_separation: manifold.separation - rest_offset,
-            usable: true,
-            ..Self::NONE
+    /// Rotates the normal of curved surfaces that have not touched yet, as that of two balls that pass each other:
+    /// their impulse acts along the normal at the moment of contact. `displacement` is how far the second centre of
+    /// curvature has moved relative to the first.
+    pub fn rotate_normal(&mut self, displacement: Vec3A) {
+        if self.normal_rotation > 0.0 && self.max_normal_impulse == 0.0 && self.normal_impulse == 0.0 {
+            let normal = self.initial_normal + self.normal_rotation * displacement;
+            self.rows = Row::frame(normal.normalize_or(self.initial_normal).into());
         }
     }
 
-    /// The one point of a pair that is being untangled: pushes the centres themselves apart.
-    fn depenetrating(normal: Vec3, separation: f32) -> Self {
-        Self {
-            rows: rows(normal),
-            first_separation: separation,
-            usable: true,
-            ..Self::NONE
-        }
-    }
-
-    /// Turns the normal of round surfaces that have not touched yet as that of balls that pass each other: they push along
-    /// that at the moment of touching. `offset` is how far the second one's centre of curvature has moved, seen from the
-    /// first one's.
-    pub fn turn_with(&mut self, offset: Vec3A) {
-        if self.turn > 0.0 && self.largest == 0.0 && self.impulse == 0.0 {
-            let way = self.first_normal + self.turn * offset;
-            self.rows = rows(way.normalize_or(self.first_normal).into());
-        }
-    }
-
-    /// How far apart the surfaces are, beyond the rest offset.
-    pub fn separation_after(&self, offset: Vec3A) -> f32 {
-        let along = self.first_separation + self.normal().dot(offset);
-        if self.turn > 0.0 {
-            // By how much the way between the centres of curvature is shorter along the new normal.
-            along - 0.5 * self.normal().distance_squared(self.first_normal) / self.turn
+    /// The separation beyond the rest offset after such a displacement.
+    pub fn separation_after(&self, displacement: Vec3A) -> f32 {
+        let along = self.initial_separation + self.normal().dot(displacement);
+        if self.normal_rotation > 0.0 {
+            // The distance between the centres of curvature is shorter along the rotated normal.
+            along - 0.5 * self.normal().distance_squared(self.initial_normal) / self.normal_rotation
         } else {
             along
         }
     }
 
-    /// From the first body to the second.
+    /// Unit vector from the first body to the second.
     pub fn normal(&self) -> Vec3A {
         self.rows[0].direction
     }
 
-    /// The friction impulse in the world.
+    /// The friction impulse in world axes.
     pub fn friction_vector(&self) -> Vec3A {
-        self.rows[1].direction * self.friction[0] + self.rows[2].direction * self.friction[1]
-    }
-}
-
-/// What constraints are made of.
-struct Source<'a> {
-    bodies: &'a SolverBodies,
-    movers: &'a Movers,
-    manifolds: &'a Manifolds,
-    warm: &'a WarmStart,
-    settings: &'a SolverSettings,
-    /// Of impulses since the last interval.
-    growth: f32,
-    /// Length of the interval, seconds.
-    dt: f32,
-}
-
-impl Source<'_> {
-    fn fill(&self, pair: &mut Pair, points: &mut [Point]) {
-        let [a, b] = pair.bodies.map(|i| i as usize);
-        let (count, settings) = (self.bodies.len(), self.settings);
-        pair.frozen = true;
-        if a >= count || b >= count || a == b || points.is_empty() {
-            return;
-        }
-        let ends = [&self.bodies.bodies[a], &self.bodies.bodies[b]];
-        let motions = [&self.bodies.motions[a], &self.bodies.motions[b]];
-        if !motions.iter().all(|m| m.is_finite()) || !ends.iter().all(|body| body.solid) {
-            return;
-        }
-        let pushed = self.movers.has_mass(a) || self.movers.has_mass(b);
-        pair.frozen = !pushed;
-        let diameter = diameter(ends[0].radius, ends[1].radius);
-        pair.rest_offset = settings.rest_offset * diameter;
-        pair.friction = CombineRule::combine(ends.map(|e| e.friction_combine), ends.map(|e| e.friction));
-        pair.restitution =
-            CombineRule::combine(ends.map(|e| e.restitution_combine), ends.map(|e| e.restitution)).min(1.0);
-
-        let between = motions[1].center - motions[0].center;
-        let swing = [0, 1].map(|end| motions[end].angular_velocity.length() * ends[end].radius);
-        let first = pair.first as usize;
-        let manifold = &self.manifolds.points[first..first + points.len()];
-        let kept = self.warm.find([self.bodies.keys[a], self.bodies.keys[b]]);
-        let ends = overlap::Ends {
-            between: between.as_vec3(),
-            closing: (motions[0].linear_velocity - motions[1].linear_velocity) * self.dt,
-            swing: (swing[0] + swing[1]) * self.dt,
-            has_mass: [a, b].map(|i| self.movers.has_mass(i)),
-        };
-        let overlap = overlap::judge(manifold, kept.as_ref(), diameter, &ends, settings);
-        pair.depenetrating = false;
-        pair.direction = Vec3::ZERO;
-        match overlap {
-            Overlap::Tangled(normal) if pushed => {
-                pair.depenetrating = true;
-                points.fill(Point::NONE);
-                let deepest = manifold.iter().map(|p| p.separation).fold(0.0, f32::min);
-                points[0] = Point::depenetrating(normal, deepest - pair.rest_offset);
-                return;
-            }
-            Overlap::Disputed(direction) => pair.direction = direction,
-            _ => {}
-        }
-        let mut matcher = Match::new(
-            kept.as_ref(),
-            [a, b].map(|i| self.movers.rotation(i)),
-            settings,
-            diameter,
-            self.growth,
-        );
-        for (point, manifold) in points.iter_mut().zip(manifold) {
-            let left_out = manifold.separation < 0.0 && manifold.normal.dot(pair.direction) < 0.0;
-            *point = if left_out {
-                Point::NONE
-            } else {
-                Point::new(manifold, between, pair.rest_offset)
-            };
-            if point.usable
-                && let Some((impulse, friction)) = matcher.take(manifold)
-            {
-                point.impulse = impulse;
-                // Belongs to the last interval.
-                point.total = -impulse;
-                point.friction = [1, 2].map(|i| point.rows[i].direction.dot(friction.into()));
-            }
-        }
-    }
-}
-
-/// A point's rows, whose moments are found when it is measured.
-fn rows(normal: Vec3) -> [Row; 3] {
-    let (t, u) = normal.any_orthonormal_pair();
-    [normal, t, u].map(|d| Row::along(d.into()))
-}
-
-/// 0 if the first surface is the sharper by far, 1 if the second is.
-fn along([a, b]: [f32; 2]) -> f32 {
-    let share = a / (a + b);
-    if share.is_finite() {
-        share
-    } else if a.is_infinite() && !b.is_infinite() {
-        1.0
-    } else if b.is_infinite() && !a.is_infinite() {
-        0.0
-    } else {
-        0.5
-    }
-}
-
-/// The smaller bounding diameter; 0 if neither is a positive, finite number.
-fn diameter(a: f32, b: f32) -> f32 {
-    let smaller = 2.0 * a.min(b);
-    if smaller > 0.0 && smaller.is_finite() {
-        smaller
-    } else {
-        0.0
+        self.rows[1].direction * self.friction_impulse[0] + self.rows[2].direction * self.friction_impulse[1]
     }
 }

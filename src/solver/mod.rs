@@ -1,40 +1,52 @@
-//! The solver: contact points in, moved bodies out.
+//! The contact solver: from contact points and velocities to new velocities and poses.
 //!
-//! Contacts are damped springs solved as velocity constraints over small substeps ("soft step": Catto, "Solver2D", 2024).
-//! Each substep speeds up the bodies, applies last substep's impulses again, lets bias passes push overlapping bodies apart,
-//! moves the bodies, and lets relax passes take out the velocity of the push.
+//! Contacts are soft constraints on velocities, solved over small substeps ("soft step": Catto, "Solver2D", 2024). Each
+//! substep integrates velocities, warm starts, runs bias passes that push overlapping bodies apart, integrates poses,
+//! and runs relax passes that remove the velocity the bias added. Restitution follows the last substep.
 //!
-//! Within a pass every pair works by itself, from the same velocities (Gauss-Seidel over its own points, Jacobi across
-//! pairs), and leaves one impulse per end; every body then sums the impulses of its ends, in the order of pairs. Both halves are plain
-//! loops over flat `f32` data without order among their turns: the result has the same bits for any number of threads.
-//! A body that takes part in `n` pairs counts as `n` bodies of `1/n` its mass, one for each (mass splitting: Tonge,
-//! "Mass Splitting for Jitter-Free Parallel Rigid Body Simulation", 2012): without it the sum of all answers explodes.
+//! Within a pass the pairs are independent: all start from the same velocities (Gauss-Seidel over a pair's own points,
+//! Jacobi across pairs), and each writes one impulse for each of its two bodies. Then every body sums the impulses of
+//! its pairs, in the order of pairs. Both halves are plain loops over flat `f32` data whose iterations are independent,
+//! so the result has the same bits for any number of threads.
 //!
-//! | file | holds |
+//! A body with `n` active pairs is split into `n` bodies of `1/n` its mass, one for each pair (mass splitting: Tonge,
+//! "Mass Splitting for Jitter-Free Parallel Rigid Body Simulation", 2012). Without mass splitting the sum of the
+//! impulses diverges.
+//!
+//! | file | contents |
 //! |---|---|
-//! | `adapter` | the way from a step's bodies to these and back |
-//! | [`bodies`] | what bodies are, how they move, what acts on them |
-//! | [`speeds`] | how fast bodies move against each other |
-//! | `constraints` | a pair's points as the solver works on them, and how they are made |
-//! | `pairs` | what a pair does in a pass |
-//! | `motion` | what a body does in a pass |
-//! | `ends` | which ends of pairs a body has |
-//! | `overlap` | what is made of points that disagree |
-//! | [`warm_start`] | what is kept from one interval to the next |
-//! | `gpu` | the same on a device, with the feature `gpu` |
+//! | `adapter` | conversion between the step's bodies and the solver's |
+//! | [`bodies`] | the solver's bodies: properties, motion, forces |
+//! | [`speeds`] | bounds on relative speeds, and the number of collision substeps |
+//! | `motion` | velocities and poses of bodies during a collision substep, and their integration |
+//! | `body_constants` | properties of a body that are constant during a collision substep; free rotation |
+//! | `constraints` | contact constraints, one per pair, and the parallel loop over them |
+//! | `prepare` | how constraints are made from manifolds |
+//! | `solve` | one pass over one pair: warm start and normal impulses |
+//! | `friction` | friction impulses |
+//! | `restitution` | restitution impulses |
+//! | `softness` | the contact spring |
+//! | `adjacency` | the pairs of each body |
+//! | `overlap` | deep penetration, and contact points with opposed normals |
+//! | [`warm_start`] | impulses saved for the next collision substep |
+//! | `gpu` | the same solver on a GPU, with the feature `gpu` |
 //!
-//! What can be set is in [`SolverSettings`]. Half-spaces take part as static bodies.
+//! [`SolverSettings`] has the parameters. Half-spaces take part as static bodies.
 
 mod adapter;
+mod adjacency;
 pub mod bodies;
+mod body_constants;
 mod constraints;
-mod ends;
+mod friction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod motion;
 mod overlap;
-mod pairs;
+mod prepare;
+mod restitution;
 pub(crate) mod softness;
+mod solve;
 pub mod speeds;
 pub mod warm_start;
 
@@ -43,109 +55,111 @@ pub use warm_start::WarmStart;
 
 use crate::state::{Manifolds, StepConfig};
 use crate::types::solver_settings::SolverSettings;
+use adjacency::PairAdjacency;
 use constraints::Constraints;
-use ends::Ends;
 use glam::Vec3;
-use motion::Movers;
-use pairs::Pass;
+use motion::BodyStates;
+use solve::Pass;
 
-/// A stretch of time over which contact points hold.
+/// A collision substep: the part of a step that is solved with one set of contact points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
-    /// Its length, seconds.
+pub struct CollisionSubstep {
+    /// Length, seconds.
     pub dt: f32,
-    /// Into how many substeps it is cut; see [`SolverSettings::substeps_per_collision_substep`].
+    /// Number of solver substeps in it; see [`SolverSettings::substeps_per_collision_substep`].
     pub substeps: u32,
     /// Acceleration of bodies, m/s^2.
     pub gravity: Vec3,
 }
 
-impl Interval {
-    /// One of `collision_substeps` collision substeps of a step.
-    pub fn of(config: &StepConfig, collision_substeps: u32) -> Self {
+impl CollisionSubstep {
+    /// One of the `count` collision substeps of a step.
+    pub fn of(config: &StepConfig, count: u32) -> Self {
         Self {
-            dt: config.per_collision_substep(collision_substeps).dt,
-            substeps: config.solver.substeps_per_collision_substep(collision_substeps),
+            dt: config.per_collision_substep(count).dt,
+            substeps: config.solver.substeps_per_collision_substep(count),
             gravity: config.gravity,
         }
     }
 }
 
-/// Moves bodies that touch. Holds nothing but memory, so that a solver can serve several worlds in turn.
+/// Solves contacts and moves bodies. It holds only scratch memory, so one solver can serve several worlds in turn.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
-    movers: Movers,
+    states: BodyStates,
     constraints: Constraints,
-    ends: Ends,
+    adjacency: PairAdjacency,
 }
 
 impl Solver {
     /// Moves `bodies` over one collision substep, on rayon's current thread pool.
     ///
-    /// `manifolds` are the contact points at its start, `warm` what the last interval left behind; an empty one works, and
-    /// costs some sinking. Impulses in [`SolverBodies::forces`] are used up.
+    /// `manifolds` are the contact points at its start. `warm` has the impulses of the last collision substep and
+    /// receives those of this one; an empty one is valid, but bodies at rest sink a little. Impulses in
+    /// [`SolverBodies::forces`] are applied and cleared.
     ///
-    /// Bad input is left out: pairs that name no two different bodies, points with numbers that are not finite or with
-    /// normals that are not of unit length, and bodies whose motion is not finite, which stay as they are. So does
-    /// everything if the interval is empty.
+    /// Invalid input is ignored: pairs that do not name two different bodies, and points with numbers that are not
+    /// finite or with normals that are not of unit length. Bodies whose motion is not finite do not move. Nothing moves
+    /// if the collision substep has no length.
     pub fn solve(
         &mut self,
         bodies: &mut SolverBodies,
         manifolds: &Manifolds,
         warm: &mut WarmStart,
         settings: &SolverSettings,
-        interval: &Interval,
+        collision_substep: &CollisionSubstep,
     ) {
-        let substeps = interval.substeps.max(1);
-        let h = interval.dt / substeps as f32;
-        if !(h > 0.0 && h.is_finite() && interval.gravity.is_finite()) {
+        let &CollisionSubstep { dt, substeps, gravity } = collision_substep;
+        let substeps = substeps.max(1);
+        let h = dt / substeps as f32;
+        if !(h > 0.0 && h.is_finite() && gravity.is_finite()) {
             return;
         }
         let Self {
-            movers,
+            states,
             constraints,
-            ends,
+            adjacency,
         } = self;
-        movers.begin(bodies, h);
-        constraints.prepare(bodies, movers, manifolds, warm, settings, h, interval.dt);
-        ends.build(constraints.pairs(), movers);
+        states.begin(bodies, h);
+        constraints.prepare(bodies, states, manifolds, warm, settings, h, dt);
+        adjacency.build(constraints.pairs(), states);
 
         let pass = Pass::new(settings, h);
         for _ in 0..substeps {
-            movers.accelerate(bodies, interval.gravity, h);
-            constraints.begin_substep(movers, &pass);
-            movers.share_out(constraints.pairs(), ends);
-            movers.take(constraints.impulses(), ends);
+            states.integrate_velocities(bodies, gravity, h);
+            constraints.begin_substep(states, &pass);
+            states.split_masses(constraints.pairs(), adjacency);
+            states.apply_impulses(constraints.impulses(), adjacency);
             for _ in 0..settings.bias_iterations {
-                constraints.solve(movers, &pass);
-                movers.take(constraints.impulses(), ends);
+                constraints.solve(states, &pass);
+                states.apply_impulses(constraints.impulses(), adjacency);
             }
-            movers.advance(bodies, h);
-            constraints.begin_relaxing(movers);
+            states.integrate_poses(bodies, h);
+            constraints.update_points(states);
             let pass = pass.relaxing();
             for _ in 0..settings.relax_iterations {
-                constraints.solve(movers, &pass);
-                movers.take(constraints.impulses(), ends);
+                constraints.solve(states, &pass);
+                states.apply_impulses(constraints.impulses(), adjacency);
             }
         }
-        if constraints.begin_bounce(settings.restitution_threshold) {
-            movers.share_out(constraints.pairs(), ends);
+        if constraints.begin_restitution(settings.restitution_threshold) {
+            states.split_masses(constraints.pairs(), adjacency);
             for _ in 0..settings.restitution_iterations {
-                constraints.bounce(movers);
-                movers.take(constraints.impulses(), ends);
+                constraints.apply_restitution(states);
+                states.apply_impulses(constraints.impulses(), adjacency);
             }
         }
-        movers.finish(bodies);
-        warm.keep(constraints, movers, bodies, h);
+        states.write_back(bodies);
+        warm.save(constraints, states, bodies, h);
     }
 
-    /// The normal impulse that point `index` of the last call's [`Manifolds::points`] gave over the whole interval, newton
-    /// seconds; 0 for one that is not there.
+    /// The total normal impulse of point `index` of the last call's [`Manifolds::points`] over the collision substep,
+    /// newton seconds; 0 if there is no such point.
     pub fn impulse_of(&self, index: usize) -> f32 {
         self.constraints.impulse_of(index)
     }
 
-    /// Whether that point pushed in the last call, or, if both bodies sleep, when they fell asleep.
+    /// Whether that point applied an impulse in the last call or, if both bodies sleep, when they fell asleep.
     pub(crate) fn pushes(&self, index: usize) -> bool {
         self.constraints.pushes(index)
     }

@@ -1,153 +1,135 @@
-//! What a body does in a pass: take impulses, speed up, move.
+//! Velocities and poses of bodies during a collision substep: they are integrated, and impulses change them.
 
+use super::adjacency::PairAdjacency;
 use super::bodies::{SolverBodies, SolverBody};
+use super::body_constants::BodyConstants;
 use super::constraints::{Impulse, Pair};
-use super::ends::Ends;
-use crate::types::body::LockedAxes;
-use glam::{DQuat, Mat3, Mat3A, Quat, Vec3, Vec3A};
+use glam::{DQuat, Mat3A, Quat, Vec3, Vec3A};
 use rayon::prelude::*;
 
-/// Bodies per task: fewer cost more to hand out than to do.
+/// Smallest number of bodies per task: smaller tasks cost more to schedule than to run.
 const GRAIN: usize = 1024;
 
-/// Free rotation is followed in angles of at most this many radians...
-pub(super) const FREE_ANGLE: f32 = 0.25;
-/// ...of which there are at most this many in a substep.
-pub(super) const MAX_ROUNDS: f32 = 32.0;
-
-/// How a body moves.
+/// Velocity of a body in world axes, m/s and rad/s.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Velocity {
     pub linear: Vec3A,
     pub angular: Vec3A,
 }
 
-/// How a body gives way.
+/// How impulses change the velocity of a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mass {
-    /// Along each world axis; zero for what is not pushed and along locked axes.
+    /// Along each world axis, 1/kg; zero along locked axes and for bodies that impulses do not move.
     pub inverse_mass: Vec3A,
-    /// In world axes.
+    /// In world axes, 1/(kg m^2).
     pub inverse_inertia: Mat3A,
-    /// Into how many bodies it is split in this substep: the pairs that push it, at least 1.
-    pub share: f32,
+    /// Into how many bodies it is split in this substep: its number of active pairs, at least 1.
+    pub split_count: f32,
 }
 
-/// How far a body has come since the start of the interval. Kept apart from its pose because small numbers are finer.
+/// Change of a body's pose since the start of the collision substep. It is separate from the pose because small numbers
+/// have a finer resolution.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shift {
-    pub moved: Vec3A,
-    pub turned: Quat,
+pub(super) struct PoseChange {
+    pub translation: Vec3A,
+    /// In world axes.
+    pub rotation: Quat,
 }
 
-/// What about a body's inertia holds for an interval.
-#[derive(Clone, Copy, Debug)]
-struct Spin {
-    /// At the start of the interval.
-    rotation: Quat,
-    own_inertia: Mat3,
-    local_inverse_inertia: Mat3,
-    /// Whether the inertia is the same about all axes: it need not be turned, and spin does not change by itself.
-    isotropic: bool,
-    /// Whether it takes part at all; one whose motion is not finite does not.
-    moves: bool,
-    locked: LockedAxes,
-    /// What is left of the velocities after a substep.
-    linear_decay: f32,
-    angular_decay: f32,
-}
-
-/// All bodies in motion.
+/// The states of all bodies.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Movers {
+pub(super) struct BodyStates {
     pub velocities: Vec<Velocity>,
     pub masses: Vec<Mass>,
-    pub shifts: Vec<Shift>,
-    spins: Vec<Spin>,
+    pub pose_changes: Vec<PoseChange>,
+    constants: Vec<BodyConstants>,
 }
 
-impl Movers {
+impl BodyStates {
     pub fn len(&self) -> usize {
         self.velocities.len()
     }
 
-    /// Whether contacts push the body.
+    /// Whether impulses change the body's velocity.
     pub fn has_mass(&self, body: usize) -> bool {
         let mass = &self.masses[body];
         mass.inverse_mass != Vec3A::ZERO || mass.inverse_inertia != Mat3A::ZERO
     }
 
-    /// From a body's axes to the world's at the start of the interval.
-    pub fn rotation(&self, body: usize) -> Quat {
-        self.spins[body].rotation
+    /// From a body's axes to the world's at the start of the collision substep.
+    pub fn initial_rotation(&self, body: usize) -> Quat {
+        self.constants[body].initial_rotation
     }
 
-    /// Takes over poses and velocities, and applies impulses from outside.
+    /// Loads poses and velocities, and applies external impulses. `h` is the length of a substep, seconds.
     pub fn begin(&mut self, bodies: &mut SolverBodies, h: f32) {
         let count = bodies.len();
         self.velocities.resize(count, Velocity::default());
         self.masses.resize(count, Mass::NONE);
-        self.shifts.resize(count, Shift::NONE);
-        self.spins.resize(count, Spin::NONE);
-        let own = (
+        self.pose_changes.resize(count, PoseChange::NONE);
+        self.constants.resize(count, BodyConstants::NONE);
+        let states = (
             &mut self.velocities,
             &mut self.masses,
-            &mut self.shifts,
-            &mut self.spins,
+            &mut self.pose_changes,
+            &mut self.constants,
         );
-        let given = (&bodies.bodies, &bodies.motions, &bodies.sleep, &mut bodies.forces);
-        (own.into_par_iter(), given.into_par_iter())
+        let inputs = (&bodies.bodies, &bodies.motions, &bodies.sleep, &mut bodies.forces);
+        (states.into_par_iter(), inputs.into_par_iter())
             .into_par_iter()
             .with_min_len(GRAIN)
-            .for_each(|((velocity, mass, shift, spin), (body, motion, sleep, forces))| {
-                let moves = body.moves() && motion.is_finite() && !sleep.asleep;
-                let pushed = moves && body.has_mass();
-                *spin = Spin::new(body, unit(motion.rotation), moves, pushed, h);
-                *shift = Shift::NONE;
-                *mass = Mass::NONE;
-                *velocity = Velocity::default();
-                if moves {
-                    velocity.linear = motion.linear_velocity.into();
-                    velocity.angular = motion.angular_velocity.into();
-                }
-                if pushed {
-                    mass.inverse_mass = (body.inverse_mass * body.locked_axes.free_translation()).into();
-                    mass.inverse_inertia = spin.inverse_inertia(spin.rotation).into();
-                    let mut next = *velocity;
-                    next.take(mass, Impulse::new(forces.impulse, forces.angular_impulse));
-                    next.linear *= Vec3A::from(body.locked_axes.free_translation());
-                    next.angular *= Vec3A::from(body.locked_axes.free_rotation());
-                    if next.is_finite() {
-                        *velocity = next;
+            .for_each(
+                |((velocity, mass, pose_change, constants), (body, motion, sleep, forces))| {
+                    let moves = body.moves() && motion.is_finite() && !sleep.asleep;
+                    let movable = moves && body.has_mass();
+                    *constants = BodyConstants::new(body, unit(motion.rotation), moves, movable, h);
+                    *pose_change = PoseChange::NONE;
+                    *mass = Mass::NONE;
+                    *velocity = Velocity::default();
+                    if moves {
+                        velocity.linear = motion.linear_velocity.into();
+                        velocity.angular = motion.angular_velocity.into();
                     }
-                }
-                if !sleep.asleep {
-                    forces.impulse = Vec3::ZERO;
-                    forces.angular_impulse = Vec3::ZERO;
-                }
-            });
+                    if movable {
+                        mass.inverse_mass = (body.inverse_mass * body.locked_axes.free_translation()).into();
+                        mass.inverse_inertia = constants.inverse_inertia(constants.initial_rotation).into();
+                        let mut next = *velocity;
+                        next.apply_impulse(mass, Impulse::new(forces.impulse, forces.angular_impulse));
+                        next.linear *= Vec3A::from(body.locked_axes.free_translation());
+                        next.angular *= Vec3A::from(body.locked_axes.free_rotation());
+                        if next.is_finite() {
+                            *velocity = next;
+                        }
+                    }
+                    if !sleep.asleep {
+                        forces.impulse = Vec3::ZERO;
+                        forces.angular_impulse = Vec3::ZERO;
+                    }
+                },
+            );
     }
 
-    /// Gravity, outer forces, damping and speed limits over one substep.
-    pub fn accelerate(&mut self, bodies: &SolverBodies, gravity: Vec3, h: f32) {
+    /// Applies gravity, external forces, damping and speed limits over one substep.
+    pub fn integrate_velocities(&mut self, bodies: &SolverBodies, gravity: Vec3, h: f32) {
         (
             &mut self.velocities,
             &self.masses,
-            &self.spins,
+            &self.constants,
             &bodies.bodies,
             &bodies.forces,
         )
             .into_par_iter()
             .with_min_len(GRAIN)
-            .for_each(|(velocity, mass, spin, body, forces)| {
+            .for_each(|(velocity, mass, constants, body, forces)| {
                 if mass.inverse_mass == Vec3A::ZERO && mass.inverse_inertia == Mat3A::ZERO {
                     return;
                 }
-                let fall = gravity * (body.gravity_scale * h) * body.locked_axes.free_translation();
+                let gravity = gravity * (body.gravity_scale * h) * body.locked_axes.free_translation();
                 let mut next = *velocity;
-                next.take(mass, Impulse::new(forces.force * h, forces.torque * h));
-                next.linear = (next.linear + Vec3A::from(fall)) * spin.linear_decay;
-                next.angular *= spin.angular_decay;
+                next.apply_impulse(mass, Impulse::new(forces.force * h, forces.torque * h));
+                next.linear = (next.linear + Vec3A::from(gravity)) * constants.linear_decay;
+                next.angular *= constants.angular_decay;
                 if next.is_finite() {
                     *velocity = next;
                 }
@@ -155,93 +137,102 @@ impl Movers {
             });
     }
 
-    /// Counts the pairs that push each body in this substep.
-    pub fn share_out(&mut self, pairs: &[Pair], ends: &Ends) {
+    /// Splits the mass of each body among its active pairs.
+    pub fn split_masses(&mut self, pairs: &[Pair], adjacency: &PairAdjacency) {
         self.masses
             .par_iter_mut()
             .with_min_len(GRAIN)
             .enumerate()
             .for_each(|(i, mass)| {
-                let active = ends.of(i).iter().filter(|&&end| pairs[end as usize / 2].active);
-                mass.share = active.count().max(1) as f32;
+                let sides = adjacency.sides_of(i).iter();
+                let active = sides.filter(|&&side| pairs[side as usize / 2].active);
+                mass.split_count = active.count().max(1) as f32;
             });
     }
 
-    /// Takes the sum of the impulses at each body's ends.
-    pub fn take(&mut self, impulses: &[[Impulse; 2]], ends: &Ends) {
+    /// Applies to each body the sum of the impulses of its pairs.
+    pub fn apply_impulses(&mut self, impulses: &[[Impulse; 2]], adjacency: &PairAdjacency) {
         (&mut self.velocities, &self.masses)
             .into_par_iter()
             .with_min_len(GRAIN)
             .enumerate()
             .for_each(|(i, (velocity, mass))| {
-                let mine = ends.of(i);
-                if mine.is_empty() {
+                let sides = adjacency.sides_of(i);
+                if sides.is_empty() {
                     return;
                 }
-                let sum = mine.iter().fold(Impulse::default(), |sum, &end| {
-                    let impulse = &impulses[end as usize / 2][end as usize % 2];
+                let sum = sides.iter().fold(Impulse::default(), |sum, &side| {
+                    let impulse = &impulses[side as usize / 2][side as usize % 2];
                     Impulse {
                         linear: sum.linear + impulse.linear,
                         angular: sum.angular + impulse.angular,
                     }
                 });
                 let mut next = *velocity;
-                next.take(mass, sum);
+                next.apply_impulse(mass, sum);
                 if next.is_finite() {
                     *velocity = next;
                 }
             });
     }
 
-    /// Moves and turns the bodies over one substep.
-    pub fn advance(&mut self, bodies: &SolverBodies, h: f32) {
+    /// Moves and rotates the bodies over one substep.
+    pub fn integrate_poses(&mut self, bodies: &SolverBodies, h: f32) {
         (
             &mut self.velocities,
             &mut self.masses,
-            &mut self.shifts,
-            &self.spins,
+            &mut self.pose_changes,
+            &self.constants,
             &bodies.bodies,
         )
             .into_par_iter()
             .with_min_len(GRAIN)
-            .for_each(|(velocity, mass, shift, spin, body)| {
-                if !spin.moves {
+            .for_each(|(velocity, mass, pose_change, constants, body)| {
+                if !constants.moves {
                     return;
                 }
                 velocity.limit(body);
-                shift.moved += velocity.linear * h;
+                pose_change.translation += velocity.linear * h;
                 if velocity.angular == Vec3A::ZERO {
                     return;
                 }
-                if mass.inverse_inertia == Mat3A::ZERO || spin.isotropic || spin.locked.free_rotation() != Vec3::ONE {
-                    shift.turned = turn((velocity.angular * h).into(), shift.turned);
+                if mass.inverse_inertia == Mat3A::ZERO
+                    || constants.isotropic
+                    || constants.locked.free_rotation() != Vec3::ONE
+                {
+                    pose_change.rotation = rotated(pose_change.rotation, (velocity.angular * h).into());
                 } else {
-                    velocity.angular = spin.turn_freely(velocity.angular.into(), &mut shift.turned, h).into();
+                    let rotation_change = &mut pose_change.rotation;
+                    velocity.angular = constants
+                        .rotate_freely(velocity.angular.into(), rotation_change, h)
+                        .into();
                 }
                 if mass.inverse_inertia != Mat3A::ZERO {
-                    mass.inverse_inertia = spin.inverse_inertia(shift.turned * spin.rotation).into();
+                    mass.inverse_inertia = constants
+                        .inverse_inertia(pose_change.rotation * constants.initial_rotation)
+                        .into();
                 }
             });
     }
 
-    /// Hands the results back.
-    pub fn finish(&mut self, bodies: &mut SolverBodies) {
+    /// Writes the new poses and velocities to `bodies`.
+    pub fn write_back(&mut self, bodies: &mut SolverBodies) {
         (
             &mut bodies.motions,
             &bodies.bodies,
             &mut self.velocities,
-            &self.shifts,
-            &self.spins,
+            &self.pose_changes,
+            &self.constants,
         )
             .into_par_iter()
             .with_min_len(GRAIN)
-            .for_each(|(motion, body, velocity, shift, spin)| {
-                if !spin.moves {
+            .for_each(|(motion, body, velocity, pose_change, constants)| {
+                if !constants.moves {
                     return;
                 }
                 velocity.limit(body);
-                motion.center += Vec3::from(shift.moved).as_dvec3();
-                motion.rotation = (shift.turned.as_dquat() * motion.rotation).normalize();
+                motion.center += Vec3::from(pose_change.translation).as_dvec3();
+                motion.rotation = (pose_change.rotation.as_dquat() * motion.rotation).normalize();
                 if !motion.rotation.is_finite() {
                     motion.rotation = DQuat::IDENTITY;
                 }
@@ -252,23 +243,23 @@ impl Movers {
 }
 
 impl Mass {
-    /// That of what nothing moves.
+    /// That of a body that no impulse moves.
     const NONE: Self = Self {
         inverse_mass: Vec3A::ZERO,
         inverse_inertia: Mat3A::ZERO,
-        share: 1.0,
+        split_count: 1.0,
     };
 }
 
-impl Shift {
+impl PoseChange {
     const NONE: Self = Self {
-        moved: Vec3A::ZERO,
-        turned: Quat::IDENTITY,
+        translation: Vec3A::ZERO,
+        rotation: Quat::IDENTITY,
     };
 }
 
 impl Velocity {
-    fn take(&mut self, mass: &Mass, impulse: Impulse) {
+    fn apply_impulse(&mut self, mass: &Mass, impulse: Impulse) {
         self.linear += mass.inverse_mass * impulse.linear;
         self.angular += mass.inverse_inertia * impulse.angular;
     }
@@ -283,7 +274,7 @@ impl Velocity {
     }
 }
 
-/// `v`, or a vector along it of length `limit` if it is longer. Negative and NaN limits limit nothing.
+/// `v`, shortened to the length `limit` if it is longer. Negative and NaN limits have no effect.
 fn limited(v: Vec3A, limit: f32) -> Vec3A {
     let square = v.length_squared();
     if limit >= 0.0 && square > limit * limit {
@@ -293,111 +284,14 @@ fn limited(v: Vec3A, limit: f32) -> Vec3A {
     }
 }
 
-impl Spin {
-    const NONE: Self = Self {
-        rotation: Quat::IDENTITY,
-        own_inertia: Mat3::ZERO,
-        local_inverse_inertia: Mat3::ZERO,
-        isotropic: true,
-        moves: false,
-        locked: LockedAxes::NONE,
-        linear_decay: 1.0,
-        angular_decay: 1.0,
-    };
-
-    fn new(body: &SolverBody, rotation: Quat, moves: bool, pushed: bool, h: f32) -> Self {
-        let inverse = if pushed { body.inverse_inertia } else { Mat3::ZERO };
-        let inertia = inverse.inverse();
-        // A body that cannot be turned about some axis has no inertia to speak of: it turns as if it were a ball.
-        let regular = inertia.is_finite();
-        let size = inverse.x_axis.x;
-        let isotropic =
-            !regular || (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);
-        let decay = |rate: f32| if rate > 0.0 { (-rate * h).exp() } else { 1.0 };
-        Self {
-            rotation,
-            own_inertia: if regular { inertia } else { Mat3::ZERO },
-            local_inverse_inertia: inverse,
-            isotropic,
-            moves,
-            locked: if pushed { body.locked_axes } else { LockedAxes::NONE },
-            linear_decay: decay(body.linear_damping),
-            angular_decay: decay(body.angular_damping),
-        }
-    }
-
-    /// In world axes, for a body turned by `rotation`.
-    fn inverse_inertia(&self, rotation: Quat) -> Mat3 {
-        let free = self.locked.free_rotation();
-        if self.isotropic && free == Vec3::ONE {
-            return self.local_inverse_inertia;
-        }
-        let turn = Mat3::from_quat(rotation);
-        let inverse = turn * self.local_inverse_inertia * turn.transpose();
-        if free == Vec3::ONE {
-            return inverse;
-        }
-        // What holds an axis takes up its moment. What is left of the inertia tensor without the axis is inverted; the
-        // inverse tensor without the axis would be that of a body that still gives way about it.
-        let inertia = turn * self.own_inertia * turn.transpose();
-        let held = Vec3::ONE - free;
-        let mask = Mat3::from_diagonal(free);
-        let left = (mask * inertia * mask + Mat3::from_diagonal(held)).inverse();
-        let left = mask * left * mask;
-        if left.is_finite() && self.own_inertia != Mat3::ZERO {
-            left
-        } else {
-            mask * inverse * mask
-        }
-    }
-
-    /// Turns a body on which nothing acts and returns its angular velocity afterwards.
-    ///
-    /// Seen from the body, its angular momentum turns backward, and angular velocity follows from it: momentum stays what it was.
-    /// The angle is that of the implicit midpoint rule, which is symmetric in time and so keeps the energy in bounds too.
-    /// Everything is summed as changes: what rounding makes of unit quaternions, and of inertia times its inverse, would add
-    /// up otherwise, to 0.3 % in a minute.
-    fn turn_freely(&self, angular: Vec3, turned: &mut Quat, h: f32) -> Vec3 {
-        let rounds = (angular.length() * h / FREE_ANGLE).ceil().max(1.0);
-        if rounds > MAX_ROUNDS {
-            // Nobody sees where a body points that turns more than a radian in a millisecond.
-            *turned = turn(angular * h, *turned);
-            return angular;
-        }
-        let h = h / rounds;
-        let (mut next, mut pose) = (angular, *turned);
-        for _ in 0..rounds as u32 {
-            let axes = Mat3::from_quat((pose * self.rotation).normalize());
-            let inertia = axes * self.own_inertia * axes.transpose();
-            let inverse = axes * self.local_inverse_inertia * axes.transpose();
-            let momentum = inertia * next;
-            // In axes that turn with the body and start as the world's.
-            let after =
-                |angle: Vec3| next + inverse * Vec3::from(change(Quat::from_scaled_axis(-angle), momentum.into()));
-            let mut middle = next;
-            for _ in 0..3 {
-                middle = after(middle * (0.5 * h));
-            }
-            let own = after(middle * h);
-            next = own + Vec3::from(change(Quat::from_scaled_axis(middle * h), own.into()));
-            pose = turn(middle * h, pose);
-        }
-        if !(next.is_finite() && pose.is_finite()) {
-            return angular;
-        }
-        *turned = pose;
-        next
-    }
-}
-
-/// `turn * v - v`, without the rounding of either.
-pub(super) fn change(turn: Quat, v: Vec3A) -> Vec3A {
-    let (u, w) = (Vec3A::from(turn.xyz()), turn.w);
+/// `rotation * v - v`, without cancellation.
+pub(super) fn rotation_displacement(rotation: Quat, v: Vec3A) -> Vec3A {
+    let (u, w) = (Vec3A::from(rotation.xyz()), rotation.w);
     let t = 2.0 * u.cross(v);
     w * t + u.cross(t)
 }
 
-/// `rotation` in single precision and of unit length; the identity for what is no rotation.
+/// `rotation` in single precision and of unit length; the identity if its length is zero or not finite.
 fn unit(rotation: DQuat) -> Quat {
     let length = rotation.length();
     if length > 1.0e-6 && length.is_finite() {
@@ -407,7 +301,7 @@ fn unit(rotation: DQuat) -> Quat {
     }
 }
 
-/// `rotation`, turned on by an angle vector in world axes.
-fn turn(by: Vec3, rotation: Quat) -> Quat {
+/// `rotation`, followed by the rotation vector `by` in world axes.
+pub(super) fn rotated(rotation: Quat, by: Vec3) -> Quat {
     (Quat::from_scaled_axis(by) * rotation).normalize()
 }

@@ -1,106 +1,111 @@
-//! What is made of overlaps whose contact points may disagree about the way out.
+//! Overlaps whose contact points disagree about the separating direction.
 
-use super::warm_start::Kept;
+use super::warm_start::LastContact;
 use crate::state::ManifoldPoint;
 use crate::state::margins::SAFETY;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
-/// Points are opposed if the cosine between their normals is below this.
+/// Normals are opposed if the cosine of the angle between them is below this.
 pub(super) const OPPOSED: f32 = -0.5;
-/// Points less deep than this part of D do not start a dispute.
-pub(super) const DISPUTED_DEPTH: f32 = 0.01;
-/// A dispute lasts until no point is deeper than this part of D.
-pub(super) const SETTLED_DEPTH: f32 = 0.005;
-/// The way out of a pair of bodies with a common centre: any, but always the same.
-pub(super) const ANY_WAY: Vec3 = Vec3::new(0.36, 0.48, 0.8);
-/// A way out that is shorter than this part of D has no direction.
-pub(super) const LEAST_WAY: f32 = 1.0e-4;
+/// Only points deeper than this fraction of D start a conflict.
+pub(super) const CONFLICT_DEPTH: f32 = 0.01;
+/// A conflict lasts until no point is deeper than this fraction of D.
+pub(super) const RESOLVED_DEPTH: f32 = 0.005;
+/// The separating direction of two bodies with the same centre: arbitrary, but always the same.
+pub(super) const DEFAULT_DIRECTION: Vec3 = Vec3::new(0.36, 0.48, 0.8);
+
+/// Vectors shorter than this fraction of D do not give a direction.
+pub(super) const MIN_DIRECTION_LENGTH: f32 = 1.0e-4;
 
 /// How a pair overlaps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Overlap {
-    /// Its points can be trusted.
-    Usual,
-    /// It overlapped deeply when it was first seen, and still overlaps: to be pushed apart along this unit vector.
-    Tangled(Vec3),
-    /// It came from outside and its points push both ways: only those count that agree with this vector.
-    Disputed(Vec3),
+    /// Its contact points are reliable.
+    Ordinary,
+    /// It overlapped deeply at its first contact, and still overlaps. It is pushed apart along this unit vector.
+    Deep(Vec3),
+    /// Its bodies touched before they overlapped, and now have points with opposed normals. Only points whose normals
+    /// agree with this unit vector count.
+    Conflicting(Vec3),
 }
 
-/// How the bodies of a pair lie and move.
+/// Relative position and motion of the bodies of a pair.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ends {
-    /// From the first centre to the second.
-    pub between: Vec3,
-    /// How far the first centre comes towards the second within an interval.
-    pub closing: Vec3,
-    /// How far surfaces turn towards each other meanwhile, at most.
-    pub swing: f32,
-    /// Whether contacts push them.
+pub(super) struct RelativeMotion {
+    /// From the first body's centre of mass to the second's.
+    pub center_offset: Vec3,
+    /// How far the first centre moves relative to the second within the collision substep.
+    pub approach: Vec3,
+    /// Upper bound for how far the surfaces move meanwhile because the bodies rotate.
+    pub angular_travel: f32,
+    /// Whether impulses move each body.
     pub has_mass: [bool; 2],
 }
 
-/// Judges a pair whose smaller body has the bounding diameter `diameter`.
+/// Classifies a pair whose smaller body has the bounding diameter `diameter`.
 ///
-/// A pair that overlaps when it is first seen was put there, unless its motion explains the overlap: then it is an impact
-/// that was not foreseen, because a third body turned one of the two, and is answered like any other.
-pub(super) fn judge(
+/// If a pair overlaps deeply at its first contact, its bodies were placed there and the normals may be wrong. If their
+/// motion explains the depth, it is an ordinary impact that came too late for a speculative contact, because a third
+/// body deflected one of the two.
+pub(super) fn classify(
     points: &[ManifoldPoint],
-    kept: Option<&Kept>,
+    last: Option<&LastContact>,
     diameter: f32,
-    ends: &Ends,
+    motion: &RelativeMotion,
     settings: &SolverSettings,
 ) -> Overlap {
-    let &Ends {
-        between,
-        closing,
-        swing,
+    let &RelativeMotion {
+        center_offset,
+        approach,
+        angular_travel,
         has_mass,
-    } = ends;
+    } = motion;
     let deeper_than = |depth: f32| points.iter().any(|p| p.separation < -depth * diameter);
     if !deeper_than(0.0) {
-        return Overlap::Usual;
+        return Overlap::Ordinary;
     }
-    let tangled = match kept {
-        Some(kept) => kept.pair.depenetrating,
+    let is_deep = match last {
+        Some(last) => last.pair.depenetrating,
         None => {
-            let explained = |p: &ManifoldPoint| -p.separation <= SAFETY * (closing.dot(p.normal).max(0.0) + swing);
+            let explained =
+                |p: &ManifoldPoint| -p.separation <= SAFETY * (approach.dot(p.normal).max(0.0) + angular_travel);
             let deep = |p: &&ManifoldPoint| p.separation < -settings.deep_penetration * diameter;
-            points.iter().filter(deep).any(|p| !explained(p)) || opposed(points, 0.0)
+            points.iter().filter(deep).any(|p| !explained(p)) || has_opposed_normals(points, 0.0)
         }
     };
-    if tangled {
-        return Overlap::Tangled(way_out(points, diameter, between, has_mass));
+    if is_deep {
+        return Overlap::Deep(depenetration_direction(points, diameter, center_offset, has_mass));
     }
-    let Some(kept) = kept else {
-        return Overlap::Usual;
+    let Some(last) = last else {
+        return Overlap::Ordinary;
     };
-    let disputed = if kept.direction() == Vec3::ZERO {
-        opposed(points, DISPUTED_DEPTH * diameter)
+    let conflicting = if last.separating_direction() == Vec3::ZERO {
+        has_opposed_normals(points, CONFLICT_DEPTH * diameter)
     } else {
-        deeper_than(SETTLED_DEPTH)
+        deeper_than(RESOLVED_DEPTH)
     };
-    if !disputed {
-        return Overlap::Usual;
+    if !conflicting {
+        return Overlap::Ordinary;
     }
-    let sources = [kept.direction(), kept.push(), between];
-    let direction = sources.into_iter().find_map(Vec3::try_normalize);
-    Overlap::Disputed(direction.unwrap_or(ANY_WAY))
+    let candidates = [last.separating_direction(), last.normal_impulse(), center_offset];
+    let direction = candidates.into_iter().find_map(Vec3::try_normalize);
+    Overlap::Conflicting(direction.unwrap_or(DEFAULT_DIRECTION))
 }
 
-/// Whether two points, both deeper than `depth`, push against each other.
-fn opposed(points: &[ManifoldPoint], depth: f32) -> bool {
+/// Whether two points, both deeper than `depth`, have opposed normals.
+fn has_opposed_normals(points: &[ManifoldPoint], depth: f32) -> bool {
     let deep = || points.iter().filter(move |p| p.separation < -depth);
     deep().any(|p| deep().any(|q| p.normal.dot(q.normal) < OPPOSED))
 }
 
-/// The line of centres; away from a body without mass the mean of normals, as its centre says little about its surface.
-fn way_out(points: &[ManifoldPoint], diameter: f32, between: Vec3, has_mass: [bool; 2]) -> Vec3 {
-    let unit = |v: Vec3| (v.length() > LEAST_WAY * diameter).then(|| v.normalize_or_zero());
+/// The line of centres. If one body has no mass it is the depth-weighted mean normal, because that body's centre says
+/// little about where its surface is.
+fn depenetration_direction(points: &[ManifoldPoint], diameter: f32, center_offset: Vec3, has_mass: [bool; 2]) -> Vec3 {
+    let unit = |v: Vec3| (v.length() > MIN_DIRECTION_LENGTH * diameter).then(|| v.normalize_or_zero());
     let normals = || points.iter().map(|p| p.normal * (-p.separation).max(0.0)).sum();
     let mean = if has_mass == [true; 2] { None } else { unit(normals()) };
-    mean.or_else(|| unit(between))
+    mean.or_else(|| unit(center_offset))
         .filter(|v| v.is_normalized())
-        .unwrap_or(ANY_WAY)
+        .unwrap_or(DEFAULT_DIRECTION)
 }

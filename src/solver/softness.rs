@@ -1,21 +1,21 @@
-//! The contact spring.
+//! Soft constraints: the damped spring of a contact.
 
 use crate::types::solver_settings::SolverSettings;
 use std::f32::consts::TAU;
 
-/// A damped spring as an implicit Euler step sees it (Catto, "Soft Constraints", GDC 2011).
+/// Coefficients of a damped spring that is integrated by implicit Euler (Catto, "Soft Constraints", GDC 2011).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Softness {
-    /// Speed per metre of overlap, 1/s.
+    /// Bias velocity per metre of overlap, 1/s.
     pub bias_rate: f32,
-    /// Part of the rigid answer that is given.
+    /// Factor on the impulse of a rigid constraint.
     pub mass_scale: f32,
-    /// Part of the impulse so far that is taken back.
+    /// Fraction of the accumulated impulse that is subtracted.
     pub impulse_scale: f32,
 }
 
 impl Softness {
-    /// The contact spring of a substep of `h` seconds.
+    /// The contact spring for a substep of `h` seconds.
     pub fn new(settings: &SolverSettings, h: f32) -> Self {
         let angular_frequency = TAU * settings.frequency / h;
         let a1 = 2.0 * settings.damping_ratio + h * angular_frequency;

@@ -1,104 +1,106 @@
-//! What is kept from one interval to the next: impulses, so that a pile need not find out anew what holds it up.
+//! Warm starting: the contact impulses of one collision substep are the first guess for the next.
 
 use super::bodies::SolverBodies;
 use super::constraints::{Constraints, Point};
-use super::motion::Movers;
+use super::motion::BodyStates;
 use crate::state::ManifoldPoint;
 use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-/// Kept points of a pair beyond this many are not looked at: a bit of a word stands for each.
+/// At most this many saved points of a pair are matched: each has a bit of a word.
 pub(super) const MAX_MATCHED: usize = 64;
-/// What holds up a weight is proportional to the length of a substep, up to this factor.
-pub(super) const MAX_GROWTH: f32 = 2.0;
+/// The largest factor on saved impulses when the length of the substep changes.
+pub(super) const MAX_IMPULSE_SCALE: f32 = 2.0;
 
-/// The impulses of the last collision substep, by the keys of bodies: bodies may come, go, and be numbered anew.
+/// The impulses of the last collision substep. Pairs are identified by the keys of their bodies, so bodies may be
+/// added, removed and renumbered.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
     /// Ascending by keys.
-    pairs: Vec<KeptPair>,
-    points: Vec<KeptPoint>,
-    /// Length of the substeps that the impulses belong to, seconds.
+    pairs: Vec<SavedPair>,
+    points: Vec<SavedPoint>,
+    /// Length of the solver substeps in which the impulses acted, seconds.
     substep: f32,
 }
 
-/// What is kept of a pair, whose first body is that of the smaller number then.
+/// A pair of the last collision substep. Its first body is the one that had the smaller number then.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct KeptPair {
+pub(super) struct SavedPair {
     /// The smaller key first.
     keys: [u64; 2],
     first: u32,
     count: u32,
-    /// The order of numbers was not that of keys.
+    /// The first body had the larger key.
     flipped: bool,
     pub depenetrating: bool,
-    direction: Vec3,
+    separating_direction: Vec3,
     /// From each body's axes to the world's.
     rotations: [Quat; 2],
 }
 
-/// What is kept of a point, as the world was then.
+/// A point of the last collision substep, in world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct KeptPoint {
+struct SavedPoint {
     /// From the centres of mass.
     anchors: [Vec3; 2],
     normal: Vec3,
-    impulse: f32,
-    friction: Vec3,
+    normal_impulse: f32,
+    friction_impulse: Vec3,
 }
 
-/// A pair as it was, seen from where its bodies are numbered now.
+/// The last contact of a pair, in the present order of its bodies.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kept<'a> {
-    pub pair: &'a KeptPair,
-    points: &'a [KeptPoint],
+pub(super) struct LastContact<'a> {
+    pub pair: &'a SavedPair,
+    points: &'a [SavedPoint],
     /// The first body then is the second now.
     swapped: bool,
 }
 
 impl WarmStart {
-    /// Forgets everything: for bodies that were put elsewhere.
+    /// Forgets all impulses. Needed when bodies are teleported.
     pub fn clear(&mut self) {
         self.pairs.clear();
         self.points.clear();
     }
 
-    /// How many pairs are remembered.
+    /// Number of saved pairs.
     pub fn pairs(&self) -> usize {
         self.pairs.len()
     }
 
-    /// The pair of bodies with these keys.
-    pub(super) fn find(&self, keys: [u64; 2]) -> Option<Kept<'_>> {
+    /// The last contact between the bodies with these keys.
+    pub(super) fn find(&self, keys: [u64; 2]) -> Option<LastContact<'_>> {
         let sorted = sorted(keys);
         let index = self.pairs.binary_search_by_key(&sorted, |pair| pair.keys).ok()?;
         let pair = &self.pairs[index];
         let first = pair.first as usize;
-        Some(Kept {
+        Some(LastContact {
             pair,
             points: &self.points[first..first + pair.count as usize],
             swapped: pair.flipped != (sorted != keys),
         })
     }
 
-    /// By how much impulses grow for substeps of `h` seconds: what holds up a weight is proportional to time.
-    pub(super) fn growth(&self, h: f32) -> f32 {
+    /// Factor on saved impulses for substeps of `h` seconds: the impulse that supports a weight is proportional to the
+    /// length of the substep.
+    pub(super) fn impulse_scale(&self, h: f32) -> f32 {
         if self.substep > 0.0 {
-            (h / self.substep).min(MAX_GROWTH)
+            (h / self.substep).min(MAX_IMPULSE_SCALE)
         } else {
             1.0
         }
     }
 
-    /// Keeps what an interval with substeps of `h` seconds ended with.
-    pub(super) fn keep(&mut self, constraints: &Constraints, movers: &Movers, bodies: &SolverBodies, h: f32) {
+    /// Saves the impulses at the end of a collision substep whose solver substeps have `h` seconds.
+    pub(super) fn save(&mut self, constraints: &Constraints, states: &BodyStates, bodies: &SolverBodies, h: f32) {
         self.substep = h;
-        self.points.resize(constraints.points().len(), KeptPoint::default());
+        self.points.resize(constraints.points().len(), SavedPoint::default());
         (&mut self.points, constraints.points())
             .into_par_iter()
             .with_min_len(1024)
-            .for_each(|(kept, point)| *kept = KeptPoint::new(point));
+            .for_each(|(saved, point)| *saved = SavedPoint::new(point));
         self.pairs.clear();
         for pair in constraints.pairs() {
             let [a, b] = pair.bodies.map(|i| i as usize);
@@ -106,14 +108,14 @@ impl WarmStart {
                 continue;
             }
             let keys = [bodies.keys[a], bodies.keys[b]];
-            self.pairs.push(KeptPair {
+            self.pairs.push(SavedPair {
                 keys: sorted(keys),
                 first: pair.first,
                 count: pair.count,
                 flipped: sorted(keys) != keys,
                 depenetrating: pair.depenetrating,
-                direction: pair.direction,
-                rotations: [a, b].map(|i| movers.rotation(i)),
+                separating_direction: pair.separating_direction,
+                rotations: [a, b].map(|i| states.initial_rotation(i)),
             });
         }
         self.pairs.par_sort_unstable_by_key(|pair| (pair.keys, pair.first));
@@ -124,32 +126,33 @@ fn sorted([a, b]: [u64; 2]) -> [u64; 2] {
     [a.min(b), a.max(b)]
 }
 
-impl KeptPoint {
+impl SavedPoint {
     fn new(point: &Point) -> Self {
-        // What bounces has left, or is about to: the impulse that stopped it must not be given again.
-        let stays = point.usable && point.bounce == 0.0;
+        // A point with restitution separates: the impulse of its impact must not be applied again.
+        let persists = point.valid && point.restitution_impulse == 0.0;
         Self {
             anchors: point.anchors.map(Vec3::from),
             normal: point.normal().into(),
-            impulse: if stays { point.impulse } else { 0.0 },
-            friction: point.friction_vector().into(),
+            normal_impulse: if persists { point.normal_impulse } else { 0.0 },
+            friction_impulse: point.friction_vector().into(),
         }
     }
 }
 
-impl Kept<'_> {
-    /// The way out of a dispute, or zero.
-    pub fn direction(&self) -> Vec3 {
+impl LastContact<'_> {
+    /// The direction that resolves a conflict between contact points, or zero; see
+    /// [`Overlap::Conflicting`](super::overlap::Overlap::Conflicting).
+    pub fn separating_direction(&self) -> Vec3 {
         if self.swapped {
-            -self.pair.direction
+            -self.pair.separating_direction
         } else {
-            self.pair.direction
+            self.pair.separating_direction
         }
     }
 
-    /// The sum of normal impulses, or of normals where none pushed.
-    pub fn push(&self) -> Vec3 {
-        let sum: Vec3 = self.points.iter().map(|p| p.normal * p.impulse).sum();
+    /// The sum of the normal impulses as a vector, or the sum of the normals if there was no impulse.
+    pub fn normal_impulse(&self) -> Vec3 {
+        let sum: Vec3 = self.points.iter().map(|p| p.normal * p.normal_impulse).sum();
         let sum = if sum == Vec3::ZERO {
             self.points.iter().map(|p| p.normal).sum()
         } else {
@@ -159,68 +162,77 @@ impl Kept<'_> {
     }
 }
 
-/// Hands out the impulses of a pair's old points, each to one new point.
-pub(super) struct Match<'a> {
-    kept: Option<&'a Kept<'a>>,
-    /// How to turn the bodies back to where they were.
-    back: [Quat; 2],
-    /// The square of the distance.
-    distance: f32,
-    normal: f32,
-    growth: f32,
-    /// One bit for each old point that is given away. More than 64 are not matched.
-    taken: u64,
+/// Matches the saved points of a pair with its new points. Each saved point is used at most once.
+pub(super) struct PointMatcher<'a> {
+    last: Option<&'a LastContact<'a>>,
+    /// From each body's present rotation back to its saved one.
+    rotations_back: [Quat; 2],
+    max_distance_squared: f32,
+    /// Smallest cosine of the angle between the normals.
+    min_normal_cosine: f32,
+    impulse_scale: f32,
+    /// One bit for each saved point that is used. Only the first 64 can be matched.
+    used: u64,
 }
 
-impl<'a> Match<'a> {
+impl<'a> PointMatcher<'a> {
     pub fn new(
-        kept: Option<&'a Kept<'a>>,
+        last: Option<&'a LastContact<'a>>,
         rotations: [Quat; 2],
         settings: &SolverSettings,
         diameter: f32,
-        growth: f32,
+        impulse_scale: f32,
     ) -> Self {
-        let kept = kept.filter(|kept| !kept.pair.depenetrating);
-        let back = kept.map_or([Quat::IDENTITY; 2], |kept| {
-            let [one, other] = kept.pair.rotations;
-            let before = if kept.swapped { [other, one] } else { [one, other] };
-            [0, 1].map(|end| before[end] * rotations[end].conjugate())
+        let last = last.filter(|last| !last.pair.depenetrating);
+        let rotations_back = last.map_or([Quat::IDENTITY; 2], |last| {
+            let [one, other] = last.pair.rotations;
+            let before = if last.swapped { [other, one] } else { [one, other] };
+            [0, 1].map(|side| before[side] * rotations[side].conjugate())
         });
         Self {
-            kept,
-            back,
-            distance: (settings.match_distance * diameter).powi(2),
-            normal: settings.match_normal,
-            growth,
-            taken: 0,
+            last,
+            rotations_back,
+            max_distance_squared: (settings.match_distance * diameter).powi(2),
+            min_normal_cosine: settings.match_normal,
+            impulse_scale,
+            used: 0,
         }
     }
 
-    /// Normal impulse and friction impulse of the nearest old point, as near as either body sees it: what slides along one
-    /// body rests on the other.
-    pub fn take(&mut self, point: &ManifoldPoint) -> Option<(f32, Vec3)> {
-        let kept = self.kept?;
-        let sign = if kept.swapped { -1.0 } else { 1.0 };
-        let anchors = [self.back[0] * point.anchors[0], self.back[1] * point.anchors[1]];
-        let (mut nearest, mut found) = (self.distance, None);
-        for (i, old) in kept.points.iter().enumerate().take(MAX_MATCHED) {
-            if self.taken >> i & 1 == 1 || old.impulse <= 0.0 || sign * old.normal.dot(point.normal) < self.normal {
+    /// Normal impulse and friction impulse of the nearest saved point. Distances are measured on both bodies and the
+    /// smaller one counts, because a point that slides along one body may be at rest on the other.
+    pub fn find(&mut self, point: &ManifoldPoint) -> Option<(f32, Vec3)> {
+        let last = self.last?;
+        let sign = if last.swapped { -1.0 } else { 1.0 };
+        let anchors = [
+            self.rotations_back[0] * point.anchors[0],
+            self.rotations_back[1] * point.anchors[1],
+        ];
+        let (mut nearest, mut found) = (self.max_distance_squared, None);
+        for (i, saved) in last.points.iter().enumerate().take(MAX_MATCHED) {
+            if self.used >> i & 1 == 1
+                || saved.normal_impulse <= 0.0
+                || sign * saved.normal.dot(point.normal) < self.min_normal_cosine
+            {
                 continue;
             }
-            let at = if kept.swapped {
-                [old.anchors[1], old.anchors[0]]
+            let at = if last.swapped {
+                [saved.anchors[1], saved.anchors[0]]
             } else {
-                old.anchors
+                saved.anchors
             };
             let distance = at[0]
                 .distance_squared(anchors[0])
                 .min(at[1].distance_squared(anchors[1]));
             if distance < nearest {
-                (nearest, found) = (distance, Some((i, old)));
+                (nearest, found) = (distance, Some((i, saved)));
             }
         }
-        let (i, old) = found?;
-        self.taken |= 1 << i;
-        Some((self.growth * old.impulse, self.growth * sign * old.friction))
+        let (i, saved) = found?;
+        self.used |= 1 << i;
+        Some((
+            self.impulse_scale * saved.normal_impulse,
+            self.impulse_scale * sign * saved.friction_impulse,
+        ))
     }
 }

@@ -1,4 +1,4 @@
-//! The beginning of a step: who sleeps, how many collision substeps there are, how far bodies look for each other.
+//! The beginning of a step: sleeping bodies, the number of collision substeps, and speculative margins.
 
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
@@ -7,13 +7,13 @@ use crate::state::margins::SpeculativeMargins;
 use crate::state::{StepInput, StepResults};
 use crate::types::settings::Response;
 
-/// Prepares the first interval.
+/// Prepares the first collision substep.
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
     results.collision_substeps = 1;
     results.asleep.clear();
     scratch.inactive.clear();
     scratch.touches.clear();
-    scratch.stops.forget();
+    scratch.ccd.clear();
     scratch.margins = match input.config.response {
         Response::Impulse => {
             results.manifolds.clear();
@@ -21,7 +21,7 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
         }
         Response::None => SpeculativeMargins::AtRest,
         Response::Contacts => {
-            let speeds = take_in(input, memory, scratch);
+            let speeds = load_bodies(input, memory, scratch);
             let config = &input.config;
             results.collision_substeps = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
             SpeculativeMargins::Moving {
@@ -33,8 +33,8 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
     scratch.margins.set_speculative_radii(&mut input.bodies, &input.config);
 }
 
-/// Gives the solver the bodies, with what is remembered of them, and tells how fast they are.
-fn take_in(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch) -> Speeds {
+/// Loads the bodies into the solver, restores their state from the last step, and returns the bounds of their speeds.
+fn load_bodies(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch) -> Speeds {
     let StepScratch {
         keys,
         solver_bodies,
@@ -43,6 +43,6 @@ fn take_in(input: &StepInput, memory: &StepMemory, scratch: &mut StepScratch) ->
     } = scratch;
     input.write_keys(keys);
     solver_bodies.read(&input.bodies, &input.planes, keys);
-    memory.recall(input, solver_bodies, inactive);
+    memory.restore(input, solver_bodies, inactive);
     Speeds::of(solver_bodies, |_| false)
 }

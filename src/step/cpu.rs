@@ -1,10 +1,10 @@
-//! The step on the CPU: one function for each part, on rayon's current thread pool.
+//! The step on the CPU, on rayon's current thread pool.
 
 use super::StepState;
 use super::begin::begin;
 use super::order::{Part, Place, parts_of};
 use crate::manifolds::report::report_points;
-use crate::solver::Interval;
+use crate::solver::CollisionSubstep;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, triangle_test};
@@ -17,24 +17,24 @@ pub fn run_all(step: &mut StepState) {
     }
 }
 
-/// Runs a stage of the first collision substep, and notes how long it took.
+/// Runs a stage of the first collision substep and records its time.
 ///
-/// The last stage goes on with all stages for the other intervals, if there are any: a step is whole when all stages have run,
-/// in order.
+/// The last stage also runs all stages of the other collision substeps, if there are any. So a step is complete when
+/// all stages have run once, in order.
 pub fn run(stage: Stage, step: &mut StepState) {
     step.results.times[stage as usize] = Default::default();
     run_stage(stage, 0, step);
     if stage == Stage::Integrate {
-        for interval in 1..step.results.collision_substeps {
+        for number in 1..step.results.collision_substeps {
             for stage in Stage::ALL {
-                run_stage(stage, interval, step);
+                run_stage(stage, number, step);
             }
         }
     }
 }
 
-/// Which near pairs touch, without faces and contacts: the test of a pair ends at its first hit. Takes the place of the triangle
-/// test, after the stages before it.
+/// Returns which near pairs touch, without faces and contacts: the test of a pair ends at its first hit. It replaces
+/// the triangle test and runs after the stages before it.
 pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
     let StepState {
         input,
@@ -50,11 +50,11 @@ pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
     )
 }
 
-/// Runs the parts of a stage in one interval, and adds how long they took.
-fn run_stage(stage: Stage, interval: u32, step: &mut StepState) {
+/// Runs the parts of a stage in collision substep `number` and adds their time.
+fn run_stage(stage: Stage, number: u32, step: &mut StepState) {
     let start = Instant::now();
-    // How many intervals there are is known after the first part. It matters to the last stage only.
-    let place = Place::of(interval, step.results.collision_substeps);
+    // The number of collision substeps is known after the first part. Only the last stage needs it.
+    let place = Place::of(number, step.results.collision_substeps);
     for part in parts_of(stage, step.input.config.response, place) {
         run_part(part, step);
     }
@@ -70,7 +70,7 @@ fn run_part(part: Part, step: &mut StepState) {
     } = step;
     let config = input.config;
     let first_plane = input.bodies.len() as u32;
-    let interval = config.per_collision_substep(results.collision_substeps);
+    let substep_config = config.per_collision_substep(results.collision_substeps);
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
@@ -98,7 +98,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &mut results.contacts,
         ),
         Part::FindContactPoints => manifolds::step::find(
-            &interval,
+            &substep_config,
             &input.bodies,
             &input.meshes,
             &input.planes,
@@ -132,7 +132,7 @@ fn run_part(part: Part, step: &mut StepState) {
         }
         Part::Wake => force_scan::cpu::wake(
             &config.solver,
-            &Interval::of(&config, results.collision_substeps),
+            &CollisionSubstep::of(&config, results.collision_substeps),
             &results.manifolds,
             &scratch.inactive,
             &mut scratch.sleeper,
@@ -140,13 +140,13 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::Solve => force_scan::cpu::solve(
             &config.solver,
-            &Interval::of(&config, results.collision_substeps),
+            &CollisionSubstep::of(&config, results.collision_substeps),
             &results.manifolds,
             &mut scratch.solver,
             &mut memory.warm,
             &mut scratch.solver_bodies,
         ),
-        Part::NoteTouches => scratch.touches.note(
+        Part::RecordTouches => scratch.touches.record(
             &input.bodies,
             &scratch.solver_bodies,
             &results.manifolds,
@@ -155,20 +155,20 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::FallAsleep => force_scan::cpu::fall_asleep(
             &config.solver,
-            interval.dt,
+            substep_config.dt,
             &results.manifolds,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
             &mut scratch.inactive,
         ),
         Part::StopFastBodies => integrate::cpu::stop_fast_bodies(
-            &interval,
+            &substep_config,
             &input.bodies,
             &input.meshes,
             &input.planes,
             &results.sphere_pairs,
             &results.manifolds,
-            &mut scratch.stops,
+            &mut scratch.ccd,
             &mut scratch.solver_bodies,
             &mut scratch.touches,
         ),
@@ -182,7 +182,7 @@ fn run_part(part: Part, step: &mut StepState) {
             scratch.touches.report(first_plane, &mut results.contacts);
         }
         Part::Remember if config.response == Response::Contacts => {
-            memory.keep(input, &scratch.solver_bodies, &scratch.stops);
+            memory.save(input, &scratch.solver_bodies, &scratch.ccd);
         }
         Part::Remember => {
             memory.forget();

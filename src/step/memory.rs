@@ -1,22 +1,22 @@
-//! What a step leaves for the next one.
+//! The state that persists from one step to the next.
 
 use super::remap;
-use crate::ccd::stops::Stops;
-use crate::sleep::traits::PlacedTraits;
+use crate::ccd::stage::Ccd;
+use crate::sleep::inputs::PlacedSleepInputs;
 use crate::solver::{SleepState, SolverBodies, WarmStart};
 use crate::state::inactive::{GONE, InactiveBodies};
 use crate::state::{Plane, StepInput};
 use crate::types::body::RigidBody;
 use glam::Vec3;
 
-/// What is kept from step to step. With it, the last step's manifolds and the bodies' motions a step can be repeated, to the
-/// bit.
+/// The state that persists from step to step. Together with the manifolds of the last step and the motion of the bodies
+/// it determines the next step to the bit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMemory {
-    /// The last step's bodies, ascending.
+    /// Keys of the bodies of the last step, ascending.
     keys: Vec<u64>,
-    /// What is kept of each.
-    bodies: Vec<BodyMemory>,
+    /// The state of each of them.
+    bodies: Vec<SavedBody>,
     planes: Vec<Plane>,
     gravity: Vec3,
     /// The impulses of the last collision substep.
@@ -24,51 +24,52 @@ pub struct StepMemory {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct BodyMemory {
+struct SavedBody {
     sleep: SleepState,
-    traits: PlacedTraits,
-    /// It was stopped by others that it met.
-    stopped: bool,
+    inputs: PlacedSleepInputs,
+    /// It had an impact in continuous collision detection.
+    had_impact: bool,
 }
 
 impl StepMemory {
-    /// Nothing is kept: the next step begins with bodies that are awake and push nothing.
+    /// Forgets everything: the next step begins with awake bodies and without impulses.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// Finds out which of the solver's bodies, which are those of `input` and awake, go on sleeping, and which of them nothing has
-    /// changed about.
-    pub(super) fn recall(&self, input: &StepInput, moved: &mut SolverBodies, inactive: &mut InactiveBodies) {
+    /// Restores the sleep state of `solver_bodies`, which are the awake bodies of `input`, and finds out which of them
+    /// are unchanged since the last step.
+    pub(super) fn restore(&self, input: &StepInput, solver_bodies: &mut SolverBodies, inactive: &mut InactiveBodies) {
         let StepInput {
             config, bodies, planes, ..
         } = input;
         let all_wake = self.gravity != config.gravity;
-        inactive.flags.resize(moved.len(), false);
+        inactive.flags.resize(solver_bodies.len(), false);
         inactive.numbers.resize(self.keys.len(), GONE);
-        let numbers = remap::numbers_before(self.keys.iter(), &moved.keys[..bodies.len()]);
+        let numbers = remap::previous_numbers(self.keys.iter(), &solver_bodies.keys[..bodies.len()]);
         for (i, before) in numbers.enumerate() {
             let Some(before) = before.map(|number| number as usize) else {
                 continue;
             };
             inactive.numbers[before] = i as u32;
-            let BodyMemory {
+            let SavedBody {
                 mut sleep,
-                traits,
-                stopped,
+                inputs,
+                had_impact,
             } = self.bodies[before];
-            let same = traits == PlacedTraits::of(input, i);
+            let same = inputs == PlacedSleepInputs::of(input, i);
             let params = &bodies.params[i];
             if !params.can_sleep || params.woken && sleep.asleep || sleep.asleep && !same || all_wake {
                 sleep = SleepState::default();
             }
-            moved.sleep[i] = sleep;
-            // What has just met something is looked at as often as others: it will meet it again.
-            moved.bodies[i].continuous &= !stopped;
-            let (motion, forces) = (&moved.motions[i], &moved.forces[i]);
-            let rests = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
+            solver_bodies.sleep[i] = sleep;
+            // A body with a recent impact is likely to have another one with the same body, so it needs collision
+            // substeps too.
+            solver_bodies.bodies[i].continuous &= !had_impact;
+            let (motion, forces) = (&solver_bodies.motions[i], &solver_bodies.forces[i]);
+            let at_rest = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
             inactive.flags[i] =
-                same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && rests && forces.is_zero()));
+                same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && at_rest && forces.is_zero()));
             inactive.has_sleepers |= sleep.asleep;
         }
         let same_planes = self.planes == *planes;
@@ -76,16 +77,16 @@ impl StepMemory {
         remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
     }
 
-    /// Keeps what the next step needs.
-    pub(super) fn keep(&mut self, input: &StepInput, moved: &SolverBodies, stops: &Stops) {
+    /// Saves the state that the next step needs.
+    pub(super) fn save(&mut self, input: &StepInput, solver_bodies: &SolverBodies, ccd: &Ccd) {
         let count = input.bodies.len();
         self.keys.clear();
-        self.keys.extend_from_slice(&moved.keys[..count]);
+        self.keys.extend_from_slice(&solver_bodies.keys[..count]);
         self.bodies.clear();
-        self.bodies.extend((0..count).map(|i| BodyMemory {
-            sleep: moved.sleep[i],
-            traits: PlacedTraits::of(input, i),
-            stopped: stops.has_stopped(i),
+        self.bodies.extend((0..count).map(|i| SavedBody {
+            sleep: solver_bodies.sleep[i],
+            inputs: PlacedSleepInputs::of(input, i),
+            had_impact: ccd.had_impact(i),
         }));
         input.planes.clone_into(&mut self.planes);
         self.gravity = input.config.gravity;

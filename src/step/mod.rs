@@ -1,41 +1,42 @@
-//! The fixed step, from bodies that move to bodies that have collided.
+//! The fixed step: from moving bodies to collided bodies.
 //!
-//! A step is cut into *collision substeps*, in each of which contact points are found and solved. How many there are depends
-//! on how fast bodies move against each other: no surface may pass a thin body between two looks. Only
-//! [`Response::Contacts`](crate::types::settings::Response::Contacts) needs more than one. Each interval runs the stages in order,
-//! and each stage a few parts:
+//! A step is divided into *collision substeps*, and contact points are computed and solved in each of them. Their
+//! number depends on the relative speeds of the bodies, so that no surface passes through a thin body between two
+//! detections. Only [`Response::Contacts`](crate::types::settings::Response::Contacts) uses more than one. Each
+//! collision substep runs the stages in order, and each stage runs a few parts:
 //!
-//! | stage | part | what happens | reads | writes |
+//! | stage | part | what it does | reads | writes |
 //! |---|---|---|---|---|
-//! | [`broad_phase`] | begin (first interval) | sleepers are recognized, intervals are counted, speculative margins are chosen | [`StepInput`], [`StepMemory`] | solver bodies, margins |
-//! | | find sphere pairs | a hashed grid finds bounding spheres that overlap | bounding spheres and how far bodies reach | pairs |
-//! | [`angles`] | find near pairs | support planes separate most of these pairs | pairs, poses, support heights, face tables | near pairs with relative poses |
-//! | [`triangle_test`] | test triangles (first interval) | what is left is tested triangle by triangle | near pairs, triangles | touching pairs, intersecting faces, contacts |
-//! | [`manifolds`] | find contact points (N, C) | vertices, edges and faces that are near each other give points with normals | near pairs, features | manifolds |
-//! | | reuse contact points (C) | sleeping pairs keep the points they had | the last interval's manifolds | manifolds |
-//! | | report contact points (N) | those of touching pairs are reported | manifolds | contacts |
-//! | [`force_scan`] | sum impulses (N, I) | one impulse per contact, summed for each body | contacts | impulses |
-//! | | wake (C) | [`sleep`]: islands that something disturbs wake | manifolds | solver bodies |
-//! | | solve (C) | [`solver`]: substeps of warm start, friction, push and relaxation, then restitution | manifolds, warm start | solver bodies, warm start |
-//! | | note touches (C) | who touched whom, where and how strongly | manifolds, impulses of points | touches |
-//! | | fall asleep (C) | [`sleep`]: islands that rest freeze | manifolds | solver bodies |
-//! | [`integrate`] | apply impulses (N, I) | velocities take gravity and impulses, poses take velocities | impulses | bodies |
-//! | | stop fast bodies (C) | [`ccd`]: they stop where they first meet others | solver bodies, poses before | solver bodies, touches |
-//! | | move bodies (C) | all go where the solver moved them | solver bodies | bodies |
-//! | | report touches (C, last interval) | touches join what the triangle test found | touches | contacts, who sleeps |
-//! | | remember (last interval) | what the next step needs is kept | solver bodies | [`StepMemory`] |
+//! | [`broad_phase`] | begin (first) | restores sleeping bodies, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
+//! | | find sphere pairs | finds overlapping bounding spheres with a hashed grid | bounding spheres and margins | pairs |
+//! | [`angles`] | find near pairs | separates most of these pairs by support planes | pairs, poses, support heights, face tables | near pairs with relative poses |
+//! | [`triangle_test`] | test triangles (first) | tests the remaining pairs triangle by triangle | near pairs, triangles | touching pairs, intersecting faces, contacts |
+//! | [`manifolds`] | find contact points (N, C) | computes points with normals from vertices, edges and faces that are near each other | near pairs, features | manifolds |
+//! | | reuse contact points (C) | keeps the points of sleeping pairs | manifolds of the last collision substep | manifolds |
+//! | | report contact points (N) | reports the points of touching pairs | manifolds | contacts |
+//! | [`force_scan`] | sum impulses (N, I) | computes one impulse per contact and sums them for each body | contacts | impulses |
+//! | | wake (C) | [`sleep`]: wakes islands that something disturbs | manifolds | solver bodies |
+//! | | solve (C) | [`solver`]: substeps with warm start, friction, bias and relaxation, then restitution | manifolds, warm start | solver bodies, warm start |
+//! | | record touches (C) | records which pairs touch, where, and their impulses | manifolds, impulses of points | touches |
+//! | | fall asleep (C) | [`sleep`]: puts islands at rest to sleep | manifolds | solver bodies |
+//! | [`integrate`] | apply impulses (N, I) | velocities change by gravity and impulses, poses by velocities | impulses | bodies |
+//! | | stop fast bodies (C) | [`ccd`]: stops them at their first impact | solver bodies, poses before | solver bodies, touches |
+//! | | move bodies (C) | copies poses and velocities from the solver | solver bodies | bodies |
+//! | | report touches (C, last) | merges the touches with the results of the triangle test | touches | contacts, sleeping bodies |
+//! | | remember (last) | saves what the next step needs | solver bodies | [`StepMemory`] |
 //!
-//! N, I, C: only with the response None, Impulse, Contacts. [`order`] is this table as code, and both backends run it. `step::cpu`
-//! calls one function per part, which lies in the folder of its stage; `step::gpu` records the kernels of that folder.
-//! Continuous collision is the CPU's alone: steps with a body that asks for it run there.
+//! N, I, C: only with the response None, Impulse, Contacts. First, last: only in the first or last collision substep.
+//! [`order`] is this table as code, and both backends run it. `step::cpu` calls one function per part, which is in the
+//! folder of its stage; `step::gpu` records the kernels of that folder. Continuous collision detection exists on the
+//! CPU only: steps with such bodies run there.
 //!
-//! A [`StepState`] owns all data of a step in four parts, and a stage's function takes those that it needs:
-//! * [`StepInput`]: what the caller says; the step moves its bodies.
-//! * [`StepResults`]: what stages find, for later stages and for the caller.
-//! * [`StepMemory`]: what the next step needs of this one.
-//! * [`StepScratch`]: what stages work on, without meaning between steps.
+//! A [`StepState`] owns all data of a step in four structs, and the function of a stage takes those that it needs:
+//! * [`StepInput`]: the caller's input. The step moves its bodies.
+//! * [`StepResults`]: the output of the stages, for later stages and for the caller.
+//! * [`StepMemory`]: what the next step needs from this one.
+//! * [`StepScratch`]: scratch memory, without meaning between steps.
 //!
-//! Stages know nothing of an engine: the plugin copies components in and results out.
+//! Stages do not depend on an engine: the plugin copies components into the input and results out of the output.
 //!
 //! [`broad_phase`]: crate::broad_phase
 //! [`angles`]: crate::angles
@@ -61,15 +62,16 @@ pub use scratch::StepScratch;
 
 use crate::state::{StepInput, StepResults};
 
-/// All data of a step. Keep one from step to step: what it remembers and its memory are used again.
+/// All data of a step. Use the same one for every step of a world, because it has the state that persists and the
+/// allocations.
 #[derive(Default)]
 pub struct StepState {
-    /// What the caller says.
+    /// The caller's input.
     pub input: StepInput,
-    /// What the last step found.
+    /// The results of the last step.
     pub results: StepResults,
-    /// What the next step needs of the last one.
+    /// What the next step needs from the last one.
     pub memory: StepMemory,
-    /// What the CPU's stages work on.
+    /// Scratch memory of the CPU's stages.
     pub scratch: StepScratch,
 }

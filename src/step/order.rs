@@ -1,7 +1,6 @@
 //! The order of a step: its parts, for every [`Response`] and every collision substep. Both backends run this list.
 //!
-//! `step::cpu` calls one function for each part. `step::gpu` records the kernels of each part; a part that the device does
-//! without has none.
+//! `step::cpu` calls one function for each part. `step::gpu` records the kernels of each part; some parts need none.
 
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -9,54 +8,54 @@ use crate::types::stage::Stage;
 /// One part of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
-    /// Takes in the bodies, finds out which of them were in the last step and still sleep, and cuts the step into detection
-    /// intervals.
+    /// Loads the bodies, restores their state from the last step, and chooses the number of collision substeps.
     Begin,
     /// Finds the pairs of bodies whose bounding spheres overlap.
     FindSpherePairs,
-    /// Keeps those that no support plane separates.
+    /// Finds those of these pairs that no support plane separates.
     FindNearPairs,
     /// Tests the triangles of these pairs.
     TestTriangles,
     /// Finds the contact points of pairs that are awake.
     FindContactPoints,
-    /// Adds the contact points that sleeping pairs had in the last interval.
+    /// Reuses the contact points of sleeping pairs from the last collision substep.
     ReuseContactPoints,
-    /// Reports the contact points of pairs that touch. Nothing pushes.
+    /// Reports the contact points of pairs that touch, without impulses.
     ReportContactPoints,
     /// Sums one impulse per contact for each body.
     SumImpulses,
     /// Moves the bodies by these sums.
     ApplyImpulses,
-    /// Wakes islands of bodies that something disturbs.
+    /// Wakes islands that something disturbs.
     Wake,
-    /// Solves the contacts in substeps, in which the solver's bodies move.
+    /// Solves the contacts and moves the solver's bodies.
     Solve,
-    /// Notes which pairs touched in this interval.
-    NoteTouches,
-    /// Freezes islands of bodies that have been at rest for long enough.
+    /// Records which pairs touch in this collision substep.
+    RecordTouches,
+    /// Puts islands to sleep that have been at rest for long enough.
     FallAsleep,
-    /// Stops bodies with continuous collision where they first meet others. Runs on the CPU only: a step with such bodies runs
-    /// there.
+    /// Stops bodies with continuous collision detection at their first impact. Runs on the CPU only: steps with such
+    /// bodies run there.
     StopFastBodies,
-    /// Puts the bodies where the solver moved them.
+    /// Copies the motion of the solver's bodies to the bodies of the step.
     MoveBodies,
-    /// Reports which pairs touched in any interval of the step.
+    /// Reports which pairs touched in any collision substep.
     ReportTouches,
-    /// Keeps what the next step needs.
+    /// Saves the state that the next step needs.
     Remember,
 }
 
-/// Where a collision substep lies in its step. Without [`Response::Contacts`] the only one is the first and the last.
+/// Position of a collision substep in its step. Without [`Response::Contacts`] there is one, which is both the first
+/// and the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Place {
-    /// The step begins with it.
+    /// It is the first of the step.
     pub is_first: bool,
-    /// The step ends with it.
+    /// It is the last of the step.
     pub is_last: bool,
 }
 
-/// Intervals in which a part runs.
+/// The collision substeps in which a part runs.
 #[derive(Clone, Copy)]
 enum When {
     First,
@@ -64,7 +63,7 @@ enum When {
     Last,
 }
 
-/// Responses with which a part runs.
+/// The responses with which a part runs.
 struct With {
     none: bool,
     impulse: bool,
@@ -74,9 +73,9 @@ struct With {
 const ANY: With = with(true, true, true);
 const NONE: With = with(true, false, false);
 const CONTACTS: With = with(false, false, true);
-/// Contact points are found.
+/// Responses that compute contact points.
 const POINTS: With = with(true, false, true);
-/// Bodies move once.
+/// Responses that move the bodies once per step.
 const SIMPLE: With = with(true, true, false);
 
 const fn with(none: bool, impulse: bool, contacts: bool) -> With {
@@ -92,7 +91,7 @@ const ORDER: [(Part, When, With); 17] = [
     (Part::Begin, When::First, ANY),
     (Part::FindSpherePairs, When::All, ANY),
     (Part::FindNearPairs, When::All, ANY),
-    // What it reports is meant for the beginning of the step.
+    // Its results are those at the start of the step.
     (Part::TestTriangles, When::First, ANY),
     (Part::FindContactPoints, When::All, POINTS),
     (Part::ReuseContactPoints, When::All, CONTACTS),
@@ -102,7 +101,7 @@ const ORDER: [(Part, When, With); 17] = [
     (Part::ApplyImpulses, When::All, SIMPLE),
     (Part::Wake, When::All, CONTACTS),
     (Part::Solve, When::All, CONTACTS),
-    (Part::NoteTouches, When::All, CONTACTS),
+    (Part::RecordTouches, When::All, CONTACTS),
     (Part::FallAsleep, When::All, CONTACTS),
     (Part::StopFastBodies, When::All, CONTACTS),
     (Part::MoveBodies, When::All, CONTACTS),
@@ -118,20 +117,20 @@ pub fn parts(response: Response, place: Place) -> impl Iterator<Item = Part> {
         .map(|&(part, ..)| part)
 }
 
-/// Those that belong to one stage.
+/// The parts of one stage in a collision substep, in order.
 pub fn parts_of(stage: Stage, response: Response, place: Place) -> impl Iterator<Item = Part> {
     parts(response, place).filter(move |part| part.stage() == stage)
 }
 
 impl Part {
-    /// The stage in which it runs, and to whose time it counts.
+    /// The stage that runs it and whose time includes it.
     pub fn stage(self) -> Stage {
         match self {
             Self::Begin | Self::FindSpherePairs => Stage::BroadPhase,
             Self::FindNearPairs => Stage::Angles,
             Self::TestTriangles => Stage::TriangleTest,
             Self::FindContactPoints | Self::ReuseContactPoints | Self::ReportContactPoints => Stage::Manifolds,
-            Self::SumImpulses | Self::Wake | Self::Solve | Self::NoteTouches | Self::FallAsleep => Stage::ForceScan,
+            Self::SumImpulses | Self::Wake | Self::Solve | Self::RecordTouches | Self::FallAsleep => Stage::ForceScan,
             Self::ApplyImpulses | Self::StopFastBodies | Self::MoveBodies | Self::ReportTouches | Self::Remember => {
                 Stage::Integrate
             }
@@ -140,7 +139,7 @@ impl Part {
 }
 
 impl Place {
-    /// That of interval `number` of `count`.
+    /// The position of collision substep `number` of `count`.
     pub fn of(number: u32, count: u32) -> Self {
         Self {
             is_first: number == 0,

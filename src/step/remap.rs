@@ -1,12 +1,12 @@
-//! Which body of a step was which in the step before.
+//! Body remap: the numbers of bodies in the last step and in this one.
 //!
-//! Bodies are numbered anew in every step. Keys, in ascending order, tell them from each other; so one walk along both lists
-//! finds who is who. The solver's memory, a device's and the plugin's all use this walk.
+//! Bodies are renumbered in every step, but their keys stay the same. Both lists are in ascending order of keys, so one
+//! merge matches them. [`StepMemory`](super::StepMemory), the GPU's memory and the plugin use it.
 
 use crate::state::inactive::GONE;
 
-/// The number that each of `now` had in the step before, if it was there. Both are ascending.
-pub(crate) fn numbers_before<K: Ord>(
+/// For each key of `now` its number in `before`, if it is there. Both are ascending.
+pub(crate) fn previous_numbers<K: Ord>(
     before: impl IntoIterator<Item = K>,
     now: impl IntoIterator<Item = K>,
 ) -> impl Iterator<Item = Option<u32>> {
@@ -18,10 +18,16 @@ pub(crate) fn numbers_before<K: Ord>(
     })
 }
 
-/// Appends to `numbers`, which say where each old body went, where each of `then` half-spaces went. Half-spaces are numbered
-/// after the bodies; there are `now` of them after `bodies` bodies.
-pub(crate) fn renumber_planes(numbers: &mut Vec<u32>, then: usize, bodies: usize, now: usize) {
-    numbers.extend((0..then).map(|plane| if plane < now { (bodies + plane) as u32 } else { GONE }));
+/// Appends to `numbers`, which are the new numbers of the old bodies, the new numbers of the `old_count` old
+/// half-spaces. Half-spaces are numbered after the bodies; now there are `new_count` of them after `bodies` bodies.
+pub(crate) fn renumber_planes(numbers: &mut Vec<u32>, old_count: usize, bodies: usize, new_count: usize) {
+    numbers.extend((0..old_count).map(|plane| {
+        if plane < new_count {
+            (bodies + plane) as u32
+        } else {
+            GONE
+        }
+    }));
 }
 
 #[cfg(test)]
@@ -29,9 +35,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bodies_that_stay_are_found_whoever_comes_and_goes() {
-        let before =
-            |old: &[u64], now: &[u64]| -> Vec<_> { numbers_before(old.iter().copied(), now.iter().copied()).collect() };
+    fn bodies_keep_their_identity_when_others_are_added_and_removed() {
+        let before = |old: &[u64], now: &[u64]| -> Vec<_> {
+            previous_numbers(old.iter().copied(), now.iter().copied()).collect()
+        };
         assert_eq!(before(&[10, 20, 30], &[10, 20, 30]), [Some(0), Some(1), Some(2)]);
         assert_eq!(
             before(&[10, 20, 30], &[5, 20, 25, 30, 40]),

@@ -1,7 +1,7 @@
-//! Memory that the CPU's stages keep between steps, so that a step like the last one allocates nothing. No result depends on
-//! it.
+//! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. No result
+//! depends on it.
 
-use crate::ccd::stops::Stops;
+use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
 use crate::solver::{Solver, SolverBodies};
@@ -9,21 +9,21 @@ use crate::state::inactive::InactiveBodies;
 use crate::state::margins::SpeculativeMargins;
 use crate::{angles, broad_phase, force_scan, manifolds, triangle_test};
 
-/// What the stages work on within a step.
+/// Scratch memory of the stages.
 #[derive(Default)]
 pub struct StepScratch {
     /// The bodies' keys.
     pub(crate) keys: Vec<u64>,
-    /// The bodies as the solver moves them, and after them the half-spaces.
+    /// The solver's bodies, followed by the half-spaces.
     pub(crate) solver_bodies: SolverBodies,
-    /// Which of them have not changed.
+    /// Which of them are unchanged since the last collision substep.
     pub(crate) inactive: InactiveBodies,
-    /// How far bodies look for each other in this step.
+    /// The speculative margins of this step.
     pub(crate) margins: SpeculativeMargins,
-    /// Who touched whom so far.
+    /// The touching pairs of the step so far.
     pub(crate) touches: Touches,
-    /// Who was stopped so far.
-    pub(crate) stops: Stops,
+    /// Continuous collision detection, with the impacts of the step so far.
+    pub(crate) ccd: Ccd,
     pub(crate) solver: Solver,
     pub(crate) sleeper: Sleeper,
     pub(crate) broad_phase: broad_phase::cpu::Scratch,

@@ -12,7 +12,7 @@ use crate::solver::gpu as solver;
 use crate::solver::gpu::layout::{self, COUNTERS, PAIRS_FOUND, POINTS, POINTS_FOUND, SKIPPED, SLOTS};
 use crate::solver::gpu::record::{record, record_arguments};
 use crate::solver::gpu::{Passes, Room, SolverBuffers, upload};
-use crate::solver::{Interval, SleepState, SolverBodies, SolverMotion};
+use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverMotion};
 use crate::step::gpu::StepError;
 use crate::step::gpu::record::all_modules;
 use crate::types::solver_settings::SolverSettings;
@@ -169,7 +169,7 @@ impl GpuSolver {
     ///
     /// # Errors
     /// If the device cannot hold the lists or fails.
-    pub fn run(&mut self, settings: &SolverSettings, interval: &Interval) -> Result<(), StepError> {
+    pub fn run(&mut self, settings: &SolverSettings, interval: &CollisionSubstep) -> Result<(), StepError> {
         if !self.renumbered {
             let same: Vec<u32> = (0..self.old_bodies).collect();
             self.write(&[(&self.handed.renumbered, cast_slice(&same))])?;
@@ -229,7 +229,7 @@ impl GpuSolver {
     }
 
     /// Sends an interval off, waits, and reads the counters.
-    fn launch(&mut self, settings: &SolverSettings, interval: &Interval) -> Result<Vec<u32>, StepError> {
+    fn launch(&mut self, settings: &SolverSettings, interval: &CollisionSubstep) -> Result<Vec<u32>, StepError> {
         let passes = Passes::new(settings, interval);
         let told = upload::interval(settings, interval, [self.bodies, self.old_bodies], self.lists.sizes);
         let Self {

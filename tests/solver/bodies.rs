@@ -210,7 +210,7 @@ fn input_that_makes_no_sense_is_left_out() {
             pair([cube, odd], u32::MAX, u32::MAX),
             pair([cube, lost], first + 4, 0),
         ]);
-        let interval = bevy_faceoff::solver::Interval {
+        let interval = bevy_faceoff::solver::CollisionSubstep {
             dt: world.dt,
             substeps: 8,
             gravity: world.gravity,
@@ -240,7 +240,7 @@ fn input_that_makes_no_sense_is_left_out() {
 
     let before = world.bodies.motions.clone();
     for dt in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let interval = bevy_faceoff::solver::Interval {
+        let interval = bevy_faceoff::solver::CollisionSubstep {
             dt,
             substeps: 0,
             gravity: world.gravity,

@@ -3,7 +3,7 @@
 use super::shapes::Shape;
 use super::world::{World, check_below};
 use bevy_faceoff::manifolds::ManifoldPoint;
-use bevy_faceoff::solver::Interval;
+use bevy_faceoff::solver::CollisionSubstep;
 use glam::{DQuat, DVec3, Vec3};
 
 const BALL: Shape = Shape::Sphere(0.5);
@@ -93,7 +93,7 @@ fn disputed(approach: bool) -> (World, f64) {
     }
     world.motion(0).center = DVec3::ZERO;
     world.motion(1).center = DVec3::X * 0.97;
-    let interval = Interval {
+    let interval = CollisionSubstep {
         dt: world.dt,
         substeps: 8,
         gravity: Vec3::ZERO,

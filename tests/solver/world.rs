@@ -100,7 +100,7 @@ impl World {
             let detections = self.detections.unwrap_or_else(|| {
                 Speeds::of(&self.bodies, |_| false).collision_substeps(&self.settings, &self.bodies, self.dt)
             });
-            let interval = Interval {
+            let interval = CollisionSubstep {
                 dt: self.dt / detections as f32,
                 substeps: self.settings.substeps_per_collision_substep(detections),
                 gravity: self.gravity,

@@ -59,7 +59,7 @@ pub(crate) const SAME_PLACE: f64 = 1.0e-4;
 /// Offset that separates coinciding bodies, in units of their size,
 pub(crate) const ASIDE: f64 = 1.0e-3;
 /// in a direction that is parallel to no edge of a typical mesh.
-pub(crate) const ANY_WAY: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+pub(crate) const DEFAULT_DIRECTION: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 
 /// The two bodies of a pair. `one_mesh` tells whether they share a mesh.
 pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
@@ -95,7 +95,11 @@ fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
     let same = a.scale == b.scale
         && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
         && a.frame.rotation.abs_diff_eq(b.frame.rotation, SAME_PLACE);
-    if same { ANY_WAY * (ASIDE * size) } else { DVec3::ZERO }
+    if same {
+        DEFAULT_DIRECTION * (ASIDE * size)
+    } else {
+        DVec3::ZERO
+    }
 }
 
 impl Side<'_> {

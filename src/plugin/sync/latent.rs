@@ -41,7 +41,7 @@ impl Latent {
         self.now += 1;
         self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
-        let mut sources = remap::numbers_before(before.iter().map(|&(entity, _)| entity), entities.iter().copied());
+        let mut sources = remap::previous_numbers(before.iter().map(|&(entity, _)| entity), entities.iter().copied());
         let mut bodies = bodies.iter();
         self.carried.clear();
         self.woken.clear();

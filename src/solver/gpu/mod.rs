@@ -27,7 +27,7 @@ pub mod upload;
 pub use buffers::{Room, SolverBuffers};
 pub use record::Passes;
 
-use super::{motion, overlap, pairs, warm_start};
+use super::{body_constants, overlap, restitution, solve, warm_start};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
@@ -62,16 +62,16 @@ const WARM_START_KEEP: Kernel = kernel!("solver/warm_start_keep");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 OPPOSED = overlap::OPPOSED;
-    f32 DISPUTED_DEPTH = overlap::DISPUTED_DEPTH;
-    f32 SETTLED_DEPTH = overlap::SETTLED_DEPTH;
-    vec3 ANY_WAY = overlap::ANY_WAY;
-    f32 LEAST_WAY = overlap::LEAST_WAY;
-    f32 FREE_ANGLE = motion::FREE_ANGLE;
-    f32 MAX_ROUNDS = motion::MAX_ROUNDS;
-    u32 BOUNCE_SWEEPS = pairs::BOUNCE_SWEEPS;
-    f32 REST_PART = pairs::REST_PART;
+    f32 CONFLICT_DEPTH = overlap::CONFLICT_DEPTH;
+    f32 RESOLVED_DEPTH = overlap::RESOLVED_DEPTH;
+    vec3 DEFAULT_DIRECTION = overlap::DEFAULT_DIRECTION;
+    f32 MIN_DIRECTION_LENGTH = overlap::MIN_DIRECTION_LENGTH;
+    f32 FREE_ANGLE = body_constants::FREE_ANGLE;
+    f32 MAX_ROUNDS = body_constants::MAX_ROUNDS;
+    u32 RESTITUTION_SWEEPS = restitution::RESTITUTION_SWEEPS;
+    f32 ACTIVATION_DISTANCE = solve::ACTIVATION_DISTANCE;
     u32 MAX_MATCHED = warm_start::MAX_MATCHED;
-    f32 MAX_GROWTH = warm_start::MAX_GROWTH;
+    f32 MAX_IMPULSE_SCALE = warm_start::MAX_IMPULSE_SCALE;
     f32 COARSE_DIGIT = upload::COARSE_DIGIT;
 });
 

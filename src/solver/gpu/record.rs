@@ -3,7 +3,7 @@
 use super::*;
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::radix_sort::Sort;
-use crate::solver::Interval;
+use crate::solver::CollisionSubstep;
 use crate::types::solver_settings::SolverSettings;
 use layout::*;
 
@@ -20,7 +20,7 @@ pub struct Passes {
 
 impl Passes {
     /// Those of an interval.
-    pub fn new(settings: &SolverSettings, interval: &Interval) -> Self {
+    pub fn new(settings: &SolverSettings, interval: &CollisionSubstep) -> Self {
         Self {
             substeps: interval.substeps.max(1),
             bias: settings.bias_iterations,

@@ -5,7 +5,7 @@ use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
 use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_ROUNDNESS, KINEMATIC, SENSOR, STATIC};
 use crate::manifolds::{Manifold, ManifoldPoint};
 use crate::solver::softness::Softness;
-use crate::solver::{Interval, SleepState, SolverBody, SolverMotion};
+use crate::solver::{CollisionSubstep, SleepState, SolverBody, SolverMotion};
 use crate::types::body::{ExternalForces, RigidBody};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
@@ -20,7 +20,7 @@ pub(super) const COARSE_DIGIT: f64 = 1.0 / (1 << 21) as f64;
 /// What holds for an interval with so many bodies, of which `old_bodies` were there before, and for lists of this room.
 pub fn interval(
     settings: &SolverSettings,
-    interval: &Interval,
+    interval: &CollisionSubstep,
     [bodies, old_bodies]: [u32; 2],
     room: super::Room,
 ) -> layout::Interval {

@@ -1,7 +1,7 @@
 //! Which body of a step was which in the step before.
 
 use crate::gpu::layout::{CARRIED_SLEEP, CONTINUES, WOKEN};
-use crate::sleep::traits::BodyTraits;
+use crate::sleep::inputs::SleepInputs;
 use crate::state::inactive::GONE;
 use crate::state::{Plane, StepInput};
 use crate::step::remap;
@@ -13,7 +13,7 @@ use glam::Vec3;
 pub struct Lineage {
     /// Ascending.
     keys: Vec<u64>,
-    traits: Vec<BodyTraits>,
+    traits: Vec<SleepInputs>,
     planes: Vec<Plane>,
     gravity: Vec3,
 }
@@ -53,14 +53,14 @@ impl Lineage {
         let count = bodies.len();
         let mut keys = Vec::new();
         input.write_keys(&mut keys);
-        let traits: Vec<_> = (0..count).map(|i| BodyTraits::of(input, i)).collect();
+        let traits: Vec<_> = (0..count).map(|i| SleepInputs::of(input, i)).collect();
         let mut descent = Descent {
             bodies: vec![(0, 0); count],
             renumbered: vec![GONE; self.keys.len()],
             new_ground: self.planes != *planes,
         };
         let same_gravity = self.gravity == config.gravity;
-        for (i, before) in remap::numbers_before(&self.keys, &keys).enumerate() {
+        for (i, before) in remap::previous_numbers(&self.keys, &keys).enumerate() {
             let Some(before) = before else { continue };
             descent.renumbered[before as usize] = i as u32;
             let params = &bodies.params[i];

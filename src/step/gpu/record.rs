@@ -121,7 +121,7 @@ impl Recorder<'_> {
                     solver::gpu::record::record(calls, &room.solver(), passes);
                 }
             }
-            Part::NoteTouches => force_scan::gpu::record_touches(calls),
+            Part::RecordTouches => force_scan::gpu::record_touches(calls),
             Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep()),
             // Steps with such bodies run on the CPU.
             Part::StopFastBodies => {}

@@ -6,7 +6,7 @@ use crate::gpu::device::Gpu;
 use crate::sleep::cpu::hash;
 use crate::solver::gpu::{Passes, Room, layout, upload};
 use crate::solver::speeds::Speeds;
-use crate::solver::{Interval, SolverBodies};
+use crate::solver::{CollisionSubstep, SolverBodies};
 use crate::state::StepInput;
 use crate::state::margins::SAFETY;
 use crate::step::gpu::upload::Carried;
@@ -18,7 +18,7 @@ use glam::Vec3;
 /// What the solver is told.
 pub struct SolverInput {
     settings: SolverSettings,
-    interval: Interval,
+    interval: CollisionSubstep,
     /// Into how many intervals the step is cut.
     pub collision_substeps: u32,
     bodies: Vec<layout::SolverBody>,
@@ -81,7 +81,7 @@ impl SolverInput {
                 forces.impulse.length() * body.inverse_mass + turn.length() * body.radius
             })
             .fold(0.0, f32::max);
-        let interval = Interval::of(config, collision_substeps);
+        let interval = CollisionSubstep::of(config, collision_substeps);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let mut arrivals: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k) as u32)).collect();
         if descent.new_ground {

@@ -6,7 +6,7 @@ use super::world::{World, check};
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use bevy_faceoff::solver::gpu::Room;
-use bevy_faceoff::solver::{Interval, SolverBodies, SolverBody};
+use bevy_faceoff::solver::{CollisionSubstep, SolverBodies, SolverBody};
 use bevy_faceoff::step::gpu::StepError;
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
 use bevy_faceoff::types::solver_settings::SolverSettings;
@@ -33,8 +33,8 @@ fn pair(bodies: [usize; 2], first_point: u32, point_count: u32) -> Manifold {
     }
 }
 
-fn interval(world: &World) -> Interval {
-    Interval {
+fn interval(world: &World) -> CollisionSubstep {
+    CollisionSubstep {
         dt: world.dt,
         substeps: 8,
         gravity: world.gravity,
@@ -105,7 +105,7 @@ pub fn bad_input_is_left_out(gpu: &Gpu) {
 
 pub fn nothing_at_all(gpu: &Gpu) {
     let mut solver = GpuSolver::new(gpu).unwrap();
-    let interval = Interval {
+    let interval = CollisionSubstep {
         dt: 0.01,
         substeps: 3,
         gravity: Vec3::NEG_Y,
@@ -148,7 +148,7 @@ pub fn empty_intervals_change_nothing(gpu: &Gpu) {
         (0.01, Vec3::NAN),
         (0.01, Vec3::Y * f32::INFINITY),
     ] {
-        twin.solve(&Interval {
+        twin.solve(&CollisionSubstep {
             dt,
             substeps: 0,
             gravity,

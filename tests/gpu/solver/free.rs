@@ -4,7 +4,7 @@ use super::shapes::Shape;
 use super::twin::{Apart, Twin, all, both, solve_on_cpu};
 use super::world::{World, check};
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::solver::Interval;
+use bevy_faceoff::solver::CollisionSubstep;
 use bevy_faceoff::types::body::{LockedAxes, RigidBody};
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
@@ -134,7 +134,7 @@ pub fn kinematic_and_static_bodies(gpu: &Gpu) {
     let mut twin = Twin::new(gpu, make());
     for _ in 0..64 {
         // Without contacts, and without the sleeper.
-        let interval = Interval {
+        let interval = CollisionSubstep {
             dt: cpu.dt,
             substeps: 8,
             gravity: cpu.gravity,

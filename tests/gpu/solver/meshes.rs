@@ -6,7 +6,7 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::cpu::planes;
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair, cpu};
-use bevy_faceoff::solver::{Interval, Solver, SolverBodies, WarmStart};
+use bevy_faceoff::solver::{CollisionSubstep, Solver, SolverBodies, WarmStart};
 use bevy_faceoff::state::{Body, Plane, StepConfig, StepInput};
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
@@ -107,7 +107,7 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
     let (mut solver, mut warm) = (Solver::default(), WarmStart::default());
     let mut on_device = GpuSolver::new(gpu).unwrap();
     on_device.put_bodies(&other.bodies).unwrap();
-    let interval = Interval {
+    let interval = CollisionSubstep {
         dt: one.state.input.config.dt,
         substeps: settings.substeps,
         gravity: one.state.input.config.gravity,

@@ -5,7 +5,7 @@ use super::twin::{Apart, Twin, all, both, solve_on_cpu};
 use super::world::World;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::ManifoldPoint;
-use bevy_faceoff::solver::Interval;
+use bevy_faceoff::solver::CollisionSubstep;
 use glam::{DQuat, DVec3, Vec3};
 
 const BALL: Shape = Shape::Sphere(0.5);
@@ -76,7 +76,7 @@ pub fn points_that_disagree(gpu: &Gpu) {
             world.motion(1).center = DVec3::X * 0.97;
         }
         twin.put();
-        let interval = Interval {
+        let interval = CollisionSubstep {
             dt: cpu.dt,
             substeps: 8,
             gravity: Vec3::ZERO,

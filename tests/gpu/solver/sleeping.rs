@@ -5,7 +5,7 @@ use super::twin::{Twin, solve_on_cpu};
 use super::world::World;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint};
-use bevy_faceoff::solver::Interval;
+use bevy_faceoff::solver::CollisionSubstep;
 use bevy_faceoff::types::body::{ExternalForces, RigidBody};
 use glam::{DVec3, Vec3};
 
@@ -151,7 +151,7 @@ fn web() -> World {
 pub fn islands_are_those_of_the_cpu(gpu: &Gpu) {
     let mut cpu = web();
     let mut twin = Twin::new(gpu, web());
-    let interval = Interval {
+    let interval = CollisionSubstep {
         dt: cpu.dt,
         substeps: 1,
         gravity: Vec3::ZERO,

@@ -4,7 +4,7 @@ use super::world::World;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::solver::gpu::Room;
 use bevy_faceoff::solver::speeds::Speeds;
-use bevy_faceoff::solver::{Interval, SolverBodies, SolverMotion};
+use bevy_faceoff::solver::{CollisionSubstep, SolverBodies, SolverMotion};
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
 
 pub struct Twin {
@@ -44,7 +44,7 @@ impl Twin {
             let detections = world.detections.unwrap_or_else(|| {
                 Speeds::of(&world.bodies, |_| false).collision_substeps(&world.settings, &world.bodies, world.dt)
             });
-            let interval = Interval {
+            let interval = CollisionSubstep {
                 dt: world.dt / detections as f32,
                 substeps: world.settings.substeps_per_collision_substep(detections),
                 gravity: world.gravity,
@@ -57,7 +57,7 @@ impl Twin {
     }
 
     /// One interval with the manifolds as they are.
-    pub fn solve(&mut self, interval: &Interval) {
+    pub fn solve(&mut self, interval: &CollisionSubstep) {
         self.solver.put_contacts(&self.world.manifolds).unwrap();
         let start = std::time::Instant::now();
         self.solver.run(&self.world.settings, interval).unwrap();
@@ -68,7 +68,7 @@ impl Twin {
 }
 
 /// One interval on the CPU with the manifolds as they are.
-pub fn solve_on_cpu(world: &mut World, interval: &Interval) {
+pub fn solve_on_cpu(world: &mut World, interval: &CollisionSubstep) {
     world.solver.solve(
         &mut world.bodies,
         &world.manifolds,

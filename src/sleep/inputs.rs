@@ -1,15 +1,15 @@
-//! State of a body whose change wakes it, or its neighbours.
+//! The state of a body, other than its motion, whose change wakes the body or its neighbours.
 
 use crate::state::StepInput;
 use crate::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
-/// What a caller decides about a body, but for its motion.
+/// The properties of a body whose change wakes it or its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct BodyTraits {
+pub(crate) struct SleepInputs {
     /// See [`MeshSlot::version`](crate::state::mesh_arena::MeshSlot::version).
     pub mesh: u64,
-    /// The mesh's own centre of mass.
+    /// The centre of mass in the mesh's axes.
     pub center: Vec3,
     pub kind: RigidBody,
     pub scale: Vec3,
@@ -17,15 +17,15 @@ pub(crate) struct BodyTraits {
     pub sensor: bool,
 }
 
-/// The same, and where the body is.
+/// These properties and the pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PlacedTraits {
-    traits: BodyTraits,
+pub(crate) struct PlacedSleepInputs {
+    inputs: SleepInputs,
     position: Vec3,
     rotation: Quat,
 }
 
-impl BodyTraits {
+impl SleepInputs {
     /// Those of body `i`.
     pub fn of(input: &StepInput, i: usize) -> Self {
         let StepInput { bodies, meshes, .. } = input;
@@ -41,11 +41,11 @@ impl BodyTraits {
     }
 }
 
-impl PlacedTraits {
+impl PlacedSleepInputs {
     /// Those of body `i`.
     pub fn of(input: &StepInput, i: usize) -> Self {
         Self {
-            traits: BodyTraits::of(input, i),
+            inputs: SleepInputs::of(input, i),
             position: input.bodies.position[i],
             rotation: input.bodies.rotation[i],
         }

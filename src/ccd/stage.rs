@@ -1,0 +1,177 @@
+//! Continuous collision detection as part of a step: stops fast bodies at their first impact, and finds the sensors on
+//! their paths.
+
+use super::{Impact, ImpactScratch, Pose, SensorScratch, Sweep, find_impacts, find_sensor_touches};
+use crate::solver::SolverBodies;
+use crate::state::manifolds::nearest;
+use crate::state::mesh_arena::MeshArena;
+use crate::state::{Bodies, Contact, Manifolds, Plane, StepConfig};
+use std::f64::consts::TAU;
+
+/// The distance at which bodies are stopped, as a fraction of the gap between bodies at rest. It is smaller than that
+/// gap, so that bodies that slide along each other are not stopped.
+const TARGET_DISTANCE: f32 = 0.25;
+
+/// Impacts of the step so far, and memory that is reused.
+#[derive(Default)]
+pub(crate) struct Ccd {
+    sweeps: Vec<Sweep>,
+    continuous: Vec<bool>,
+    pairs: Vec<[u32; 2]>,
+    impact_scratch: ImpactScratch,
+    /// The impacts of the last collision substep.
+    impacts: Vec<Impact>,
+    /// For each body whether it had an impact in any collision substep of the step.
+    had_impact: Vec<bool>,
+    sensor_pairs: Vec<[u32; 2]>,
+    sensor_scratch: SensorScratch,
+    sensor_touches: Vec<Option<Contact>>,
+}
+
+impl Ccd {
+    /// Clears the impacts, at the beginning of a step.
+    pub fn clear(&mut self) {
+        self.had_impact.clear();
+    }
+
+    /// Whether body `i` had an impact in the step.
+    pub fn had_impact(&self, i: usize) -> bool {
+        self.had_impact.get(i) == Some(&true)
+    }
+
+    /// Moves those of `solver_bodies` that are continuous and have an impact in the collision substep back to the pose
+    /// after it.
+    ///
+    /// `bodies` have the poses from the start of the collision substep, and `manifolds` the contact points. `pairs` are
+    /// the pairs whose paths may cross. Pairs that overlap are left to contacts. Calls `on_sensor_touch` with each pair
+    /// of a sensor and another body, one of them continuous, that touch on their paths, and with the first contact.
+    pub fn run(
+        &mut self,
+        solver_bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        bodies: &Bodies,
+        meshes: &MeshArena,
+        planes: &[Plane],
+        pairs: &[[u32; 2]],
+        collision_substep: &StepConfig,
+        mut on_sensor_touch: impl FnMut([u32; 2], Contact),
+    ) {
+        let Self {
+            sweeps,
+            continuous,
+            pairs: solid_pairs,
+            impact_scratch,
+            impacts,
+            had_impact,
+            sensor_pairs,
+            sensor_scratch,
+            sensor_touches,
+        } = self;
+        impacts.clear();
+        let is_flagged = |i: u32| bodies.params[i as usize].continuous;
+        if !(0..bodies.len() as u32).any(is_flagged) {
+            return;
+        }
+        continuous.clear();
+        continuous
+            .extend((0..bodies.len() as u32).map(|i| is_flagged(i) && solver_bodies.bodies[i as usize].has_mass()));
+        let solid = |&i: &u32| solver_bodies.bodies[i as usize].solid;
+        sensor_pairs.clear();
+        let has_sensor = |pair: &[u32; 2]| !pair.iter().all(solid) && pair.iter().any(|&i| is_flagged(i));
+        sensor_pairs.extend(pairs.iter().copied().filter(has_sensor));
+        solid_pairs.clear();
+        let can_collide = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
+        let target_distance = |pair: [u32; 2]| {
+            let [a, b] = pair.map(|i| bodies.radius[i as usize]);
+            TARGET_DISTANCE * collision_substep.solver.rest_offset * 2.0 * a.min(b)
+        };
+        let overlap = |pair: [u32; 2]| {
+            nearest(manifolds.find(pair, bodies.len() as u32))
+                .is_some_and(|point| point.separation < -target_distance(pair))
+        };
+        solid_pairs.extend(pairs.iter().copied().filter(can_collide).filter(|&pair| !overlap(pair)));
+        if solid_pairs.is_empty() && sensor_pairs.is_empty() {
+            return;
+        }
+        let dt = f64::from(collision_substep.dt);
+        sweeps.clear();
+        sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, solver_bodies, i, dt)));
+        find_impacts(
+            bodies,
+            meshes,
+            planes,
+            sweeps,
+            continuous,
+            solid_pairs,
+            target_distance,
+            impact_scratch,
+            impacts,
+        );
+        find_sensor_touches(
+            bodies,
+            meshes,
+            sweeps,
+            impacts,
+            sensor_pairs,
+            sensor_scratch,
+            sensor_touches,
+        );
+        for (&pair, touch) in sensor_pairs.iter().zip(&*sensor_touches) {
+            if let Some(contact) = *touch {
+                on_sensor_touch(pair, contact);
+            }
+        }
+        for impact in impacts.iter() {
+            let i = impact.body as usize;
+            had_impact.resize(bodies.len(), false);
+            had_impact[i] = true;
+            (solver_bodies.motions[i].center, solver_bodies.motions[i].rotation) =
+                (impact.end.center, impact.end.rotation);
+        }
+        // A body without any motion before its impact has come nearer in each collision substep, because the target
+        // distance is halved. It is moved back to the full distance, so that it can move again.
+        let is_stuck = |i: u32| {
+            let at = impacts.binary_search_by_key(&i, |impact| impact.body);
+            at.is_ok_and(|at| impacts[at].fraction == 0.0)
+        };
+        for &pair in solid_pairs.iter() {
+            let stuck = pair.map(is_stuck);
+            if stuck == [false; 2] {
+                continue;
+            }
+            let Some(point) = nearest(manifolds.find(pair, bodies.len() as u32)) else {
+                continue;
+            };
+            let correction = (target_distance(pair) - point.separation).max(0.0) * point.normal;
+            for (side, offset) in [-correction, correction].into_iter().enumerate() {
+                if stuck[side] {
+                    solver_bodies.motions[pair[side] as usize].center += offset.as_dvec3();
+                }
+            }
+        }
+    }
+}
+
+/// The motion of a body from its pose in `bodies` to that in `solver_bodies`.
+fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize, dt: f64) -> Sweep {
+    let before = Pose {
+        center: bodies.frame[i].center,
+        rotation: bodies.rotation[i].as_dquat().normalize(),
+    };
+    let motion = &solver_bodies.motions[i];
+    let after = Pose {
+        center: motion.center,
+        rotation: motion.rotation,
+    };
+    let sweep = Sweep::between(before, after);
+    // Poses do not determine the number of revolutions. The angular velocity does.
+    let Some(axis) = sweep.turn.try_normalize() else {
+        return sweep;
+    };
+    let angle = motion.angular_velocity.as_dvec3().dot(axis) * dt;
+    let revolutions = ((angle - sweep.turn.length()) / TAU).round();
+    Sweep {
+        turn: sweep.turn + axis * (revolutions * TAU),
+        ..sweep
+    }
+}

@@ -1,0 +1,168 @@
+//! How contact constraints are made from manifolds and from the impulses of the last collision substep.
+
+use super::bodies::SolverBodies;
+use super::constraints::{Pair, Point, Row};
+use super::motion::BodyStates;
+use super::overlap::{self, Overlap};
+use super::warm_start::{PointMatcher, WarmStart};
+use crate::state::{ManifoldPoint, Manifolds};
+use crate::types::material::CombineRule;
+use crate::types::solver_settings::SolverSettings;
+use glam::{DVec3, Vec3, Vec3A};
+
+/// Input for the constraints of a collision substep.
+pub(super) struct Source<'a> {
+    pub bodies: &'a SolverBodies,
+    pub states: &'a BodyStates,
+    pub manifolds: &'a Manifolds,
+    pub warm: &'a WarmStart,
+    pub settings: &'a SolverSettings,
+    /// See [`WarmStart::impulse_scale`].
+    pub impulse_scale: f32,
+    /// Length of the collision substep, seconds.
+    pub dt: f32,
+}
+
+impl Source<'_> {
+    /// Makes the constraint of one pair. Invalid pairs stay frozen, and invalid points have no effect.
+    pub fn fill(&self, pair: &mut Pair, points: &mut [Point]) {
+        let [a, b] = pair.bodies.map(|i| i as usize);
+        let (count, settings) = (self.bodies.len(), self.settings);
+        pair.frozen = true;
+        if a >= count || b >= count || a == b || points.is_empty() {
+            return;
+        }
+        let bodies = [&self.bodies.bodies[a], &self.bodies.bodies[b]];
+        let motions = [&self.bodies.motions[a], &self.bodies.motions[b]];
+        if !motions.iter().all(|m| m.is_finite()) || !bodies.iter().all(|body| body.solid) {
+            return;
+        }
+        let movable = self.states.has_mass(a) || self.states.has_mass(b);
+        pair.frozen = !movable;
+        let diameter = diameter(bodies[0].radius, bodies[1].radius);
+        pair.rest_offset = settings.rest_offset * diameter;
+        pair.friction = CombineRule::combine(bodies.map(|e| e.friction_combine), bodies.map(|e| e.friction));
+        pair.restitution =
+            CombineRule::combine(bodies.map(|e| e.restitution_combine), bodies.map(|e| e.restitution)).min(1.0);
+
+        let center_offset = motions[1].center - motions[0].center;
+        let surface_speeds = [0, 1].map(|side| motions[side].angular_velocity.length() * bodies[side].radius);
+        let first = pair.first as usize;
+        let manifold = &self.manifolds.points[first..first + points.len()];
+        let last = self.warm.find([self.bodies.keys[a], self.bodies.keys[b]]);
+        let motion = overlap::RelativeMotion {
+            center_offset: center_offset.as_vec3(),
+            approach: (motions[0].linear_velocity - motions[1].linear_velocity) * self.dt,
+            angular_travel: (surface_speeds[0] + surface_speeds[1]) * self.dt,
+            has_mass: [a, b].map(|i| self.states.has_mass(i)),
+        };
+        let overlap = overlap::classify(manifold, last.as_ref(), diameter, &motion, settings);
+        pair.depenetrating = false;
+        pair.separating_direction = Vec3::ZERO;
+        match overlap {
+            Overlap::Deep(normal) if movable => {
+                pair.depenetrating = true;
+                points.fill(Point::NONE);
+                let deepest = manifold.iter().map(|p| p.separation).fold(0.0, f32::min);
+                points[0] = depenetration_point(normal, deepest - pair.rest_offset);
+                return;
+            }
+            Overlap::Conflicting(direction) => pair.separating_direction = direction,
+            _ => {}
+        }
+        let mut matcher = PointMatcher::new(
+            last.as_ref(),
+            [a, b].map(|i| self.states.initial_rotation(i)),
+            settings,
+            diameter,
+            self.impulse_scale,
+        );
+        for (point, manifold) in points.iter_mut().zip(manifold) {
+            let conflicts = manifold.separation < 0.0 && manifold.normal.dot(pair.separating_direction) < 0.0;
+            *point = if conflicts {
+                Point::NONE
+            } else {
+                contact_point(manifold, center_offset, pair.rest_offset)
+            };
+            if point.valid
+                && let Some((impulse, friction)) = matcher.find(manifold)
+            {
+                point.normal_impulse = impulse;
+                // This impulse belongs to the last collision substep, so it does not count in this one's total.
+                point.total_normal_impulse = -impulse;
+                point.friction_impulse = [1, 2].map(|i| point.rows[i].direction.dot(friction.into()));
+            }
+        }
+    }
+}
+
+/// The constraint point of a manifold's point; [`Point::NONE`] if its numbers are invalid.
+fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, rest_offset: f32) -> Point {
+    let valid = manifold.normal.is_normalized()
+        && manifold.separation.is_finite()
+        && manifold.normal_rotation.is_finite()
+        && manifold.anchors.iter().all(|anchor| anchor.is_finite());
+    if !valid {
+        return Point::NONE;
+    }
+    let [a, b] = manifold.anchors;
+    let outward = [manifold.normal, -manifold.normal];
+    let curvature_centers = [0, 1].map(|side| {
+        let (anchor, radius) = (manifold.anchors[side], manifold.curvature_radii[side]);
+        // No deeper than the centre of mass. For a ball that is exactly its centre of curvature.
+        let max_depth = anchor.dot(outward[side]).max(0.0);
+        let depth = if radius < f32::INFINITY {
+            radius.min(max_depth)
+        } else {
+            0.0
+        };
+        Vec3A::from(anchor - depth * outward[side])
+    });
+    Point {
+        anchors: manifold.anchors.map(Vec3A::from),
+        curvature_centers,
+        contact_fraction: contact_fraction(manifold.curvature_radii),
+        anchor_offset: (center_offset + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
+        initial_normal: manifold.normal.into(),
+        normal_rotation: manifold.normal_rotation,
+        rows: Row::frame(manifold.normal),
+        initial_separation: manifold.separation - rest_offset,
+        valid: true,
+        ..Point::NONE
+    }
+}
+
+/// The only active point of a pair in deep penetration. Its impulses act at the centres of mass.
+fn depenetration_point(normal: Vec3, separation: f32) -> Point {
+    Point {
+        rows: Row::frame(normal),
+        initial_separation: separation,
+        valid: true,
+        ..Point::NONE
+    }
+}
+
+/// Where impulses act between the two anchors, by the radii of curvature: on the sharper body, which is 0 for the first
+/// and 1 for the second.
+fn contact_fraction([a, b]: [f32; 2]) -> f32 {
+    let fraction = a / (a + b);
+    if fraction.is_finite() {
+        fraction
+    } else if a.is_infinite() && !b.is_infinite() {
+        1.0
+    } else if b.is_infinite() && !a.is_infinite() {
+        0.0
+    } else {
+        0.5
+    }
+}
+
+/// The smaller bounding diameter; 0 if neither is a positive, finite number.
+fn diameter(a: f32, b: f32) -> f32 {
+    let smaller = 2.0 * a.min(b);
+    if smaller > 0.0 && smaller.is_finite() {
+        smaller
+    } else {
+        0.0
+    }
+}
