@@ -8,7 +8,7 @@ use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
 use bevy_faceoff::gpu::scan;
 use bevy_faceoff::gpu::shader::{self, Shaders, Value};
 use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
-use bevy_faceoff::solver::Interval;
+use bevy_faceoff::solver::CollisionSubstep;
 use bevy_faceoff::solver::gpu::{self as solver, Passes, SolverBuffers};
 use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
 use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
@@ -250,7 +250,7 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
                 sleeping,
                 ..SolverSettings::default()
             };
-            let interval = Interval {
+            let interval = CollisionSubstep {
                 dt: 0.01,
                 substeps: 3,
                 gravity: Vec3::ZERO,
