@@ -122,7 +122,7 @@ pub(crate) fn solve(
 }
 
 /// Puts islands to sleep that have been at rest for long enough, after a collision substep of `dt` seconds. Bodies that
-/// woke in it are no longer still.
+/// woke in it become active.
 pub(crate) fn fall_asleep(
     settings: &SolverSettings,
     dt: f32,

@@ -69,7 +69,7 @@ fn run_part(part: Part, step: &mut StepState) {
         scratch,
     } = step;
     let config = input.config;
-    let planes_from = input.bodies.len() as u32;
+    let first_plane = input.bodies.len() as u32;
     let substep_config = config.per_collision_substep(results.collision_substeps);
     match part {
         Part::Begin => begin(input, memory, results, scratch),
@@ -110,14 +110,14 @@ fn run_part(part: Part, step: &mut StepState) {
         Part::ReuseContactPoints => {
             manifolds::step::reuse(
                 &scratch.inactive,
-                planes_from,
+                first_plane,
                 &mut scratch.manifolds,
                 &mut results.manifolds,
             );
         }
         Part::ReportContactPoints => {
             let center_of = |body: u32| input.bodies.center[body as usize];
-            report_points(&results.manifolds, planes_from, &mut results.contacts, center_of);
+            report_points(&results.manifolds, first_plane, &mut results.contacts, center_of);
         }
         Part::SumImpulses => force_scan::cpu::sum_impulses(
             &config,
@@ -179,7 +179,7 @@ fn run_part(part: Part, step: &mut StepState) {
         Part::ReportTouches => {
             let sleep = &scratch.solver_bodies.sleep[..input.bodies.len()];
             results.asleep.extend(sleep.iter().map(|sleep| sleep.asleep));
-            scratch.touches.report(planes_from, &mut results.contacts);
+            scratch.touches.report(first_plane, &mut results.contacts);
         }
         Part::Remember if config.response == Response::Contacts => {
             memory.save(input, &scratch.solver_bodies, &scratch.ccd);
