@@ -18,7 +18,6 @@ pub mod mesh_features;
 pub mod program;
 pub mod radix_sort;
 pub mod readback;
-pub mod run_once;
 pub mod scan;
 pub mod shader;
 pub mod timer;

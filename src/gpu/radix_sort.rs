@@ -1,10 +1,8 @@
 //! Stable sort of words with a value each, eight bits at a time: count digits per block, scan the counts, move. Five
 //! dispatches a digit.
 
-use super::device::Gpu;
 use super::kernel::{Kernel, kernel};
 use super::program::{Calls, Groups};
-use super::run_once::RunOnce;
 use super::scan::{self, Length, Scan};
 
 /// Keys that one workgroup moves.
@@ -75,43 +73,4 @@ impl Sort {
 /// Workgroups for the scan of the digits of so many keys.
 pub fn digit_groups(keys: u32) -> u32 {
     (DIGITS * keys.div_ceil(BLOCK)).div_ceil(scan::BLOCK)
-}
-
-/// Sorts `keys` of `bits` bits on its own; tells the sorted keys, and where each was.
-///
-/// # Errors
-/// What the device says.
-pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32) -> Result<(Vec<u32>, Vec<u32>), String> {
-    let run = RunOnce::new(gpu, [&scan::SUMS, &scan::SPINE, &scan::APPLY, &COUNT, &MOVE])?;
-    let length = keys.len() as u32;
-    let blocks = length.div_ceil(BLOCK);
-    let counters = run.buffer(&[length]);
-    let values: Vec<u32> = (0..length).collect();
-    let input = [run.buffer(keys), run.buffer(&values)];
-    let scratch = [run.buffer(&vec![0; keys.len()]), run.buffer(&vec![0; keys.len()])];
-    let digits = run.buffer(&vec![0; (DIGITS * blocks) as usize + 1]);
-    let sums = run.buffer(&vec![0; digit_groups(length) as usize + 1]);
-    let sort = Sort {
-        counters: "counters",
-        input: ["keys", "values"],
-        scratch: ["other_keys", "other_values"],
-        digits: "digits",
-        sums: "sums",
-    };
-    let sets = [
-        ("counters", &counters),
-        ("keys", &input[0]),
-        ("values", &input[1]),
-        ("other_keys", &scratch[0]),
-        ("other_values", &scratch[1]),
-        ("digits", &digits),
-        ("sums", &sums),
-    ];
-    let mut result = sort.input;
-    run.program(&sets, |calls| {
-        let groups = [Groups::Exactly(blocks), Groups::Exactly(digit_groups(length))];
-        result = sort.record(calls, 0, bits, groups);
-    })?;
-    let [keys_out, values_out] = if result == sort.input { &input } else { &scratch };
-    Ok((run.read(keys_out, keys.len())?, run.read(values_out, keys.len())?))
 }

@@ -1,10 +1,8 @@
 //! Exclusive scan of words on the device: block sums, scan of the sums, apply. Three dispatches, no look-back, since WGSL
 //! promises no progress between workgroups.
 
-use super::device::Gpu;
 use super::kernel::{Kernel, kernel};
 use super::program::{Calls, Groups};
-use super::run_once::RunOnce;
 
 /// Values that one workgroup scans.
 pub const BLOCK: u32 = 1024;
@@ -53,28 +51,4 @@ impl Scan {
             }
         }
     }
-}
-
-/// Scans `values` on its own: the sums before each value, and the total.
-///
-/// # Errors
-/// What the device says.
-pub fn exclusive(gpu: &Gpu, values: &[u32]) -> Result<(Vec<u32>, u32), String> {
-    let run = RunOnce::new(gpu, [&SUMS, &SPINE, &APPLY])?;
-    let length = values.len() as u32;
-    let counters = run.buffer(&[length, 0]);
-    let array = run.buffer(values);
-    let sums = run.buffer(&vec![0; length.div_ceil(BLOCK) as usize + 1]);
-    let sets = [("counters", &counters), ("values", &array), ("sums", &sums)];
-    run.program(&sets, |calls| {
-        let scan = Scan {
-            counters: "counters",
-            values: "values",
-            sums: "sums",
-        };
-        let groups = Groups::Exactly(length.div_ceil(BLOCK));
-        scan.record(calls, 0, Length::Counter, Some(1), groups);
-    })?;
-    let total = run.read(&counters, 2)?[1];
-    Ok((run.read(&array, values.len())?, total))
 }

@@ -4,5 +4,7 @@
 #[cfg(feature = "gpu")]
 pub mod gpu_manifolds;
 #[cfg(feature = "gpu")]
+pub mod gpu_primitives;
+#[cfg(feature = "gpu")]
 pub mod gpu_solver;
 pub mod scenes;

@@ -45,7 +45,7 @@ use crate::types::stage::Stage;
 use contact_programs::ContactPrograms;
 use flight::Flight;
 use lineage::Lineage;
-use record::all_modules;
+use record::{all_modules, impulse_calls, impulse_program};
 use results::{Detail, Output};
 use solver_input::Told;
 use std::collections::VecDeque;
@@ -121,10 +121,10 @@ impl GpuStep {
     /// If the device cannot run the stages.
     pub fn with_room(gpu: Gpu, sizes: Sizes) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
-            let calls = room::impulse_calls(&sizes);
+            let calls = impulse_calls(&sizes);
             let kernels = Kernels::new(&gpu, all_modules(), calls.iter().map(|call| call.kernel))?;
             let buffers = Buffers::new(&gpu, sizes).map_err(|error| error.to_string())?;
-            let program = room::impulse_program(&gpu, &kernels, &buffers);
+            let program = impulse_program(&gpu, &kernels, &buffers);
             let timer = Timer::new(&gpu);
             Ok((kernels, buffers, program, timer))
         });

@@ -1,10 +1,11 @@
 //! What each part of a step does on the device: its kernels, in the order of [`order`](crate::step::order).
 
 use super::buffers::StepCapacity;
-use crate::gpu::buffers::Sizes;
-use crate::gpu::kernel::{Kernel, kernel};
+use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::device::Gpu;
+use crate::gpu::kernel::{Kernel, Kernels, kernel};
 use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING};
-use crate::gpu::program::{Calls, Groups};
+use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
 use crate::solver::gpu::Passes;
 use crate::solver::gpu::layout::{COUNTERS, KeptPair, KeptPoint, PAIRS, POINTS};
@@ -147,6 +148,22 @@ impl Recorder<'_> {
     fn may_sleep(&self) -> bool {
         self.passes.is_some_and(|passes| passes.sleeping)
     }
+}
+
+/// The calls of a step with [`Response::Impulse`].
+pub fn impulse_calls(sizes: &Sizes) -> Calls {
+    let recorder = Recorder {
+        response: Response::Impulse,
+        sizes,
+        room: None,
+        passes: None,
+    };
+    recorder.calls(&Stage::ALL, Place::of(0, 1))
+}
+
+/// The same, with their buffers.
+pub fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
+    Program::new(gpu, kernels, &impulse_calls(&buffers.sizes), &[buffers])
 }
 
 /// Puts contact points in order, and finds out whether all lists so far sufficed.

@@ -2,18 +2,12 @@
 
 use super::buffers::StepCapacity;
 use super::contact_programs::{ContactPrograms, START};
-use super::record::{Recorder, all_kernels, all_modules};
+use super::record::{all_kernels, all_modules, impulse_program};
 use super::{GpuStep, StepError};
 use crate::gpu::arena::Change;
 use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
-use crate::gpu::device::Gpu;
-use crate::gpu::kernel::Kernels;
 use crate::gpu::layout;
-use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::scoped;
-use crate::step::order::Place;
-use crate::types::settings::Response;
-use crate::types::stage::Stage;
 
 impl GpuStep {
     /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
@@ -116,20 +110,4 @@ impl GpuStep {
         })
         .map_err(StepError::Device)
     }
-}
-
-/// The calls of a step with [`Response::Impulse`].
-pub(super) fn impulse_calls(sizes: &Sizes) -> Calls {
-    let recorder = Recorder {
-        response: Response::Impulse,
-        sizes,
-        room: None,
-        passes: None,
-    };
-    recorder.calls(&Stage::ALL, Place::of(0, 1))
-}
-
-/// The same, with their buffers.
-pub(super) fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
-    Program::new(gpu, kernels, &impulse_calls(&buffers.sizes), &[buffers])
 }

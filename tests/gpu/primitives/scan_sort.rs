@@ -1,7 +1,7 @@
 //! Scan and sort on the device against the standard library's.
 
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::{radix_sort, scan};
+use bevy_faceoff::testing::gpu_primitives::{exclusive_scan, sort};
 
 /// Around the workgroup, the block of a scan and that of a sort; several rounds of a scan's second pass.
 const SIZES: [usize; 15] = [
@@ -14,7 +14,7 @@ fn random(count: usize, bits: u32, seed: u64) -> Vec<u32> {
 }
 
 fn check_scan(gpu: &Gpu, values: &[u32]) {
-    let (before, total) = scan::exclusive(gpu, values).unwrap();
+    let (before, total) = exclusive_scan(gpu, values).unwrap();
     let mut sum = 0u64;
     let expected = values.iter().map(|value| {
         let before = sum as u32;
@@ -58,7 +58,7 @@ pub fn a_total_beyond_a_word_is_the_largest(gpu: &Gpu) {
 
 /// Where each key was tells whether equal ones kept their order: the sort's values are the keys' places.
 fn check_sort(gpu: &Gpu, keys: &[u32], bits: u32, what: &str) {
-    let (sorted, from) = radix_sort::sort(gpu, keys, bits).unwrap();
+    let (sorted, from) = sort(gpu, keys, bits).unwrap();
     let mut expected: Vec<(u32, u32)> = keys.iter().copied().zip(0..).collect();
     expected.sort_by_key(|&(key, _)| key);
     let wrong = (0..keys.len()).find(|&i| expected[i] != (sorted[i], from[i]));
