@@ -12,6 +12,7 @@
 pub use crate::plugin::renderer::recover_from_device_loss;
 
 use crate::plugin::settings::{Backend, Readback};
+#[cfg(feature = "gpu")]
 use crate::state::StepInput;
 use crate::step::StepState;
 use crate::types::stage::Stage;

@@ -6,16 +6,16 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`upload`], [`solver_input`] | what a step is told |
-//! | [`lineage`] | which body of a step was which in the step before |
-//! | [`record`] | the kernels of each part of a step, in the order of [`order`](crate::step::order) |
-//! | [`buffers`], [`contact_programs`] | what only steps with contact points have |
-//! | [`submit`] | sends a step off |
-//! | [`flight`] | a step whose results are on their way |
-//! | [`overflow`] | lists that turn out to be too short |
-//! | [`room`] | makes buffers |
-//! | [`results`] | what comes of a step |
-//! | [`memory`] | what outlives it, for snapshots |
+//! | `upload`, `solver_input` | what a step is told |
+//! | `lineage` | which body of a step was which in the step before |
+//! | `record` | the kernels of each part of a step, in the order of `order`(crate::step::order) |
+//! | `buffers`, `contact_programs` | what only steps with contact points have |
+//! | `submit` | sends a step off |
+//! | `flight` | a step whose results are on their way |
+//! | `overflow` | lists that turn out to be too short |
+//! | `room` | makes buffers |
+//! | `results` | what comes of a step |
+//! | `memory` | what outlives it, for snapshots |
 
 pub mod buffers;
 mod contact_programs;
