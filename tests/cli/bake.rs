@@ -305,9 +305,9 @@ fn what_is_no_file_is_refused_and_not_waited_for() {
         &["check", "scene.ron"],
         &["simulate", "--shape", "pipe.obj"],
     ] {
-        folder.bad(arguments, &[".obj", "no file but"]);
+        folder.bad(arguments, &[".obj", "give the path of a mesh file"]);
     }
-    folder.bad(&["check", "/dev/zero"], &["/dev/zero", "no scene"]);
+    folder.bad(&["check", "/dev/zero"], &["/dev/zero", "not a scene"]);
 }
 
 #[test]
