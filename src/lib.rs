@@ -111,12 +111,14 @@ pub mod prelude {
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;
+    pub use crate::state::{BodyFault, Contact, ContactPoint, FacePair, ManifoldPoint};
     pub use crate::types::body::{
         AngularVelocity, CenterOfMass, CollisionLayers, ExternalForces, LinearVelocity, LockedAxes, RigidBody, Sleeping,
     };
     pub use crate::types::material::{CombineRule, Friction, Restitution};
     pub use crate::types::settings::{Culling, Response};
     pub use crate::types::solver_settings::SolverSettings;
+    pub use crate::types::stage::Stage;
 }
 
 /// Runs the programs of the README as tests.

@@ -89,7 +89,9 @@ pub struct MaxAngularSpeed(pub f32);
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)). On a sensor or a kinematic body the
 ///   component has only this effect.
 /// * Planes do not need it: no body passes through them.
-/// * There is no CCD on the GPU. While a body in the world has this component, steps run on the CPU.
+/// * There is no CCD on the GPU. While a body in the world has this component, steps run on the CPU. Where the stages run on a
+///   GPU, that change wakes all sleeping bodies and forgets warm starting impulses, both when the first such body appears and
+///   when the last one goes.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct ContinuousCollision;
