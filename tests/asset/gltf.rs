@@ -302,7 +302,7 @@ fn buffers_in_other_files() {
     }
     for (uri, expected) in [
         ("missing.bin", "missing.bin"),
-        ("sub", "no file"),
+        ("sub", "it is a folder"),
         ("", "is not the path of a file"),
         ("..", "is not the path of a file"),
         ("/etc/passwd", "is not a relative path"),
