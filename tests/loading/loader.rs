@@ -261,7 +261,7 @@ fn broken_files_fail_by_name_and_the_app_goes_on() {
         ("broken.bake.ron", vec!["broken.bake.ron", "bad.obj", "line 1"]),
         ("outside.bake.ron", vec!["outside.bake.ron", "outside the asset folder"]),
         ("source.bake.ron", vec!["source.bake.ron", "nowhere"]),
-        ("loop.bake.ron", vec!["loop.bake.ron", "no mesh file"]),
+        ("loop.bake.ron", vec!["loop.bake.ron", "not a mesh file"]),
         (
             "root.bake.ron",
             vec!["root.bake.ron", "\"/good.obj\"", "relative to the recipe"],
