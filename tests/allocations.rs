@@ -115,7 +115,8 @@ fn contacts() {
     let (mut worker, mut memory) = (ContactWorker::new(), PairMemory::default());
     let (mut all, mut few) = (Vec::new(), Vec::new());
     let mut round = || {
-        (all.clear(), few.clear());
+        all.clear();
+        few.clear();
         for pair in poses.chunks(2) {
             let [a, b] = [0, 1].map(|i| place(&pair[i]));
             worker.points(&a, &b, 0.02, &mut all);

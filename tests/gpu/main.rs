@@ -31,7 +31,7 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::backend", apps::backend::TESTS),
             #[cfg(feature = "bevy")]
-            ("apps::contacts", apps::contacts::TESTS),
+            ("apps::with_contacts", apps::with_contacts::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::readback", apps::readback::TESTS),
             #[cfg(feature = "bevy")]

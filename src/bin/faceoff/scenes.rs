@@ -132,7 +132,7 @@ fn framing(center: Vec3, side: f32) -> Framing {
 /// Spawns the bodies of a scene in their order.
 fn spawn_all(world: &mut World, scene: &Scene) -> Vec<Entity> {
     let mut meshes: HashMap<Shape, MeshCollider> = HashMap::new();
-    let mut spawn = |body: &Body| {
+    let spawn = |body: &Body| {
         let collider = meshes.entry(body.shape).or_insert_with(|| {
             let mut assets = world.resource_mut::<Assets<CollisionMesh>>();
             MeshCollider(assets.add(body.shape.mesh().clone()))
@@ -155,7 +155,7 @@ fn spawn_all(world: &mut World, scene: &Scene) -> Vec<Entity> {
             ))
             .id()
     };
-    scene.bodies.iter().map(|body| spawn(body)).collect()
+    scene.bodies.iter().map(spawn).collect()
 }
 
 /// The paper's box.

@@ -1,6 +1,6 @@
 //! Apps whose stages run on a GPU.
 
 pub mod backend;
-pub mod contacts;
 pub mod readback;
+pub mod with_contacts;
 pub mod writes;
