@@ -1,13 +1,16 @@
 //! The harness of tests that need a graphics card, real or emulated on the CPU as by Mesa's lavapipe.
 //!
-//! Without one every test is reported as *ignored*, with the reason. With `FACEOFF_REQUIRE_GPU=1` it fails instead, so
-//! that a machine that should have one cannot skip the tests unnoticed. The device is opened once. Tests run one after
-//! the other unless configured otherwise: lavapipe uses all cores for each.
+//! Without one every test is reported as *ignored*, or fails where one is required: see `no_device.rs`. The device is
+//! opened once. Tests run one after the other unless configured otherwise: lavapipe uses all cores for each.
 
 #![allow(dead_code)]
 
+#[path = "no_device.rs"]
+mod no_device;
+
 use bevy_faceoff::gpu::device::{self, Gpu, NoGpu};
-use libtest_mimic::{Arguments, Completion, Failed, Trial};
+use libtest_mimic::{Arguments, Completion, Trial};
+use no_device::ignored_or_failed;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -22,7 +25,6 @@ pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
     let mut arguments = Arguments::from_args();
     arguments.test_threads = arguments.test_threads.or(Some(1));
     let device: Arc<OnceLock<Result<Gpu, NoGpu>>> = Arc::default();
-    let required = std::env::var_os("FACEOFF_REQUIRE_GPU").is_some_and(|value| value != "0");
     let mut trials = Vec::new();
     for (group, tests) in anywhere {
         trials.extend(tests.iter().map(|&(name, test)| {
@@ -42,8 +44,7 @@ pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
                     print!("{:.1} s ", start.elapsed().as_secs_f32());
                     Ok(Completion::Completed)
                 }
-                Err(reason) if required => Err(Failed::from(reason.to_string())),
-                Err(reason) => Ok(Completion::ignored_with(reason)),
+                Err(reason) => ignored_or_failed(reason),
             })
         }));
     }

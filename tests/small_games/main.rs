@@ -43,13 +43,15 @@ mod driven_stack;
 mod elastic_box;
 mod game;
 mod heavy_on_light;
+#[path = "../common/no_device.rs"]
+mod no_device;
 mod player;
 mod sheet;
 mod spinning_coin;
 mod turntable;
 
 use bevy_faceoff::prelude::*;
-use libtest_mimic::{Arguments, Completion, Failed, Trial};
+use libtest_mimic::{Arguments, Completion, Trial};
 use std::sync::OnceLock;
 
 /// A game as a test.
@@ -140,10 +142,9 @@ impl Play {
             if let Some(today) = ignored {
                 return Ok(Completion::ignored_with(today));
             }
-            let missing = (self.backend == Backend::Gpu).then(no_device).flatten();
+            let missing = (self.backend == Backend::Gpu).then(why_no_device).flatten();
             match missing {
-                Some(reason) if device_is_required() => Err(Failed::from(reason)),
-                Some(reason) => Ok(Completion::ignored_with(reason)),
+                Some(reason) => no_device::ignored_or_failed(reason),
                 None => {
                     (self.play)(self.backend);
                     Ok(Completion::Completed)
@@ -154,13 +155,8 @@ impl Play {
     }
 }
 
-/// Whether tests that find no device fail instead of being ignored.
-fn device_is_required() -> bool {
-    std::env::var_os("FACEOFF_REQUIRE_GPU").is_some_and(|value| value != "0")
-}
-
 /// Why there is no device, if there is none.
-fn no_device() -> Option<&'static str> {
+fn why_no_device() -> Option<&'static str> {
     static REASON: OnceLock<Option<String>> = OnceLock::new();
     let reason = REASON.get_or_init(|| match game::Game::new(Backend::Gpu).backend() {
         ActiveBackend::None { reason } => Some(reason),
