@@ -3,7 +3,7 @@
 #import faceoff::arena::{meshes, words, support}
 #import faceoff::constants::angles::AXES
 #import faceoff::dispatch::group_index
-#import faceoff::margins::margin_of
+#import faceoff::margins::speculative_margin
 #import faceoff::math::{angle_of, compose, conjugate, direction, matrix, norm1, rotate}
 #import faceoff::types as t
 
@@ -48,12 +48,12 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     let back = conjugate(a.rotation);
     let rotation = matrix(compose(back, b.rotation));
     // The difference of two positions is rounded once, however far away they are.
-    let arm_a = rotate(a.rotation, a.scale * mesh_a.center);
-    let arm_b = rotate(b.rotation, b.scale * mesh_b.center);
-    let apart = rotate(back, ((b.position - a.position) + (arm_b - arm_a)) * unit);
-    let error = PLACING_ERROR + 1.0e-6 * unit * (norm1(arm_a) + norm1(arm_b));
+    let anchor_a = rotate(a.rotation, a.scale * mesh_a.center);
+    let anchor_b = rotate(b.rotation, b.scale * mesh_b.center);
+    let apart = rotate(back, ((b.position - a.position) + (anchor_b - anchor_a)) * unit);
+    let error = PLACING_ERROR + 1.0e-6 * unit * (norm1(anchor_a) + norm1(anchor_b));
     let pad = 2.0 * error;
-    let margin = unit * margin_of(step, a, b);
+    let margin = unit * speculative_margin(step, a, b);
 
     var best: t::NearPair;
     best.a = bodies_of_pair.x;
@@ -110,9 +110,9 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
 
     // Below a distance of `pad` the direction between the centres is rounding, or none.
     if dot(apart, apart) > pad * pad {
-        let turned = apart * rotation;
+        let local = apart * rotation;
         best.view_a = view(a, mesh_a, apart, true);
-        best.view_b = view(b, mesh_b, -turned, false);
+        best.view_b = view(b, mesh_b, -local, false);
     }
     return best;
 }
@@ -121,8 +121,8 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
 fn view(body: t::Body, mesh: t::Mesh, to_other: vec3<f32>, first: bool) -> u32 {
     let culling = body.flags & t::CULLING_MASK;
     let orientation = mesh.flags & t::ORIENTATION_MASK;
-    if culling == t::CULLING_FACES && mesh.turn != 0u {
-        return t::VIEW_GROUP + words[mesh.directions + direction_index(mesh.turn, to_other / body.scale)];
+    if culling == t::CULLING_FACES && mesh.direction_steps != 0u {
+        return t::VIEW_GROUP + words[mesh.directions + direction_index(mesh.direction_steps, to_other / body.scale)];
     }
     // Of a room, what is in it sees every wall.
     if culling == t::CULLING_FRONT && orientation == t::OUTWARD {

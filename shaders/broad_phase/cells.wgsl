@@ -21,11 +21,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let i = group_index(group) * 64u + thread;
     if i < step.bodies {
         let body = bodies[i];
-        let level = level_of(body.reach);
+        let level = level_of(body.speculative_radius);
         let cell = cell_of(center_of(body, meshes[body.mesh].center), level);
         keys[i] = bucket_of(cell, level, step.bucket_mask);
         values[i] = i;
-        if body.reach > 0.0 {
+        if body.speculative_radius > 0.0 {
             atomicOr(&levels[u32(level) / 32u], 1u << (u32(level) % 32u));
         }
     }

@@ -1,8 +1,8 @@
 // BroadPhase, before all else: where each body is as the step begins. Bodies may go on from where the last step left them,
 // which the host need not know yet.
-#import faceoff::carried::onward
+#import faceoff::carried::carry_over
 #import faceoff::dispatch::group_index
-#import faceoff::margins::with_reach
+#import faceoff::margins::with_speculative_radius
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -15,9 +15,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= step.bodies {
         return;
     }
-    var body = onward(bodies[i], moved[bodies[i].source]);
+    var body = carry_over(bodies[i], moved[bodies[i].source]);
     // The sphere grows by what rounding its centre costs, four units in the last place.
     let place = abs(body.position);
     body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
-    bodies[i] = with_reach(step, body);
+    bodies[i] = with_speculative_radius(step, body);
 }

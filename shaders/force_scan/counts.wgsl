@@ -17,12 +17,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let body = bodies[i];
     let contacts = body_contacts[i];
-    var pushing = contacts.last_entry - contacts.first_entry;
+    var active_contacts = contacts.last_entry - contacts.first_entry;
     for (var k = contacts.first_plane; k < contacts.first_plane + contacts.planes; k += 1u) {
         if k < step.plane_contact_capacity {
             let contact = plane_contacts[k];
-            pushing += u32(plane_pushes(step, body, planes[contact.plane], contact));
+            active_contacts += u32(plane_pushes(step, body, planes[contact.plane], contact));
         }
     }
-    body_contacts[i].pushing = pushing;
+    body_contacts[i].active_contacts = active_contacts;
 }

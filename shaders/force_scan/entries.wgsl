@@ -24,8 +24,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if result.touching != 0u && step.response != 0u {
         let a = bodies[result.a];
         let b = bodies[result.b];
-        let arm_b = result.point - apart(a, b);
-        let closing = dot(velocity(step, a, result.point) - velocity(step, b, arm_b), result.normal);
+        let anchor_b = result.point - apart(a, b);
+        let closing = dot(velocity(step, a, result.point) - velocity(step, b, anchor_b), result.normal);
         if closing > 0.0 && ((a.flags | b.flags) & t::SENSOR) == 0u {
             key = vec2(result.a, result.b);
         }
@@ -38,7 +38,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // From a's centre of mass to b's, in the world.
 fn apart(a: t::Body, b: t::Body) -> vec3<f32> {
-    let arm_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
-    let arm_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
-    return (b.position - a.position) + (arm_b - arm_a);
+    let anchor_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
+    let anchor_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
+    return (b.position - a.position) + (anchor_b - anchor_a);
 }

@@ -32,7 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         for (var k = contacts.first_plane; k < contacts.first_plane + contacts.planes; k += 1u) {
             if k < step.plane_contact_capacity {
-                let part = of_plane(body, plane_contacts[k], contacts.pushing);
+                let part = of_plane(body, plane_contacts[k], contacts.active_contacts);
                 sum.linear += part.linear;
                 sum.angular += part.angular;
             }
@@ -41,14 +41,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     impulses[i] = sum;
 }
 
-// How much a unit impulse along n at `arm` changes the speed there, if the body is split among its contacts.
-fn compliance(body: t::Body, pushing: u32, arm: vec3<f32>, n: vec3<f32>) -> f32 {
-    let spin = r::inverse_inertia(body, cross(arm, n));
-    return f32(pushing) * (body.inverse_mass + dot(cross(spin, arm), n));
+// How much a unit impulse along n at `anchor` changes the speed there, if the body is split among its contacts.
+fn side_inverse_effective_mass(body: t::Body, active_contacts: u32, anchor: vec3<f32>, n: vec3<f32>) -> f32 {
+    let spin = r::inverse_inertia(body, cross(anchor, n));
+    return f32(active_contacts) * (body.inverse_mass + dot(cross(spin, anchor), n));
 }
 
-fn impulse(body: t::Body, arm: vec3<f32>, n: vec3<f32>, size: f32) -> t::Impulse {
-    return t::Impulse(n * (size * body.inverse_mass), 0.0, r::inverse_inertia(body, cross(arm, n)) * size, 0.0);
+fn impulse(body: t::Body, anchor: vec3<f32>, n: vec3<f32>, size: f32) -> t::Impulse {
+    return t::Impulse(n * (size * body.inverse_mass), 0.0, r::inverse_inertia(body, cross(anchor, n)) * size, 0.0);
 }
 
 // The change of velocity of one body of a pair.
@@ -56,40 +56,40 @@ fn of_pair(result: t::PairResult, first: bool) -> t::Impulse {
     let a = bodies[result.a];
     let b = bodies[result.b];
     let n = result.normal;
-    let shift_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
-    let shift_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
-    let arm_a = result.point;
-    let arm_b = result.point - ((b.position - a.position) + (shift_b - shift_a));
-    let closing = dot(r::velocity(step, a, arm_a) - r::velocity(step, b, arm_b), n);
-    let resistance = compliance(a, body_contacts[result.a].pushing, arm_a, n)
-        + compliance(b, body_contacts[result.b].pushing, arm_b, n);
+    let center_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
+    let center_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
+    let anchor_a = result.point;
+    let anchor_b = result.point - ((b.position - a.position) + (center_b - center_a));
+    let closing = dot(r::velocity(step, a, anchor_a) - r::velocity(step, b, anchor_b), n);
+    let inverse_effective_mass = side_inverse_effective_mass(a, body_contacts[result.a].active_contacts, anchor_a, n)
+        + side_inverse_effective_mass(b, body_contacts[result.b].active_contacts, anchor_b, n);
     var none: t::Impulse;
-    if !(closing > 0.0 && resistance > 0.0) {
+    if !(closing > 0.0 && inverse_effective_mass > 0.0) {
         return none;
     }
     var restitution = 0.0;
-    if closing > r::bounce_threshold(step) {
+    if closing > r::restitution_threshold(step) {
         restitution = 0.5 * (a.restitution + b.restitution);
     }
-    let size = (1.0 + restitution) * closing / resistance;
+    let size = (1.0 + restitution) * closing / inverse_effective_mass;
     if first {
-        return impulse(a, arm_a, n, -size);
+        return impulse(a, anchor_a, n, -size);
     }
-    return impulse(b, arm_b, n, size);
+    return impulse(b, anchor_b, n, size);
 }
 
 // The change of velocity of a body that reaches into a half-space.
-fn of_plane(body: t::Body, contact: t::PlaneContact, pushing: u32) -> t::Impulse {
+fn of_plane(body: t::Body, contact: t::PlaneContact, active_contacts: u32) -> t::Impulse {
     let plane = planes[contact.plane];
     var none: t::Impulse;
     if !r::plane_pushes(step, body, plane, contact) {
         return none;
     }
-    let speed = dot(r::velocity(step, body, contact.arm), plane.normal);
-    let resistance = compliance(body, pushing, contact.arm, plane.normal);
-    if !(resistance > 0.0) {
+    let speed = dot(r::velocity(step, body, contact.anchor), plane.normal);
+    let inverse_effective_mass = side_inverse_effective_mass(body, active_contacts, contact.anchor, plane.normal);
+    if !(inverse_effective_mass > 0.0) {
         return none;
     }
-    let size = (r::wanted_speed(step, body, plane, contact.depth, speed) - speed) / resistance;
-    return impulse(body, contact.arm, plane.normal, size);
+    let size = (r::target_speed(step, body, plane, contact.depth, speed) - speed) / inverse_effective_mass;
+    return impulse(body, contact.anchor, plane.normal, size);
 }

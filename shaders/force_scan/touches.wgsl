@@ -7,9 +7,9 @@
 @group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(2) var<storage, read> solver_pairs: array<s::SolverPair>;
 @group(0) @binding(3) var<storage, read> contact_points: array<t::ContactPoint>;
-@group(0) @binding(4) var<storage, read> points: array<s::PointState>;
-@group(0) @binding(5) var<storage, read> states: array<s::BodyState>;
-@group(0) @binding(6) var<storage, read> shifts: array<s::Shift>;
+@group(0) @binding(4) var<storage, read> point_states: array<s::PointState>;
+@group(0) @binding(5) var<storage, read> motion_states: array<s::MotionState>;
+@group(0) @binding(6) var<storage, read> pose_changes: array<s::PoseChange>;
 @group(0) @binding(7) var<storage, read_write> tally: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> touches: array<t::Touch>;
 
@@ -24,15 +24,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var nearest = pair.first;
-    var pushes = false;
+    var has_impulse = false;
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         if contact_points[k].separation < contact_points[nearest].separation {
             nearest = k;
         }
         // Those of bodies that sleep hold the impulse that they had last.
-        pushes |= impulse_of(points[k]) > 0.0 || points[k].impulse > 0.0;
+        has_impulse |= impulse_of(point_states[k]) > 0.0 || point_states[k].normal_impulse > 0.0;
     }
-    if !(pushes || contact_points[nearest].separation <= pair.rest_offset) {
+    if !(has_impulse || contact_points[nearest].separation <= pair.rest_offset) {
         return;
     }
     if pair.b < step.bodies {
@@ -43,16 +43,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     // As the interval began.
-    let center = states[pair.a].center + (states[pair.a].center_low - shifts[pair.a].moved);
-    let lap = atomicLoad(&tally[t::INTERVALS]);
+    let center = motion_states[pair.a].center + (motion_states[pair.a].center_low - pose_changes[pair.a].translation);
+    let substep_number = atomicLoad(&tally[t::COLLISION_SUBSTEPS]);
     for (var k = 0u; k < pair.count; k += 1u) {
         let point = contact_points[pair.first + k];
-        let middle = center + (point.arm_a + point.normal * (0.5 * point.separation));
-        let pushed = impulse_of(points[pair.first + k]);
-        touches[first + k] = t::Touch(middle, pair.a, point.normal, pair.b, point.separation, pushed, lap, k);
+        let middle = center + (point.anchor_a + point.normal * (0.5 * point.separation));
+        let impulse = impulse_of(point_states[pair.first + k]);
+        touches[first + k] = t::Touch(middle, pair.a, point.normal, pair.b, point.separation, impulse, substep_number, k);
     }
 }
 
 fn impulse_of(point: s::PointState) -> f32 {
-    return point.total + point.impulse + point.bounce;
+    return point.total_normal_impulse + point.normal_impulse + point.restitution_impulse;
 }

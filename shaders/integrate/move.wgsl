@@ -1,7 +1,7 @@
 // Integrate: semi-implicit Euler. If a list was too small nothing moves, and the host runs the step again.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, rotate, turn}
+#import faceoff::math::{compose, rotate, rotation_by}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> step: t::Step;
@@ -35,13 +35,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     if kind != t::STATIC {
         // The centre of mass moves along a line and the mesh's origin turns about it.
-        let arm = body.scale * meshes[body.mesh].center;
+        let anchor = body.scale * meshes[body.mesh].center;
         position += v * step.dt;
         if any(w != vec3(0.0)) {
-            let turned = compose(turn(w * step.dt), rotation);
-            let before = rotate(rotation, arm);
-            rotation = turned / sqrt(dot(turned, turned));
-            position += before - rotate(rotation, arm);
+            let next = compose(rotation_by(w * step.dt), rotation);
+            let before = rotate(rotation, anchor);
+            rotation = next / sqrt(dot(next, next));
+            position += before - rotate(rotation, anchor);
         }
     }
     moved[i] = t::Moved(position, 0u, rotation, v, 0u, w, 0u);

@@ -1,11 +1,11 @@
 // Contact generation: the segments of a pair, joined into closed contours, and the patches that these enclose. A workgroup a
 // pair. `src/manifolds/cpu/contour.rs` explains it.
-#import faceoff::constants::manifolds::{DEEP, LEAST_ENCLOSED_AREA, SPREAD}
+#import faceoff::constants::manifolds::{MAX_DEPTH, MIN_ENCLOSED_AREA, REACH_FACTOR}
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
 @group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(1) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(1) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
 // Eight words a segment. Of a pair with n segments: a table of 4 n slots for the ends of segments, by what these share
 // with the segment that goes on there (later a list of loose ends); for each end the other end of that, 2 n; the number of
@@ -16,7 +16,7 @@
 // Ends of contours that should go on count as the same point if they are this near, beside the rounding of heights.
 const TIE_ROUNDINGS: f32 = 4.0;
 // More loose ends than this are not tied.
-const MOST_LOOSE: u32 = 1024u;
+const MAX_LOOSE_ENDS: u32 = 1024u;
 
 var<workgroup> loose: atomic<u32>;
 var<workgroup> changed: array<atomic<u32>, 3>;
@@ -35,16 +35,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
-    let setting = settings[index];
-    first = setting.first_segment;
-    count = setting.segment_count;
-    if setting.valid == 0u || count == 0u {
+    let setup = pair_setups[index];
+    first = setup.first_segment;
+    count = setup.segment_count;
+    if setup.valid == 0u || count == 0u {
         return;
     }
     join(thread);
-    tie_loose_ends(thread, TIE_ROUNDINGS * setting.rounding);
+    tie_loose_ends(thread, TIE_ROUNDINGS * setup.rounding);
     label(thread);
-    find_patches(index, setting, thread);
+    find_patches(index, setup, thread);
 }
 
 fn slot(i: u32) -> u32 {
@@ -147,7 +147,7 @@ fn tie_loose_ends(thread: u32, reach: f32) {
     }
     sync();
     let number = atomicLoad(&loose);
-    if number > MOST_LOOSE {
+    if number > MAX_LOOSE_ENDS {
         return;
     }
     for (var i = thread; i < number; i += 64u) {
@@ -156,8 +156,8 @@ fn tie_loose_ends(thread: u32, reach: f32) {
         var nearest = t::NOTHING;
         for (var j = 0u; j < number; j += 1u) {
             let other = atomicLoad(&contour_links[slot(j)]);
-            let way = place(other) - p;
-            if other != end && dot(way, way) <= reach * reach {
+            let offset = place(other) - p;
+            if other != end && dot(offset, offset) <= reach * reach {
                 nearest = min(nearest, other);
             }
         }
@@ -172,7 +172,7 @@ fn label(thread: u32) {
         atomicStore(&changed[thread], 0u);
     }
     workgroupBarrier();
-    var turn = 0u;
+    var flag = 0u;
     var go_on = true;
     for (var round = 0u; round <= count; round += 1u) {
         var any_change = false;
@@ -198,15 +198,15 @@ fn label(thread: u32) {
             }
         }
         if any_change {
-            atomicStore(&changed[turn], 1u);
+            atomicStore(&changed[flag], 1u);
         }
         sync();
-        go_on = atomicLoad(&changed[turn]) == 1u;
+        go_on = atomicLoad(&changed[flag]) == 1u;
         // Cleared for the round after the next: others may still read this one.
         if thread == 0u {
-            atomicStore(&changed[(turn + 2u) % 3u], 0u);
+            atomicStore(&changed[(flag + 2u) % 3u], 0u);
         }
-        turn = (turn + 1u) % 3u;
+        flag = (flag + 1u) % 3u;
         if !go_on {
             break;
         }
@@ -218,10 +218,10 @@ fn label(thread: u32) {
     sync();
 }
 
-fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
+fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
     var low = vec3(3.0e38);
     var high = vec3(-3.0e38);
-    var way = vec3(0.0);
+    var direction = vec3(0.0);
     var number = 0u;
     var next = 0u;
     var finished = false;
@@ -245,13 +245,13 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
             break;
         }
         next = root + 1u;
-        let found = patch_of(setting, root, thread);
+        let found = patch_of(setup, root, thread);
         if found.reach > 0.0 {
-            let half = vec3(found.reach + 0.5 * DEEP * setting.size);
+            let half = vec3(found.reach + 0.5 * MAX_DEPTH * setup.size);
             low = min(low, found.center - half);
             high = max(high, found.center + half);
             // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
-            way = select(vec3(0.0), found.normal, number == 0u);
+            direction = select(vec3(0.0), found.normal, number == 0u);
             if thread == 0u {
                 patches[first + number] = found;
             }
@@ -260,15 +260,15 @@ fn find_patches(index: u32, setting: t::ContactSetting, thread: u32) {
     }
     check(finished);
     if thread == 0u {
-        settings[index].low = low;
-        settings[index].high = high;
-        settings[index].way = way;
-        settings[index].patch_count = number;
+        pair_setups[index].window_min = low;
+        pair_setups[index].window_max = high;
+        pair_setups[index].window_direction = direction;
+        pair_setups[index].patch_count = number;
     }
 }
 
 // The patch of the contour whose first segment is `root`; its reach is zero if it encloses no area.
-fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
+fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     var result: t::Patch;
     result.reach = 0.0;
     // Sums are taken about the first point, for digits.
@@ -293,24 +293,24 @@ fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
     for (var i = thread; i < count; i += 64u) {
         if atomicLoad(&contour_links[label_of(i)]) == root {
             let segment = segments[first + i];
-            let arm = segment.start - center;
+            let anchor = segment.start - center;
             let other = segment.end - center;
-            area += 0.5 * cross(arm, segment.end - segment.start);
-            square = max(square, max(dot(arm, arm), dot(other, other)));
+            area += 0.5 * cross(anchor, segment.end - segment.start);
+            square = max(square, max(dot(anchor, anchor), dot(other, other)));
         }
     }
     area = total(vec4(area, 0.0), thread).xyz;
-    let radius = sqrt(largest(square, thread));
+    let radius = sqrt(maximum(square, thread));
     let size = sqrt(dot(area, area));
     // A contour that is a line to and fro encloses what rounding makes of it.
-    if !(size > LEAST_ENCLOSED_AREA * setting.size * setting.size && size > 0.5 * setting.rounding * length) {
+    if !(size > MIN_ENCLOSED_AREA * setup.size * setup.size && size > 0.5 * setup.rounding * length) {
         return result;
     }
     result.center = center;
     result.normal = area / size;
     result.area = size;
     result.length = length;
-    result.reach = SPREAD * radius + setting.margin;
+    result.reach = REACH_FACTOR * radius + setup.margin;
     result.kept = 0u;
     result.a = segments[first + root].a;
     result.b = segments[first + root].b;
@@ -318,16 +318,16 @@ fn patch_of(setting: t::ContactSetting, root: u32, thread: u32) -> t::Patch {
     // The farthest from the centre across the normal is the first, so both bodies choose the same.
     let n = result.normal;
     let to_first = farthest(thread, root, center, mat3x3(vec3(0.0), vec3(0.0), vec3(0.0)), n);
-    result.arm_a = arm_of(to_first.x, center);
-    let across = cross(n, result.arm_a);
-    let others = farthest(thread, root, center, mat3x3(-result.arm_a, across, -across), n);
-    result.arm_b = arm_of(others.y, center);
-    result.arm_c = arm_of(others.z, center);
-    result.arm_d = arm_of(others.w, center);
+    result.extreme_a = extreme_of(to_first.x, center);
+    let across = cross(n, result.extreme_a);
+    let others = farthest(thread, root, center, mat3x3(-result.extreme_a, across, -across), n);
+    result.extreme_b = extreme_of(others.y, center);
+    result.extreme_c = extreme_of(others.z, center);
+    result.extreme_d = extreme_of(others.w, center);
     return result;
 }
 
-fn arm_of(i: u32, center: vec3<f32>) -> vec3<f32> {
+fn extreme_of(i: u32, center: vec3<f32>) -> vec3<f32> {
     return segments[first + i].start - center;
 }
 
@@ -337,9 +337,9 @@ fn farthest(thread: u32, root: u32, center: vec3<f32>, ways: mat3x3<f32>, normal
     var number = vec4(root);
     for (var i = thread; i < count; i += 64u) {
         if atomicLoad(&contour_links[label_of(i)]) == root {
-            let arm = segments[first + i].start - center;
-            let aside = arm - normal * dot(arm, normal);
-            let reach = vec4(dot(aside, aside), arm * ways);
+            let anchor = segments[first + i].start - center;
+            let lateral = anchor - normal * dot(anchor, normal);
+            let reach = vec4(dot(lateral, lateral), anchor * ways);
             number = select(number, vec4(i), reach > best);
             best = max(best, reach);
         }
@@ -378,7 +378,7 @@ fn total(own: vec4<f32>, thread: u32) -> vec4<f32> {
     return result;
 }
 
-fn largest(own: f32, thread: u32) -> f32 {
+fn maximum(own: f32, thread: u32) -> f32 {
     sums[thread].x = own;
     workgroupBarrier();
     for (var half = 32u; half > 0u; half /= 2u) {

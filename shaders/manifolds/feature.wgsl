@@ -12,7 +12,7 @@
 const SAME_PLANE: f32 = 1.0e-12;
 
 // Two triangles and the heights of their corners over each other's planes.
-struct Encounter {
+struct TrianglePair {
     a: sides::Triangle,
     b: sides::Triangle,
     heights_a: vec3<f32>,
@@ -38,7 +38,7 @@ fn vertex_feature(
     for (var i = 0u; i < 3u; i += 1u) {
         let start = over.corners[i];
         let edge = over.corners[(i + 1u) % 3u] - start;
-        let inside = dot(cross(edge, foot - start), over.normal) * over.handed;
+        let inside = dot(cross(edge, foot - start), over.normal) * over.winding_sign;
         let square = dot(edge, edge);
         // Nothing lies over a triangle that has collapsed.
         if inside <= -(OUTSIDE * square + rounding * sqrt(square)) {
@@ -67,30 +67,30 @@ fn vertex_feature(
 }
 
 // Edge k of the first triangle over edge l of the second.
-fn edge_feature(sa: sides::Side, sb: sides::Side, met: Encounter, k: u32, l: u32) -> t::Feature {
-    let start_a = met.a.corners[k];
-    let start_b = met.b.corners[l];
-    let along_a = met.a.corners[(k + 1u) % 3u] - start_a;
-    let along_b = met.b.corners[(l + 1u) % 3u] - start_b;
+fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l: u32) -> t::Feature {
+    let start_a = pair.a.corners[k];
+    let start_b = pair.b.corners[l];
+    let along_a = pair.a.corners[(k + 1u) % 3u] - start_a;
+    let along_b = pair.b.corners[(l + 1u) % 3u] - start_b;
     let normal_of_both = cross(along_a, along_b);
     let square = dot(normal_of_both, normal_of_both);
     // The lines' distance comes first, as it rejects most.
-    let way = start_b - start_a;
-    let product = dot(way, normal_of_both);
-    let most = max(abs(met.low), abs(met.high));
-    if product * product > most * most * square {
+    let offset = start_b - start_a;
+    let product = dot(offset, normal_of_both);
+    let max_distance = max(abs(pair.low), abs(pair.high));
+    if product * product > max_distance * max_distance * square {
         return none();
     }
     if square <= PARALLEL * PARALLEL * dot(along_a, along_a) * dot(along_b, along_b) {
         return none();
     }
-    let at_a = dot(cross(way, along_b), normal_of_both) / square;
-    let at_b = dot(cross(way, along_a), normal_of_both) / square;
+    let at_a = dot(cross(offset, along_b), normal_of_both) / square;
+    let at_b = dot(cross(offset, along_a), normal_of_both) / square;
     if !(at_a >= 0.0 && at_a <= 1.0 && at_b >= 0.0 && at_b <= 1.0) {
         return none();
     }
-    let across_a = sides::across(sa, met.a.number, k);
-    let across_b = sides::across(sb, met.b.number, l);
+    let across_a = sides::across(sa, pair.a.number, k);
+    let across_b = sides::across(sb, pair.b.number, l);
     let rim_a = across_a == t::NOTHING;
     let rim_b = across_b == t::NOTHING;
     var other_a = vec3(0.0);
@@ -102,23 +102,23 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, met: Encounter, k: u32, l: u32
         other_b = sides::normal_of(sb, across_b);
     }
     // Rims face every way from one side of the sheet round to the other, so their neighbours decide.
-    var towards = met.a.normal + other_a;
+    var towards = pair.a.normal + other_a;
     if rim_a {
-        towards = select(-(met.b.normal + other_b), sb.center - sa.center, rim_b);
+        towards = select(-(pair.b.normal + other_b), sb.center - sa.center, rim_b);
     }
     var normal = normal_of_both / sqrt(square);
     if dot(normal, towards) < 0.0 {
         normal = -normal;
     }
-    if !may_face(met.a, along_a, normal, rim_a, other_a) || !may_face(met.b, along_b, -normal, rim_b, other_b) {
+    if !may_face(pair.a, along_a, normal, rim_a, other_a) || !may_face(pair.b, along_b, -normal, rim_b, other_b) {
         return none();
     }
     var nearest = vec4(normal, 1.0 - 0.5 * ARC * ARC);
-    nearest = nearer(nearest, normal, met.a.normal);
+    nearest = nearer(nearest, normal, pair.a.normal);
     if !rim_a {
         nearest = nearer(nearest, normal, other_a);
     }
-    nearest = nearer(nearest, normal, -met.b.normal);
+    nearest = nearer(nearest, normal, -pair.b.normal);
     if !rim_b {
         nearest = nearer(nearest, normal, -other_b);
     }
@@ -128,9 +128,9 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, met: Encounter, k: u32, l: u32
     feature.normal = nearest.xyz;
     feature.separation = dot(nearest.xyz, feature.point_b - feature.point_a);
     feature.vertex = t::NOTHING;
-    feature.a = met.a.number;
-    feature.b = met.b.number;
-    if feature.separation < met.low || feature.separation > met.high {
+    feature.a = pair.a.number;
+    feature.b = pair.b.number;
+    if feature.separation < pair.low || feature.separation > pair.high {
         return none();
     }
     return feature;
@@ -149,11 +149,11 @@ fn nearer(known: vec4<f32>, normal: vec3<f32>, face: vec3<f32>) -> vec4<f32> {
 fn may_face(own: sides::Triangle, along: vec3<f32>, normal: vec3<f32>, rim: bool, other: vec3<f32>) -> bool {
     let length = sqrt(dot(along, along));
     let least = -ARC * length;
-    if own.handed * dot(cross(own.normal, normal), along) < least {
+    if own.winding_sign * dot(cross(own.normal, normal), along) < least {
         return false;
     }
-    return rim || (own.handed * dot(cross(own.normal, other), along) > FLAT * length
-        && own.handed * dot(cross(normal, other), along) >= least);
+    return rim || (own.winding_sign * dot(cross(own.normal, other), along) > FLAT * length
+        && own.winding_sign * dot(cross(normal, other), along) >= least);
 }
 
 // Where an edge pierces a plane.
@@ -171,10 +171,10 @@ struct Chord {
 
 // Whether the triangles cross and are not in one plane. Heights up to the rounding are none, and then the first body counts
 // as a little smaller than it is: its corners are below the second's planes, and the second's above its own.
-fn crosses(met: Encounter) -> bool {
-    let above_a = above(met.heights_a, met.rounding, false);
-    let above_b = above(met.heights_b, -met.rounding, true);
-    let line = cross(met.a.normal, met.b.normal);
+fn crosses(pair: TrianglePair) -> bool {
+    let above_a = above(pair.heights_a, pair.rounding, false);
+    let above_b = above(pair.heights_b, -pair.rounding, true);
+    let line = cross(pair.a.normal, pair.b.normal);
     return above_a != 0u && above_a != 7u && above_b != 0u && above_b != 7u && dot(line, line) >= SAME_PLANE;
 }
 
@@ -190,12 +190,12 @@ fn above(heights: vec3<f32>, limit: f32, at_it: bool) -> u32 {
 }
 
 // The segment of triangles that cross. Its end is its start, and its edge `NOTHING`, if they miss each other.
-fn segment(sa: sides::Side, sb: sides::Side, met: Encounter) -> t::Segment {
-    let line = cross(met.a.normal, met.b.normal);
-    let of_a = chord(sa, met.a, met.heights_a, above(met.heights_a, met.rounding, false), line);
-    let of_b = chord(sb, met.b, met.heights_b, above(met.heights_b, -met.rounding, true), line);
+fn segment(sa: sides::Side, sb: sides::Side, pair: TrianglePair) -> t::Segment {
+    let line = cross(pair.a.normal, pair.b.normal);
+    let of_a = chord(sa, pair.a, pair.heights_a, above(pair.heights_a, pair.rounding, false), line);
+    let of_b = chord(sb, pair.b, pair.heights_b, above(pair.heights_b, -pair.rounding, true), line);
     // Where both end at once, the first body, which counts as smaller, ends first.
-    let slack = met.rounding * sqrt(dot(line, line));
+    let slack = pair.rounding * sqrt(dot(line, line));
     var start = of_b.start;
     if of_a.start.at >= of_b.start.at - slack {
         start = of_a.start;
@@ -209,8 +209,8 @@ fn segment(sa: sides::Side, sb: sides::Side, met: Encounter) -> t::Segment {
     result.end = end.point;
     result.start_edge = select(t::NOTHING, start.edge, start.at < end.at);
     result.end_edge = end.edge;
-    result.a = met.a.number;
-    result.b = met.b.number;
+    result.a = pair.a.number;
+    result.b = pair.b.number;
     return result;
 }
 

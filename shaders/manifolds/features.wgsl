@@ -1,7 +1,7 @@
 // Contact generation: what nearby triangles have to say. A workgroup a pair of bodies, a thread a pair of triangles; the
 // first round finds out what there is, the second writes it, in the order of the triangles.
 #import faceoff::arena::{meshes, words}
-#import faceoff::constants::manifolds::{AGREES, DEEP}
+#import faceoff::constants::manifolds::{MIN_AGREEMENT, MAX_DEPTH}
 #import faceoff::dispatch::group_index
 #import faceoff::features as f
 #import faceoff::sides
@@ -11,7 +11,7 @@
 @group(0) @binding(2) var<uniform> constants: vec4<u32>;
 @group(0) @binding(3) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
 // The two triangles, and a bit for each thing that they have to say.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read_write> features: array<t::Feature>;
@@ -32,18 +32,18 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
-    let setting = settings[index];
+    let setup = pair_setups[index];
     let deep = constants.x == 1u;
-    if setting.valid == 0u || (deep && setting.patch_count == 0u) {
+    if setup.valid == 0u || (deep && setup.patch_count == 0u) {
         return;
     }
-    let a = sides::first(setting);
-    let b = sides::second(setting);
+    let a = sides::first(setup);
+    let b = sides::second(setup);
     var found = vec2(0u);
     var surveyed = thread;
-    while surveyed < setting.near_count {
-        let at = setting.first_near + surveyed;
-        let mask = survey(setting, a, b, at, deep);
+    while surveyed < setup.near_count {
+        let at = setup.first_near + surveyed;
+        let mask = survey(setup, a, b, at, deep);
         near_triangles[at].z = mask;
         found += counts(mask);
         surveyed += 64u;
@@ -59,24 +59,24 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var round = 0u;
-    while round < setting.near_count {
+    while round < setup.near_count {
         let i = round + thread;
-        let at = setting.first_near + i;
+        let at = setup.first_near + i;
         var mask = 0u;
-        if i < setting.near_count {
+        if i < setup.near_count {
             mask = near_triangles[at].z;
         }
         let own = counts(mask);
         let earlier = before(own, thread);
         if mask != 0u {
-            write(setting, a, b, at, mask, deep, next + earlier);
+            write(setup, a, b, at, mask, deep, next + earlier);
         }
         next += sums[63];
         round += 64u;
         workgroupBarrier();
     }
     // Some devices leave a loop that takes long.
-    if surveyed < setting.near_count || round < setting.near_count {
+    if surveyed < setup.near_count || round < setup.near_count {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }
@@ -111,45 +111,45 @@ fn reserve(index: u32, count: vec2<u32>, deep: bool) -> vec2<u32> {
     }
     let held = select(vec2(0u), count, fits);
     if deep {
-        settings[index].first_deep = first.x;
-        settings[index].deep_count = held.x;
+        pair_setups[index].first_deep = first.x;
+        pair_setups[index].deep_count = held.x;
     } else {
-        settings[index].first_feature = first.x;
-        settings[index].feature_count = held.x;
-        settings[index].first_segment = first.y;
-        settings[index].segment_count = held.y;
+        pair_setups[index].first_feature = first.x;
+        pair_setups[index].feature_count = held.x;
+        pair_setups[index].first_segment = first.y;
+        pair_setups[index].segment_count = held.y;
     }
     return select(vec2(t::NOTHING), first, fits);
 }
 
-fn encounter(setting: t::ContactSetting, a: sides::Side, b: sides::Side, numbers: vec2<u32>, deep: bool) -> f::Encounter {
-    var met: f::Encounter;
-    met.a = sides::triangle(a, numbers.x);
-    met.b = sides::triangle(b, numbers.y);
-    met.heights_a = sides::heights(met.a, met.b);
-    met.heights_b = sides::heights(met.b, met.a);
-    met.rounding = setting.rounding;
+fn triangle_pair(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: vec2<u32>, deep: bool) -> f::TrianglePair {
+    var pair: f::TrianglePair;
+    pair.a = sides::triangle(a, numbers.x);
+    pair.b = sides::triangle(b, numbers.y);
+    pair.heights_a = sides::heights(pair.a, pair.b);
+    pair.heights_b = sides::heights(pair.b, pair.a);
+    pair.rounding = setup.rounding;
     if deep {
-        met.low = -DEEP * setting.size;
-        met.high = -setting.touch;
+        pair.low = -MAX_DEPTH * setup.size;
+        pair.high = -setup.touch;
     } else {
-        met.low = -setting.touch;
-        met.high = setting.margin;
+        pair.low = -setup.touch;
+        pair.high = setup.margin;
     }
-    return met;
+    return pair;
 }
 
 // A bit for each thing that two triangles have to say.
-fn survey(setting: t::ContactSetting, a: sides::Side, b: sides::Side, at: u32, deep: bool) -> u32 {
-    let met = encounter(setting, a, b, near_triangles[at].xy, deep);
-    let reach = max(abs(met.low), met.high + setting.touch);
-    if beyond(met.heights_a, reach) || beyond(met.heights_b, reach) {
+fn survey(setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, deep: bool) -> u32 {
+    let pair = triangle_pair(setup, a, b, near_triangles[at].xy, deep);
+    let reach = max(abs(pair.low), pair.high + setup.touch);
+    if beyond(pair.heights_a, reach) || beyond(pair.heights_b, reach) {
         return 0u;
     }
-    var wanted = wanted_vertices(sides::owned(a, met.a.number), met.heights_a, met)
-        | (wanted_vertices(sides::owned(b, met.b.number), met.heights_b, met) << 3u);
-    let edges_a = sides::owned(a, met.a.number) >> 3u;
-    let edges_b = sides::owned(b, met.b.number) >> 3u;
+    var wanted = wanted_vertices(sides::owned(a, pair.a.number), pair.heights_a, pair)
+        | (wanted_vertices(sides::owned(b, pair.b.number), pair.heights_b, pair) << 3u);
+    let edges_a = sides::owned(a, pair.a.number) >> 3u;
+    let edges_b = sides::owned(b, pair.b.number) >> 3u;
     for (var k = 0u; k < 3u; k += 1u) {
         if ((edges_a >> k) & 1u) == 1u {
             wanted |= edges_b << (EDGES + 3u * k);
@@ -159,13 +159,13 @@ fn survey(setting: t::ContactSetting, a: sides::Side, b: sides::Side, at: u32, d
     while wanted != 0u {
         let bit = countTrailingZeros(wanted);
         wanted &= wanted - 1u;
-        let feature = feature_of(a, b, met, bit);
-        if feature.separation != t::DROPPED && (!deep || agrees(setting, feature)) {
+        let feature = feature_of(a, b, pair, bit);
+        if feature.separation != t::DROPPED && (!deep || agrees(setup, feature)) {
             mask |= 1u << bit;
         }
     }
-    if !deep && f::crosses(met) {
-        if f::segment(a, b, met).start_edge != t::NOTHING {
+    if !deep && f::crosses(pair) {
+        if f::segment(a, b, pair).start_edge != t::NOTHING {
             mask |= 1u << SEGMENT;
         }
     }
@@ -177,36 +177,36 @@ fn beyond(heights: vec3<f32>, reach: f32) -> bool {
 }
 
 // Bits of the corners that the triangle owns and that are as high as features are.
-fn wanted_vertices(owned: u32, heights: vec3<f32>, met: f::Encounter) -> u32 {
+fn wanted_vertices(owned: u32, heights: vec3<f32>, pair: f::TrianglePair) -> u32 {
     var bits = 0u;
     for (var k = 0u; k < 3u; k += 1u) {
-        if ((owned >> k) & 1u) == 1u && heights[k] >= met.low && heights[k] <= met.high {
+        if ((owned >> k) & 1u) == 1u && heights[k] >= pair.low && heights[k] <= pair.high {
             bits |= 1u << k;
         }
     }
     return bits;
 }
 
-fn feature_of(a: sides::Side, b: sides::Side, met: f::Encounter, bit: u32) -> t::Feature {
+fn feature_of(a: sides::Side, b: sides::Side, pair: f::TrianglePair, bit: u32) -> t::Feature {
     if bit < 3u {
-        return f::vertex_feature(a, met.a, met.b, met.heights_a[bit], bit, met.rounding);
+        return f::vertex_feature(a, pair.a, pair.b, pair.heights_a[bit], bit, pair.rounding);
     }
     if bit < EDGES {
-        return f::vertex_feature(b, met.b, met.a, met.heights_b[bit - 3u], bit - 3u, met.rounding);
+        return f::vertex_feature(b, pair.b, pair.a, pair.heights_b[bit - 3u], bit - 3u, pair.rounding);
     }
-    return f::edge_feature(a, b, met, (bit - EDGES) / 3u, (bit - EDGES) % 3u);
+    return f::edge_feature(a, b, pair, (bit - EDGES) / 3u, (bit - EDGES) % 3u);
 }
 
 // Whether a patch speaks for a feature that overlaps, and all those near agree.
-fn agrees(setting: t::ContactSetting, feature: t::Feature) -> bool {
+fn agrees(setup: t::PairSetup, feature: t::Feature) -> bool {
     let middle = 0.5 * (feature.point_a + feature.point_b);
     var any_near = false;
-    for (var i = 0u; i < setting.patch_count; i += 1u) {
-        let patch_near = patches[setting.first_segment + i];
-        let way = middle - patch_near.center;
-        if dot(way, way) < patch_near.reach * patch_near.reach {
+    for (var i = 0u; i < setup.patch_count; i += 1u) {
+        let patch_near = patches[setup.first_segment + i];
+        let offset = middle - patch_near.center;
+        if dot(offset, offset) < patch_near.reach * patch_near.reach {
             any_near = true;
-            if dot(feature.normal, patch_near.normal) < AGREES {
+            if dot(feature.normal, patch_near.normal) < MIN_AGREEMENT {
                 return false;
             }
         }
@@ -215,18 +215,18 @@ fn agrees(setting: t::ContactSetting, feature: t::Feature) -> bool {
 }
 
 fn write(
-    setting: t::ContactSetting, a: sides::Side, b: sides::Side, at: u32, mask: u32, deep: bool, first: vec2<u32>
+    setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, mask: u32, deep: bool, first: vec2<u32>
 ) {
-    let met = encounter(setting, a, b, near_triangles[at].xy, deep);
+    let pair = triangle_pair(setup, a, b, near_triangles[at].xy, deep);
     var next = first.x;
     var wanted = mask & 0x7fffu;
     while wanted != 0u {
         let bit = countTrailingZeros(wanted);
         wanted &= wanted - 1u;
-        features[next] = feature_of(a, b, met, bit);
+        features[next] = feature_of(a, b, pair, bit);
         next += 1u;
     }
     if (mask >> SEGMENT) == 1u {
-        segments[first.y] = f::segment(a, b, met);
+        segments[first.y] = f::segment(a, b, pair);
     }
 }

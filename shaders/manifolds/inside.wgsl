@@ -10,7 +10,7 @@
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 
 // Of more components than this only the first ones can be inside.
@@ -28,12 +28,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
-    let setting = settings[index];
-    if setting.valid == 0u || setting.segment_count > 0u {
+    let setup = pair_setups[index];
+    if setup.valid == 0u || setup.segment_count > 0u {
         return;
     }
-    let a = sides::first(setting);
-    let b = sides::second(setting);
+    let a = sides::first(setup);
+    let b = sides::second(setup);
     if thread < 2u {
         tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
@@ -115,15 +115,15 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     let surface = best[0].xyz;
     let triangle = best_number[0];
     workgroupBarrier();
-    var way = direction(surface - start);
-    if dot(way, way) == 0.0 {
-        way = sides::normal_of(outer, triangle);
+    var direction_out = direction(surface - start);
+    if dot(direction_out, direction_out) == 0.0 {
+        direction_out = sides::normal_of(outer, triangle);
     }
     // Of several components only what is inside moves the way to the far end.
     var far = vec4(0.0);
     var vertex = t::NOTHING;
     for (var v = thread; v < sides::vertex_count(inner); v += 64u) {
-        let along = dot(way, sides::vertex(inner, v) - start);
+        let along = dot(direction_out, sides::vertex(inner, v) - start);
         if along < far.w {
             let component = min(sides::component(inner, v), MAX_COMPONENTS - 1u);
             if !several || ((held[component / 32u] >> (component % 32u)) & 1u) == 1u {
@@ -149,22 +149,22 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
         return;
     }
     let inner_triangle = best_number[0];
-    let farthest = start + way * depth;
+    let farthest = start + direction_out * depth;
     let outer_is_second = outer.mark != 0u;
     var feature: t::Feature;
     feature.point_a = select(surface, farthest, outer_is_second);
     feature.point_b = select(farthest, surface, outer_is_second);
-    feature.normal = select(way, -way, outer_is_second);
-    feature.separation = dot(way, farthest - surface);
+    feature.normal = select(direction_out, -direction_out, outer_is_second);
+    feature.separation = dot(direction_out, farthest - surface);
     feature.vertex = t::NOTHING;
     feature.a = select(triangle, inner_triangle, outer_is_second);
     feature.b = select(inner_triangle, triangle, outer_is_second);
     let at = atomicAdd(&contact_counters[t::FEATURES], 1u);
-    settings[index].feature_count = 0u;
+    pair_setups[index].feature_count = 0u;
     if at < limits.features {
         features[at] = feature;
-        settings[index].first_probe = at;
-        settings[index].probe_count = 1u;
+        pair_setups[index].first_probe = at;
+        pair_setups[index].probe_count = 1u;
     }
 }
 

@@ -2,7 +2,7 @@
 // boxes, eight children of one against eight of the other at a time, one thread each; once to count, once to write. The
 // order is that of the trees, whatever runs first.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::constants::manifolds::{AROUND_ERROR, DEEP, DIRECTION_ERROR, ERROR}
+#import faceoff::constants::manifolds::{AROUND_ERROR, MAX_DEPTH, DIRECTION_ERROR, ERROR}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{absolute, norm1}
 #import faceoff::sides
@@ -13,7 +13,7 @@
 @group(0) @binding(2) var<uniform> constants: vec4<u32>;
 @group(0) @binding(3) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(5) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
 // The two triangles; the rest is for `manifold_features.wgsl`.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
 
@@ -35,17 +35,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
-    let setting = settings[index];
+    let setup = pair_setups[index];
     windowed = constants.x == 1u;
-    let most = DEEP * setting.size;
+    let max_depth = MAX_DEPTH * setup.size;
     // With a wide margin all pairs are known.
-    if setting.valid == 0u || (windowed && (setting.patch_count == 0u || most <= setting.margin)) {
+    if setup.valid == 0u || (windowed && (setup.patch_count == 0u || max_depth <= setup.margin)) {
         return;
     }
-    pad = 2.0 * setting.rounding;
-    reach = select(setting.margin + setting.touch, most, windowed) + pad;
-    let a = sides::first(setting);
-    let b = sides::second(setting);
+    pad = 2.0 * setup.rounding;
+    reach = select(setup.margin + setup.touch, max_depth, windowed) + pad;
+    let a = sides::first(setup);
+    let b = sides::second(setup);
     if thread < 6u {
         atomicStore(&found[thread], 0u);
     }
@@ -53,23 +53,23 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
     workgroupBarrier();
-    let count = descend(setting, a, b, thread, t::NOTHING);
+    let count = descend(setup, a, b, thread, t::NOTHING);
     if thread == 0u {
         base = atomicAdd(&contact_counters[t::NEAR_TRIANGLES], count);
         let fits = base <= limits.near_triangles && count <= limits.near_triangles - base;
         base = select(t::NOTHING, base, fits);
-        settings[index].first_near = base;
-        settings[index].near_count = select(0u, count, fits);
+        pair_setups[index].first_near = base;
+        pair_setups[index].near_count = select(0u, count, fits);
     }
     workgroupBarrier();
     let first = base;
     if first != t::NOTHING && count > 0u {
-        descend(setting, a, b, thread, first);
+        descend(setup, a, b, thread, first);
     }
 }
 
 // Counts the pairs, and writes them from `first` on unless that is `NOTHING`.
-fn descend(setting: t::ContactSetting, a: sides::Side, b: sides::Side, thread: u32, first: u32) -> u32 {
+fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, first: u32) -> u32 {
     workgroupBarrier();
     if thread == 0u {
         stack[0] = vec2(
@@ -106,13 +106,13 @@ fn descend(setting: t::ContactSetting, a: sides::Side, b: sides::Side, thread: u
         var pair = vec2(8u * number_a + i, 8u * number_b + j);
         var meets = false;
         if leaves {
-            meets = triangles_near(setting, a, b, pair);
+            meets = triangles_near(setup, a, b, pair);
         } else {
             pair = vec2(
                 select(nodes.x, tree::node(level_a - 1u, pair.x), open_a),
                 select(nodes.y, tree::node(level_b - 1u, pair.y), open_b),
             );
-            meets = (open_a || i == 0u) && (open_b || j == 0u) && boxes_near(setting, a, b, pair);
+            meets = (open_a || i == 0u) && (open_b || j == 0u) && boxes_near(setup, a, b, pair);
         }
         if meets {
             atomicOr(&found[mask_set + thread / 32u], bit);
@@ -156,7 +156,7 @@ fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
 }
 
 // Whether two nodes exist, are in the window, and their boxes are near along the axes of both.
-fn boxes_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nodes: vec2<u32>) -> bool {
+fn boxes_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, nodes: vec2<u32>) -> bool {
     let at_a = tree::box_of(0u, nodes.x);
     let at_b = tree::box_of(1u, nodes.y);
     if at_a == 0u || at_b == 0u {
@@ -172,12 +172,12 @@ fn boxes_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nodes:
         return false;
     }
     if windowed {
-        if any(center_a + half_a < setting.low) || any(center_a - half_a > setting.high)
-            || any(center_b + around_b < setting.low) || any(center_b - around_b > setting.high) {
+        if any(center_a + half_a < setup.window_min) || any(center_a - half_a > setup.window_max)
+            || any(center_b + around_b < setup.window_min) || any(center_b - around_b > setup.window_max) {
             return false;
         }
-        let last = dot(center_a, setting.way) + dot(half_a, abs(setting.way));
-        if dot(center_b, setting.way) - dot(around_b, abs(setting.way)) > last {
+        let last = dot(center_a, setup.window_direction) + dot(half_a, abs(setup.window_direction));
+        if dot(center_b, setup.window_direction) - dot(around_b, abs(setup.window_direction)) > last {
             return false;
         }
     }
@@ -187,7 +187,7 @@ fn boxes_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nodes:
 
 // Whether two triangles exist, are in the window, and neither their boxes nor a plane of one of the two part them by more
 // than the reach.
-fn triangles_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, numbers: vec2<u32>) -> bool {
+fn triangles_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: vec2<u32>) -> bool {
     if numbers.x >= a.triangle_count || numbers.y >= b.triangle_count {
         return false;
     }
@@ -201,13 +201,13 @@ fn triangles_near(setting: t::ContactSetting, a: sides::Side, b: sides::Side, nu
         return false;
     }
     if windowed {
-        if any(high_a + pad < setting.low) || any(low_a - pad > setting.high)
-            || any(high_b + pad < setting.low) || any(low_b - pad > setting.high) {
+        if any(high_a + pad < setup.window_min) || any(low_a - pad > setup.window_max)
+            || any(high_b + pad < setup.window_min) || any(low_b - pad > setup.window_max) {
             return false;
         }
-        let way = setting.way;
-        let last = max(dot(ca.p, way), max(dot(ca.q, way), dot(ca.r, way)));
-        if min(dot(cb.p, way), min(dot(cb.q, way), dot(cb.r, way))) > last + pad {
+        let direction = setup.window_direction;
+        let last = max(dot(ca.p, direction), max(dot(ca.q, direction), dot(ca.r, direction)));
+        if min(dot(cb.p, direction), min(dot(cb.q, direction), dot(cb.r, direction))) > last + pad {
             return false;
         }
     }
@@ -227,19 +227,19 @@ fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, number
     let middle_b = (cb.p + cb.q + cb.r) / 3.0;
     let outward_a = outward(a, ca);
     let outward_b = outward(b, cb);
-    let way = middle_b - middle_a;
+    let offset = middle_b - middle_a;
     // How far beside each other they lie, seen along the normal of either. Without a direction it is nothing.
-    let across_a = cross(way, outward_a);
-    let across_b = cross(way, outward_b);
-    let beside = sqrt(vec2(dot(across_a, across_a), dot(across_b, across_b)));
+    let across_a = cross(offset, outward_a);
+    let across_b = cross(offset, outward_b);
+    let lateral = sqrt(vec2(dot(across_a, across_a), dot(across_b, across_b)));
     let around = AROUND_ERROR * (radius(ca, middle_a) + radius(cb, middle_b)) + 8.0 * pad + 2.0 * DIRECTION_ERROR * reach;
-    if min(beside.x, beside.y) <= around {
+    if min(lateral.x, lateral.y) <= around {
         return true;
     }
-    let turn = vec2(sides::edge_turn(a, numbers.x), sides::edge_turn(b, numbers.y));
+    let edge_rotation = vec2(sides::edge_normal_rotation(a, numbers.x), sides::edge_normal_rotation(b, numbers.y));
     let sum = outward_a + outward_b;
-    let facing = dot(sum, sum) <= (turn.x + turn.y) * (turn.x + turn.y);
-    return facing && all(beside <= around + reach * min(turn, vec2(1.0)));
+    let facing = dot(sum, sum) <= (edge_rotation.x + edge_rotation.y) * (edge_rotation.x + edge_rotation.y);
+    return facing && all(lateral <= around + reach * min(edge_rotation, vec2(1.0)));
 }
 
 // The unit normal that leads outward; zero where single precision does not tell it.
@@ -281,6 +281,6 @@ fn beyond(plane: Corners, other: Corners, spread: f32, distance: f32) -> bool {
     let v = plane.r - plane.p;
     let normal = cross(u, v);
     let heights = vec3(dot(normal, other.p - plane.p), dot(normal, other.q - plane.p), dot(normal, other.r - plane.p));
-    let most = distance * sqrt(dot(normal, normal)) + ERROR * spread * norm1(u) * norm1(v);
-    return min(heights.x, min(heights.y, heights.z)) > most || max(heights.x, max(heights.y, heights.z)) < -most;
+    let limit = distance * sqrt(dot(normal, normal)) + ERROR * spread * norm1(u) * norm1(v);
+    return min(heights.x, min(heights.y, heights.z)) > limit || max(heights.x, max(heights.y, heights.z)) < -limit;
 }

@@ -1,15 +1,16 @@
 // Contact generation: how the bodies of each pair lie to each other. A thread a pair.
 #import faceoff::arena::meshes
-#import faceoff::constants::manifolds::{DEFAULT_DIRECTION, ASIDE, SAME_PLACE}
+#import faceoff::constants::manifolds::{NUDGE, SAME_PLACE}
+#import faceoff::constants::shared::DEFAULT_DIRECTION
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, conjugate, largest, matrix, rotate}
+#import faceoff::math::{compose, conjugate, max_component, matrix, rotate}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(3) var<storage, read> contact_counters: array<u32>;
 @group(0) @binding(4) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(5) var<storage, read> margin_pairs: array<t::MarginPair>;
-@group(0) @binding(6) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(6) var<storage, read_write> pair_setups: array<t::PairSetup>;
 
 // How wrong a height over a plane can be, in units of the bounding radii together: some 12 roundings of 2^-23.
 const ROUNDING_SINGLE: f32 = 1.5e-6;
@@ -27,15 +28,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= contact_counters[t::MARGIN_PAIRS] {
         return;
     }
-    settings[i] = setting(margin_pairs[i]);
+    pair_setups[i] = pair_setup(margin_pairs[i]);
 }
 
-fn setting(pair: t::MarginPair) -> t::ContactSetting {
-    var result: t::ContactSetting;
+fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
+    var result: t::PairSetup;
     result.a = pair.a;
     result.b = pair.b;
     result.valid = 0u;
-    if pair.still != 0u || pair.a == pair.b || max(pair.a, pair.b) >= limits.bodies {
+    if pair.inactive != 0u || pair.a == pair.b || max(pair.a, pair.b) >= limits.bodies {
         return result;
     }
     let a = bodies[pair.a];
@@ -47,30 +48,30 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
     result.unit = unit_of(a.radius + b.radius);
     result.rotation = a.rotation;
     let back = conjugate(a.rotation);
-    let turn = compose(back, b.rotation);
-    let turning = matrix(turn / sqrt(dot(turn, turn)));
-    result.x = turning[0];
-    result.y = turning[1];
-    result.z = turning[2];
+    let rotation = compose(back, b.rotation);
+    let b_to_a = matrix(rotation / sqrt(dot(rotation, rotation)));
+    result.x = b_to_a[0];
+    result.y = b_to_a[1];
+    result.z = b_to_a[2];
     // The difference of two positions is rounded once, however far away they are.
-    let arm_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
-    let arm_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
-    var between = (b.position - a.position) + (arm_b - arm_a);
-    if same_place(a, b, between) {
-        between += DEFAULT_DIRECTION * (ASIDE * min(a.radius, b.radius));
+    let anchor_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
+    let anchor_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
+    var world_offset = (b.position - a.position) + (anchor_b - anchor_a);
+    if same_place(a, b, world_offset) {
+        world_offset += DEFAULT_DIRECTION * (NUDGE * min(a.radius, b.radius));
     }
-    let apart = rotate(back, between * result.unit);
+    let center_offset = rotate(back, world_offset * result.unit);
     if b.radius < a.radius {
-        result.offset_a = apart;
+        result.offset_a = center_offset;
     } else {
-        result.offset_b = -(apart * turning);
+        result.offset_b = -(center_offset * b_to_a);
     }
     result.mesh_a = a.mesh;
     result.mesh_b = b.mesh;
     result.scale_a = a.scale * result.unit;
     result.scale_b = b.scale * result.unit;
     result.size = 2.0 * min(
-        largest(meshes[a.mesh].box_half * abs(result.scale_a)), largest(meshes[b.mesh].box_half * abs(result.scale_b))
+        max_component(meshes[a.mesh].box_half * abs(result.scale_a)), max_component(meshes[b.mesh].box_half * abs(result.scale_b))
     );
     // Not a number is no margin. By bits, which are in the order of positive numbers: devices may take it that all are
     // numbers.
@@ -84,11 +85,11 @@ fn setting(pair: t::MarginPair) -> t::ContactSetting {
 }
 
 // Whether two bodies are the same in the same place; `aside` in `src/manifolds/cpu/side.rs` explains it.
-fn same_place(a: t::Body, b: t::Body, between: vec3<f32>) -> bool {
-    let most = SAME_PLACE * min(a.radius, b.radius);
+fn same_place(a: t::Body, b: t::Body, world_offset: vec3<f32>) -> bool {
+    let max_distance = SAME_PLACE * min(a.radius, b.radius);
     // Single precision tells rotations apart by 3e-3 radians, where the CPU asks for 1e-4.
-    let turned = 1.0 - abs(dot(a.rotation, b.rotation));
-    return a.mesh == b.mesh && all(a.scale == b.scale) && dot(between, between) < most * most && turned < 1.0e-6;
+    let rotation_difference = 1.0 - abs(dot(a.rotation, b.rotation));
+    return a.mesh == b.mesh && all(a.scale == b.scale) && dot(world_offset, world_offset) < max_distance * max_distance && rotation_difference < 1.0e-6;
 }
 
 // The power of two that brings a size between 1 and 2.

@@ -35,7 +35,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = 0u; k < limits.planes; k += 1u) {
         let slot = slot_of_plane(index, k, before, limits.planes);
         var count = 0u;
-        if bodies[index].still == 0u || step.new_ground != 0u {
+        if bodies[index].inactive == 0u || step.planes_changed != 0u {
             count = find(bodies[index], planes[k], thread);
         }
         if thread == 0u {
@@ -69,8 +69,8 @@ fn pairs_up_to(body: u32, pairs: u32) -> u32 {
 
 // Of a body's centre of mass over a plane. The position, which may be large, comes before what is small.
 fn height_of(body: t::Body, plane: t::Plane) -> f32 {
-    let arm = rotate(body.rotation, body.scale * meshes[body.mesh].center);
-    return (dot(plane.normal, body.position) - plane.distance) + dot(plane.normal, arm);
+    let anchor = rotate(body.rotation, body.scale * meshes[body.mesh].center);
+    return (dot(plane.normal, body.position) - plane.distance) + dot(plane.normal, anchor);
 }
 
 // Fills in the list of chosen vertices, and tells how many: the lowest one, then always that farthest from those chosen.
@@ -88,16 +88,16 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     let along = body.scale * rotate(conjugate(body.rotation), plane.normal);
     let vertices = meshes[body.mesh].vertices;
     let vertex_count = meshes[body.mesh].vertex_count;
-    var most = -t::DROPPED;
+    var best_value = -t::DROPPED;
     var number = t::NOTHING;
     for (var v = thread; v < vertex_count; v += 64u) {
         let separation = dot(vector(vertices + 3u * v), along) + height;
-        if separation < margin && -separation > most {
-            most = -separation;
+        if separation < margin && -separation > best_value {
+            best_value = -separation;
             number = v;
         }
     }
-    greatest(most, number, thread);
+    greatest(best_value, number, thread);
     let floor_height = -best[0];
     var last = best_vertex[0];
     workgroupBarrier();
@@ -116,20 +116,20 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
         let limit = select(MAX_PLANE_POINTS / 2u, MAX_PLANE_POINTS, stage == 1u);
         let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
         while count < limit {
-            most = level * level;
+            best_value = level * level;
             number = t::NOTHING;
             for (var v = thread; v < vertex_count; v += 64u) {
                 let p = vector(vertices + 3u * v);
                 let separation = dot(p, along) + height;
                 if separation < margin && separation <= ceiling {
                     let distance = square_from_chosen(body.scale, p, count);
-                    if distance > most {
-                        most = distance;
+                    if distance > best_value {
+                        best_value = distance;
                         number = v;
                     }
                 }
             }
-            greatest(most, number, thread);
+            greatest(best_value, number, thread);
             last = best_vertex[0];
             workgroupBarrier();
             // What is left lies on what was picked.
@@ -150,8 +150,8 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
 fn square_from_chosen(scale: vec3<f32>, p: vec3<f32>, count: u32) -> f32 {
     var least = t::DROPPED;
     for (var k = 0u; k < count; k += 1u) {
-        let way = scale * (p - chosen[k]);
-        least = min(least, dot(way, way));
+        let offset = scale * (p - chosen[k]);
+        least = min(least, dot(offset, offset));
     }
     return least;
 }
@@ -179,27 +179,27 @@ fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>, number: u32) -> t::C
     let own = rotate(body.rotation, body.scale * meshes[body.mesh].center);
     let separation = dot(vertex, body.scale * rotate(conjugate(body.rotation), plane.normal)) + height;
     // Not the vertex touches but the smooth surface around it.
-    let round = sides::round_of(meshes[body.mesh].features, number);
-    let own_normal = rotate(body.rotation, direction(vector(round) / body.scale));
-    var roundness = bitcast<f32>(words[round + 3u]);
-    if roundness < t::FLAT_ROUNDNESS {
-        roundness *= norm1(body.scale) / 3.0;
+    let smooth_vertex = sides::smooth_vertex(meshes[body.mesh].features, number);
+    let own_normal = rotate(body.rotation, direction(vector(smooth_vertex) / body.scale));
+    var curvature_radius = bitcast<f32>(words[smooth_vertex + 3u]);
+    if curvature_radius < t::FLAT_RADIUS {
+        curvature_radius *= norm1(body.scale) / 3.0;
     }
-    var arm = rotate(body.rotation, body.scale * vertex);
-    if smooth::is_smooth(own_normal, -plane.normal, roundness) {
-        arm += smooth::slide(own_normal, arm, -plane.normal, roundness);
+    var anchor = rotate(body.rotation, body.scale * vertex);
+    if smooth::is_smooth(own_normal, -plane.normal, curvature_radius) {
+        anchor += smooth::slide(own_normal, anchor, -plane.normal, curvature_radius);
     } else {
         // A corner turns with the body until it touches.
-        roundness = 0.0;
+        curvature_radius = 0.0;
     }
     var result: t::ContactPoint;
-    result.arm_a = arm;
+    result.anchor_a = anchor;
     // From the plane's point nearest to the world's origin.
-    result.arm_b = (body.position - plane.normal * plane.distance) + (own + arm - plane.normal * separation);
+    result.anchor_b = (body.position - plane.normal * plane.distance) + (own + anchor - plane.normal * separation);
     result.normal = -plane.normal;
     result.separation = separation;
-    result.roundness_a = roundness;
-    result.roundness_b = t::FLAT_ROUNDNESS;
+    result.curvature_radius_a = curvature_radius;
+    result.curvature_radius_b = t::FLAT_RADIUS;
     result.face_a = t::NOTHING;
     result.face_b = t::NOTHING;
     return result;

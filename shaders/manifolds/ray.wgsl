@@ -2,7 +2,7 @@
 // each to where they leave the bodies. A workgroup a pair, a thread a place. `src/manifolds/cpu/ray.rs` explains the
 // rays.
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::constants::manifolds::{LEAST_PROBED_AREA, PROBED, RAY, SHALLOW}
+#import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, RAY_LENGTH, SHALLOW}
 #import faceoff::dispatch::group_index
 #import faceoff::sides
 #import faceoff::tree
@@ -10,7 +10,7 @@
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read_write> settings: array<t::ContactSetting>;
+@group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read> patches: array<t::Patch>;
 @group(0) @binding(6) var<storage, read_write> features: array<t::Feature>;
 
@@ -27,53 +27,53 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
-    let setting = settings[index];
-    if setting.valid == 0u || setting.patch_count == 0u {
+    let setup = pair_setups[index];
+    if setup.valid == 0u || setup.patch_count == 0u {
         return;
     }
-    var alone = 0u;
-    for (var k = 0u; k < setting.patch_count; k += 1u) {
-        alone += 1u - patches[setting.first_segment + k].kept;
+    var empty_count = 0u;
+    for (var k = 0u; k < setup.patch_count; k += 1u) {
+        empty_count += 1u - patches[setup.first_segment + k].kept;
     }
-    if alone == 0u {
+    if empty_count == 0u {
         return;
     }
-    let a = sides::first(setting);
-    let b = sides::second(setting);
+    let a = sides::first(setup);
+    let b = sides::second(setup);
     if thread < 2u {
         tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
     }
     if thread == 0u {
-        let count = PLACES * alone;
+        let count = PLACES * empty_count;
         base = atomicAdd(&contact_counters[t::FEATURES], count);
         let fits = base <= limits.features && count <= limits.features - base;
-        settings[index].first_probe = base;
-        settings[index].probe_count = select(0u, count, fits);
+        pair_setups[index].first_probe = base;
+        pair_setups[index].probe_count = select(0u, count, fits);
         base = select(t::NOTHING, base, fits);
     }
     workgroupBarrier();
     if base == t::NOTHING {
         return;
     }
-    for (var i = thread; i < PLACES * alone; i += 64u) {
-        let asked = patches[lonely(setting, i / PLACES)];
-        features[base + i] = probe(a, b, asked, place_of(asked, i % PLACES), setting);
+    for (var i = thread; i < PLACES * empty_count; i += 64u) {
+        let empty_patch = patches[nth_empty_patch(setup, i / PLACES)];
+        features[base + i] = probe(a, b, empty_patch, place_of(empty_patch, i % PLACES), setup);
     }
     storageBarrier();
     workgroupBarrier();
-    for (var n = thread; n < alone; n += 64u) {
+    for (var n = thread; n < empty_count; n += 64u) {
         let first = base + PLACES * n;
         // Dropped ones are larger than any.
         var deepest = t::DROPPED;
         for (var k = 0u; k < PLACES; k += 1u) {
             deepest = min(deepest, features[first + k].separation);
         }
-        let asked = patches[lonely(setting, n)];
+        let empty_patch = patches[nth_empty_patch(setup, n)];
         if deepest == t::DROPPED {
-            if asked.area > LEAST_PROBED_AREA * setting.size * setting.size {
-                features[first] = shallow(asked, setting.size);
+            if empty_patch.area > MIN_PROBED_AREA * setup.size * setup.size {
+                features[first] = shallow(empty_patch, setup.size);
             }
-        } else if deepest >= -setting.touch && has_feature(setting, asked) {
+        } else if deepest >= -setup.touch && has_feature(setup, empty_patch) {
             // Where the bodies only touch, their features have said so.
             for (var k = 0u; k < PLACES; k += 1u) {
                 features[first + k].separation = t::DROPPED;
@@ -83,10 +83,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 }
 
 // Whether a feature that touches or is apart is near a patch.
-fn has_feature(setting: t::ContactSetting, asked: t::Patch) -> bool {
-    for (var i = setting.first_feature; i < setting.first_feature + setting.feature_count; i += 1u) {
-        let way = 0.5 * (features[i].point_a + features[i].point_b) - asked.center;
-        if features[i].separation != t::DROPPED && dot(way, way) < asked.reach * asked.reach {
+fn has_feature(setup: t::PairSetup, empty_patch: t::Patch) -> bool {
+    for (var i = setup.first_feature; i < setup.first_feature + setup.feature_count; i += 1u) {
+        let offset = 0.5 * (features[i].point_a + features[i].point_b) - empty_patch.center;
+        if features[i].separation != t::DROPPED && dot(offset, offset) < empty_patch.reach * empty_patch.reach {
             return true;
         }
     }
@@ -94,47 +94,47 @@ fn has_feature(setting: t::ContactSetting, asked: t::Patch) -> bool {
 }
 
 // Where the patch is that is the n-th without a feature.
-fn lonely(setting: t::ContactSetting, n: u32) -> u32 {
-    var left = n;
-    var at = setting.first_segment;
-    for (var k = 0u; k < setting.patch_count; k += 1u) {
-        at = setting.first_segment + k;
+fn nth_empty_patch(setup: t::PairSetup, n: u32) -> u32 {
+    var remaining = n;
+    var at = setup.first_segment;
+    for (var k = 0u; k < setup.patch_count; k += 1u) {
+        at = setup.first_segment + k;
         if patches[at].kept == 0u {
-            if left == 0u {
+            if remaining == 0u {
                 break;
             }
-            left -= 1u;
+            remaining -= 1u;
         }
     }
     return at;
 }
 
 // The patch's centre, and the contour's extremes drawn in by a quarter.
-fn place_of(asked: t::Patch, k: u32) -> vec3<f32> {
-    var arm = vec3(0.0);
+fn place_of(empty_patch: t::Patch, k: u32) -> vec3<f32> {
+    var extreme = vec3(0.0);
     switch k {
-        case 1u: { arm = asked.arm_a; }
-        case 2u: { arm = asked.arm_b; }
-        case 3u: { arm = asked.arm_c; }
-        case 4u: { arm = asked.arm_d; }
+        case 1u: { extreme = empty_patch.extreme_a; }
+        case 2u: { extreme = empty_patch.extreme_b; }
+        case 3u: { extreme = empty_patch.extreme_c; }
+        case 4u: { extreme = empty_patch.extreme_d; }
         default: {}
     }
-    return asked.center + PROBED * arm;
+    return empty_patch.center + PROBE_FRACTION * extreme;
 }
 
 // The point of a patch by rays from p, if both leave a body. They start a little before it: where the bodies only touch,
 // rounding may have p outside of one.
-fn probe(a: sides::Side, b: sides::Side, asked: t::Patch, p: vec3<f32>, setting: t::ContactSetting) -> t::Feature {
+fn probe(a: sides::Side, b: sides::Side, empty_patch: t::Patch, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
     var feature: t::Feature;
     feature.separation = t::DROPPED;
-    let n = asked.normal;
-    let back = setting.touch;
-    let most = RAY * setting.size + back;
-    let up = leave(a, 0u, p - n * back, n, most);
+    let n = empty_patch.normal;
+    let back = setup.touch;
+    let max_distance = RAY_LENGTH * setup.size + back;
+    let up = exit(a, 0u, p - n * back, n, max_distance);
     if up.triangle == t::NOTHING {
         return feature;
     }
-    let down = leave(b, 1u, p + n * back, -n, most);
+    let down = exit(b, 1u, p + n * back, -n, max_distance);
     if down.triangle == t::NOTHING {
         return feature;
     }
@@ -149,17 +149,17 @@ fn probe(a: sides::Side, b: sides::Side, asked: t::Patch, p: vec3<f32>, setting:
 }
 
 // What stands for a patch that no ray leaves.
-fn shallow(asked: t::Patch, size: f32) -> t::Feature {
+fn shallow(empty_patch: t::Patch, size: f32) -> t::Feature {
     // Twice the area over the length is the radius of a circle.
-    let depth = min(2.0 * asked.area / asked.length, SHALLOW * size);
+    let depth = min(2.0 * empty_patch.area / empty_patch.length, SHALLOW * size);
     var feature: t::Feature;
-    feature.point_a = asked.center + asked.normal * (0.5 * depth);
-    feature.point_b = asked.center - asked.normal * (0.5 * depth);
-    feature.normal = asked.normal;
+    feature.point_a = empty_patch.center + empty_patch.normal * (0.5 * depth);
+    feature.point_b = empty_patch.center - empty_patch.normal * (0.5 * depth);
+    feature.normal = empty_patch.normal;
     feature.separation = -depth;
     feature.vertex = t::NOTHING;
-    feature.a = asked.a;
-    feature.b = asked.b;
+    feature.a = empty_patch.a;
+    feature.b = empty_patch.b;
     return feature;
 }
 
@@ -168,17 +168,17 @@ struct Exit {
     triangle: u32,
 }
 
-// How far the ray from `start` along the unit vector `way` runs until it meets the body, and which triangle is there;
-// `NOTHING` if that is beyond `most` or the ray does not leave the body there. `end` is the body's place in the pair.
-fn leave(side: sides::Side, end: u32, start: vec3<f32>, way: vec3<f32>, most: f32) -> Exit {
+// How far the ray from `start` along the unit vector `direction` runs until it meets the body, and which triangle is there;
+// `NOTHING` if that is beyond `max_distance` or the ray does not leave the body there. `end` is the body's place in the pair.
+fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max_distance: f32) -> Exit {
     // In the body's own axes, scaled.
     let origin = sides::to_own(side, start);
-    let along = way * side.rotation;
+    let along = direction * side.rotation;
     // Far from overflow, and never zero.
     let inverse = 1.0 / select(along, vec3(1.0e-12), abs(along) < vec3(1.0e-12));
     let whole = abs(side.scale) * meshes[side.mesh].box_half;
     let pad = 4.0e-6 * (whole.x + whole.y + whole.z);
-    var nearest = Exit(most, t::NOTHING);
+    var nearest = Exit(max_distance, t::NOTHING);
     // Of each level at most eight wait, less the one that is opened.
     var waiting: array<u32, 64>;
     waiting[0] = tree::node(meshes[side.mesh].levels - 1u, 0u);
@@ -210,14 +210,14 @@ fn leave(side: sides::Side, end: u32, start: vec3<f32>, way: vec3<f32>, most: f3
     if depth > 0u {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
-    if nearest.triangle != t::NOTHING && dot(way, sides::baked_normal(side, nearest.triangle)) <= 0.0 {
+    if nearest.triangle != t::NOTHING && dot(direction, sides::baked_normal(side, nearest.triangle)) <= 0.0 {
         nearest.triangle = t::NOTHING;
     }
     return nearest;
 }
 
-// Whether the ray meets a box before it has run as far as `most`.
-fn passes(side: sides::Side, at: u32, origin: vec3<f32>, inverse: vec3<f32>, pad: f32, most: f32) -> bool {
+// Whether the ray meets a box before it has run as far as `max_distance`.
+fn passes(side: sides::Side, at: u32, origin: vec3<f32>, inverse: vec3<f32>, pad: f32, max_distance: f32) -> bool {
     let apart = side.scale * vector(at) - origin;
     let half = abs(side.scale) * vector(at + 3u) + pad;
     let s = (apart - half) * inverse;
@@ -225,24 +225,24 @@ fn passes(side: sides::Side, at: u32, origin: vec3<f32>, inverse: vec3<f32>, pad
     let low = min(s, e);
     let high = max(s, e);
     let enter = max(0.0, max(low.x, max(low.y, low.z)));
-    let leaves = min(most, min(high.x, min(high.y, high.z)));
+    let leaves = min(max_distance, min(high.x, min(high.y, high.z)));
     return enter <= leaves + 1.0e-6 * (abs(enter) + abs(leaves)) + pad;
 }
 
 // How far along the way the ray meets the triangle; `DROPPED` if it does not.
-fn meets(side: sides::Side, number: u32, origin: vec3<f32>, way: vec3<f32>) -> f32 {
+fn meets(side: sides::Side, number: u32, origin: vec3<f32>, direction: vec3<f32>) -> f32 {
     let at = side.triangles + 9u * number;
     let a = side.scale * vector(at) - origin;
     let ab = side.scale * vector(at + 3u) - origin - a;
     let ac = side.scale * vector(at + 6u) - origin - a;
     let normal = cross(ab, ac);
-    let slope = dot(way, normal);
+    let slope = dot(direction, normal);
     if slope * slope <= 1.0e-12 * dot(normal, normal) {
         return t::DROPPED;
     }
-    let turn = cross(a, way);
-    let v = dot(turn, ac) / slope;
-    let w = -dot(turn, ab) / slope;
+    let moment = cross(a, direction);
+    let v = dot(moment, ac) / slope;
+    let w = -dot(moment, ab) / slope;
     let distance = dot(a, normal) / slope;
     if v >= -SLACK_SINGLE && w >= -SLACK_SINGLE && v + w <= 1.0 + SLACK_SINGLE && distance >= 0.0 {
         return distance;

@@ -1,7 +1,7 @@
 // Contact generation: the few points that say what many say. The deepest, then always the one farthest from those chosen
 // before, in position and normal. A workgroup a pair.
 #import faceoff::arena::{meshes, words}
-#import faceoff::constants::manifolds::{LEAST_WEIGHT, MOST_POINTS, SAME, SHALLOWER, TURN}
+#import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
 #import faceoff::math::{norm1, rotate}
@@ -11,7 +11,7 @@
 
 @group(0) @binding(2) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read> settings: array<t::ContactSetting>;
+@group(0) @binding(4) var<storage, read> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 @group(0) @binding(6) var<storage, read_write> staged: array<t::ContactPoint>;
 @group(0) @binding(7) var<storage, read_write> slots: array<t::ContactPair>;
@@ -27,39 +27,39 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
         return;
     }
-    let setting = settings[index];
+    let setup = pair_setups[index];
     var count = 0u;
-    if setting.valid != 0u {
-        count = choose(setting, thread);
+    if setup.valid != 0u {
+        count = choose(setup, thread);
     }
     if thread == 0u {
         base = atomicAdd(&contact_counters[t::STAGED_POINTS], count);
         let fits = base <= limits.staged_points && count <= limits.staged_points - base;
-        slots[slot_of_pair(index, setting.a, limits.bodies, limits.planes)] =
-            t::ContactPair(setting.a, setting.b, base, select(0u, count, fits));
+        slots[slot_of_pair(index, setup.a, limits.bodies, limits.planes)] =
+            t::ContactPair(setup.a, setup.b, base, select(0u, count, fits));
         base = select(t::NOTHING, base, fits);
     }
     workgroupBarrier();
     if base != t::NOTHING && thread < count {
-        staged[base + thread] = point(setting, features[chosen[thread]]);
+        staged[base + thread] = point(setup, features[chosen[thread]]);
     }
 }
 
 // Fills in the list of chosen features, and tells how many.
-fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
-    let all = setting.feature_count + setting.deep_count + setting.probe_count;
-    var most = -t::DROPPED;
+fn choose(setup: t::PairSetup, thread: u32) -> u32 {
+    let all = setup.feature_count + setup.deep_count + setup.probe_count;
+    var best_value = -t::DROPPED;
     var place = t::NOTHING;
     for (var i = thread; i < all; i += 64u) {
-        let at = feature_at(setting, i);
+        let at = feature_at(setup, i);
         let separation = features[at].separation;
         features[at].distance = t::DROPPED;
-        if separation != t::DROPPED && -separation > most {
-            most = -separation;
+        if separation != t::DROPPED && -separation > best_value {
+            best_value = -separation;
             place = at;
         }
     }
-    greatest(most, place, thread);
+    greatest(best_value, place, thread);
     let deepest = -best[0];
     var last = best_at[0];
     workgroupBarrier();
@@ -69,32 +69,32 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
             chosen[count] = last;
         }
         count += 1u;
-        if count == MOST_POINTS {
+        if count == MAX_POINTS {
             break;
         }
         let p = features[last].point_a;
         let n = features[last].normal;
-        most = 0.0;
+        best_value = 0.0;
         place = t::NOTHING;
         var i = thread;
         while i < all {
-            let at = feature_at(setting, i);
+            let at = feature_at(setup, i);
             i += 64u;
             let separation = features[at].separation;
             if separation == t::DROPPED {
                 continue;
             }
-            let way = (features[at].point_a - p) / setting.size;
-            let turn = features[at].normal - n;
-            let distance = min(features[at].distance, dot(way, way) + TURN * dot(turn, turn));
+            let offset = (features[at].point_a - p) / setup.size;
+            let normal_change = features[at].normal - n;
+            let distance = min(features[at].distance, dot(offset, offset) + NORMAL_WEIGHT * dot(normal_change, normal_change));
             features[at].distance = distance;
-            if distance <= SAME {
+            if distance <= DUPLICATE {
                 continue;
             }
-            let shallower = (separation - deepest) / (SHALLOWER * setting.size);
-            let weighted = distance * max(exp(-shallower), LEAST_WEIGHT);
-            if weighted > most {
-                most = weighted;
+            let shallower = (separation - deepest) / (DEPTH_SCALE * setup.size);
+            let weighted = distance * max(exp(-shallower), MIN_WEIGHT);
+            if weighted > best_value {
+                best_value = weighted;
                 place = at;
             }
         }
@@ -102,7 +102,7 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
         if i < all {
             atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
         }
-        greatest(most, place, thread);
+        greatest(best_value, place, thread);
         last = best_at[0];
         workgroupBarrier();
     }
@@ -110,15 +110,15 @@ fn choose(setting: t::ContactSetting, thread: u32) -> u32 {
 }
 
 // The pair's i-th feature.
-fn feature_at(setting: t::ContactSetting, i: u32) -> u32 {
-    if i < setting.feature_count {
-        return setting.first_feature + i;
+fn feature_at(setup: t::PairSetup, i: u32) -> u32 {
+    if i < setup.feature_count {
+        return setup.first_feature + i;
     }
-    let j = i - setting.feature_count;
-    if j < setting.deep_count {
-        return setting.first_deep + j;
+    let j = i - setup.feature_count;
+    if j < setup.deep_count {
+        return setup.first_deep + j;
     }
-    return setting.first_probe + j - setting.deep_count;
+    return setup.first_probe + j - setup.deep_count;
 }
 
 // Brings the greatest of all threads to the front; of equals that of the first thread.
@@ -137,32 +137,32 @@ fn greatest(value: f32, place: u32, thread: u32) {
 }
 
 // Out of the first body's axes and the pair's unit.
-fn point(setting: t::ContactSetting, feature: t::Feature) -> t::ContactPoint {
-    let a = sides::first(setting);
-    let b = sides::second(setting);
+fn point(setup: t::PairSetup, feature: t::Feature) -> t::ContactPoint {
+    let a = sides::first(setup);
+    let b = sides::second(setup);
     var result: t::ContactPoint;
-    result.separation = feature.separation / setting.unit;
-    result.roundness_a = roundness_of(a, feature.a, feature.vertex, setting.unit);
-    result.roundness_b = roundness_of(b, feature.b, feature.vertex, setting.unit);
-    let roundness = vec2(result.roundness_a, result.roundness_b) * setting.unit;
-    let smoothed = smooth::smoothed(a, b, feature, roundness);
-    let normal = rotate(setting.rotation, smoothed.normal);
+    result.separation = feature.separation / setup.unit;
+    result.curvature_radius_a = curvature_radius_of(a, feature.a, feature.vertex, setup.unit);
+    result.curvature_radius_b = curvature_radius_of(b, feature.b, feature.vertex, setup.unit);
+    let curvature_radius = vec2(result.curvature_radius_a, result.curvature_radius_b) * setup.unit;
+    let smoothed = smooth::smoothed(a, b, feature, curvature_radius);
+    let normal = rotate(setup.rotation, smoothed.normal);
     result.normal = normal / sqrt(dot(normal, normal));
-    result.arm_a = rotate(setting.rotation, feature.point_a + smoothed.slide_a - a.center) / setting.unit;
-    result.arm_b = rotate(setting.rotation, feature.point_b + smoothed.slide_b - b.center) / setting.unit;
-    result.turn = smoothed.turn * setting.unit;
+    result.anchor_a = rotate(setup.rotation, feature.point_a + smoothed.slide_a - a.center) / setup.unit;
+    result.anchor_b = rotate(setup.rotation, feature.point_b + smoothed.slide_b - b.center) / setup.unit;
+    result.normal_rotation = smoothed.normal_rotation * setup.unit;
     result.face_a = sides::face(a, feature.a);
     result.face_b = sides::face(b, feature.b);
     return result;
 }
 
 // Of a body's surface at the feature, metres.
-fn roundness_of(side: sides::Side, triangle: u32, vertex: u32, unit: f32) -> f32 {
-    let roundness = sides::roundness(side, triangle);
+fn curvature_radius_of(side: sides::Side, triangle: u32, vertex: u32, unit: f32) -> f32 {
+    let curvature_radius = sides::curvature_radius(side, triangle);
     let is_face = vertex != t::NOTHING && (vertex & t::OF_SECOND) != side.mark;
     // Between creases a face is flat.
-    if roundness >= t::FLAT_ROUNDNESS || (is_face && roundness == 0.0) {
-        return t::FLAT_ROUNDNESS;
+    if curvature_radius >= t::FLAT_RADIUS || (is_face && curvature_radius == 0.0) {
+        return t::FLAT_RADIUS;
     }
-    return roundness * norm1(side.scale) / (3.0 * unit);
+    return curvature_radius * norm1(side.scale) / (3.0 * unit);
 }

@@ -1,6 +1,6 @@
 // Contact generation, which pairs it looks at, last of three: the list, ascending, with margins.
 #import faceoff::dispatch::group_index
-#import faceoff::margins::margin_of
+#import faceoff::margins::speculative_margin
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -25,5 +25,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let pair = near_pairs[values[i]];
     let a = bodies[pair.a];
     let b = bodies[pair.b];
-    margin_pairs[i] = t::MarginPair(pair.a, pair.b, margin_of(step, a, b), a.still & b.still);
+    margin_pairs[i] = t::MarginPair(pair.a, pair.b, speculative_margin(step, a, b), a.inactive & b.inactive);
 }

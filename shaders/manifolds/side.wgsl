@@ -33,30 +33,30 @@ struct Side {
 struct Triangle {
     number: u32,
     // 1 if the corners run counter-clockwise about the normal, else -1.
-    handed: f32,
+    winding_sign: f32,
     corners: array<vec3<f32>, 3>,
     // Unit vector, outward; of triangles with two sides towards the other body.
     normal: vec3<f32>,
 }
 
-fn first(setting: t::ContactSetting) -> Side {
+fn first(setup: t::PairSetup) -> Side {
     let identity = mat3x3(vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0));
-    var side = side_of(setting.mesh_a, setting.scale_a, setting.offset_a, identity);
-    side.other_center = -(turning(setting) * setting.offset_b);
+    var side = side_of(setup.mesh_a, setup.scale_a, setup.offset_a, identity);
+    side.other_center = -(b_to_a(setup) * setup.offset_b);
     side.mark = 0u;
     return side;
 }
 
-fn second(setting: t::ContactSetting) -> Side {
-    var side = side_of(setting.mesh_b, setting.scale_b, setting.offset_b, turning(setting));
-    side.other_center = -setting.offset_a;
+fn second(setup: t::PairSetup) -> Side {
+    var side = side_of(setup.mesh_b, setup.scale_b, setup.offset_b, b_to_a(setup));
+    side.other_center = -setup.offset_a;
     side.mark = t::OF_SECOND;
     return side;
 }
 
 // Turns b's axes into a's.
-fn turning(setting: t::ContactSetting) -> mat3x3<f32> {
-    return mat3x3(setting.x, setting.y, setting.z);
+fn b_to_a(setup: t::PairSetup) -> mat3x3<f32> {
+    return mat3x3(setup.x, setup.y, setup.z);
 }
 
 fn side_of(mesh: u32, scale: vec3<f32>, offset: vec3<f32>, rotation: mat3x3<f32>) -> Side {
@@ -99,12 +99,12 @@ fn vertex(side: Side, number: u32) -> vec3<f32> {
 }
 
 // The normal of the smooth surface at a vertex; zero if it has none.
-fn round_normal(side: Side, number: u32) -> vec3<f32> {
-    return side.rotation * direction(vector(round_of(side.features, number)) / side.scale);
+fn smooth_normal(side: Side, number: u32) -> vec3<f32> {
+    return side.rotation * direction(vector(smooth_vertex(side.features, number)) / side.scale);
 }
 
 // Where normal and roundness of a vertex lie among the words of a mesh whose features start there.
-fn round_of(features: u32, number: u32) -> u32 {
+fn smooth_vertex(features: u32, number: u32) -> u32 {
     return features + words[features + 6u] + 4u * number;
 }
 
@@ -145,25 +145,25 @@ fn owned(side: Side, number: u32) -> u32 {
 
 // How far a contact's normal at an edge that the triangle owns may turn from the triangle's, radians; of `ANY_NORMAL` any normal
 // is within.
-fn edge_turn(side: Side, number: u32) -> f32 {
+fn edge_normal_rotation(side: Side, number: u32) -> f32 {
     let scale = abs(side.scale);
     let longest = max(scale.x, max(scale.y, scale.z));
     let shortest = min(scale.x, min(scale.y, scale.z));
-    let turn = f32(words[record(side, number) + 12u] >> 8u) * (ANY_NORMAL / 255.0) + ARC_SLACK;
+    let rotation = f32(words[record(side, number) + 12u] >> 8u) * (ANY_NORMAL / 255.0) + ARC_SLACK;
     // Unequal scales change angles.
-    return select(ANY_NORMAL, min(turn, ANY_NORMAL), longest <= shortest * (1.0 + 1.0e-6));
+    return select(ANY_NORMAL, min(rotation, ANY_NORMAL), longest <= shortest * (1.0 + 1.0e-6));
 }
 
-fn roundness(side: Side, number: u32) -> f32 {
+fn curvature_radius(side: Side, number: u32) -> f32 {
     return bitcast<f32>(words[record(side, number) + 13u]);
 }
 
-// The largest radius of curvature that the surface has in any direction at a triangle; `FLAT_ROUNDNESS` or more if it is not
+// The largest radius of curvature that the surface has in any direction at a triangle; `FLAT_RADIUS` or more if it is not
 // round all ways.
-fn flattest(side: Side, number: u32) -> f32 {
+fn max_curvature_radius(side: Side, number: u32) -> f32 {
     let curvature = bitcast<f32>(words[record(side, number) + 15u]);
     if !(curvature > 0.0) {
-        return t::FLAT_ROUNDNESS;
+        return t::FLAT_RADIUS;
     }
     let scale = abs(side.scale);
     let longest = max(scale.x, max(scale.y, scale.z));
@@ -193,10 +193,10 @@ fn triangle(side: Side, number: u32) -> Triangle {
     } else {
         result.normal = baked_normal(side, number);
     }
-    result.handed = side.mirror;
+    result.winding_sign = side.mirror;
     if faces_away(side, result.normal, result.corners[0]) {
         result.normal = -result.normal;
-        result.handed = -side.mirror;
+        result.winding_sign = -side.mirror;
     }
     return result;
 }

@@ -12,19 +12,19 @@ struct Smoothed {
     // From the first body to the second.
     normal: vec3<f32>,
     // How fast it turns as the surfaces slide along each other: radians by length.
-    turn: f32,
+    normal_rotation: f32,
     // From where each body touches to where its smooth surface does, across the normal.
     slide_a: vec3<f32>,
     slide_b: vec3<f32>,
 }
 
 // With the roundness of the first body's surface and of the second's.
-fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, roundness: vec2<f32>) -> Smoothed {
+fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, curvature_radius: vec2<f32>) -> Smoothed {
     var result: Smoothed;
     result.normal = feature.normal;
-    let radius_a = sides::flattest(a, feature.a);
-    let radius_b = sides::flattest(b, feature.b);
-    if radius_a < t::FLAT_ROUNDNESS && radius_b < t::FLAT_ROUNDNESS {
+    let radius_a = sides::max_curvature_radius(a, feature.a);
+    let radius_b = sides::max_curvature_radius(b, feature.b);
+    if radius_a < t::FLAT_RADIUS && radius_b < t::FLAT_RADIUS {
         // Round all ways: they touch between the centres of the balls that they are there.
         let normal_a = normal_at(a, feature.a, feature.point_a);
         let normal_b = normal_at(b, feature.b, feature.point_b);
@@ -33,9 +33,9 @@ fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, roundness: vec2
         if dot(normal_a, feature.normal) >= least && -dot(normal_b, feature.normal) >= least {
             let gap = max(feature.separation, 0.0);
             result.normal = direction(normal_a * radius_a - normal_b * radius_b + feature.normal * gap);
-            result.turn = 1.0 / (radius_a + radius_b + gap);
-            result.slide_a = slide(normal_a, feature.point_a - a.center, result.normal, roundness.x);
-            result.slide_b = slide(normal_b, feature.point_b - b.center, -result.normal, roundness.y);
+            result.normal_rotation = 1.0 / (radius_a + radius_b + gap);
+            result.slide_a = slide(normal_a, feature.point_a - a.center, result.normal, curvature_radius.x);
+            result.slide_b = slide(normal_b, feature.point_b - b.center, -result.normal, curvature_radius.y);
             return result;
         }
     }
@@ -43,36 +43,36 @@ fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, roundness: vec2
         return result;
     }
     let number = feature.vertex & ~t::OF_SECOND;
-    var way = vec3(0.0);
+    var offset = vec3(0.0);
     if (feature.vertex & t::OF_SECOND) == 0u {
-        let normal = sides::round_normal(a, number);
-        if is_smooth(normal, feature.normal, roundness.x) {
-            way = slide(normal, feature.point_a - a.center, feature.normal, roundness.x);
+        let normal = sides::smooth_normal(a, number);
+        if is_smooth(normal, feature.normal, curvature_radius.x) {
+            offset = slide(normal, feature.point_a - a.center, feature.normal, curvature_radius.x);
         }
     } else {
-        let normal = sides::round_normal(b, number);
-        if is_smooth(normal, -feature.normal, roundness.y) {
-            way = slide(normal, feature.point_b - b.center, -feature.normal, roundness.y);
+        let normal = sides::smooth_normal(b, number);
+        if is_smooth(normal, -feature.normal, curvature_radius.y) {
+            offset = slide(normal, feature.point_b - b.center, -feature.normal, curvature_radius.y);
         }
     }
     // Along the other body's face.
-    result.slide_a = way;
-    result.slide_b = way;
+    result.slide_a = offset;
+    result.slide_b = offset;
     return result;
 }
 
 // Whether there is a smooth surface of this roundness around a vertex, where it has this normal or none, that has the normal
 // `out` near it.
-fn is_smooth(normal: vec3<f32>, out: vec3<f32>, roundness: f32) -> bool {
+fn is_smooth(normal: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> bool {
     let across = cross(normal, out);
     let near = dot(normal, out) > 0.0 && dot(across, across) <= SMOOTH * SMOOTH;
-    return near && roundness > 0.0 && roundness < t::FLAT_ROUNDNESS;
+    return near && curvature_radius > 0.0 && curvature_radius < t::FLAT_RADIUS;
 }
 
-// From a point with this normal, at `arm` from the centre of mass, to where it is `out`.
-fn slide(normal: vec3<f32>, arm: vec3<f32>, out: vec3<f32>, roundness: f32) -> vec3<f32> {
+// From a point with this normal, at `anchor` from the centre of mass, to where it is `out`.
+fn slide(normal: vec3<f32>, anchor: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> vec3<f32> {
     // No farther round than to beside the centre of mass, as the solver takes it.
-    return (out * dot(normal, out) - normal) * min(roundness, max(dot(arm, out), 0.0));
+    return (out * dot(normal, out) - normal) * min(curvature_radius, max(dot(anchor, out), 0.0));
 }
 
 // The smooth surface's normal at a point of a triangle: between those at its corners, by the areas over against them.
@@ -83,8 +83,8 @@ fn normal_at(side: sides::Side, triangle: u32, at: vec3<f32>) -> vec3<f32> {
     let r = sides::vertex(side, numbers.z) - at;
     let whole = direction(cross(q - p, r - p));
     return direction(
-        sides::round_normal(side, numbers.x) * max(dot(cross(q, r), whole), 0.0)
-            + sides::round_normal(side, numbers.y) * max(dot(cross(r, p), whole), 0.0)
-            + sides::round_normal(side, numbers.z) * max(dot(cross(p, q), whole), 0.0),
+        sides::smooth_normal(side, numbers.x) * max(dot(cross(q, r), whole), 0.0)
+            + sides::smooth_normal(side, numbers.y) * max(dot(cross(r, p), whole), 0.0)
+            + sides::smooth_normal(side, numbers.z) * max(dot(cross(p, q), whole), 0.0),
     );
 }

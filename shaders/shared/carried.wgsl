@@ -3,11 +3,11 @@
 #import faceoff::types as t
 
 // `body` as the host sent it, brought to where it begins. `last` is where it was after the last step.
-fn onward(body: t::Body, last: t::Moved) -> t::Body {
+fn carry_over(body: t::Body, last: t::Moved) -> t::Body {
     var next = body;
-    next.position = along(body.carried, t::CARRIED_POSITION, last.position, body.position);
-    next.linear_velocity = along(body.carried, t::CARRIED_LINEAR, last.linear_velocity, body.linear_velocity);
-    next.angular_velocity = along(body.carried, t::CARRIED_ANGULAR, last.angular_velocity, body.angular_velocity);
+    next.position = carry_axes(body.carried, t::CARRIED_POSITION, last.position, body.position);
+    next.linear_velocity = carry_axes(body.carried, t::CARRIED_LINEAR, last.linear_velocity, body.linear_velocity);
+    next.angular_velocity = carry_axes(body.carried, t::CARRIED_ANGULAR, last.angular_velocity, body.angular_velocity);
     if (body.carried & t::CARRIED_ROTATION) != 0u {
         next.rotation = last.rotation;
     }
@@ -15,7 +15,7 @@ fn onward(body: t::Body, last: t::Moved) -> t::Body {
 }
 
 // Axis by axis what is told, or the last value and what is told to be added.
-fn along(carried: u32, first: u32, last: vec3<f32>, told: vec3<f32>) -> vec3<f32> {
+fn carry_axes(carried: u32, first: u32, last: vec3<f32>, sent: vec3<f32>) -> vec3<f32> {
     let goes_on = (vec3(carried) & (vec3(1u, 2u, 4u) * first)) != vec3(0u);
-    return select(told, last + told, goes_on);
+    return select(sent, last + sent, goes_on);
 }

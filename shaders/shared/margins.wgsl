@@ -1,28 +1,28 @@
 #define_import_path faceoff::margins
 
-// How far bodies look for each other; `src/state/margins.rs` explains it. `Step::look_ahead` is the time until the next
+// How far bodies look for each other; `src/state/margins.rs` explains it. `Step::speculative_time` is the time until the next
 // detection, with the safety that is on top of it.
 
 #import faceoff::constants::shared::BOUND
 #import faceoff::types as t
 
 // The body, with its reach as its velocities now are.
-fn with_reach(step: t::Step, body: t::Body) -> t::Body {
+fn with_speculative_radius(step: t::Step, body: t::Body) -> t::Body {
     var placed = body;
     var travel = 0.0;
     if (body.flags & t::KIND_MASK) != t::STATIC {
         let v = body.linear_velocity - step.drift;
-        travel = (sqrt(dot(v, v)) + sway(step, body)) * step.look_ahead;
+        travel = (sqrt(dot(v, v)) + sway(step, body)) * step.speculative_time;
     }
-    placed.reach = body.radius + step.contact_margin * body.radius + min(travel, BOUND * body.thickness);
+    placed.speculative_radius = body.radius + step.contact_margin * body.radius + min(travel, BOUND * body.thickness);
     return placed;
 }
 
 // How near the surfaces of two bodies must come for points to be found, metres.
-fn margin_of(step: t::Step, a: t::Body, b: t::Body) -> f32 {
+fn speculative_margin(step: t::Step, a: t::Body, b: t::Body) -> f32 {
     let diameter = 2.0 * min(a.radius, b.radius);
     let v = velocity(b) - velocity(a);
-    let travel = (sqrt(dot(v, v)) + sway(step, a) + sway(step, b)) * step.look_ahead;
+    let travel = (sqrt(dot(v, v)) + sway(step, a) + sway(step, b)) * step.speculative_time;
     return step.contact_margin * diameter + min(travel, BOUND * min(a.thickness, b.thickness));
 }
 

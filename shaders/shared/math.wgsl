@@ -40,7 +40,7 @@ fn absolute(m: mat3x3<f32>) -> mat3x3<f32> {
     return mat3x3(abs(m[0]), abs(m[1]), abs(m[2]));
 }
 
-fn largest(v: vec3<f32>) -> f32 {
+fn max_component(v: vec3<f32>) -> f32 {
     return max(v.x, max(v.y, v.z));
 }
 
@@ -50,7 +50,7 @@ fn norm1(v: vec3<f32>) -> f32 {
 
 // A vector of any finite length, divided by it. Zero stays zero. Squares of tiny or huge lengths would leave f32's range.
 fn direction(v: vec3<f32>) -> vec3<f32> {
-    let size = largest(abs(v));
+    let size = max_component(abs(v));
     if !(size > 0.0) {
         return vec3(0.0);
     }
@@ -78,8 +78,8 @@ fn sin_cos(x: f32) -> vec2<f32> {
 }
 
 // The turn by the vector w: about its direction, by its length in radians.
-fn turn(w: vec3<f32>) -> vec4<f32> {
-    let size = largest(abs(w));
+fn rotation_by(w: vec3<f32>) -> vec4<f32> {
+    let size = max_component(abs(w));
     if !(size > 0.0) {
         return vec4(0.0, 0.0, 0.0, 1.0);
     }

@@ -26,11 +26,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let sum = own.x + own.y + own.z + own.w;
     var inclusive = sum;
-    for (var reach = 1u; reach < 256u; reach *= 2u) {
+    for (var offset = 1u; offset < 256u; offset *= 2u) {
         partial[thread] = inclusive;
         workgroupBarrier();
-        if thread >= reach {
-            inclusive += partial[thread - reach];
+        if thread >= offset {
+            inclusive += partial[thread - offset];
         }
         workgroupBarrier();
     }

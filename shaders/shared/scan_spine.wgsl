@@ -25,11 +25,11 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         }
         roughly += f32(value);
         var inclusive = value;
-        for (var reach = 1u; reach < 256u; reach *= 2u) {
+        for (var offset = 1u; offset < 256u; offset *= 2u) {
             partial[thread] = inclusive;
             workgroupBarrier();
-            if thread >= reach {
-                inclusive += partial[thread - reach];
+            if thread >= offset {
+                inclusive += partial[thread - offset];
             }
             workgroupBarrier();
         }

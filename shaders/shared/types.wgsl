@@ -21,9 +21,9 @@ struct Step {
     // How near bodies must come for contact points to be found, as a part of the smaller diameter; 0 if none are wanted.
     contact_margin: f32,
     // Bodies look as far as they move in this many seconds.
-    look_ahead: f32,
+    speculative_time: f32,
     // Not 0: half-spaces are not those of the last step.
-    new_ground: u32,
+    planes_changed: u32,
     padding_a: u32,
     // The velocity that bodies have in common, m/s.
     drift: vec3<f32>,
@@ -47,7 +47,7 @@ struct Body {
     // Inverse inertia in the body's own axes: xx, yy, zz and xy, xz, yz.
     inverse_inertia: vec3<f32>,
     gravity_scale: f32,
-    inverse_inertia_mixed: vec3<f32>,
+    inverse_inertia_off_diagonal: vec3<f32>,
     // Two bits of kind, one of sensor, two of culling; see the constants.
     flags: u32,
     // Collision layers.
@@ -57,12 +57,12 @@ struct Body {
     source: u32,
     carried: u32,
     // Of the sphere in which it looks for others; follows from the velocities, the radius and the margin.
-    reach: f32,
+    speculative_radius: f32,
     // Of its thinnest part, metres.
     thickness: f32,
     // Not 0: nothing about it has changed since it was last looked at, in which `source` was its number: it sleeps, or is
     // static.
-    still: u32,
+    inactive: u32,
     padding: u32,
 }
 
@@ -98,7 +98,7 @@ struct Mesh {
     component_count: u32,
     // Face table: a word per direction, then the groups' bits. 0 directions: there is no table.
     directions: u32,
-    turn: u32,
+    direction_steps: u32,
     groups: u32,
     group_words: u32,
     // Corners and edges with what lies around them, as `side.wgsl` reads them; only there if contact points are wanted.
@@ -198,7 +198,7 @@ struct Hit {
 // A body that reaches into a half-space.
 struct PlaneContact {
     // From the body's centre of mass to the point, in world axes.
-    arm: vec3<f32>,
+    anchor: vec3<f32>,
     depth: f32,
     // The point in the world.
     point: vec3<f32>,
@@ -218,7 +218,7 @@ struct BodyContacts {
     first_plane: u32,
     planes: u32,
     // Contacts that close in, of both kinds.
-    pushing: u32,
+    active_contacts: u32,
     padding_a: u32,
     padding_b: u32,
     padding_c: u32,
@@ -267,11 +267,11 @@ struct MarginPair {
     // Metres.
     margin: f32,
     // Not 0: both are still, and what was found last holds.
-    still: u32,
+    inactive: u32,
 }
 
 // How the bodies of such a pair lie to each other, and where in the lists its share is.
-struct ContactSetting {
+struct PairSetup {
     a: u32,
     b: u32,
     // 0: there are no such bodies.
@@ -299,11 +299,11 @@ struct ContactSetting {
     scale_b: vec3<f32>,
     patch_count: u32,
     // Where overlapping features can be, and along which way; zero for any.
-    low: vec3<f32>,
+    window_min: vec3<f32>,
     first_near: u32,
-    high: vec3<f32>,
+    window_max: vec3<f32>,
     near_count: u32,
-    way: vec3<f32>,
+    window_direction: vec3<f32>,
     first_segment: u32,
     segment_count: u32,
     first_feature: u32,
@@ -356,16 +356,16 @@ struct Patch {
     normal: vec3<f32>,
     area: f32,
     // From its centre to the contour's extremes in four directions.
-    arm_a: vec3<f32>,
+    extreme_a: vec3<f32>,
     // Of the contour.
     length: f32,
-    arm_b: vec3<f32>,
+    extreme_b: vec3<f32>,
     // Whether it keeps an overlapping feature.
     kept: u32,
-    arm_c: vec3<f32>,
+    extreme_c: vec3<f32>,
     // Triangles of its first segment.
     a: u32,
-    arm_d: vec3<f32>,
+    extreme_d: vec3<f32>,
     b: u32,
 }
 
@@ -374,20 +374,20 @@ const DROPPED: f32 = 3.0e38;
 // A point at which two bodies push each other, in world axes and metres.
 struct ContactPoint {
     // From each body's centre of mass to the point on its surface.
-    arm_a: vec3<f32>,
+    anchor_a: vec3<f32>,
     // From the first point to the second along the normal; negative where the bodies overlap.
     separation: f32,
-    arm_b: vec3<f32>,
-    // Radius of curvature of each surface: 0 on a crease, `FLAT_ROUNDNESS` where it is flat.
-    roundness_a: f32,
+    anchor_b: vec3<f32>,
+    // Radius of curvature of each surface: 0 on a crease, `FLAT_RADIUS` where it is flat.
+    curvature_radius_a: f32,
     // Unit vector from the first body to the second.
     normal: vec3<f32>,
-    roundness_b: f32,
+    curvature_radius_b: f32,
     // By the numbers of the input meshes; `NOTHING` on half-spaces.
     face_a: u32,
     face_b: u32,
     // How fast the normal turns as the surfaces slide along each other, radians per metre.
-    turn: f32,
+    normal_rotation: f32,
     padding: u32,
 }
 
@@ -412,7 +412,7 @@ struct Touch {
     // Along the normal, newton seconds.
     impulse: f32,
     // In which of the step's intervals.
-    interval: u32,
+    collision_substep: u32,
     // Which of the pair's points.
     index: u32,
 }

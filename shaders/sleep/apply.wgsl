@@ -1,27 +1,27 @@
 // Solver, sleep: wakes the bodies of restless islands, or freezes those of the others.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, interval, islands, states}
+#import faceoff::islands::{solver_bodies, constants, collision_substep, islands, motion_states}
 #import faceoff::solver_types as s
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= interval.bodies {
+    if i >= collision_substep.bodies {
         return;
     }
-    let asleep = states[i].asleep != 0u;
-    let restless = atomicLoad(&islands[l::root_of(i)].restless) != 0u;
+    let asleep = motion_states[i].asleep != 0u;
+    let disturbed = atomicLoad(&islands[l::root_of(i)].disturbed) != 0u;
     if constants.x == s::WAKE {
-        if asleep && restless {
-            states[i].asleep = 0u;
-            states[i].rest_time = 0.0;
-            states[i].neighbours = 0u;
+        if asleep && disturbed {
+            motion_states[i].asleep = 0u;
+            motion_states[i].rest_time = 0.0;
+            motion_states[i].neighbours = 0u;
         }
-    } else if !asleep && !restless && l::has_mass(solver_bodies[i]) {
-        states[i].asleep = 1u;
-        states[i].neighbours = atomicLoad(&islands[i].neighbours);
-        states[i].linear_velocity = vec3(0.0);
-        states[i].angular_velocity = vec3(0.0);
+    } else if !asleep && !disturbed && l::has_mass(solver_bodies[i]) {
+        motion_states[i].asleep = 1u;
+        motion_states[i].neighbours = atomicLoad(&islands[i].neighbours);
+        motion_states[i].linear_velocity = vec3(0.0);
+        motion_states[i].angular_velocity = vec3(0.0);
     }
 }

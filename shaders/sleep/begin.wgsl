@@ -1,14 +1,14 @@
 // Solver, sleep: every body is an island by itself.
 #import faceoff::dispatch::group_index
-#import faceoff::islands::{interval, islands}
+#import faceoff::islands::{collision_substep, islands}
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= interval.bodies {
+    if i >= collision_substep.bodies {
         return;
     }
     atomicStore(&islands[i].parent, i);
     atomicStore(&islands[i].neighbours, 0u);
-    atomicStore(&islands[i].restless, 0u);
+    atomicStore(&islands[i].disturbed, 0u);
 }

@@ -1,30 +1,30 @@
 // Solver, sleep: bodies that keep their island awake, or wake it.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, forces, interval, islands, states}
+#import faceoff::islands::{solver_bodies, constants, forces, collision_substep, islands, motion_states}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= interval.bodies {
+    if i >= collision_substep.bodies {
         return;
     }
-    let asleep = states[i].asleep != 0u;
+    let asleep = motion_states[i].asleep != 0u;
     let kind = solver_bodies[i].flags & t::KIND_MASK;
     let speed = l::speed_of(i);
     let forced = is_forced(i);
     var disturbed = kind == t::DYNAMIC;
     if constants.x == s::WAKE {
         if asleep {
-            let others = states[i].neighbours != atomicLoad(&islands[i].neighbours);
+            let others = motion_states[i].neighbours != atomicLoad(&islands[i].neighbours);
             disturbed = speed != 0.0 || forced || kind != t::DYNAMIC || others;
         }
     } else {
-        let rest_time = select(0.0, states[i].rest_time + interval.dt, speed < interval.sleep_speed);
-        states[i].rest_time = rest_time;
-        let ready = asleep || (rest_time >= interval.sleep_time && !forced);
+        let rest_time = select(0.0, motion_states[i].rest_time + collision_substep.dt, speed < collision_substep.sleep_speed);
+        motion_states[i].rest_time = rest_time;
+        let ready = asleep || (rest_time >= collision_substep.sleep_time && !forced);
         disturbed = disturbed && !ready;
     }
     if disturbed {

@@ -15,18 +15,18 @@ struct Island {
     // What the body touches, as a sum of keys.
     neighbours: atomic<u32>,
     // Of a root, not 0: something in the island is awake, or must wake.
-    restless: atomic<u32>,
+    disturbed: atomic<u32>,
     padding: u32,
 }
 
-@group(0) @binding(0) var<uniform> interval: s::Interval;
+@group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 // Which half of the work it is.
 @group(0) @binding(1) var<uniform> constants: vec4<u32>;
 @group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(3) var<storage, read> contact_pairs: array<t::ContactPair>;
 @group(0) @binding(4) var<storage, read> contact_points: array<t::ContactPoint>;
 @group(0) @binding(5) var<storage, read> solver_bodies: array<s::SolverBody>;
-@group(0) @binding(6) var<storage, read_write> states: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read_write> motion_states: array<s::MotionState>;
 @group(0) @binding(7) var<storage, read> forces: array<s::BodyForces>;
 @group(0) @binding(8) var<storage, read_write> islands: array<Island>;
 
@@ -62,7 +62,7 @@ fn join(a: u32, b: u32) {
 }
 
 fn disturb(body: u32) {
-    atomicStore(&islands[root_of(body)].restless, 1u);
+    atomicStore(&islands[root_of(body)].disturbed, 1u);
 }
 
 // Whether forces and contacts can move it.
@@ -71,20 +71,20 @@ fn has_mass(body: s::SolverBody) -> bool {
         && body.inverse_mass > 0.0
         && finite(body.inverse_mass)
         && finite_vector(body.inverse_inertia)
-        && finite_vector(body.inverse_inertia_mixed);
+        && finite_vector(body.inverse_inertia_off_diagonal);
 }
 
 // How fast the fastest point of the body's bounding sphere moves.
 fn speed_of(i: u32) -> f32 {
-    let v = states[i].linear_velocity;
-    let w = states[i].angular_velocity;
+    let v = motion_states[i].linear_velocity;
+    let w = motion_states[i].angular_velocity;
     return sqrt(dot(v, v)) + sqrt(dot(w, w)) * solver_bodies[i].radius;
 }
 
 // Whether both bodies are there and solid, and so are all points.
 fn is_pair(pair: t::ContactPair) -> bool {
     let points = solver_counters[s::POINTS];
-    if pair.a >= interval.bodies || pair.b >= interval.bodies || pair.a == pair.b {
+    if pair.a >= collision_substep.bodies || pair.b >= collision_substep.bodies || pair.a == pair.b {
         return false;
     }
     return ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u
@@ -93,20 +93,20 @@ fn is_pair(pair: t::ContactPair) -> bool {
 }
 
 // Up to which separation a pair touches.
-fn nearness(pair: t::ContactPair) -> f32 {
-    return TOUCH * rest_gap(pair);
+fn touch_distance(pair: t::ContactPair) -> f32 {
+    return TOUCH * rest_offset(pair);
 }
 
 // The gap that a pair keeps at rest.
-fn rest_gap(pair: t::ContactPair) -> f32 {
-    return interval.rest_offset * 2.0 * min(solver_bodies[pair.a].radius, solver_bodies[pair.b].radius);
+fn rest_offset(pair: t::ContactPair) -> f32 {
+    return collision_substep.rest_offset * 2.0 * min(solver_bodies[pair.a].radius, solver_bodies[pair.b].radius);
 }
 
 // Whether some point overlaps by more than at rest.
 fn overlaps(pair: t::ContactPair) -> bool {
-    let most = -OVERLAP * rest_gap(pair);
+    let limit = -OVERLAP * rest_offset(pair);
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
-        if contact_points[k].separation < most {
+        if contact_points[k].separation < limit {
             return true;
         }
     }
@@ -115,7 +115,7 @@ fn overlaps(pair: t::ContactPair) -> bool {
 
 // Whether some point is as near as at rest.
 fn touches(pair: t::ContactPair) -> bool {
-    let near = nearness(pair);
+    let near = touch_distance(pair);
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
         if contact_points[k].separation <= near {
             return true;

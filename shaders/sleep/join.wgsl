@@ -1,7 +1,7 @@
 // Solver, sleep: joins bodies that touch, and sums up whom each body touches.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, islands, states}
+#import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, islands, motion_states}
 #import faceoff::solver_types as s
 
 @compute @workgroup_size(64)
@@ -15,8 +15,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     // A sum of words does not depend on the order of pairs.
-    atomicAdd(&islands[pair.a].neighbours, states[pair.b].key);
-    atomicAdd(&islands[pair.b].neighbours, states[pair.a].key);
+    atomicAdd(&islands[pair.a].neighbours, motion_states[pair.b].key);
+    atomicAdd(&islands[pair.b].neighbours, motion_states[pair.a].key);
     if l::has_mass(solver_bodies[pair.a]) && l::has_mass(solver_bodies[pair.b]) {
         l::join(pair.a, pair.b);
     }

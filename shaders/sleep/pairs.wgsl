@@ -2,7 +2,7 @@
 // those awake that they touch. A ground that is not as it was wakes those on it.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters, interval, states}
+#import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters, collision_substep, motion_states}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -20,54 +20,54 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         keep_awake(pair.a);
         keep_awake(pair.b);
     }
-    if !meets(pair) {
+    if !will_touch(pair) {
         return;
     }
-    if visits(pair.a) {
+    if disturbs_others(pair.a) {
         l::disturb(pair.b);
     }
-    if visits(pair.b) {
+    if disturbs_others(pair.b) {
         l::disturb(pair.a);
     }
 }
 
 // A body that is being pushed out of another is not at rest.
 fn keep_awake(i: u32) {
-    states[i].rest_time = 0.0;
-    if (solver_bodies[i].flags & t::KIND_MASK) == t::DYNAMIC && states[i].asleep == 0u {
+    motion_states[i].rest_time = 0.0;
+    if (solver_bodies[i].flags & t::KIND_MASK) == t::DYNAMIC && motion_states[i].asleep == 0u {
         l::disturb(i);
     }
 }
 
 // Whether the two touch, now or at the end of the interval.
-fn meets(pair: t::ContactPair) -> bool {
+fn will_touch(pair: t::ContactPair) -> bool {
     if constants.x != s::WAKE {
         return l::touches(pair);
     }
-    let near = l::nearness(pair);
-    let fall = sqrt(dot(interval.gravity, interval.gravity)) * interval.dt;
+    let near = l::touch_distance(pair);
+    let fall = sqrt(dot(collision_substep.gravity, collision_substep.gravity)) * collision_substep.dt;
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
         let point = contact_points[k];
-        let closing = dot(velocity_at(pair.a, point.arm_a) - velocity_at(pair.b, point.arm_b), point.normal);
-        if point.separation - (max(closing, 0.0) + fall) * interval.dt <= near {
+        let approach_speed = dot(velocity_at(pair.a, point.anchor_a) - velocity_at(pair.b, point.anchor_b), point.normal);
+        if point.separation - (max(approach_speed, 0.0) + fall) * collision_substep.dt <= near {
             return true;
         }
     }
     return false;
 }
 
-fn velocity_at(i: u32, arm: vec3<f32>) -> vec3<f32> {
-    return states[i].linear_velocity + cross(states[i].angular_velocity, arm);
+fn velocity_at(i: u32, anchor: vec3<f32>) -> vec3<f32> {
+    return motion_states[i].linear_velocity + cross(motion_states[i].angular_velocity, anchor);
 }
 
 // Whether a body moves and nothing stops it from waking others.
-fn visits(i: u32) -> bool {
+fn disturbs_others(i: u32) -> bool {
     let kind = solver_bodies[i].flags & t::KIND_MASK;
     if kind == t::STATIC {
-        return constants.x == s::WAKE && states[i].asleep == s::CHANGED;
+        return constants.x == s::WAKE && motion_states[i].asleep == s::CHANGED;
     }
     if l::speed_of(i) == 0.0 {
         return false;
     }
-    return select(kind == t::KINEMATIC, states[i].asleep == 0u, constants.x == s::WAKE);
+    return select(kind == t::KINEMATIC, motion_states[i].asleep == 0u, constants.x == s::WAKE);
 }

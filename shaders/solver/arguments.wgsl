@@ -6,7 +6,7 @@
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
-@group(0) @binding(0) var<uniform> interval: s::Interval;
+@group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(2) var<storage, read> contact_counters: array<u32>;
 @group(0) @binding(3) var<storage, read_write> status: array<u32>;
 @group(0) @binding(4) var<storage, read_write> solver_counters: array<u32>;
@@ -19,28 +19,28 @@ fn main() {
     solver_counters[s::PAIRS_FOUND] = pairs;
     solver_counters[s::POINTS_FOUND] = points;
     solver_counters[s::SKIPPED] = 0u;
-    if pairs > interval.pair_capacity || points > interval.point_capacity || status[t::OVERFLOW] != 0u {
+    if pairs > collision_substep.pair_capacity || points > collision_substep.point_capacity || status[t::OVERFLOW] != 0u {
         status[t::OVERFLOW] = 1u;
         solver_counters[s::SKIPPED] = 1u;
     }
     let runs = solver_counters[s::SKIPPED] == 0u
-        && interval.h > 0.0
-        && finite(interval.h)
-        && finite_vector(interval.gravity);
+        && collision_substep.h > 0.0
+        && finite(collision_substep.h)
+        && finite_vector(collision_substep.gravity);
     solver_counters[s::ENTRIES] = select(0u, 2u * pairs, runs);
     if runs {
-        solver_counters[s::KEPT_PAIRS] = solver_counters[s::PAIRS];
-        solver_counters[s::KEPT_SUBSTEP] = solver_counters[s::SUBSTEP];
+        solver_counters[s::SAVED_PAIRS] = solver_counters[s::PAIRS];
+        solver_counters[s::SAVED_SUBSTEP] = solver_counters[s::SUBSTEP];
         solver_counters[s::PAIRS] = pairs;
         solver_counters[s::POINTS] = points;
-        solver_counters[s::SUBSTEP] = bitcast<u32>(interval.h);
+        solver_counters[s::SUBSTEP] = bitcast<u32>(collision_substep.h);
     }
     let blocks = divide_up(2u * pairs, SORT_BLOCK);
     put(s::GROUPS_PER_64_PAIRS, divide_up(pairs, 64u), runs);
     put(s::GROUPS_PER_SORT_BLOCK, blocks, runs);
     put(s::GROUPS_PER_DIGIT_BLOCK, divide_up(DIGITS * blocks, SCAN_BLOCK), runs);
-    put(s::GROUPS_PER_64_BODIES, divide_up(interval.bodies, 64u), runs);
-    put(s::GROUPS_PER_64_OLD_BODIES, divide_up(interval.old_bodies, 64u), runs);
+    put(s::GROUPS_PER_64_BODIES, divide_up(collision_substep.bodies, 64u), runs);
+    put(s::GROUPS_PER_64_OLD_BODIES, divide_up(collision_substep.old_bodies, 64u), runs);
 }
 
 fn put(slot: u32, groups: u32, runs: bool) {

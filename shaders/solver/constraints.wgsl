@@ -3,14 +3,14 @@
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
-@group(0) @binding(0) var<uniform> interval: s::Interval;
+@group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(2) var<storage, read> contact_pairs: array<t::ContactPair>;
 @group(0) @binding(3) var<storage, read> solver_bodies: array<s::SolverBody>;
-@group(0) @binding(4) var<storage, read> states: array<s::BodyState>;
+@group(0) @binding(4) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(5) var<storage, read> masses: array<s::Mass>;
-@group(0) @binding(6) var<storage, read> links: array<vec4<u32>>;
-@group(0) @binding(7) var<storage, read> kept_pairs: array<s::KeptPair>;
+@group(0) @binding(6) var<storage, read> body_adjacency: array<s::BodyAdjacency>;
+@group(0) @binding(7) var<storage, read> saved_pairs: array<s::SavedPair>;
 @group(0) @binding(8) var<storage, read_write> solver_pairs: array<s::SolverPair>;
 
 @compute @workgroup_size(64)
@@ -24,7 +24,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     pair.a = contact.a;
     pair.b = contact.b;
     pair.flags = s::FROZEN;
-    pair.kept = s::NOT_KEPT;
+    pair.saved_pair = s::NOT_SAVED;
     // A pair that names points that are not there, or those of the pair before, has none.
     var before = 0u;
     if i > 0u {
@@ -36,15 +36,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         pair.first = contact.first_point;
         pair.count = contact.point_count;
     }
-    let there = pair.a < interval.bodies && pair.b < interval.bodies && pair.a != pair.b && pair.count > 0u;
-    if there {
+    let exists = pair.a < collision_substep.bodies && pair.b < collision_substep.bodies && pair.a != pair.b && pair.count > 0u;
+    if exists {
         let first = masses[pair.a].flags;
         let second = masses[pair.b].flags;
         let solid = ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u;
-        if (first & second & s::SOUND) != 0u && solid {
+        if (first & second & s::FINITE) != 0u && solid {
             fill(&pair, first, second);
         }
-        remember(&pair);
+        find_saved_pair(&pair);
     }
     solver_pairs[i] = pair;
 }
@@ -60,23 +60,23 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     }
     (*pair).flags = flags;
     let smaller = 2.0 * min(solver_bodies[a].radius, solver_bodies[b].radius);
-    (*pair).diameter = select(0.0, smaller, smaller > 0.0 && smaller < s::ENDLESS);
-    (*pair).rest_offset = interval.rest_offset * (*pair).diameter;
+    (*pair).diameter = select(0.0, smaller, smaller > 0.0 && smaller < s::INFINITE_LENGTH);
+    (*pair).rest_offset = collision_substep.rest_offset * (*pair).diameter;
     (*pair).friction = combined(s::FRICTION_RULE, solver_bodies[a].flags, solver_bodies[b].flags, solver_bodies[a].friction, solver_bodies[b].friction);
     (*pair).restitution = min(
         combined(s::RESTITUTION_RULE, solver_bodies[a].flags, solver_bodies[b].flags, solver_bodies[a].restitution, solver_bodies[b].restitution),
         1.0,
     );
-    let coarse = states[b].center - states[a].center;
-    (*pair).between = coarse + (states[b].center_low - states[a].center_low);
-    (*pair).closing = states[a].linear_velocity - states[b].linear_velocity;
-    (*pair).swing = swing_of(a) + swing_of(b);
+    let coarse = motion_states[b].center - motion_states[a].center;
+    (*pair).center_offset = coarse + (motion_states[b].center_low - motion_states[a].center_low);
+    (*pair).approach_velocity = motion_states[a].linear_velocity - motion_states[b].linear_velocity;
+    (*pair).surface_speed = surface_speed_of(a) + surface_speed_of(b);
 }
 
 // How fast a body's surface turns about its centre.
-fn swing_of(i: u32) -> f32 {
-    let w = states[i].angular_velocity;
-    return sqrt(dot(w, w)) * min(solver_bodies[i].radius, s::ENDLESS);
+fn surface_speed_of(i: u32) -> f32 {
+    let w = motion_states[i].angular_velocity;
+    return sqrt(dot(w, w)) * min(solver_bodies[i].radius, s::INFINITE_LENGTH);
 }
 
 // One coefficient from two, by the later rule in the order of `CombineRule`.
@@ -103,31 +103,31 @@ fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
 }
 
 // Looks the pair up among those remembered, which are ascending.
-fn remember(pair: ptr<function, s::SolverPair>) {
-    let first = links[(*pair).a].z;
-    let second = links[(*pair).b].z;
-    if first == s::NOT_KEPT || second == s::NOT_KEPT {
+fn find_saved_pair(pair: ptr<function, s::SolverPair>) {
+    let first = body_adjacency[(*pair).a].old_number;
+    let second = body_adjacency[(*pair).b].old_number;
+    if first == s::NOT_SAVED || second == s::NOT_SAVED {
         return;
     }
     let a = min(first, second);
     let b = max(first, second);
     var low = 0u;
-    var high = min(solver_counters[s::KEPT_PAIRS], arrayLength(&kept_pairs));
+    var high = min(solver_counters[s::SAVED_PAIRS], arrayLength(&saved_pairs));
     while low < high {
         let middle = low + (high - low) / 2u;
-        let kept = kept_pairs[middle];
-        if kept.a < a || (kept.a == a && kept.b < b) {
+        let saved = saved_pairs[middle];
+        if saved.a < a || (saved.a == a && saved.b < b) {
             low = middle + 1u;
         } else {
             high = middle;
         }
     }
-    if low >= solver_counters[s::KEPT_PAIRS] {
+    if low >= solver_counters[s::SAVED_PAIRS] {
         return;
     }
-    let kept = kept_pairs[low];
-    if kept.a == a && kept.b == b && kept.count > 0u {
-        (*pair).kept = low;
+    let saved = saved_pairs[low];
+    if saved.a == a && saved.b == b && saved.count > 0u {
+        (*pair).saved_pair = low;
         if first > second {
             (*pair).flags |= s::SWAPPED;
         }

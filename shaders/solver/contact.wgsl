@@ -3,24 +3,24 @@
 // What a pair does in a pass: from the velocities of its bodies, an impulse for each. `src/solver/pairs.rs` explains it.
 // Bound here, once, is what the kernels over pairs share.
 
-#import faceoff::solver_math::{across, change}
+#import faceoff::solver_math::{tangent, rotation_displacement}
 #import faceoff::solver_types as s
 #import faceoff::tensor::{apply_tensor, Tensor}
 #import faceoff::types as t
 
-@group(0) @binding(0) var<uniform> interval: s::Interval;
+@group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(3) var<storage, read_write> solver_pairs: array<s::SolverPair>;
-@group(0) @binding(4) var<storage, read> shapes: array<s::PointShape>;
-@group(0) @binding(5) var<storage, read_write> points: array<s::PointState>;
+@group(0) @binding(4) var<storage, read> point_constants: array<s::PointConstants>;
+@group(0) @binding(5) var<storage, read_write> point_states: array<s::PointState>;
 @group(0) @binding(6) var<storage, read> masses: array<s::Mass>;
-@group(0) @binding(7) var<storage, read> shifts: array<s::Shift>;
+@group(0) @binding(7) var<storage, read> pose_changes: array<s::PoseChange>;
 @group(0) @binding(8) var<storage, read> velocities: array<s::Velocity>;
 // What each pair does to its first body and to its second.
-@group(0) @binding(9) var<storage, read_write> end_impulses: array<t::Impulse>;
+@group(0) @binding(9) var<storage, read_write> side_impulses: array<t::Impulse>;
 
 // A pair by itself: its bodies, each with this pair's share of its mass.
-struct Local {
+struct PairVelocities {
     mass_a: s::Mass,
     mass_b: s::Mass,
     a: s::Velocity,
@@ -38,120 +38,120 @@ struct Row {
     moment_a: vec3<f32>,
     moment_b: vec3<f32>,
     // The angular velocity that the moment causes.
-    turn_a: vec3<f32>,
-    turn_b: vec3<f32>,
+    angular_response_a: vec3<f32>,
+    angular_response_b: vec3<f32>,
 }
 
-fn local_of(pair: s::SolverPair) -> Local {
-    var local: Local;
-    local.mass_a = masses[pair.a];
-    local.mass_b = masses[pair.b];
-    local.a = velocities[pair.a];
-    local.b = velocities[pair.b];
-    return local;
+fn velocities_of(pair: s::SolverPair) -> PairVelocities {
+    var pair_velocities: PairVelocities;
+    pair_velocities.mass_a = masses[pair.a];
+    pair_velocities.mass_b = masses[pair.b];
+    pair_velocities.a = velocities[pair.a];
+    pair_velocities.b = velocities[pair.b];
+    return pair_velocities;
 }
 
-fn turn_of(mass: s::Mass, moment: vec3<f32>) -> vec3<f32> {
-    return apply_tensor(Tensor(mass.inverse_inertia, mass.inverse_inertia_mixed), moment);
+fn angular_response(mass: s::Mass, moment: vec3<f32>) -> vec3<f32> {
+    return apply_tensor(Tensor(mass.inverse_inertia, mass.inverse_inertia_off_diagonal), moment);
 }
 
 fn row(mass_a: s::Mass, mass_b: s::Mass, point: s::PointState, direction: vec3<f32>) -> Row {
-    let moment_a = cross(point.lever_a, direction);
-    let moment_b = cross(point.lever_b, direction);
-    return Row(direction, moment_a, moment_b, turn_of(mass_a, moment_a), turn_of(mass_b, moment_b));
+    let moment_a = cross(point.impulse_anchor_a, direction);
+    let moment_b = cross(point.impulse_anchor_b, direction);
+    return Row(direction, moment_a, moment_b, angular_response(mass_a, moment_a), angular_response(mass_b, moment_b));
 }
 
 // Change of speed per unit impulse at both bodies.
-fn give_along(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> vec2<f32> {
+fn inverse_effective_masses(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> vec2<f32> {
     let d = r.direction;
     return vec2(
-        dot(mass_a.inverse_mass * d, d) + dot(r.moment_a, r.turn_a),
-        dot(mass_b.inverse_mass * d, d) + dot(r.moment_b, r.turn_b),
+        dot(mass_a.inverse_mass * d, d) + dot(r.moment_a, r.angular_response_a),
+        dot(mass_b.inverse_mass * d, d) + dot(r.moment_b, r.angular_response_b),
     );
 }
 
 // Where a point is now, and how the bodies give way there.
-fn measured(pair: s::SolverPair, k: u32) -> s::PointState {
-    var point = points[k];
-    let shape = shapes[k];
+fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
+    var point = point_states[k];
+    let constants = point_constants[k];
     if (pair.flags & s::DEPENETRATING) != 0u {
-        point.separation = shape.first_separation + dot(point.normal, shifts[pair.b].moved - shifts[pair.a].moved);
-        point.lever_a = vec3(0.0);
-        point.lever_b = vec3(0.0);
+        point.separation = constants.initial_separation + dot(point.normal, pose_changes[pair.b].translation - pose_changes[pair.a].translation);
+        point.impulse_anchor_a = vec3(0.0);
+        point.impulse_anchor_b = vec3(0.0);
     } else {
-        let turn_a = change(shifts[pair.a].turned, shape.round_a);
-        let turn_b = change(shifts[pair.b].turned, shape.round_b);
-        let shifted = (shifts[pair.b].moved - shifts[pair.a].moved) + turn_b - turn_a;
+        let displacement_a = rotation_displacement(pose_changes[pair.a].rotation, constants.curvature_center_a);
+        let displacement_b = rotation_displacement(pose_changes[pair.b].rotation, constants.curvature_center_b);
+        let displacement = (pose_changes[pair.b].translation - pose_changes[pair.a].translation) + displacement_b - displacement_a;
         // Round surfaces that have not touched yet pass each other as balls do: they push along the normal at the moment
         // of touching.
-        if shape.turn > 0.0 && point.largest == 0.0 && point.impulse == 0.0 {
-            let way = shape.normal + shape.turn * shifted;
-            let square = dot(way, way);
+        if constants.normal_rotation > 0.0 && point.max_normal_impulse == 0.0 && point.normal_impulse == 0.0 {
+            let normal = constants.initial_normal + constants.normal_rotation * displacement;
+            let square = dot(normal, normal);
             if square > 0.0 {
-                point.normal = way / sqrt(square);
+                point.normal = normal / sqrt(square);
             }
         }
-        point.separation = shape.first_separation + dot(point.normal, shifted);
-        if shape.turn > 0.0 {
+        point.separation = constants.initial_separation + dot(point.normal, displacement);
+        if constants.normal_rotation > 0.0 {
             // By how much the way between the centres of curvature is shorter along the new normal.
-            let change_of_normal = point.normal - shape.normal;
-            point.separation -= 0.5 * dot(change_of_normal, change_of_normal) / shape.turn;
+            let change_of_normal = point.normal - constants.initial_normal;
+            point.separation -= 0.5 * dot(change_of_normal, change_of_normal) / constants.normal_rotation;
         }
         // One place for both, or the two impulses would turn the pair.
-        let offset = shape.offset + shifted;
-        point.lever_a = shape.arm_a + turn_a + shape.along * offset;
-        point.lever_b = shape.arm_b + turn_b - (1.0 - shape.along) * offset;
+        let offset = constants.anchor_offset + displacement;
+        point.impulse_anchor_a = constants.anchor_a + displacement_a + constants.contact_fraction * offset;
+        point.impulse_anchor_b = constants.anchor_b + displacement_b - (1.0 - constants.contact_fraction) * offset;
     }
     let mass_a = masses[pair.a];
     let mass_b = masses[pair.b];
-    let side = across(point.normal);
-    let normal = give_along(mass_a, mass_b, row(mass_a, mass_b, point, point.normal));
-    let one = give_along(mass_a, mass_b, row(mass_a, mass_b, point, side));
-    let other = give_along(mass_a, mass_b, row(mass_a, mass_b, point, cross(point.normal, side)));
+    let first_tangent = tangent(point.normal);
+    let normal = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, point.normal));
+    let one = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, first_tangent));
+    let other = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, cross(point.normal, first_tangent)));
     // One number for both tangents: with two, friction would not point against the sliding.
-    let most = max(one, other);
-    point.give = vec4(normal.x, most.x, normal.y, most.y);
+    let tangential = max(one, other);
+    point.inverse_effective_mass = vec4(normal.x, tangential.x, normal.y, tangential.y);
     return point;
 }
 
 // The point's give along the normal and across it, with the bodies' shares.
-fn shared_give(local: ptr<function, Local>, point: s::PointState) -> vec2<f32> {
-    return (*local).mass_a.share * point.give.xy + (*local).mass_b.share * point.give.zw;
+fn split_inverse_effective_mass(pair_velocities: ptr<function, PairVelocities>, point: s::PointState) -> vec2<f32> {
+    return (*pair_velocities).mass_a.split_count * point.inverse_effective_mass.xy + (*pair_velocities).mass_b.split_count * point.inverse_effective_mass.zw;
 }
 
 // How fast the bodies part along a row.
-fn parting(local: ptr<function, Local>, r: Row) -> f32 {
-    let a = (*local).a;
-    let b = (*local).b;
+fn velocity_along(pair_velocities: ptr<function, PairVelocities>, r: Row) -> f32 {
+    let a = (*pair_velocities).a;
+    let b = (*pair_velocities).b;
     return dot(r.direction, b.linear - a.linear) + dot(r.moment_b, b.angular) - dot(r.moment_a, a.angular);
 }
 
 // Adds an impulse on the second body, and its opposite on the first, to what the pair hands out.
-fn note(local: ptr<function, Local>, r: Row, impulse: f32) {
-    (*local).linear += r.direction * impulse;
-    (*local).angular_a -= r.moment_a * impulse;
-    (*local).angular_b += r.moment_b * impulse;
+fn accumulate(pair_velocities: ptr<function, PairVelocities>, r: Row, impulse: f32) {
+    (*pair_velocities).linear += r.direction * impulse;
+    (*pair_velocities).angular_a -= r.moment_a * impulse;
+    (*pair_velocities).angular_b += r.moment_b * impulse;
 }
 
 // The same, and changes the velocities.
-fn push(local: ptr<function, Local>, r: Row, impulse: f32) {
-    note(local, r, impulse);
+fn apply_impulse(pair_velocities: ptr<function, PairVelocities>, r: Row, impulse: f32) {
+    accumulate(pair_velocities, r, impulse);
     let linear = r.direction * impulse;
-    let share_a = (*local).mass_a.share;
-    let share_b = (*local).mass_b.share;
-    (*local).a.linear -= share_a * (*local).mass_a.inverse_mass * linear;
-    (*local).a.angular -= r.turn_a * (share_a * impulse);
-    (*local).b.linear += share_b * (*local).mass_b.inverse_mass * linear;
-    (*local).b.angular += r.turn_b * (share_b * impulse);
+    let split_a = (*pair_velocities).mass_a.split_count;
+    let split_b = (*pair_velocities).mass_b.split_count;
+    (*pair_velocities).a.linear -= split_a * (*pair_velocities).mass_a.inverse_mass * linear;
+    (*pair_velocities).a.angular -= r.angular_response_a * (split_a * impulse);
+    (*pair_velocities).b.linear += split_b * (*pair_velocities).mass_b.inverse_mass * linear;
+    (*pair_velocities).b.angular += r.angular_response_b * (split_b * impulse);
 }
 
 // Leaves what the pair does to its ends.
-fn hand_out(i: u32, local: ptr<function, Local>) {
-    end_impulses[2u * i] = t::Impulse(-(*local).linear, 0.0, (*local).angular_a, 0.0);
-    end_impulses[2u * i + 1u] = t::Impulse((*local).linear, 0.0, (*local).angular_b, 0.0);
+fn write_impulses(i: u32, pair_velocities: ptr<function, PairVelocities>) {
+    side_impulses[2u * i] = t::Impulse(-(*pair_velocities).linear, 0.0, (*pair_velocities).angular_a, 0.0);
+    side_impulses[2u * i + 1u] = t::Impulse((*pair_velocities).linear, 0.0, (*pair_velocities).angular_b, 0.0);
 }
 
-fn hand_out_nothing(i: u32) {
-    end_impulses[2u * i] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
-    end_impulses[2u * i + 1u] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
+fn clear_impulses(i: u32) {
+    side_impulses[2u * i] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
+    side_impulses[2u * i + 1u] = t::Impulse(vec3(0.0), 0.0, vec3(0.0), 0.0);
 }

@@ -3,23 +3,23 @@
 // Coulomb friction at a point: an impulse across the normal, no larger than the friction coefficient times the normal one.
 
 #import faceoff::contact as c
-#import faceoff::solver_math::across
+#import faceoff::solver_math::tangent
 #import faceoff::solver_types as s
 
 // What stops the points from sliding, shortened to `limit`: pushes by the difference and returns the new impulse.
-fn rub(local: ptr<function, c::Local>, point: s::PointState, give: f32, so_far: vec2<f32>, part: f32, limit: f32) -> vec2<f32> {
-    let side = across(point.normal);
-    let first = c::row((*local).mass_a, (*local).mass_b, point, side);
-    let second = c::row((*local).mass_a, (*local).mass_b, point, cross(point.normal, side));
-    if !(give > 0.0) {
-        return so_far;
+fn apply_friction(pair_velocities: ptr<function, c::PairVelocities>, point: s::PointState, inverse_effective_mass: f32, friction_impulse: vec2<f32>, relaxation: f32, limit: f32) -> vec2<f32> {
+    let first_tangent = tangent(point.normal);
+    let first_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, first_tangent);
+    let second_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, cross(point.normal, first_tangent));
+    if !(inverse_effective_mass > 0.0) {
+        return friction_impulse;
     }
-    var wanted = so_far - (part / give) * vec2(c::parting(local, first), c::parting(local, second));
-    let square = dot(wanted, wanted);
+    var unclamped = friction_impulse - (relaxation / inverse_effective_mass) * vec2(c::velocity_along(pair_velocities, first_row), c::velocity_along(pair_velocities, second_row));
+    let square = dot(unclamped, unclamped);
     if square > limit * limit {
-        wanted *= limit / sqrt(square);
+        unclamped *= limit / sqrt(square);
     }
-    c::push(local, first, wanted.x - so_far.x);
-    c::push(local, second, wanted.y - so_far.y);
-    return wanted;
+    c::apply_impulse(pair_velocities, first_row, unclamped.x - friction_impulse.x);
+    c::apply_impulse(pair_velocities, second_row, unclamped.y - friction_impulse.y);
+    return unclamped;
 }

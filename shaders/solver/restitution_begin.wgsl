@@ -1,6 +1,6 @@
 // Solver: which pairs met fast enough to bounce.
 #import faceoff::contact as c
-#import faceoff::contact::{solver_counters, interval, solver_pairs, points}
+#import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 
@@ -10,21 +10,21 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= solver_counters[s::PAIRS] {
         return;
     }
-    c::hand_out_nothing(i);
+    c::clear_impulses(i);
     let pair = solver_pairs[i];
-    var pushes = false;
+    var any_active = false;
     if (pair.flags & (s::FROZEN | s::DEPENETRATING)) == 0u && pair.restitution > 0.0 {
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-            let point = points[k];
-            let usable = (point.flags & s::POINT_USABLE) != 0u;
-            if usable && point.impact < -interval.restitution_threshold && point.largest > 0.0 {
-                pushes = true;
-                points[k] = c::measured(pair, k);
-                points[k].flags |= s::POINT_ACTIVE;
+            let point = point_states[k];
+            let valid = (point.flags & s::POINT_VALID) != 0u;
+            if valid && point.impact_velocity < -collision_substep.restitution_threshold && point.max_normal_impulse > 0.0 {
+                any_active = true;
+                point_states[k] = c::updated_point(pair, k);
+                point_states[k].flags |= s::POINT_ACTIVE;
             } else {
-                points[k].flags &= ~s::POINT_ACTIVE;
+                point_states[k].flags &= ~s::POINT_ACTIVE;
             }
         }
     }
-    solver_pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, pushes);
+    solver_pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, any_active);
 }

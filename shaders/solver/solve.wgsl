@@ -1,8 +1,8 @@
 // Solver: one pass over the points of every pair.
 #import faceoff::contact as c
-#import faceoff::contact::{solver_counters, interval, solver_pairs, points}
+#import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
 #import faceoff::dispatch::group_index
-#import faceoff::friction::rub
+#import faceoff::friction::apply_friction
 #import faceoff::solver_types as s
 
 // What the pass does beside solving.
@@ -19,57 +19,57 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         // It hands out nothing already.
         return;
     }
-    if (constants.x & s::PASS_MEASURES) != 0u {
+    if (constants.x & s::PASS_UPDATES_POINTS) != 0u {
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-            if (points[k].flags & s::POINT_ACTIVE) != 0u {
-                points[k] = c::measured(pair, k);
+            if (point_states[k].flags & s::POINT_ACTIVE) != 0u {
+                point_states[k] = c::updated_point(pair, k);
             }
         }
     }
-    var local = c::local_of(pair);
-    for (var sweep = 0u; sweep < interval.sweeps; sweep += 1u) {
+    var pair_velocities = c::velocities_of(pair);
+    for (var sweep = 0u; sweep < collision_substep.sweeps; sweep += 1u) {
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-            if (points[k].flags & s::POINT_ACTIVE) != 0u {
-                solve(pair, k, &local);
+            if (point_states[k].flags & s::POINT_ACTIVE) != 0u {
+                solve(pair, k, &pair_velocities);
             }
         }
     }
-    c::hand_out(i, &local);
+    c::write_impulses(i, &pair_velocities);
 }
 
-fn solve(pair: s::SolverPair, k: u32, local: ptr<function, c::Local>) {
-    let point = points[k];
-    let give = c::shared_give(local, point);
-    if !(give.x > 0.0) {
+fn solve(pair: s::SolverPair, k: u32, pair_velocities: ptr<function, c::PairVelocities>) {
+    let point = point_states[k];
+    let inverse_effective_mass = c::split_inverse_effective_mass(pair_velocities, point);
+    if !(inverse_effective_mass.x > 0.0) {
         return;
     }
-    let soft = softness(pair, point.separation);
-    let along = c::row((*local).mass_a, (*local).mass_b, point, point.normal);
-    let wanted = c::parting(local, along) + soft.x;
-    let more = -interval.relaxation * soft.y * wanted / give.x - soft.z * point.impulse;
-    let impulse = max(point.impulse + more, 0.0);
-    c::push(local, along, impulse - point.impulse);
-    points[k].impulse = impulse;
-    points[k].largest = max(point.largest, impulse);
+    let bias_and_scales = bias(pair, point.separation);
+    let normal_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, point.normal);
+    let velocity_error = c::velocity_along(pair_velocities, normal_row) + bias_and_scales.x;
+    let change = -collision_substep.relaxation * bias_and_scales.y * velocity_error / inverse_effective_mass.x - bias_and_scales.z * point.normal_impulse;
+    let impulse = max(point.normal_impulse + change, 0.0);
+    c::apply_impulse(pair_velocities, normal_row, impulse - point.normal_impulse);
+    point_states[k].normal_impulse = impulse;
+    point_states[k].max_normal_impulse = max(point.max_normal_impulse, impulse);
 
     let limit = select(pair.friction * impulse, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
-    points[k].friction = rub(local, point, give.y, point.friction, interval.relaxation, limit);
+    point_states[k].friction_impulse = apply_friction(pair_velocities, point, inverse_effective_mass.y, point.friction_impulse, collision_substep.relaxation, limit);
 }
 
 // The speed that a point asks for beyond none at all, the part of the rigid answer that is given, and the part of the
 // impulse so far that is taken back.
-fn softness(pair: s::SolverPair, separation: f32) -> vec3<f32> {
+fn bias(pair: s::SolverPair, separation: f32) -> vec3<f32> {
     if separation > 0.0 {
         // They may meet by the end of the substep, and no sooner.
-        return vec3(separation / interval.h, 1.0, 0.0);
+        return vec3(separation / collision_substep.h, 1.0, 0.0);
     }
     if (constants.x & s::PASS_BIASED) == 0u {
         return vec3(0.0, 1.0, 0.0);
     }
     if (pair.flags & s::DEPENETRATING) != 0u {
         // Slower towards the end, where the spring of other pairs is as fast.
-        return vec3(max(interval.bias_rate * separation, -interval.deep_depenetration_speed), 1.0, 0.0);
+        return vec3(max(collision_substep.bias_rate * separation, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
     }
-    let speed = max(interval.bias_rate * separation, -interval.max_depenetration_speed);
-    return vec3(speed, interval.mass_scale, interval.impulse_scale);
+    let speed = max(collision_substep.bias_rate * separation, -collision_substep.max_depenetration_speed);
+    return vec3(speed, collision_substep.mass_scale, collision_substep.impulse_scale);
 }

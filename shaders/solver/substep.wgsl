@@ -1,9 +1,9 @@
 // Solver: every pair measures its points, finds out which of them push, and gives the impulses of the last substep again.
 #import faceoff::constants::solver::ACTIVATION_DISTANCE
 #import faceoff::contact as c
-#import faceoff::contact::{solver_counters, interval, solver_pairs, points}
+#import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
 #import faceoff::dispatch::group_index
-#import faceoff::solver_math::across
+#import faceoff::solver_math::tangent
 #import faceoff::solver_types as s
 
 @compute @workgroup_size(64)
@@ -14,38 +14,38 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let pair = solver_pairs[i];
     if (pair.flags & s::FROZEN) != 0u {
-        c::hand_out_nothing(i);
+        c::clear_impulses(i);
         return;
     }
-    var pushes = false;
-    var local = c::local_of(pair);
+    var any_active = false;
+    var pair_velocities = c::velocities_of(pair);
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-        if (points[k].flags & s::POINT_USABLE) == 0u {
+        if (point_states[k].flags & s::POINT_VALID) == 0u {
             continue;
         }
-        var point = c::measured(pair, k);
+        var point = c::updated_point(pair, k);
         // As fast as before anything was pushed: what is pushed here shows in the next pass.
-        let along = c::row(local.mass_a, local.mass_b, point, point.normal);
-        let speed = c::parting(&local, along);
-        point.total += point.impulse;
-        if point.largest == 0.0 {
-            point.impact = speed;
+        let normal_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, point.normal);
+        let normal_velocity = c::velocity_along(&pair_velocities, normal_row);
+        point.total_normal_impulse += point.normal_impulse;
+        if point.max_normal_impulse == 0.0 {
+            point.impact_velocity = normal_velocity;
         }
-        if point.impulse > 0.0 || point.separation + speed * interval.h < ACTIVATION_DISTANCE * pair.rest_offset {
-            pushes = true;
+        if point.normal_impulse > 0.0 || point.separation + normal_velocity * collision_substep.h < ACTIVATION_DISTANCE * pair.rest_offset {
+            any_active = true;
             point.flags |= s::POINT_ACTIVE;
-            let side = across(point.normal);
-            c::note(&local, along, point.impulse);
-            c::note(&local, c::row(local.mass_a, local.mass_b, point, side), point.friction.x);
-            let other = cross(point.normal, side);
-            c::note(&local, c::row(local.mass_a, local.mass_b, point, other), point.friction.y);
+            let first_tangent = tangent(point.normal);
+            c::accumulate(&pair_velocities, normal_row, point.normal_impulse);
+            c::accumulate(&pair_velocities, c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, first_tangent), point.friction_impulse.x);
+            let second_tangent = cross(point.normal, first_tangent);
+            c::accumulate(&pair_velocities, c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, second_tangent), point.friction_impulse.y);
         } else {
             point.flags &= ~s::POINT_ACTIVE;
-            point.impulse = 0.0;
-            point.friction = vec2(0.0);
+            point.normal_impulse = 0.0;
+            point.friction_impulse = vec2(0.0);
         }
-        points[k] = point;
+        point_states[k] = point;
     }
-    solver_pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, pushes);
-    c::hand_out(i, &local);
+    solver_pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, any_active);
+    c::write_impulses(i, &pair_velocities);
 }

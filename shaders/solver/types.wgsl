@@ -5,7 +5,7 @@
 // there. Symmetric tensors are six numbers: the diagonal xx, yy, zz and, mixed, xy, xz, yz.
 
 // A collision substep, and how contacts are solved in it; `settings.rs` explains what is not explained here.
-struct Interval {
+struct CollisionSubstep {
     gravity: vec3<f32>,
     // Length of a substep, seconds.
     h: f32,
@@ -40,7 +40,7 @@ struct SolverBody {
     // In the body's own axes.
     inverse_inertia: vec3<f32>,
     inverse_mass: f32,
-    inverse_inertia_mixed: vec3<f32>,
+    inverse_inertia_off_diagonal: vec3<f32>,
     // Kind and sensor as in `Body`; the rules of combination, and the locked axes, at the shifts below.
     flags: u32,
     radius: f32,
@@ -55,11 +55,11 @@ struct SolverBody {
 }
 
 // Lengths from here on count as infinite.
-const ENDLESS: f32 = 1.0e29;
+const INFINITE_LENGTH: f32 = 1.0e29;
 
 // Where a body is and how it moves. What is in two parts is their sum: a coarse one, and a small one that holds what the
 // coarse one is too coarse for.
-struct BodyState {
+struct MotionState {
     center: vec3<f32>,
     // Not 0: frozen. Of a static body: `CHANGED`, until others have woken from it.
     asleep: u32,
@@ -89,18 +89,18 @@ struct BodyForces {
 }
 
 // What about a body holds for an interval.
-struct Mover {
+struct BodyConstants {
     // At the start of the interval.
-    rotation: vec4<f32>,
+    initial_rotation: vec4<f32>,
     // In the body's own axes; zero if it has no inverse.
-    inertia: vec3<f32>,
+    local_inertia: vec3<f32>,
     // What is left of the velocities after a substep.
     linear_decay: f32,
-    inertia_mixed: vec3<f32>,
+    local_inertia_off_diagonal: vec3<f32>,
     angular_decay: f32,
-    inverse_inertia: vec3<f32>,
+    local_inverse_inertia: vec3<f32>,
     max_linear_speed: f32,
-    inverse_inertia_mixed: vec3<f32>,
+    local_inverse_inertia_off_diagonal: vec3<f32>,
     max_angular_speed: f32,
     // By gravity.
     acceleration: vec3<f32>,
@@ -119,9 +119,19 @@ const HAS_MASS: u32 = 2u;
 // Its inertia is the same about all axes.
 const ISOTROPIC: u32 = 4u;
 // Its numbers are finite.
-const SOUND: u32 = 8u;
+const FINITE: u32 = 8u;
 // Above them the locked axes: x, y, z of translation, then of rotation.
 const LOCKED: u32 = 8u;
+
+// The range of a body's sides in the sorted list of sides, and its number in the last collision substep.
+struct BodyAdjacency {
+    first_side: u32,
+    // One more than the last.
+    sides_end: u32,
+    // `NOT_SAVED` if it is new.
+    old_number: u32,
+    padding: u32,
+}
 
 // How a body moves.
 struct Velocity {
@@ -136,20 +146,20 @@ struct Mass {
     // Along each world axis.
     inverse_mass: vec3<f32>,
     // Into how many bodies it is split in this substep.
-    share: f32,
+    split_count: f32,
     // In world axes.
     inverse_inertia: vec3<f32>,
     // Those of the mover.
     flags: u32,
-    inverse_inertia_mixed: vec3<f32>,
+    inverse_inertia_off_diagonal: vec3<f32>,
     padding: f32,
 }
 
 // How far a body has come since the start of the interval.
-struct Shift {
-    moved: vec3<f32>,
+struct PoseChange {
+    translation: vec3<f32>,
     padding: f32,
-    turned: vec4<f32>,
+    rotation: vec4<f32>,
 }
 
 // Two bodies and what holds for all their points.
@@ -163,17 +173,17 @@ struct SolverPair {
     rest_offset: f32,
     flags: u32,
     // The way out of an overlap whose points disagree; zero for other pairs.
-    direction: vec3<f32>,
+    separating_direction: vec3<f32>,
     // Which of the remembered pairs it is.
-    kept: u32,
+    saved_pair: u32,
     // From the first body's centre of mass to the second's.
-    between: vec3<f32>,
+    center_offset: vec3<f32>,
     // The smaller bounding diameter.
     diameter: f32,
     // The velocity of the first centre as seen from the second.
-    closing: vec3<f32>,
+    approach_velocity: vec3<f32>,
     // How fast both surfaces turn about their centres together, at most.
-    swing: f32,
+    surface_speed: f32,
 }
 
 // Its points are to be solved, or at least kept.
@@ -189,29 +199,29 @@ const SWAPPED: u32 = 16u;
 const FIRST_HAS_MASS: u32 = 32u;
 const SECOND_HAS_MASS: u32 = 64u;
 
-const NOT_KEPT: u32 = 0xffffffffu;
+const NOT_SAVED: u32 = 0xffffffffu;
 
 // What of a point stays as it is for an interval.
-struct PointShape {
+struct PointConstants {
     // From the centres of mass to the points on the surfaces, at the start of the interval.
-    arm_a: vec3<f32>,
+    anchor_a: vec3<f32>,
     // Beyond the rest offset, at the start of the interval.
-    first_separation: f32,
-    arm_b: vec3<f32>,
+    initial_separation: f32,
+    anchor_b: vec3<f32>,
     // How far from the first body's point to the second's impulses act.
-    along: f32,
+    contact_fraction: f32,
     // To the centres of curvature.
-    round_a: vec3<f32>,
+    curvature_center_a: vec3<f32>,
     padding_a: f32,
-    round_b: vec3<f32>,
+    curvature_center_b: vec3<f32>,
     padding_b: f32,
     // From the first body's point to the second's.
-    offset: vec3<f32>,
+    anchor_offset: vec3<f32>,
     padding_c: f32,
     // At the start of the interval.
-    normal: vec3<f32>,
+    initial_normal: vec3<f32>,
     // How fast it turns as the surfaces slide, radians per metre.
-    turn: f32,
+    normal_rotation: f32,
 }
 
 // What of a point changes.
@@ -219,37 +229,37 @@ struct PointState {
     normal: vec3<f32>,
     separation: f32,
     // Where impulses act, from the centres of mass.
-    lever_a: vec3<f32>,
+    impulse_anchor_a: vec3<f32>,
     flags: u32,
-    lever_b: vec3<f32>,
+    impulse_anchor_b: vec3<f32>,
     // How fast the bodies parted at the point just before it first pushed.
-    impact: f32,
+    impact_velocity: f32,
     // Change of velocity that a unit impulse causes: along the normal and across it, of the first body, then the second.
-    give: vec4<f32>,
+    inverse_effective_mass: vec4<f32>,
     // Of this substep.
-    friction: vec2<f32>,
-    impulse: f32,
+    friction_impulse: vec2<f32>,
+    normal_impulse: f32,
     // The largest normal impulse.
-    largest: f32,
+    max_normal_impulse: f32,
     // Impulses that made it bounce.
-    bounce_friction: vec2<f32>,
-    bounce: f32,
+    restitution_friction_impulse: vec2<f32>,
+    restitution_impulse: f32,
     // The sum of the normal impulses of the substeps so far, less what is in `impulse`.
-    total: f32,
+    total_normal_impulse: f32,
 }
 
 // Not left out.
-const POINT_USABLE: u32 = 1u;
+const POINT_VALID: u32 = 1u;
 // Pushes, or may, in this substep.
 const POINT_ACTIVE: u32 = 2u;
 
 // What is kept of a pair until the next interval, by the numbers that its bodies had.
-struct KeptPair {
+struct SavedPair {
     a: u32,
     b: u32,
     first: u32,
     count: u32,
-    direction: vec3<f32>,
+    separating_direction: vec3<f32>,
     depenetrating: u32,
     // From each body's axes to the world's.
     rotation_a: vec4<f32>,
@@ -257,13 +267,13 @@ struct KeptPair {
 }
 
 // What is kept of a point, as the world was then.
-struct KeptPoint {
-    arm_a: vec3<f32>,
-    impulse: f32,
-    arm_b: vec3<f32>,
+struct SavedPoint {
+    anchor_a: vec3<f32>,
+    normal_impulse: f32,
+    anchor_b: vec3<f32>,
     padding_a: f32,
     normal: vec3<f32>,
     padding_b: f32,
-    friction: vec3<f32>,
+    friction_impulse: vec3<f32>,
     padding_c: f32,
 }

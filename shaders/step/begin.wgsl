@@ -1,21 +1,21 @@
 // BroadPhase of a step with contacts, before all else: where each body is as the step begins, and whether it sleeps. Bodies
 // go on from where the last step left them, in all the digits it had, unless the host has put them elsewhere.
 #import faceoff::arena::meshes
-#import faceoff::carried::onward
+#import faceoff::carried::carry_over
 #import faceoff::dispatch::group_index
-#import faceoff::margins::with_reach
+#import faceoff::margins::with_speculative_radius
 #import faceoff::math::rotate
-#import faceoff::solver_math::carried_rotation
+#import faceoff::solver_math::coarse_rotation
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> step: t::Step;
 @group(0) @binding(3) var<storage, read> moved: array<t::Moved>;
-@group(0) @binding(4) var<storage, read> settled: array<s::BodyState>;
+@group(0) @binding(4) var<storage, read> last_step_states: array<s::MotionState>;
 // What the host knows of bodies and half-spaces.
-@group(0) @binding(5) var<storage, read> arrivals: array<s::BodyState>;
+@group(0) @binding(5) var<storage, read> host_states: array<s::MotionState>;
 @group(0) @binding(6) var<storage, read_write> bodies: array<t::Body>;
-@group(0) @binding(7) var<storage, read_write> states: array<s::BodyState>;
+@group(0) @binding(7) var<storage, read_write> motion_states: array<s::MotionState>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -23,14 +23,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= step.bodies + step.planes {
         return;
     }
-    var state = arrivals[i];
+    var state = host_states[i];
     if i >= step.bodies {
-        states[i] = state;
+        motion_states[i] = state;
         return;
     }
     let last = moved[bodies[i].source];
-    let known = settled[bodies[i].source];
-    var body = onward(bodies[i], last);
+    let known = last_step_states[bodies[i].source];
+    var body = carry_over(bodies[i], last);
     let same_place = all(body.position == last.position) && all(body.rotation == last.rotation);
     let stays = same_place && (body.carried & t::CONTINUES) != 0u;
     if stays {
@@ -41,7 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     } else if (body.carried & (t::CARRIED_ROTATION | (7u * t::CARRIED_POSITION))) != 0u {
         state.center = body.position + rotate(body.rotation, body.scale * meshes[body.mesh].center);
         state.center_low = vec3(0.0);
-        state.rotation = carried_rotation(body.rotation);
+        state.rotation = coarse_rotation(body.rotation);
         state.rotation_low = body.rotation - state.rotation;
     }
     if (body.carried & (7u * t::CARRIED_LINEAR)) != 0u {
@@ -60,10 +60,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         state.neighbours = known.neighbours;
     }
     let rests = all(body.linear_velocity == vec3(0.0)) && all(body.angular_velocity == vec3(0.0));
-    body.still = u32(goes_on && (is_static || (state.asleep != 0u && rests)));
+    body.inactive = u32(goes_on && (is_static || (state.asleep != 0u && rests)));
     // The sphere grows by what rounding its centre costs, four units in the last place.
     let place = abs(body.position);
     body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
-    bodies[i] = with_reach(step, body);
-    states[i] = state;
+    bodies[i] = with_speculative_radius(step, body);
+    motion_states[i] = state;
 }

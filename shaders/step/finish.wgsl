@@ -10,10 +10,10 @@
 @group(0) @binding(3) var<storage, read> counters: array<u32>;
 @group(0) @binding(4) var<storage, read_write> tally: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read> bodies: array<t::Body>;
-@group(0) @binding(6) var<storage, read> movers: array<s::Mover>;
-@group(0) @binding(7) var<storage, read> states: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read> body_constants: array<s::BodyConstants>;
+@group(0) @binding(7) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(8) var<storage, read_write> moved: array<t::Moved>;
-@group(0) @binding(9) var<storage, read_write> settled: array<s::BodyState>;
+@group(0) @binding(9) var<storage, read_write> last_step_states: array<s::MotionState>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -21,13 +21,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= step.bodies || counters[t::SKIPPED] != 0u {
         return;
     }
-    let state = states[i];
+    let state = motion_states[i];
     let body = bodies[i];
     var after: t::Moved;
     after.position = body.position;
     after.rotation = body.rotation;
     // What rests keeps its place to the bit.
-    if (movers[i].flags & s::MOVES) != 0u {
+    if (body_constants[i].flags & s::MOVES) != 0u {
         after.position = position_of(state, body.scale * meshes[body.mesh].center);
         after.rotation = rotation_of(state);
     }
@@ -37,15 +37,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     after.asleep = select(state.asleep, 0u, is_static);
     moved[i] = after;
     atomicAdd(&tally[t::ASLEEP], u32(after.asleep != 0u));
-    settled[i] = state;
+    last_step_states[i] = state;
     if !is_static {
         let v = state.linear_velocity;
         let w = state.angular_velocity;
         for (var axis = 0u; axis < 3u; axis += 1u) {
-            atomicMax(&tally[t::HIGHEST + axis], ascending(v[axis]));
-            atomicMax(&tally[t::LOWEST + axis], ascending(-v[axis]));
+            atomicMax(&tally[t::MAX_VELOCITY + axis], ascending(v[axis]));
+            atomicMax(&tally[t::MAX_NEGATED_VELOCITY + axis], ascending(-v[axis]));
         }
-        atomicMax(&tally[t::SPIN], ascending(sqrt(dot(w, w)) * body.radius));
+        atomicMax(&tally[t::MAX_SPIN], ascending(sqrt(dot(w, w)) * body.radius));
     }
 }
 

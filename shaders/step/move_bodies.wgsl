@@ -1,14 +1,14 @@
 // BroadPhase of every other interval of a step with contacts: where the solver has put the bodies meanwhile.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
-#import faceoff::margins::with_reach
+#import faceoff::margins::with_speculative_radius
 #import faceoff::placed::{position_of, rotation_of}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> step: t::Step;
-@group(0) @binding(3) var<storage, read> states: array<s::BodyState>;
-@group(0) @binding(4) var<storage, read> movers: array<s::Mover>;
+@group(0) @binding(3) var<storage, read> motion_states: array<s::MotionState>;
+@group(0) @binding(4) var<storage, read> body_constants: array<s::BodyConstants>;
 @group(0) @binding(5) var<storage, read_write> bodies: array<t::Body>;
 @group(0) @binding(6) var<storage, read_write> counters: array<u32>;
 
@@ -27,15 +27,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var body = bodies[i];
-    let state = states[i];
-    if (movers[i].flags & s::MOVES) != 0u {
+    let state = motion_states[i];
+    if (body_constants[i].flags & s::MOVES) != 0u {
         body.position = position_of(state, body.scale * meshes[body.mesh].center);
         body.rotation = rotation_of(state);
     }
     body.linear_velocity = state.linear_velocity;
     body.angular_velocity = state.angular_velocity;
     let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
-    body.still &= u32(is_static || state.asleep != 0u);
+    body.inactive &= u32(is_static || state.asleep != 0u);
     body.source = i;
-    bodies[i] = with_reach(step, body);
+    bodies[i] = with_speculative_radius(step, body);
 }

@@ -13,8 +13,8 @@ fn main() {
     for (var k = 0u; k < t::CONTACT_COUNTERS; k += 1u) {
         tally[k] = max(tally[k], contact_counters[k]);
     }
-    tally[t::MOST_PAIRS] = max(tally[t::MOST_PAIRS], counters[t::SPHERE_PAIRS]);
-    tally[t::INTERVALS] += 1u;
+    tally[t::MAX_SPHERE_PAIRS] = max(tally[t::MAX_SPHERE_PAIRS], counters[t::SPHERE_PAIRS]);
+    tally[t::COLLISION_SUBSTEPS] += 1u;
     tally[t::TOUCHING_NOW] = 0u;
     if contact_counters[t::CONTACTS_SKIPPED] != 0u
         || counters[t::HITS] > step.hit_capacity

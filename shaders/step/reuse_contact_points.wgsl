@@ -5,7 +5,7 @@
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
-@group(0) @binding(1) var<uniform> interval: s::Interval;
+@group(0) @binding(1) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(2) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> slots: array<t::ContactPair>;
@@ -22,20 +22,20 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let slot = slots[i];
-    if slot.point_count != 0u || bodies[slot.a].still == 0u {
+    if slot.point_count != 0u || bodies[slot.a].inactive == 0u {
         return;
     }
     var then = vec2(bodies[slot.a].source, 0u);
     if slot.b < step.bodies {
-        if bodies[slot.b].still == 0u {
+        if bodies[slot.b].inactive == 0u {
             return;
         }
         then.y = bodies[slot.b].source;
     } else {
-        if step.new_ground != 0u {
+        if step.planes_changed != 0u {
             return;
         }
-        then.y = slot.b - step.bodies + (interval.old_bodies - step.planes);
+        then.y = slot.b - step.bodies + (collision_substep.old_bodies - step.planes);
     }
     let known = find(then);
     if known.point_count == 0u {

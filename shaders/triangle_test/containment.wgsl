@@ -69,10 +69,10 @@ fn meets(mesh: t::Mesh, end: u32, node: u32, p: vec3<f32>) -> bool {
     if at == 0u {
         return false;
     }
-    let way = vector(at) - p;
+    let offset = vector(at) - p;
     // Rounding moves a box by less than a millionth of the mesh.
     let half = vector(at + 3u) + 1.0e-5 * mesh.radius;
-    return abs(way.x) <= half.x && abs(way.y) <= half.y && way.z >= -half.z;
+    return abs(offset.x) <= half.x && abs(offset.y) <= half.y && offset.z >= -half.z;
 }
 
 fn count_crossing(mesh: t::Mesh, number: u32, p: vec3<f32>) {

@@ -91,7 +91,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var hit_count = 0u;
     var middle = vec4(0.0);
     var area = vec4(0.0);
-    var closing = vec4(0.0);
+    var closure = vec4(0.0);
     // Which of the three masks is in use.
     var mask_set = 0u;
     loop {
@@ -146,13 +146,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                         index, hit_count + rank, triangles.x, triangles.y, start.x, start.y, start.z, end.x, end.y, end.z
                     );
                 }
-                let arm = verdict.start - origin;
+                let anchor = verdict.start - origin;
                 let along = verdict.end - verdict.start;
                 let length = sqrt(dot(along, along));
-                middle += vec4((arm + 0.5 * along) * length, length);
+                middle += vec4((anchor + 0.5 * along) * length, length);
                 if verdict.directed {
-                    area += vec4(0.5 * cross(arm, along), 0.0);
-                    closing += vec4(along, 0.0);
+                    area += vec4(0.5 * cross(anchor, along), 0.0);
+                    closure += vec4(along, 0.0);
                 }
             }
             hit_count += hits_now;
@@ -219,7 +219,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     sum_middle[thread] = middle;
     sum_area[thread] = area;
-    sum_closing[thread] = closing;
+    sum_closing[thread] = closure;
     workgroupBarrier();
     for (var half = 32u; half > 0u; half /= 2u) {
         if thread < half {
@@ -343,8 +343,8 @@ fn boxes_meet(pair: Pair, node_a: u32, node_b: u32) -> bool {
     let half_a = abs(pair.scale_a) * vector(at_a + 3u);
     let own_b = pair.scale_b * vector(at_b);
     let half_b = abs(pair.scale_b) * vector(at_b + 3u);
-    let turned_b = pair.rotation * own_b;
-    let center_b = turned_b + pair.near.translation;
+    let rotated_b = pair.rotation * own_b;
+    let center_b = rotated_b + pair.near.translation;
     let around_b = pair.spread * half_b;
     if any(abs(center_b - center_a) > half_a + around_b + pair.pad) {
         return false;

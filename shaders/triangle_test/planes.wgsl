@@ -54,17 +54,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let direction = body.scale * rotate(conjugate(body.rotation), plane.normal);
         // Vertices inside, weighted by depth.
         var sum = vec4(0.0);
-        var most = 0.0;
+        var max_depth = 0.0;
         for (var n = thread; n < mesh.vertex_count; n += 64u) {
             let p = vector(mesh.vertices + 3u * n);
             let depth = -(dot(p, direction) + above);
             if depth > 0.0 {
                 sum += vec4(p * depth, depth);
-                most = max(most, depth);
+                max_depth = max(max_depth, depth);
             }
         }
         sums[thread] = sum;
-        deepest[thread] = most;
+        deepest[thread] = max_depth;
         workgroupBarrier();
         for (var half = 32u; half > 0u; half /= 2u) {
             if thread < half {
@@ -74,11 +74,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             workgroupBarrier();
         }
         if thread == 0u {
-            var arm = vec3(0.0);
+            var anchor = vec3(0.0);
             if deepest[0] > 0.0 {
-                arm = rotate(body.rotation, body.scale * (sums[0].xyz / sums[0].w));
+                anchor = rotate(body.rotation, body.scale * (sums[0].xyz / sums[0].w));
             }
-            plane_contacts[at] = t::PlaneContact(arm, deepest[0], center + arm, index, k, 0u, 0u, 0u);
+            plane_contacts[at] = t::PlaneContact(anchor, deepest[0], center + anchor, index, k, 0u, 0u, 0u);
         }
         at += 1u;
         workgroupBarrier();

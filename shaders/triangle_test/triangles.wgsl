@@ -4,8 +4,8 @@
 // bounds let it speak. What it cannot tell is called touching unless a plane is found that certainly separates the two.
 // Lengths are in the pair's unit, so products of five of them stay in f32's range.
 
-#import faceoff::constants::triangle_test::LEAST_LINE
-#import faceoff::math::{largest, norm1}
+#import faceoff::constants::triangle_test::MIN_LINE
+#import faceoff::math::{max_component, norm1}
 
 struct Triangle {
     p: vec3<f32>,
@@ -119,7 +119,7 @@ fn decide(a: Triangle, b: Triangle, error: f32) -> Verdict {
     let over_a = heights(a, b);
     let line = cross(a.normal, b.normal);
     let clear = all(abs(over_b) > vec3(b.tolerance)) && all(abs(over_a) > vec3(a.tolerance));
-    let crossing = crosses(over_a) && crosses(over_b) && norm1(line) > LEAST_LINE;
+    let crossing = crosses(over_a) && crosses(over_b) && norm1(line) > MIN_LINE;
     var estimate = miss;
     if crossing {
         let of_a = chord(a, over_b, b.tolerance, line);
@@ -179,8 +179,8 @@ fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
 
 // Whether the two certainly do not overlap along an axis of any length.
 fn apart(a: Triangle, b: Triangle, axis: vec3<f32>, error: f32) -> bool {
-    let size = largest(abs(axis));
-    if !(size > LEAST_LINE) {
+    let size = max_component(abs(axis));
+    if !(size > MIN_LINE) {
         return false;
     }
     let u = axis / size;

@@ -3,7 +3,7 @@
 //! Each body looks into its own level and the coarser ones that hold any.
 
 use super::cpu::grid;
-use crate::gpu::buffers::Sizes;
+use crate::gpu::buffers::Capacity;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{BODIES, SPHERE_PAIRS};
 use crate::gpu::program::{Calls, Groups};
@@ -49,15 +49,15 @@ pub fn record_place(calls: &mut Calls) {
 }
 
 /// Adds those that search for pairs of placed bodies.
-pub fn record_search(calls: &mut Calls, sizes: &Sizes) {
+pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
     let per_body = Groups::PerBodies(64);
     calls.call(&CELLS, per_body);
     // Workgroups beyond the bodies there are return at once.
     let groups = [
         Groups::PerBodies(radix_sort::BLOCK),
-        Groups::Exactly(radix_sort::digit_groups(sizes.bodies)),
+        Groups::Exactly(radix_sort::digit_groups(capacity.bodies)),
     ];
-    let [keys, values] = SORT.record(calls, BODIES, sizes.bucket_bits(), groups);
+    let [keys, values] = SORT.record(calls, BODIES, capacity.bucket_bits(), groups);
     calls.call(&ENTRIES, per_body).bind("keys", keys).bind("values", values);
     calls.call(&COUNT, per_body);
     let scan = Scan {

@@ -3,12 +3,12 @@
 
 use super::impulse;
 use crate::broad_phase::gpu::SORT;
-use crate::gpu::buffers::Sizes;
+use crate::gpu::buffers::Capacity;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{self, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_SORT_BLOCK};
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
-use crate::solver::gpu::record::per_pair as per_solver_pair;
+use crate::solver::gpu::arguments::per_pair as per_solver_pair;
 
 /// Keys by body.
 const ENTRIES: Kernel = kernel!("force_scan/entries");
@@ -33,12 +33,12 @@ pub const SHADERS: Shaders = Shaders {
 };
 
 /// Adds the calls that sum up impulses.
-pub fn record_impulses(calls: &mut Calls, sizes: &Sizes) {
+pub fn record_impulses(calls: &mut Calls, capacity: &Capacity) {
     let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
         .map(|slot| Groups::Indirect("arguments", slot));
     let per_body = Groups::PerBodies(64);
     calls.call(&ENTRIES, per_pair);
-    let [keys, values] = SORT.record(calls, layout::ENTRIES, sizes.body_bits(), [per_block, per_digit_block]);
+    let [keys, values] = SORT.record(calls, layout::ENTRIES, capacity.body_bits(), [per_block, per_digit_block]);
     calls.call(&SEGMENTS, per_pair).bind("keys", keys);
     calls.call(&COUNTS, per_body);
     calls.call(&SUMS, per_body).bind("values", values);

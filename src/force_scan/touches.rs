@@ -77,7 +77,7 @@ impl Touches {
     /// The touches that a device has found, in any order.
     #[cfg(feature = "gpu")]
     pub fn from_device(mut found: Vec<crate::gpu::layout::Touch>) -> Self {
-        found.sort_unstable_by_key(|touch| (touch.interval, touch.a, touch.b, touch.index));
+        found.sort_unstable_by_key(|touch| (touch.collision_substep, touch.a, touch.b, touch.index));
         let touch = |touch: &crate::gpu::layout::Touch| Touch {
             bodies: [touch.a, touch.b],
             point: ContactPoint {

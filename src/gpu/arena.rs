@@ -240,10 +240,10 @@ impl Packed {
         let component_start = self.points(components.iter().map(|&v| mesh.vertices()[v as usize] - center));
 
         let directions = self.0.len() as u32;
-        let (mut turn, mut groups) = (0, directions);
+        let (mut direction_steps, mut groups) = (0, directions);
         let group_words = count.div_ceil(32);
         if let Some(table) = &baked.faces {
-            turn = table.grid().turn();
+            direction_steps = table.grid().turn();
             self.0.extend(table.directions());
             groups = self.0.len() as u32;
             let mut scratch = Vec::new();
@@ -280,7 +280,7 @@ impl Packed {
             components: component_start,
             component_count: components.len() as u32,
             directions,
-            turn,
+            direction_steps,
             groups,
             group_words: group_words as u32,
             features,

@@ -8,7 +8,7 @@ use wgpu::{Buffer, BufferDescriptor, BufferUsages};
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sizes {
+pub struct Capacity {
     /// Body slots.
     pub bodies: u32,
     /// Half-spaces.
@@ -47,7 +47,7 @@ pub struct TooLarge {
     pub limit: u64,
 }
 
-impl Sizes {
+impl Capacity {
     /// At least `needed` of each, with room to spare where these sizes do not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
@@ -85,16 +85,16 @@ impl Sizes {
 /// A set of buffers. Each has a name, by which kernels find it, the kind of its elements, and how many there are by the sizes
 /// of the set; the text says in errors what it holds.
 ///
-/// Declares a struct with a public field `sizes`, one for each buffer, and the functions `new` and `bytes`.
+/// Declares a struct with a public field `capacity`, one for each buffer, and the functions `new` and `bytes`.
 macro_rules! buffers {
-    ($(#[$doc:meta])* $set:ident($sizes_type:ty), |$sizes:ident| {
+    ($(#[$doc:meta])* $set:ident($capacity_type:ty), |$capacity:ident| {
         $($(#[$buffer_doc:meta])* $name:ident: $usage:ident $element:ty, $count:expr, $what:literal;)*
     }) => {
         $(#[$doc])*
         #[derive(Debug)]
         pub struct $set {
             /// What fits.
-            pub sizes: $sizes_type,
+            pub capacity: $capacity_type,
             $($(#[$buffer_doc])* #[allow(missing_docs)] pub $name: wgpu::Buffer,)*
         }
 
@@ -107,14 +107,14 @@ macro_rules! buffers {
             ///
             /// # Errors
             /// If one is larger than the device allows; none is made then.
-            pub fn new(gpu: &$crate::gpu::device::Gpu, sizes: $sizes_type) -> Result<Self, $crate::gpu::buffers::TooLarge> {
+            pub fn new(gpu: &$crate::gpu::device::Gpu, capacity: $capacity_type) -> Result<Self, $crate::gpu::buffers::TooLarge> {
                 $(let $name = {
                     #[allow(unused_variables)]
-                    let $sizes = &sizes;
+                    let $capacity = &capacity;
                     $crate::gpu::buffers::check(gpu, $what, u64::from($count) * size_of::<$element>() as u64)?
                 };)*
                 Ok(Self {
-                    sizes,
+                    capacity,
                     $($name: $crate::gpu::buffers::make(gpu, $what, $name, $crate::gpu::buffers::$usage),)*
                 })
             }
@@ -147,38 +147,38 @@ pub(crate) const INDIRECT: BufferUsages = BufferUsages::INDIRECT;
 
 buffers! {
     /// Every buffer of a step without contact points; `shaders/shared/types.wgsl` explains their elements.
-    Buffers(Sizes), |sizes| {
+    Buffers(Capacity), |capacity| {
         /// What holds for all bodies.
         step: UNIFORM Step, 1u32, "step";
-        bodies: ARRAY Body, sizes.bodies, "bodies";
+        bodies: ARRAY Body, capacity.bodies, "bodies";
         /// To draw from.
-        before: ARRAY Body, sizes.bodies, "bodies before the step";
-        planes: ARRAY Plane, sizes.planes, "half-spaces";
-        meshes: ARRAY Mesh, sizes.meshes, "meshes";
-        words: ARRAY u32, sizes.words, "mesh data";
+        before: ARRAY Body, capacity.bodies, "bodies before the step";
+        planes: ARRAY Plane, capacity.planes, "half-spaces";
+        meshes: ARRAY Mesh, capacity.meshes, "meshes";
+        words: ARRAY u32, capacity.words, "mesh data";
         counters: ARRAY u32, COUNTERS, "counters";
         status: ARRAY u32, 4u32, "status";
         arguments: INDIRECT u32, 16u32, "arguments";
         /// Two pairs of arrays between which sorts move keys and values.
-        keys: ARRAY u32, sizes.keys(), "sort keys";
-        values: ARRAY u32, sizes.keys(), "sort values";
-        other_keys: ARRAY u32, sizes.keys(), "sort keys, scratch";
-        other_values: ARRAY u32, sizes.keys(), "sort values, scratch";
-        digits: ARRAY u32, radix_sort::DIGITS * sizes.keys().div_ceil(radix_sort::BLOCK) + 1, "sort digits";
-        sums: ARRAY u32, sizes.bodies.div_ceil(scan::BLOCK).max(radix_sort::digit_groups(sizes.keys())) + 1, "scan sums";
-        entries: ARRAY GridEntry, sizes.bodies, "grid entries";
-        buckets: ARRAY [u32; 2], sizes.buckets(), "grid buckets";
-        pair_counts: ARRAY u32, sizes.bodies, "pair counts";
-        sphere_pairs: ARRAY [u32; 2], sizes.pairs, "sphere pairs";
-        near_pairs: ARRAY NearPair, sizes.pairs, "near pairs";
-        results: ARRAY PairResult, sizes.pairs, "pair results";
-        touching: ARRAY Touching, sizes.pairs, "touching pairs";
-        hits: ARRAY Hit, sizes.hits, "intersecting faces";
-        plane_contacts: ARRAY PlaneContact, sizes.plane_contacts, "contacts with half-spaces";
-        body_contacts: ARRAY BodyContacts, sizes.bodies, "contacts by body";
-        impulses: ARRAY Impulse, sizes.bodies, "impulses";
+        keys: ARRAY u32, capacity.keys(), "sort keys";
+        values: ARRAY u32, capacity.keys(), "sort values";
+        other_keys: ARRAY u32, capacity.keys(), "sort keys, scratch";
+        other_values: ARRAY u32, capacity.keys(), "sort values, scratch";
+        digits: ARRAY u32, radix_sort::DIGITS * capacity.keys().div_ceil(radix_sort::BLOCK) + 1, "sort digits";
+        sums: ARRAY u32, capacity.bodies.div_ceil(scan::BLOCK).max(radix_sort::digit_groups(capacity.keys())) + 1, "scan sums";
+        entries: ARRAY GridEntry, capacity.bodies, "grid entries";
+        buckets: ARRAY [u32; 2], capacity.buckets(), "grid buckets";
+        pair_counts: ARRAY u32, capacity.bodies, "pair counts";
+        sphere_pairs: ARRAY [u32; 2], capacity.pairs, "sphere pairs";
+        near_pairs: ARRAY NearPair, capacity.pairs, "near pairs";
+        results: ARRAY PairResult, capacity.pairs, "pair results";
+        touching: ARRAY Touching, capacity.pairs, "touching pairs";
+        hits: ARRAY Hit, capacity.hits, "intersecting faces";
+        plane_contacts: ARRAY PlaneContact, capacity.plane_contacts, "contacts with half-spaces";
+        body_contacts: ARRAY BodyContacts, capacity.bodies, "contacts by body";
+        impulses: ARRAY Impulse, capacity.bodies, "impulses";
         /// Where the bodies are after the step. Outlives it.
-        moved: ARRAY Moved, sizes.bodies, "moved bodies";
+        moved: ARRAY Moved, capacity.bodies, "moved bodies";
     }
 }
 

@@ -68,7 +68,7 @@ layout! {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
-        contact_margin: f32, look_ahead: f32, new_ground: u32, padding_a: u32,
+        contact_margin: f32, speculative_time: f32, planes_changed: u32, padding_a: u32,
         drift: Vec3, padding_b: u32,
     }
     /// A body's input and state.
@@ -79,9 +79,9 @@ layout! {
         linear_velocity: Vec3, inverse_mass: f32,
         angular_velocity: Vec3, restitution: f32,
         inverse_inertia: Vec3, gravity_scale: f32,
-        inverse_inertia_mixed: Vec3, flags: u32,
+        inverse_inertia_off_diagonal: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
-        reach: f32, thickness: f32, still: u32, padding: u32,
+        speculative_radius: f32, thickness: f32, inactive: u32, padding: u32,
     }
     /// A half-space.
     Plane {
@@ -93,7 +93,7 @@ layout! {
         center: Vec3, radius: f32,
         triangles: u32, triangle_count: u32, boxes: u32, levels: u32,
         vertices: u32, vertex_count: u32, heights: u32, flags: u32,
-        components: u32, component_count: u32, directions: u32, turn: u32,
+        components: u32, component_count: u32, directions: u32, direction_steps: u32,
         groups: u32, group_words: u32, features: u32, corners: u32,
         box_center: Vec3, padding_a: u32,
         box_half: Vec3, padding_b: u32,
@@ -132,14 +132,14 @@ layout! {
     }
     /// A body that reaches into a half-space.
     PlaneContact {
-        arm: Vec3, depth: f32,
+        anchor: Vec3, depth: f32,
         point: Vec3, body: u32,
         plane: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// What pushes a body.
     BodyContacts {
         first_entry: u32, last_entry: u32, first_plane: u32, planes: u32,
-        pushing: u32, padding_a: u32, padding_b: u32, padding_c: u32,
+        active_contacts: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// Where a body is after the step.
     Moved {
@@ -160,10 +160,10 @@ layout! {
     }
     /// A pair of bodies whose contact points are wanted.
     MarginPair {
-        a: u32, b: u32, margin: f32, still: u32,
+        a: u32, b: u32, margin: f32, inactive: u32,
     }
     /// How its bodies lie to each other, and where in the lists its share is.
-    ContactSetting {
+    PairSetup {
         a: u32, b: u32, valid: u32, unit: f32,
         rotation: [f32; 4],
         x: Vec3, size: f32,
@@ -173,9 +173,9 @@ layout! {
         offset_b: Vec3, mesh_a: u32,
         scale_a: Vec3, mesh_b: u32,
         scale_b: Vec3, patch_count: u32,
-        low: Vec3, first_near: u32,
-        high: Vec3, near_count: u32,
-        way: Vec3, first_segment: u32,
+        window_min: Vec3, first_near: u32,
+        window_max: Vec3, near_count: u32,
+        window_direction: Vec3, first_segment: u32,
         segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
         deep_count: u32, first_probe: u32, probe_count: u32, padding: u32,
     }
@@ -196,17 +196,17 @@ layout! {
     Patch {
         center: Vec3, reach: f32,
         normal: Vec3, area: f32,
-        arm_a: Vec3, length: f32,
-        arm_b: Vec3, kept: u32,
-        arm_c: Vec3, a: u32,
-        arm_d: Vec3, b: u32,
+        extreme_a: Vec3, length: f32,
+        extreme_b: Vec3, kept: u32,
+        extreme_c: Vec3, a: u32,
+        extreme_d: Vec3, b: u32,
     }
     /// A point at which two bodies push each other, in world axes and metres.
     ContactPoint {
-        arm_a: Vec3, separation: f32,
-        arm_b: Vec3, roundness_a: f32,
-        normal: Vec3, roundness_b: f32,
-        face_a: u32, face_b: u32, turn: f32, padding: u32,
+        anchor_a: Vec3, separation: f32,
+        anchor_b: Vec3, curvature_radius_a: f32,
+        normal: Vec3, curvature_radius_b: f32,
+        face_a: u32, face_b: u32, normal_rotation: f32, padding: u32,
     }
     /// All points of a pair of bodies.
     ContactPair {
@@ -315,7 +315,7 @@ constants! {
     /// No vertex, no triangle.
     u32 NOTHING = 0xffff_ffff;
     /// The radius of curvature of what is flat: WGSL has no dependable infinity.
-    f32 FLAT_ROUNDNESS = 1.0e30;
+    f32 FLAT_RADIUS = 1.0e30;
 
     // Indices into `contact_counters`. The host sets the first and zeroes the others. Lists may hold fewer than these say,
     // and then their contents are worth nothing.
@@ -343,7 +343,7 @@ constants! {
     // Indices into `tally`, which counts over all intervals of a step. The first are the largest that `contact_counters` came
     // to, under the same indices.
     /// So far.
-    u32 INTERVALS = 16;
+    u32 COLLISION_SUBSTEPS = 16;
     /// As many as there are, even if the list holds fewer.
     u32 TOUCHES = 17;
     /// Of two meshes, in the last interval.
@@ -351,11 +351,11 @@ constants! {
     /// Bodies, after the step.
     u32 ASLEEP = 19;
     /// Of spheres, in any interval.
-    u32 MOST_PAIRS = 20;
+    u32 MAX_SPHERE_PAIRS = 20;
     // Velocities after the step of what may move, m/s: the largest along each axis, the largest negated, and the largest speed
     // of a surface about its body's centre of mass. As `ascending` numbers, so that 0 stands for none.
-    u32 HIGHEST = 21;
-    u32 LOWEST = 24;
-    u32 SPIN = 27;
+    u32 MAX_VELOCITY = 21;
+    u32 MAX_NEGATED_VELOCITY = 24;
+    u32 MAX_SPIN = 27;
     u32 TALLIES = 32;
 }

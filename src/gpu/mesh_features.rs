@@ -1,6 +1,6 @@
 //! The vertices and edges of a mesh as words, as `shaders/manifolds/side.wgsl` reads them.
 
-use super::layout::{FLAT_ROUNDNESS, NOTHING};
+use super::layout::{FLAT_RADIUS, NOTHING};
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::state::mesh_arena::MeshSlot;
 use glam::Vec3;
@@ -37,9 +37,9 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     words.extend(&features.neighbors);
     words.extend(&features.components);
     words.extend(far_ends_of(slot, features).iter().flat_map(place));
-    for (normal, roundness) in features.vertex_normals.iter().zip(&features.vertex_curvature_radii) {
+    for (normal, curvature_radius) in features.vertex_normals.iter().zip(&features.vertex_curvature_radii) {
         let [x, y, z] = normal.to_array();
-        words.extend([x, y, z, roundness.min(FLAT_ROUNDNESS)].map(f32::to_bits));
+        words.extend([x, y, z, curvature_radius.min(FLAT_RADIUS)].map(f32::to_bits));
     }
     words
 }
@@ -75,7 +75,7 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
     // Rounded up.
     let edge_turn = (features.edge_normal_rotations[t] * (255.0 / ANY_NORMAL)).ceil() as u32;
     words.push(features.owned[t] | (edge_turn << 8));
-    words.push(features.curvature_radii[t].min(FLAT_ROUNDNESS).to_bits());
+    words.push(features.curvature_radii[t].min(FLAT_RADIUS).to_bits());
     words.push(slot.mesh.mesh.face_ids()[t]);
     words.push(features.curvature[t].to_bits());
 }

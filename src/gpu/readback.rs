@@ -35,7 +35,7 @@ pub fn wait(gpu: &Gpu) -> Result<(), String> {
 /// # Errors
 /// If the device is lost.
 pub fn poll(gpu: &Gpu, what: PollType) -> Result<(), String> {
-    let polled = outlive(|| gpu.device.poll(what))?;
+    let polled = catch_lost(|| gpu.device.poll(what))?;
     polled.map(|_| ()).map_err(|error| error.to_string())
 }
 
@@ -69,7 +69,7 @@ pub fn request(staging: &Buffer, bytes: u64) -> Receiver<Result<(), BufferAsyncE
 /// If the device is lost.
 pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, String> {
     alive(gpu)?;
-    outlive(|| staging.slice(..bytes).get_mapped_range())
+    catch_lost(|| staging.slice(..bytes).get_mapped_range())
 }
 
 /// Some calls make wgpu panic, without a lock in its hands, if the device is lost by then; and a shared one may be lost at any
@@ -77,7 +77,7 @@ pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, Strin
 ///
 /// # Errors
 /// If it did.
-pub fn outlive<T>(call: impl FnOnce() -> T) -> Result<T, String> {
+pub fn catch_lost<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(call)).map_err(|_| "it is lost".to_string())
 }
 

@@ -19,9 +19,9 @@ pub(crate) struct Scratch {
 }
 
 /// Writes the manifolds of all active pairs that respond to contacts into `manifolds`. The previous ones are kept for
-/// [`reuse`]. `interval.dt` is the time until the next detection.
+/// [`reuse`]. `collision_substep.dt` is the time until the next detection.
 pub(crate) fn find(
-    interval: &StepConfig,
+    collision_substep: &StepConfig,
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
@@ -46,7 +46,7 @@ pub(crate) fn find(
         bodies,
         meshes,
         planes,
-        interval,
+        collision_substep,
         is_awake,
         &mut scratch.planes,
         manifolds,

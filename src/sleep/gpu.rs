@@ -4,8 +4,8 @@ use super::cpu;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::program::Calls;
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
-use crate::solver::gpu::layout::{SETTLE, WAKE};
-use crate::solver::gpu::record::{per_body, per_pair};
+use crate::solver::gpu::layout::{FALL_ASLEEP, WAKE};
+use crate::solver::gpu::arguments::{per_body, per_pair};
 
 /// Every body is an island.
 const BEGIN: Kernel = kernel!("sleep/begin");
@@ -43,7 +43,7 @@ pub fn record_wake(calls: &mut Calls, may_sleep: bool) {
 /// Adds the calls that put to sleep, after an interval.
 pub fn record_fall_asleep(calls: &mut Calls, may_sleep: bool) {
     if may_sleep {
-        record(calls, SETTLE);
+        record(calls, FALL_ASLEEP);
     }
 }
 

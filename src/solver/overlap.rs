@@ -3,6 +3,7 @@
 use super::warm_start::LastContact;
 use crate::state::ManifoldPoint;
 use crate::state::margins::SAFETY;
+use crate::state::pairs::DEFAULT_DIRECTION;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
@@ -12,9 +13,6 @@ pub(super) const OPPOSED: f32 = -0.5;
 pub(super) const CONFLICT_DEPTH: f32 = 0.01;
 /// A conflict lasts until no point is deeper than this fraction of D.
 pub(super) const RESOLVED_DEPTH: f32 = 0.005;
-/// The separating direction of two bodies with the same centre: arbitrary, but always the same.
-pub(super) const DEFAULT_DIRECTION: Vec3 = Vec3::new(0.36, 0.48, 0.8);
-
 /// Vectors shorter than this fraction of D do not give a direction.
 pub(super) const MIN_DIRECTION_LENGTH: f32 = 1.0e-4;
 
@@ -90,7 +88,7 @@ pub(super) fn classify(
     }
     let candidates = [last.separating_direction(), last.normal_impulse(), center_offset];
     let direction = candidates.into_iter().find_map(Vec3::try_normalize);
-    Overlap::Conflicting(direction.unwrap_or(DEFAULT_DIRECTION))
+    Overlap::Conflicting(direction.unwrap_or(DEFAULT_DIRECTION.as_vec3()))
 }
 
 /// Whether two points, both deeper than `depth`, have opposed normals.
@@ -107,5 +105,5 @@ fn depenetration_direction(points: &[ManifoldPoint], diameter: f32, center_offse
     let mean = if has_mass == [true; 2] { None } else { unit(normals()) };
     mean.or_else(|| unit(center_offset))
         .filter(|v| v.is_normalized())
-        .unwrap_or(DEFAULT_DIRECTION)
+        .unwrap_or(DEFAULT_DIRECTION.as_vec3())
 }

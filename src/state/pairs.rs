@@ -1,6 +1,10 @@
 //! Pairs of bodies that may touch, with their relative pose, best support axis and visible triangles.
 
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
+
+/// The direction in which two bodies with the same centre are separated. It is arbitrary, but always the same, and
+/// parallel to no edge of a typical mesh.
+pub(crate) const DEFAULT_DIRECTION: DVec3 = DVec3::new(0.36, 0.48, 0.8);
 
 /// A pair that may touch.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::kernel::Kernels;
 use crate::gpu::layout::{
     self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
-    ContactPoint, FLAT_ROUNDNESS, MARGIN_PAIRS,
+    ContactPoint, FLAT_RADIUS, MARGIN_PAIRS,
 };
 use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::{read_words, scoped};
@@ -27,7 +27,7 @@ use wgpu::{Buffer, BufferUsages};
 pub struct GpuManifolds {
     gpu: Gpu,
     kernels: Kernels,
-    sizes: ContactCapacity,
+    capacity: ContactCapacity,
     /// How often lists had to be made longer.
     repeats: usize,
 }
@@ -53,21 +53,21 @@ impl GpuManifolds {
     /// # Errors
     /// If the device cannot run them.
     pub fn new(gpu: &Gpu) -> Result<Self, NoGpu> {
-        Self::with_room(gpu, START)
+        Self::with_capacity(gpu, START)
     }
 
     /// With lists of these sizes to begin with: results do not depend on them.
     ///
     /// # Errors
     /// If the device cannot run the kernels.
-    pub fn with_room(gpu: &Gpu, sizes: ContactCapacity) -> Result<Self, NoGpu> {
+    pub fn with_capacity(gpu: &Gpu, capacity: ContactCapacity) -> Result<Self, NoGpu> {
         let kernels = crate::gpu::SHADERS.kernels.iter().chain(SHADERS.kernels).copied();
         let compiled = scoped(gpu, || Kernels::new(gpu, all_modules(), kernels)).and_then(|kernels| kernels);
         match compiled {
             Ok(kernels) => Ok(Self {
                 gpu: gpu.clone(),
                 kernels,
-                sizes,
+                capacity,
                 repeats: 0,
             }),
             Err(reason) => Err(NoGpu::Failed {
@@ -78,8 +78,8 @@ impl GpuManifolds {
     }
 
     /// What fits at present.
-    pub fn sizes(&self) -> ContactCapacity {
-        self.sizes
+    pub fn capacity(&self) -> ContactCapacity {
+        self.capacity
     }
 
     /// How often a list was too short so far, and everything ran again with longer ones.
@@ -99,18 +99,18 @@ impl GpuManifolds {
             a: pair.bodies[0],
             b: pair.bodies[1],
             margin: pair.margin,
-            still: 0,
+            inactive: 0,
         };
         let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
         let count = pairs.len() as u32;
         let slots = scene.bodies.saturating_mul(scene.planes).saturating_add(count);
-        self.sizes = self.sizes.grown(ContactCapacity {
+        self.capacity = self.capacity.grown(ContactCapacity {
             margin_pairs: count,
             slots,
             ..ContactCapacity::default()
         });
         for _ in 0..REPEATS {
-            let buffers = self.scoped(|gpu| ContactBuffers::new(gpu, self.sizes))??;
+            let buffers = self.scoped(|gpu| ContactBuffers::new(gpu, self.capacity))??;
             let counters = self.attempt(&scene, &buffers, &pairs)?;
             if counters[CONTACTS_CUT_SHORT as usize] != 0 {
                 return Err(StepError::CutShort);
@@ -118,7 +118,7 @@ impl GpuManifolds {
             if counters[CONTACTS_SKIPPED as usize] == 0 {
                 return self.read(&buffers, &counters);
             }
-            self.sizes = self.sizes.grown(ContactCapacity::needed(&counters));
+            self.capacity = self.capacity.grown(ContactCapacity::needed(&counters));
             self.repeats += 1;
         }
         Err(StepError::Device(
@@ -183,7 +183,7 @@ impl GpuManifolds {
         pairs: &[layout::MarginPair],
     ) -> Result<Vec<u32>, StepError> {
         self.scoped(|gpu| {
-            let limits = buffers.sizes.limits(scene.bodies, scene.planes);
+            let limits = buffers.capacity.limits(scene.bodies, scene.planes);
             let mut counters = [0u32; CONTACT_COUNTERS as usize];
             counters[MARGIN_PAIRS as usize] = pairs.len() as u32;
             gpu.queue.write_buffer(&buffers.limits, 0, bytes_of(&limits));
@@ -255,13 +255,13 @@ impl From<&ContactPair> for Manifold {
 impl From<&ContactPoint> for ManifoldPoint {
     fn from(point: &ContactPoint) -> Self {
         // What stands for it on the device.
-        let radius = |r: f32| if r >= FLAT_ROUNDNESS { f32::INFINITY } else { r };
+        let radius = |r: f32| if r >= FLAT_RADIUS { f32::INFINITY } else { r };
         Self {
-            anchors: [Vec3::from(point.arm_a), Vec3::from(point.arm_b)],
+            anchors: [Vec3::from(point.anchor_a), Vec3::from(point.anchor_b)],
             normal: Vec3::from(point.normal),
             separation: point.separation,
-            curvature_radii: [radius(point.roundness_a), radius(point.roundness_b)],
-            normal_rotation: point.turn,
+            curvature_radii: [radius(point.curvature_radius_a), radius(point.curvature_radius_b)],
+            normal_rotation: point.normal_rotation,
             faces: [point.face_a, point.face_b],
         }
     }

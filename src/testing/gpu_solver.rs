@@ -10,8 +10,9 @@ use crate::manifolds::Manifolds;
 use crate::sleep;
 use crate::solver::gpu as solver;
 use crate::solver::gpu::layout::{self, COUNTERS, PAIRS_FOUND, POINTS, POINTS_FOUND, SKIPPED, SLOTS};
-use crate::solver::gpu::record::{record, record_arguments};
-use crate::solver::gpu::{Passes, Room, SolverBuffers, upload};
+use crate::solver::gpu::arguments::record_arguments;
+use crate::solver::gpu::record::record;
+use crate::solver::gpu::{Passes, SolverCapacity, SolverBuffers, upload};
 use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverMotion};
 use crate::step::gpu::StepError;
 use crate::step::gpu::record::all_modules;
@@ -36,18 +37,18 @@ pub struct GpuSolver {
     /// Bodies of the interval before, unless all were forgotten.
     old_bodies: u32,
     /// The host has said how they are numbered now.
-    renumbered: bool,
+    remapped: bool,
 }
 
 buffers! {
     /// What the host hands over.
-    Handed(Room), |room| {
-        solver_bodies: ARRAY layout::SolverBody, room.bodies, "solver bodies";
-        states: ARRAY layout::BodyState, room.bodies, "states of bodies";
-        forces: ARRAY layout::BodyForces, room.bodies, "forces";
-        renumbered: ARRAY u32, room.bodies, "new numbers of bodies";
-        contact_pairs: ARRAY ContactPair, room.pairs, "contact pairs";
-        contact_points: ARRAY ContactPoint, room.points, "contact points";
+    Handed(SolverCapacity), |capacity| {
+        solver_bodies: ARRAY layout::SolverBody, capacity.bodies, "solver bodies";
+        motion_states: ARRAY layout::MotionState, capacity.bodies, "states of bodies";
+        forces: ARRAY layout::BodyForces, capacity.bodies, "forces";
+        new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
+        contact_pairs: ARRAY ContactPair, capacity.pairs, "contact pairs";
+        contact_points: ARRAY ContactPoint, capacity.points, "contact points";
         contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
         status: ARRAY u32, 4u32, "status";
         solver_arguments: INDIRECT u32, 3 * SLOTS, "arguments";
@@ -60,24 +61,24 @@ impl GpuSolver {
     /// # Errors
     /// If the device cannot run it.
     pub fn new(gpu: &Gpu) -> Result<Self, StepError> {
-        let room = Room {
+        let capacity = SolverCapacity {
             bodies: 256,
             pairs: 1024,
             points: 4096,
         };
-        Self::with_room(gpu, room)
+        Self::with_capacity(gpu, capacity)
     }
 
     /// With lists of this size to begin with: results do not depend on them.
     ///
     /// # Errors
     /// If the device cannot run it.
-    pub fn with_room(gpu: &Gpu, room: Room) -> Result<Self, StepError> {
+    pub fn with_capacity(gpu: &Gpu, capacity: SolverCapacity) -> Result<Self, StepError> {
         let shaders = [&crate::gpu::SHADERS, &solver::SHADERS, &sleep::gpu::SHADERS];
         let all = shaders.into_iter().flat_map(|shaders| shaders.kernels.iter().copied());
         let kernels = device(scoped(gpu, || Kernels::new(gpu, all_modules(), all)).and_then(|kernels| kernels))?;
         let made = scoped(gpu, || {
-            Ok::<_, TooLarge>((Handed::new(gpu, room)?, SolverBuffers::new(gpu, room)?))
+            Ok::<_, TooLarge>((Handed::new(gpu, capacity)?, SolverBuffers::new(gpu, capacity)?))
         });
         let (handed, lists) = device(made)??;
         Ok(Self {
@@ -89,13 +90,13 @@ impl GpuSolver {
             dispatches: 0,
             bodies: 0,
             old_bodies: 0,
-            renumbered: false,
+            remapped: false,
         })
     }
 
     /// What fits into the solver's own lists.
-    pub fn room(&self) -> Room {
-        self.lists.sizes
+    pub fn capacity(&self) -> SolverCapacity {
+        self.lists.capacity
     }
 
     /// Dispatches of the last interval.
@@ -110,9 +111,9 @@ impl GpuSolver {
     /// If they do not fit or the device fails.
     pub fn put_bodies(&mut self, bodies: &SolverBodies) -> Result<(), StepError> {
         self.bodies = bodies.len() as u32;
-        self.make_room(Room {
+        self.reserve(SolverCapacity {
             bodies: self.bodies,
-            ..Room::default()
+            ..SolverCapacity::default()
         })?;
         let own: Vec<_> = bodies.bodies.iter().map(upload::body).collect();
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
@@ -122,7 +123,7 @@ impl GpuSolver {
         let forces: Vec<_> = bodies.forces.iter().map(upload::forces).collect();
         self.write(&[
             (&self.handed.solver_bodies, cast_slice(&own)),
-            (&self.handed.states, cast_slice(&states)),
+            (&self.handed.motion_states, cast_slice(&states)),
             (&self.handed.forces, cast_slice(&forces)),
         ])
     }
@@ -133,9 +134,9 @@ impl GpuSolver {
     /// If the device fails.
     pub fn renumber(&mut self, new_numbers: &[u32]) -> Result<(), StepError> {
         self.old_bodies = self.old_bodies.min(new_numbers.len() as u32);
-        self.renumbered = true;
+        self.remapped = true;
         let known = &new_numbers[..self.old_bodies as usize];
-        self.write(&[(&self.handed.renumbered, cast_slice(known))])
+        self.write(&[(&self.handed.new_numbers, cast_slice(known))])
     }
 
     /// Puts the contact points of the next interval onto the device.
@@ -148,13 +149,13 @@ impl GpuSolver {
         let mut counters = [0; CONTACT_COUNTERS as usize];
         counters[CONTACT_PAIRS as usize] = pairs.len() as u32;
         counters[CONTACT_POINTS as usize] = points.len() as u32;
-        let needed = Room {
+        let needed = SolverCapacity {
             bodies: 0,
             pairs: pairs.len() as u32,
             points: points.len() as u32,
         };
-        let grown = self.handed.sizes.grown(needed);
-        if grown != self.handed.sizes {
+        let grown = self.handed.capacity.grown(needed);
+        if grown != self.handed.capacity {
             self.make_inputs(grown)?;
         }
         self.write(&[
@@ -169,25 +170,25 @@ impl GpuSolver {
     ///
     /// # Errors
     /// If the device cannot hold the lists or fails.
-    pub fn run(&mut self, settings: &SolverSettings, interval: &CollisionSubstep) -> Result<(), StepError> {
-        if !self.renumbered {
+    pub fn run(&mut self, settings: &SolverSettings, collision_substep: &CollisionSubstep) -> Result<(), StepError> {
+        if !self.remapped {
             let same: Vec<u32> = (0..self.old_bodies).collect();
-            self.write(&[(&self.handed.renumbered, cast_slice(&same))])?;
+            self.write(&[(&self.handed.new_numbers, cast_slice(&same))])?;
         }
-        let mut counters = self.launch(settings, interval)?;
+        let mut counters = self.launch(settings, collision_substep)?;
         if counters[SKIPPED as usize] != 0 {
-            self.make_room(Room {
+            self.reserve(SolverCapacity {
                 bodies: 0,
                 pairs: counters[PAIRS_FOUND as usize],
                 points: counters[POINTS_FOUND as usize],
             })?;
-            counters = self.launch(settings, interval)?;
+            counters = self.launch(settings, collision_substep)?;
         }
         if counters[SKIPPED as usize] != 0 {
             return Err(StepError::Device("lists stay too short".into()));
         }
         self.old_bodies = self.bodies;
-        self.renumbered = false;
+        self.remapped = false;
         Ok(())
     }
 
@@ -205,7 +206,7 @@ impl GpuSolver {
     /// # Errors
     /// If the device fails.
     pub fn motions(&self) -> Result<Vec<SolverMotion>, StepError> {
-        let states: Vec<layout::BodyState> = self.read(&self.handed.states, self.bodies)?;
+        let states: Vec<layout::MotionState> = self.read(&self.handed.motion_states, self.bodies)?;
         Ok(states.iter().map(SolverMotion::from).collect())
     }
 
@@ -214,7 +215,7 @@ impl GpuSolver {
     /// # Errors
     /// If the device fails.
     pub fn sleep(&self) -> Result<Vec<SleepState>, StepError> {
-        let states: Vec<layout::BodyState> = self.read(&self.handed.states, self.bodies)?;
+        let states: Vec<layout::MotionState> = self.read(&self.handed.motion_states, self.bodies)?;
         Ok(states.iter().map(SleepState::from).collect())
     }
 
@@ -224,14 +225,14 @@ impl GpuSolver {
     /// If the device fails.
     pub fn impulses(&self) -> Result<Vec<f32>, StepError> {
         let counters: Vec<u32> = self.read(&self.lists.solver_counters, COUNTERS)?;
-        let points: Vec<layout::PointState> = self.read(&self.lists.points, counters[POINTS as usize])?;
-        Ok(points.iter().map(|p| p.total + p.impulse + p.bounce).collect())
+        let points: Vec<layout::PointState> = self.read(&self.lists.point_states, counters[POINTS as usize])?;
+        Ok(points.iter().map(|p| p.total_normal_impulse + p.normal_impulse + p.restitution_impulse).collect())
     }
 
     /// Sends an interval off, waits, and reads the counters.
-    fn launch(&mut self, settings: &SolverSettings, interval: &CollisionSubstep) -> Result<Vec<u32>, StepError> {
-        let passes = Passes::new(settings, interval);
-        let told = upload::interval(settings, interval, [self.bodies, self.old_bodies], self.lists.sizes);
+    fn launch(&mut self, settings: &SolverSettings, collision_substep: &CollisionSubstep) -> Result<Vec<u32>, StepError> {
+        let passes = Passes::new(settings, collision_substep);
+        let packed = upload::collision_substep(settings, collision_substep, [self.bodies, self.old_bodies], self.lists.capacity);
         let Self {
             gpu,
             kernels,
@@ -246,24 +247,24 @@ impl GpuSolver {
                 let mut calls = Calls::new(STAGE);
                 record_arguments(&mut calls);
                 sleep::gpu::record_wake(&mut calls, passes.sleeping);
-                record(&mut calls, &lists.sizes, passes);
+                record(&mut calls, &lists.capacity, passes);
                 sleep::gpu::record_fall_asleep(&mut calls, passes.sleeping);
                 Program::new(gpu, kernels, &calls, &[handed, lists])
             });
             *dispatches = program.len(STAGE);
-            gpu.queue.write_buffer(&lists.interval, 0, bytemuck::bytes_of(&told));
+            gpu.queue.write_buffer(&lists.collision_substep, 0, bytemuck::bytes_of(&packed));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(STAGE, &mut encoder, told.bodies, None);
+            program.record(STAGE, &mut encoder, packed.bodies, None);
             gpu.queue.submit([encoder.finish()]);
         }))?;
         self.read(&self.lists.solver_counters, COUNTERS)
     }
 
     /// Makes the solver's lists larger where they do not suffice. What is remembered moves over.
-    fn make_room(&mut self, needed: Room) -> Result<(), StepError> {
-        let grown = self.lists.sizes.grown(needed);
-        if grown != self.lists.sizes {
+    fn reserve(&mut self, needed: SolverCapacity) -> Result<(), StepError> {
+        let grown = self.lists.capacity.grown(needed);
+        if grown != self.lists.capacity {
             let Self { gpu, lists, .. } = self;
             let larger = scoped(gpu, || {
                 let larger = SolverBuffers::new(gpu, grown)?;
@@ -271,8 +272,8 @@ impl GpuSolver {
                     gpu,
                     [
                         (&lists.solver_counters, &larger.solver_counters),
-                        (&lists.kept_pairs, &larger.kept_pairs),
-                        (&lists.kept_points, &larger.kept_points),
+                        (&lists.saved_pairs, &larger.saved_pairs),
+                        (&lists.saved_points, &larger.saved_points),
                     ],
                 );
                 Ok::<_, TooLarge>(larger)
@@ -280,29 +281,29 @@ impl GpuSolver {
             self.lists = device(larger)??;
             self.programs.clear();
         }
-        let bodies = Room {
+        let bodies = SolverCapacity {
             bodies: needed.bodies,
-            ..Room::default()
+            ..SolverCapacity::default()
         };
-        let grown = self.handed.sizes.grown(bodies);
-        if grown != self.handed.sizes {
+        let grown = self.handed.capacity.grown(bodies);
+        if grown != self.handed.capacity {
             self.make_inputs(grown)?;
         }
         Ok(())
     }
 
     /// Makes larger lists for what the host hands over. Bodies move over.
-    fn make_inputs(&mut self, room: Room) -> Result<(), StepError> {
+    fn make_inputs(&mut self, capacity: SolverCapacity) -> Result<(), StepError> {
         let Self { gpu, handed, .. } = self;
         let larger = scoped(gpu, || {
-            let larger = Handed::new(gpu, room)?;
+            let larger = Handed::new(gpu, capacity)?;
             copy_all(
                 gpu,
                 [
                     (&handed.solver_bodies, &larger.solver_bodies),
-                    (&handed.states, &larger.states),
+                    (&handed.motion_states, &larger.motion_states),
                     (&handed.forces, &larger.forces),
-                    (&handed.renumbered, &larger.renumbered),
+                    (&handed.new_numbers, &larger.new_numbers),
                 ],
             );
             Ok::<_, TooLarge>(larger)

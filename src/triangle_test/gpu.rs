@@ -16,7 +16,7 @@ const PAIRS: Kernel = kernel!("triangle_test/pairs");
 const PLANES: Kernel = kernel!("triangle_test/planes");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::triangle_test", {
-    f32 LEAST_LINE = interval_test::LEAST_LINE;
+    f32 MIN_LINE = interval_test::MIN_LINE;
     f32 SIGNIFICANT = contact::SIGNIFICANT;
 });
 

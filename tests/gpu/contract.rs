@@ -1,7 +1,7 @@
 //! What Rust knows of kernels, structs and constants is what the WGSL says. Needs no graphics card.
 
 use crate::gpu::Plain;
-use bevy_faceoff::gpu::buffers::{Buffers, Sizes};
+use bevy_faceoff::gpu::buffers::{Buffers, Capacity};
 use bevy_faceoff::gpu::kernel::{Access, Binding, Kernel, bindings, own_name, type_name};
 use bevy_faceoff::gpu::layout::{self, Struct};
 use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
@@ -218,13 +218,13 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
     let mut add = |calls: Calls, sets: &'static [Elements]| all.extend(calls.iter().map(|call| (call.clone(), sets)));
     // Sorts end in either of their buffers, by the number of bits.
     for bodies in [100, 1000, 100_000] {
-        let sizes = Sizes {
+        let capacity = Capacity {
             bodies,
             planes: 4,
             pairs: 4 * bodies,
-            ..Sizes::default()
+            ..Capacity::default()
         };
-        let room = StepCapacity {
+        let contact_capacity = StepCapacity {
             contacts: ContactCapacity {
                 pairs: bodies,
                 points: 4 * bodies,
@@ -235,8 +235,8 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
         };
         let recorder = |response, passes| Recorder {
             response,
-            sizes: &sizes,
-            room: (response != Response::Impulse).then_some(&room),
+            capacity: &capacity,
+            contact_capacity: (response != Response::Impulse).then_some(&contact_capacity),
             passes,
         };
         let alone = Place::of(0, 1);
@@ -250,12 +250,12 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
                 sleeping,
                 ..SolverSettings::default()
             };
-            let interval = CollisionSubstep {
+            let collision_substep = CollisionSubstep {
                 dt: 0.01,
                 substeps: 3,
                 gravity: Vec3::ZERO,
             };
-            let passes = Some(Passes::new(&settings, &interval));
+            let passes = Some(Passes::new(&settings, &collision_substep));
             for place in [alone, Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
                 let calls = recorder(Response::Contacts, passes).calls(&Stage::ALL, place);
                 add(calls, &CONTACT_SETS);

@@ -6,13 +6,13 @@ use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 
 /// Least cosine between the normals of a patch and of a feature that agrees with it.
-pub(crate) const AGREES: f64 = 0.7;
+pub(crate) const MIN_AGREEMENT: f64 = 0.7;
 /// Position of the outer probes of a patch, on the way from its centre to the extremes of its contour.
-pub(crate) const PROBED: f64 = 0.75;
+pub(crate) const PROBE_FRACTION: f64 = 0.75;
 /// Reach of a patch, in radii of its contour.
-pub(crate) const SPREAD: f64 = 1.3;
+pub(crate) const REACH_FACTOR: f64 = 1.3;
 /// Contours of a smaller area, in units of the square of the bodies' size, have no direction.
-pub(crate) const LEAST_ENCLOSED_AREA: f64 = 1.0e-12;
+pub(crate) const MIN_ENCLOSED_AREA: f64 = 1.0e-12;
 
 /// Loose ends of contours closer than this, in units of the bodies' size, are the same point.
 const TIE: f64 = 1.0e-6;
@@ -207,7 +207,7 @@ impl Contours {
         let mut any = false;
         for patch in self.patches.iter().filter(|patch| patch.is_near(feature)) {
             any = true;
-            if feature.normal.dot(patch.normal) < AGREES {
+            if feature.normal.dot(patch.normal) < MIN_AGREEMENT {
                 return false;
             }
         }
@@ -269,12 +269,12 @@ impl Patch {
             radius = radius.max(p.distance_squared(center)).max(q.distance_squared(center));
         }
         let size = area.length() / (size * size);
-        (size > LEAST_ENCLOSED_AREA).then(|| Self {
+        (size > MIN_ENCLOSED_AREA).then(|| Self {
             center,
             normal: area.normalize(),
             area: area.length(),
             length,
-            reach: SPREAD * radius.sqrt() + margin,
+            reach: REACH_FACTOR * radius.sqrt() + margin,
             first,
             end,
             kept: false,
@@ -314,7 +314,7 @@ impl Patch {
             farthest(&|p| p.dot(across)),
             farthest(&|p| -p.dot(across)),
         ];
-        let [p, q, r, s] = offsets.map(|p| self.center + p * PROBED);
+        let [p, q, r, s] = offsets.map(|p| self.center + p * PROBE_FRACTION);
         [self.center, p, q, r, s]
     }
 }

@@ -12,15 +12,15 @@ use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays.
-pub(crate) const DEEP: f64 = 0.04;
+pub(crate) const MAX_DEPTH: f64 = 0.04;
 /// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;
 /// Bound of the error of heights over planes, in units of the sum of the bounding radii.
 const ROUNDING: f64 = 1.0e-14;
 /// Length of rays, in the same unit: through all of the smaller body.
-pub(crate) const RAY: f64 = 1.0;
+pub(crate) const RAY_LENGTH: f64 = 1.0;
 /// A patch whose rays leave no body counts if its area is larger than this, in units of the size squared,
-pub(crate) const LEAST_PROBED_AREA: f64 = 1.0e-6;
+pub(crate) const MIN_PROBED_AREA: f64 = 1.0e-6;
 /// and its depth is at most this, in units of the size.
 pub(crate) const SHALLOW: f64 = 0.002;
 
@@ -88,7 +88,7 @@ impl Worker {
             return;
         }
         deep.clear();
-        let most = DEEP * size;
+        let most = MAX_DEPTH * size;
         let range = -most..=-touch;
         // A margin wider than the largest overlap has found all pairs already.
         if most > reach {
@@ -134,7 +134,7 @@ fn keep_shallowest(deep: &mut Vec<Feature>) {
 /// contour around a part that protrudes through a flat face lies in that face, and rounding may put `p` outside.
 fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64, origin: Origin) -> Option<Feature> {
     let (n, back) = (patch.normal, TOUCH * size);
-    let most = RAY * size + back;
+    let most = RAY_LENGTH * size + back;
     let (up, a) = exit(&sides[0], p - n * back, n, most)?;
     let (down, b) = exit(&sides[1], p + n * back, -n, most)?;
     let (up, down) = (up - back, down - back);
@@ -152,7 +152,7 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
     // Twice the area over the length of a circle is its radius.
     let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
     let half = patch.normal * (0.5 * depth);
-    (patch.area > LEAST_PROBED_AREA * size * size).then(|| Feature {
+    (patch.area > MIN_PROBED_AREA * size * size).then(|| Feature {
         points: [patch.center + half, patch.center - half],
         normal: patch.normal,
         separation: -depth,

@@ -4,14 +4,14 @@ use super::feature::Feature;
 use crate::manifolds::MAX_POINTS;
 
 /// Weight of the squared difference of normals against the squared distance in units of the bodies' size.
-pub(crate) const TURN: f64 = 0.02;
+pub(crate) const NORMAL_WEIGHT: f64 = 0.02;
 /// Points closer than this, by that measure, are duplicates.
-pub(crate) const SAME: f64 = 1.0e-8;
+pub(crate) const DUPLICATE: f64 = 1.0e-8;
 /// A point's weight falls by a factor of e for every such part of the bodies' size by which it is shallower than the
 /// deepest,
-pub(crate) const SHALLOWER: f64 = 0.01;
+pub(crate) const DEPTH_SCALE: f64 = 0.01;
 /// but not below this.
-pub(crate) const LEAST_WEIGHT: f64 = 0.01;
+pub(crate) const MIN_WEIGHT: f64 = 0.01;
 
 /// Memory kept between pairs.
 #[derive(Default)]
@@ -38,13 +38,13 @@ impl Reduction {
             next = None;
             for (i, (feature, distance)) in features.iter().zip(&mut self.distances).enumerate() {
                 let apart = feature.points[0].distance_squared(last.points[0]) / (size * size)
-                    + TURN * feature.normal.distance_squared(last.normal);
+                    + NORMAL_WEIGHT * feature.normal.distance_squared(last.normal);
                 *distance = distance.min(apart);
-                if *distance <= SAME {
+                if *distance <= DUPLICATE {
                     continue;
                 }
-                let shallower = (feature.separation - deepest.separation) / (SHALLOWER * size);
-                let weighted = *distance * (-shallower).exp().max(LEAST_WEIGHT);
+                let shallower = (feature.separation - deepest.separation) / (DEPTH_SCALE * size);
+                let weighted = *distance * (-shallower).exp().max(MIN_WEIGHT);
                 if weighted > best {
                     best = weighted;
                     next = Some(i);

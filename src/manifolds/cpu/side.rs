@@ -5,6 +5,7 @@ use crate::asset::CollisionMesh;
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::simd::lanes::each;
 use crate::state::Frame;
+use crate::state::pairs::DEFAULT_DIRECTION;
 use glam::{DMat3, DVec3, Vec3};
 use wide::f32x8;
 
@@ -56,10 +57,8 @@ pub(crate) const ARC_SLACK: f64 = 1.1;
 /// Two bodies coincide if their centres differ by less than this part of their size and their rotations by less than
 /// this many radians.
 pub(crate) const SAME_PLACE: f64 = 1.0e-4;
-/// Offset that separates coinciding bodies, in units of their size,
-pub(crate) const ASIDE: f64 = 1.0e-3;
-/// in a direction that is parallel to no edge of a typical mesh.
-pub(crate) const DEFAULT_DIRECTION: DVec3 = DVec3::new(0.36, 0.48, 0.8);
+/// Offset that separates coinciding bodies, in units of their size.
+pub(crate) const NUDGE: f64 = 1.0e-3;
 
 /// The two bodies of a pair. `one_mesh` tells whether they share a mesh.
 pub fn sides<'a>([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> [Side<'a>; 2] {
@@ -96,7 +95,7 @@ fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
         && a.frame.center.distance(b.frame.center) < SAME_PLACE * size
         && a.frame.rotation.abs_diff_eq(b.frame.rotation, SAME_PLACE);
     if same {
-        DEFAULT_DIRECTION * (ASIDE * size)
+        DEFAULT_DIRECTION * (NUDGE * size)
     } else {
         DVec3::ZERO
     }

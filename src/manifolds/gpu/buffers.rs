@@ -3,7 +3,7 @@
 use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::layout::{
     CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint,
-    ContactSetting, FEATURES, Feature, MarginPair, NEAR_TRIANGLES, Patch, SEGMENTS, STAGED_POINTS, Segment,
+    PairSetup, FEATURES, Feature, MarginPair, NEAR_TRIANGLES, Patch, SEGMENTS, STAGED_POINTS, Segment,
 };
 use crate::gpu::scan;
 
@@ -75,7 +75,7 @@ impl ContactCapacity {
 
 buffers! {
     /// Every buffer of contact generation; `shaders/shared/types.wgsl` explains their elements.
-    ContactBuffers(ContactCapacity), |sizes| {
+    ContactBuffers(ContactCapacity), |capacity| {
         /// How long the lists are.
         limits: UNIFORM ContactLimits, 1u32, "contact limits";
         /// The host writes how many pairs there are, and zeroes the others.
@@ -83,32 +83,32 @@ buffers! {
         /// Of indirect dispatches.
         contact_arguments: INDIRECT u32, 16u32, "contact arguments";
         /// Pairs of bodies that are looked at, ascending.
-        margin_pairs: ARRAY MarginPair, sizes.margin_pairs, "pairs with margins";
+        margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";
         /// How they lie to each other.
-        settings: ARRAY ContactSetting, sizes.margin_pairs, "settings of pairs";
+        pair_setups: ARRAY PairSetup, capacity.margin_pairs, "setups of pairs";
         /// Pairs of triangles near each other.
-        near_triangles: ARRAY [u32; 4], sizes.near_triangles, "near triangles";
+        near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
         /// What they have to say.
-        features: ARRAY Feature, sizes.features, "contact features";
+        features: ARRAY Feature, capacity.features, "contact features";
         /// Where they cross.
-        segments: ARRAY Segment, sizes.segments, "contour segments";
+        segments: ARRAY Segment, capacity.segments, "contour segments";
         /// How segments are joined: eight words each.
-        contour_links: ARRAY u32, 8 * u64::from(sizes.segments), "contour links";
+        contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";
         /// Patches of a pair start where its segments do.
-        patches: ARRAY Patch, sizes.segments, "contour patches";
+        patches: ARRAY Patch, capacity.segments, "contour patches";
         /// Points in any order.
-        staged: ARRAY ContactPoint, sizes.staged_points, "staged contact points";
+        staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
         /// Where each pair's, and each body's and half-space's, are among them.
-        slots: ARRAY ContactPair, sizes.slots, "contact slots";
+        slots: ARRAY ContactPair, capacity.slots, "contact slots";
         /// Where each slot's pair goes.
-        pair_places: ARRAY u32, sizes.slots, "places of contact pairs";
+        pair_places: ARRAY u32, capacity.slots, "places of contact pairs";
         /// Where each slot's points go.
-        point_places: ARRAY u32, sizes.slots, "places of contact points";
+        point_places: ARRAY u32, capacity.slots, "places of contact points";
         /// Scratch of the scans.
-        slot_sums: ARRAY u32, sizes.slots.div_ceil(scan::BLOCK) + 1, "contact scan sums";
+        slot_sums: ARRAY u32, capacity.slots.div_ceil(scan::BLOCK) + 1, "contact scan sums";
         /// Result.
-        contact_pairs: ARRAY ContactPair, sizes.pairs, "contact pairs";
+        contact_pairs: ARRAY ContactPair, capacity.pairs, "contact pairs";
         /// Result.
-        contact_points: ARRAY ContactPoint, sizes.points, "contact points";
+        contact_points: ARRAY ContactPoint, capacity.points, "contact points";
     }
 }

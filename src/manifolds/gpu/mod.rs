@@ -29,11 +29,11 @@
 
 pub mod buffers;
 pub mod record;
+mod reduce;
 
 pub use buffers::{ContactBuffers, ContactCapacity};
 
-use super::MAX_POINTS;
-use super::cpu::{contour, feature, near, pair, planes, reduce, side, smooth};
+use super::cpu::{contour, feature, near, pair, planes, side, smooth};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
@@ -59,8 +59,6 @@ const ADMIT: Kernel = kernel!("manifolds/admit");
 const RAY: Kernel = kernel!("manifolds/ray");
 /// Bodies inside bodies.
 const INSIDE: Kernel = kernel!("manifolds/inside");
-/// The few points that count.
-const REDUCE: Kernel = kernel!("manifolds/reduce");
 /// Bodies on half-spaces.
 const PLANES: Kernel = kernel!("manifolds/planes");
 /// What the scans add up.
@@ -69,7 +67,6 @@ const COUNTS: Kernel = kernel!("manifolds/counts");
 const EMIT: Kernel = kernel!("manifolds/emit");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
-    u32 MOST_POINTS = MAX_POINTS;
     u32 MAX_PLANE_POINTS = planes::MAX_POINTS;
     f32 ERROR = near::ERROR;
     f32 DIRECTION_ERROR = near::DIRECTION_ERROR;
@@ -81,20 +78,15 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 PARALLEL = feature::PARALLEL;
     f32 OUTSIDE = feature::OUTSIDE;
     f32 SAME_PLACE = side::SAME_PLACE;
-    f32 ASIDE = side::ASIDE;
-    vec3 DEFAULT_DIRECTION = side::DEFAULT_DIRECTION;
-    f32 AGREES = contour::AGREES;
-    f32 SPREAD = contour::SPREAD;
-    f32 PROBED = contour::PROBED;
-    f32 LEAST_ENCLOSED_AREA = contour::LEAST_ENCLOSED_AREA;
-    f32 DEEP = pair::DEEP;
-    f32 RAY = pair::RAY;
-    f32 LEAST_PROBED_AREA = pair::LEAST_PROBED_AREA;
+    f32 NUDGE = side::NUDGE;
+    f32 MIN_AGREEMENT = contour::MIN_AGREEMENT;
+    f32 REACH_FACTOR = contour::REACH_FACTOR;
+    f32 PROBE_FRACTION = contour::PROBE_FRACTION;
+    f32 MIN_ENCLOSED_AREA = contour::MIN_ENCLOSED_AREA;
+    f32 MAX_DEPTH = pair::MAX_DEPTH;
+    f32 RAY_LENGTH = pair::RAY_LENGTH;
+    f32 MIN_PROBED_AREA = pair::MIN_PROBED_AREA;
     f32 SHALLOW = pair::SHALLOW;
-    f32 TURN = reduce::TURN;
-    f32 SAME = reduce::SAME;
-    f32 SHALLOWER = reduce::SHALLOWER;
-    f32 LEAST_WEIGHT = reduce::LEAST_WEIGHT;
     f32 SMOOTH = smooth::SMOOTH;
     f32 LEVEL = planes::LEVEL;
     f32 MARGIN = planes::MARGIN;
@@ -104,6 +96,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
 pub const SHADERS: Shaders = Shaders {
     modules: &[
         CONSTANTS,
+        reduce::CONSTANTS,
         module!("manifolds/contact_slots"),
         module!("manifolds/side"),
         module!("manifolds/feature"),
@@ -121,7 +114,7 @@ pub const SHADERS: Shaders = Shaders {
         &ADMIT,
         &RAY,
         &INSIDE,
-        &REDUCE,
+        &reduce::REDUCE,
         &PLANES,
         &COUNTS,
         &EMIT,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::broad_phase::gpu::SORT;
-use crate::gpu::buffers::Sizes;
+use crate::gpu::buffers::Capacity;
 use crate::gpu::layout::{
     CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, GROUPS_PER_64_MARGIN_PAIRS, GROUPS_PER_64_PAIRS, GROUPS_PER_64_SLOTS,
     GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_MARGIN_PAIR, GROUPS_PER_SLOT_BLOCK, GROUPS_PER_SORT_BLOCK, PAIRS,
@@ -13,14 +13,14 @@ use crate::gpu::scan::{Length, Scan};
 
 /// Adds the calls that select the pairs of a step that contact generation looks at. Those that the broad phase finds are in
 /// the order of its buckets.
-pub fn record_select(calls: &mut Calls, sizes: &Sizes) {
+pub fn record_select(calls: &mut Calls, capacity: &Capacity) {
     // Those for two keys a pair are more than enough.
     let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
         .map(|slot| Groups::Indirect("arguments", slot));
     let sort = |calls: &mut Calls, input: KeysAndValues| {
         let scratch = if input == SORT.input { SORT.scratch } else { SORT.input };
         let sort = SORT.between(input, scratch);
-        sort.record(calls, PAIRS, sizes.body_bits(), [per_block, per_digit_block])
+        sort.record(calls, PAIRS, capacity.body_bits(), [per_block, per_digit_block])
     };
     calls.call(&SELECT_KEYS, per_pair);
     let [keys, values] = sort(calls, SORT.input);
@@ -45,9 +45,10 @@ pub fn record_points(calls: &mut Calls) {
             calls.call(&CONTOUR, per_pair);
         }
     }
-    for kernel in [&ADMIT, &RAY, &INSIDE, &REDUCE] {
+    for kernel in [&ADMIT, &RAY, &INSIDE] {
         calls.call(kernel, per_pair);
     }
+    reduce::record(calls);
     calls.call(&PLANES, Groups::PerBodies(1));
 }
 

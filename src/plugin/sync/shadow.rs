@@ -6,7 +6,7 @@
 
 use crate::plugin::settings::LATENCY;
 use crate::state::Motion;
-use crate::step::gpu::upload::{Carried, Onward};
+use crate::step::gpu::upload::{Carried, CarriedVector};
 use crate::types::body::RigidBody;
 use bevy::math::{BVec3, U64Vec3};
 use bevy::prelude::*;
@@ -85,7 +85,7 @@ impl Shadow {
         let track = |shown| Track {
             shown,
             sent: U64Vec3::splat(now),
-            pushes: [Onward::ALL.push; LATENCY],
+            pushes: [CarriedVector::ALL.added; LATENCY],
         };
         let mut shadow = Self {
             position: track(seen.position),
@@ -211,23 +211,23 @@ impl Shadow {
 }
 
 impl Track {
-    fn carry(&self, seen: Vec3, meaning: Meaning) -> Onward {
+    fn carry(&self, seen: Vec3, meaning: Meaning) -> CarriedVector {
         let same = self.shown.cmpeq(seen);
         let axes = match meaning {
             Meaning::Whole => BVec3::FALSE,
             Meaning::Parts => same,
             Meaning::Differences => BVec3::TRUE,
         };
-        Onward {
+        CarriedVector {
             axes,
-            push: Vec3::select(axes & !same, seen - self.shown, Onward::ALL.push),
+            added: Vec3::select(axes & !same, seen - self.shown, CarriedVector::ALL.added),
         }
     }
 
-    fn send(&mut self, seen: Vec3, carried: &Onward, now: u64) {
+    fn send(&mut self, seen: Vec3, carried: &CarriedVector, now: u64) {
         self.shown = seen;
         self.sent = U64Vec3::select(carried.axes, self.sent, U64Vec3::splat(now));
-        self.pushes[now as usize % LATENCY] = carried.push;
+        self.pushes[now as usize % LATENCY] = carried.added;
     }
 
     /// Updates the shadow from a result of `step`, except for axes that were written later. Returns whether any axis

@@ -8,7 +8,7 @@ use crate::gpu::scan;
 
 /// How many of each thing fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Room {
+pub struct SolverCapacity {
     /// Bodies, half-spaces among them.
     pub bodies: u32,
     /// Pairs that touch.
@@ -17,7 +17,7 @@ pub struct Room {
     pub points: u32,
 }
 
-impl Room {
+impl SolverCapacity {
     /// At least `needed` of each, with some to spare where this does not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
@@ -28,7 +28,7 @@ impl Room {
     }
 
     /// Two ends a pair.
-    fn ends(&self) -> u32 {
+    fn sides(&self) -> u32 {
         self.pairs.saturating_mul(2)
     }
 
@@ -39,30 +39,30 @@ impl Room {
 }
 
 buffers! {
-    /// What the solver works on by itself; `shaders/solver/types.wgsl` explains the elements. `solver_counters`, `kept_pairs`
-    /// and `kept_points` are its memory and outlive an interval.
-    SolverBuffers(Room), |room| {
+    /// What the solver works on by itself; `shaders/solver/types.wgsl` explains the elements. `solver_counters`, `saved_pairs`
+    /// and `saved_points` are its memory and outlive an interval.
+    SolverBuffers(SolverCapacity), |capacity| {
         /// What an interval is told.
-        interval: UNIFORM Interval, 1u32, "interval";
+        collision_substep: UNIFORM CollisionSubstep, 1u32, "collision_substep";
         solver_counters: ARRAY u32, COUNTERS, "solver counters";
-        movers: ARRAY Mover, room.bodies, "movers";
-        velocities: ARRAY Velocity, room.bodies, "velocities";
-        masses: ARRAY Mass, room.bodies, "masses";
-        shifts: ARRAY Shift, room.bodies, "shifts";
-        links: ARRAY [u32; 4], room.bodies, "ends and old numbers by body";
-        islands: ARRAY Island, room.bodies, "islands of bodies";
-        solver_pairs: ARRAY SolverPair, room.pairs, "solver pairs";
-        shapes: ARRAY PointShape, room.points, "shapes of points";
-        points: ARRAY PointState, room.points, "states of points";
-        kept_pairs: ARRAY KeptPair, room.pairs, "kept pairs";
-        kept_points: ARRAY KeptPoint, room.points, "kept points";
-        end_impulses: ARRAY Impulse, room.ends(), "impulses at ends";
+        body_constants: ARRAY BodyConstants, capacity.bodies, "body_constants";
+        velocities: ARRAY Velocity, capacity.bodies, "velocities";
+        masses: ARRAY Mass, capacity.bodies, "masses";
+        pose_changes: ARRAY PoseChange, capacity.bodies, "pose_changes";
+        body_adjacency: ARRAY BodyAdjacency, capacity.bodies, "sides and old numbers by body";
+        islands: ARRAY Island, capacity.bodies, "islands of bodies";
+        solver_pairs: ARRAY SolverPair, capacity.pairs, "solver pairs";
+        point_constants: ARRAY PointConstants, capacity.points, "point_constants of points";
+        point_states: ARRAY PointState, capacity.points, "states of points";
+        saved_pairs: ARRAY SavedPair, capacity.pairs, "kept pairs";
+        saved_points: ARRAY SavedPoint, capacity.points, "kept points";
+        side_impulses: ARRAY Impulse, capacity.sides(), "impulses at sides";
         /// Bodies of ends, and ends; two pairs of arrays between which the sort moves them.
-        end_keys: ARRAY u32, room.ends(), "bodies of ends";
-        ends: ARRAY u32, room.ends(), "ends";
-        other_end_keys: ARRAY u32, room.ends(), "bodies of ends, scratch";
-        other_ends: ARRAY u32, room.ends(), "ends, scratch";
-        end_digits: ARRAY u32, DIGITS * room.ends().div_ceil(radix_sort::BLOCK) + 1, "sort digits";
-        end_sums: ARRAY u32, radix_sort::digit_groups(room.ends()).max(room.ends().div_ceil(scan::BLOCK)) + 1, "scan sums";
+        side_keys: ARRAY u32, capacity.sides(), "bodies of sides";
+        sides: ARRAY u32, capacity.sides(), "sides";
+        other_side_keys: ARRAY u32, capacity.sides(), "bodies of sides, scratch";
+        other_sides: ARRAY u32, capacity.sides(), "sides, scratch";
+        side_digits: ARRAY u32, DIGITS * capacity.sides().div_ceil(radix_sort::BLOCK) + 1, "sort digits";
+        side_sums: ARRAY u32, radix_sort::digit_groups(capacity.sides()).max(capacity.sides().div_ceil(scan::BLOCK)) + 1, "scan sums";
     }
 }

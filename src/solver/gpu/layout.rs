@@ -9,7 +9,7 @@ type Quat = [f32; 4];
 
 layout! {
     /// A collision substep, and how contacts are solved in it.
-    Interval {
+    CollisionSubstep {
         gravity: Vec3, h: f32,
         bodies: u32, old_bodies: u32, pair_capacity: u32, point_capacity: u32,
         bias_rate: f32, mass_scale: f32, impulse_scale: f32, relaxation: f32,
@@ -20,12 +20,12 @@ layout! {
     /// What a body is.
     SolverBody {
         inverse_inertia: Vec3, inverse_mass: f32,
-        inverse_inertia_mixed: Vec3, flags: u32,
+        inverse_inertia_off_diagonal: Vec3, flags: u32,
         radius: f32, restitution: f32, friction: f32, gravity_scale: f32,
         linear_damping: f32, angular_damping: f32, max_linear_speed: f32, max_angular_speed: f32,
     }
     /// Where a body is and how it moves.
-    BodyState {
+    MotionState {
         center: Vec3, asleep: u32,
         center_low: Vec3, rest_time: f32,
         rotation: Quat,
@@ -41,15 +41,19 @@ layout! {
         angular_impulse: Vec3, padding_d: f32,
     }
     /// What about a body holds for an interval.
-    Mover {
-        rotation: Quat,
-        inertia: Vec3, linear_decay: f32,
-        inertia_mixed: Vec3, angular_decay: f32,
-        inverse_inertia: Vec3, max_linear_speed: f32,
-        inverse_inertia_mixed: Vec3, max_angular_speed: f32,
+    BodyConstants {
+        initial_rotation: Quat,
+        local_inertia: Vec3, linear_decay: f32,
+        local_inertia_off_diagonal: Vec3, angular_decay: f32,
+        local_inverse_inertia: Vec3, max_linear_speed: f32,
+        local_inverse_inertia_off_diagonal: Vec3, max_angular_speed: f32,
         acceleration: Vec3, flags: u32,
         force: Vec3, padding_a: f32,
         torque: Vec3, padding_b: f32,
+    }
+    /// The pairs of a body, and its number in the last collision substep.
+    BodyAdjacency {
+        first_side: u32, sides_end: u32, old_number: u32, padding: u32,
     }
     /// How a body moves.
     Velocity {
@@ -58,58 +62,58 @@ layout! {
     }
     /// How a body gives way.
     Mass {
-        inverse_mass: Vec3, share: f32,
+        inverse_mass: Vec3, split_count: f32,
         inverse_inertia: Vec3, flags: u32,
-        inverse_inertia_mixed: Vec3, padding: f32,
+        inverse_inertia_off_diagonal: Vec3, padding: f32,
     }
     /// How far a body has come since the start of the interval.
-    Shift {
-        moved: Vec3, padding: f32,
-        turned: Quat,
+    PoseChange {
+        translation: Vec3, padding: f32,
+        rotation: Quat,
     }
     /// Two bodies and what holds for all their points.
     SolverPair {
         a: u32, b: u32, first: u32, count: u32,
         friction: f32, restitution: f32, rest_offset: f32, flags: u32,
-        direction: Vec3, kept: u32,
-        between: Vec3, diameter: f32,
-        closing: Vec3, swing: f32,
+        separating_direction: Vec3, saved_pair: u32,
+        center_offset: Vec3, diameter: f32,
+        approach_velocity: Vec3, surface_speed: f32,
     }
     /// What of a point stays as it is for an interval.
-    PointShape {
-        arm_a: Vec3, first_separation: f32,
-        arm_b: Vec3, along: f32,
-        round_a: Vec3, padding_a: f32,
-        round_b: Vec3, padding_b: f32,
-        offset: Vec3, padding_c: f32,
-        normal: Vec3, turn: f32,
+    PointConstants {
+        anchor_a: Vec3, initial_separation: f32,
+        anchor_b: Vec3, contact_fraction: f32,
+        curvature_center_a: Vec3, padding_a: f32,
+        curvature_center_b: Vec3, padding_b: f32,
+        anchor_offset: Vec3, padding_c: f32,
+        initial_normal: Vec3, normal_rotation: f32,
     }
     /// What of a point changes.
     PointState {
         normal: Vec3, separation: f32,
-        lever_a: Vec3, flags: u32,
-        lever_b: Vec3, impact: f32,
-        give: [f32; 4],
-        friction: [f32; 2], impulse: f32, largest: f32,
-        bounce_friction: [f32; 2], bounce: f32, total: f32,
+        impulse_anchor_a: Vec3, flags: u32,
+        impulse_anchor_b: Vec3, impact_velocity: f32,
+        inverse_effective_mass: [f32; 4],
+        friction_impulse: [f32; 2], normal_impulse: f32, max_normal_impulse: f32,
+        restitution_friction_impulse: [f32; 2], restitution_impulse: f32, total_normal_impulse: f32,
     }
     /// What is kept of a pair until the next interval.
-    KeptPair {
+    SavedPair {
         a: u32, b: u32, first: u32, count: u32,
-        direction: Vec3, depenetrating: u32,
+        separating_direction: Vec3, depenetrating: u32,
         rotation_a: Quat,
         rotation_b: Quat,
     }
     /// What is kept of a point.
-    KeptPoint {
-        arm_a: Vec3, impulse: f32,
-        arm_b: Vec3, padding_a: f32,
+    SavedPoint {
+        anchor_a: Vec3, normal_impulse: f32,
+        anchor_b: Vec3, padding_a: f32,
         normal: Vec3, padding_b: f32,
-        friction: Vec3, padding_c: f32,
+        friction_impulse: Vec3, padding_c: f32,
     }
     /// A body's place in its island.
     Island {
-        parent: u32, neighbours: u32, restless: u32, padding: u32,
+        parent: u32, neighbours: u32, disturbed: u32, padding: u32,
     }
 }
 
@@ -119,7 +123,7 @@ constants! {
     u32 FRICTION_RULE = 12;
     u32 LOCKED_AXES = 16;
 
-    /// `BodyState::asleep` of a static body that is not where it was in the step before, or not as it was.
+    /// `MotionState::asleep` of a static body that is not where it was in the step before, or not as it was.
     u32 CHANGED = 2;
 
     // Indices into `solver_counters`, which outlive an interval: they hold how much is kept for a warm start.
@@ -128,10 +132,10 @@ constants! {
     u32 ENTRIES = 2;
     /// Not 0: nothing was solved, since a list was too small.
     u32 SKIPPED = 3;
-    u32 KEPT_PAIRS = 4;
+    u32 SAVED_PAIRS = 4;
     /// The bits of its length in seconds.
     u32 SUBSTEP = 5;
-    u32 KEPT_SUBSTEP = 6;
+    u32 SAVED_SUBSTEP = 6;
     /// As many as there are, even if the lists hold fewer.
     u32 PAIRS_FOUND = 7;
     u32 POINTS_FOUND = 8;
@@ -147,13 +151,13 @@ constants! {
 
     // What a pass does beside solving: it lets overlaps push; it measures the points first.
     u32 PASS_BIASED = 1;
-    u32 PASS_MEASURES = 2;
+    u32 PASS_UPDATES_POINTS = 2;
 
     // What follows when bodies have taken their impulses.
-    u32 THEN_ADVANCE = 1;
-    u32 THEN_ACCELERATE = 2;
+    u32 THEN_INTEGRATE_POSES = 1;
+    u32 THEN_INTEGRATE_VELOCITIES = 2;
 
     // What the kernels of sleep are about.
     u32 WAKE = 0;
-    u32 SETTLE = 1;
+    u32 FALL_ASLEEP = 1;
 }

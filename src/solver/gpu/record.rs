@@ -1,142 +1,121 @@
-//! An interval as calls.
+//! The calls of one collision substep, in order.
 
-use super::*;
-use crate::gpu::program::{Calls, Groups};
+use super::arguments::{per, per_body, per_pair};
+use super::buffers::SolverCapacity;
+use super::layout::{
+    ENTRIES, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_SORT_BLOCK, PASS_BIASED, PASS_UPDATES_POINTS, THEN_INTEGRATE_POSES,
+    THEN_INTEGRATE_VELOCITIES,
+};
+use super::{restitution, warm_start};
+use crate::gpu::kernel::{Kernel, kernel};
+use crate::gpu::program::Calls;
 use crate::gpu::radix_sort::Sort;
 use crate::solver::CollisionSubstep;
 use crate::types::solver_settings::SolverSettings;
-use layout::*;
 
-/// How often everything is done in an interval: all that calls depend on beside buffers.
+/// Loads poses and velocities, applies external impulses, and integrates velocities for the first substep.
+pub(super) const BEGIN: Kernel = kernel!("solver/begin");
+/// Makes the constraints of all pairs.
+pub(super) const CONSTRAINTS: Kernel = kernel!("solver/constraints");
+/// Lists the sides of pairs, keyed by body.
+pub(super) const PAIR_ADJACENCY: Kernel = kernel!("solver/pair_adjacency");
+/// Finds the range of each body among the sorted sides.
+pub(super) const PAIR_ADJACENCY_RANGES: Kernel = kernel!("solver/pair_adjacency_ranges");
+/// Updates the points, decides which are active, and applies the impulses of the last substep.
+pub(super) const SUBSTEP_BEGIN: Kernel = kernel!("solver/substep");
+/// One pass over the active points of every pair.
+pub(super) const SOLVE: Kernel = kernel!("solver/solve");
+/// Applies the impulses of a pass to the bodies, and integrates poses or velocities if that is next.
+pub(super) const APPLY_IMPULSES: Kernel = kernel!("solver/apply_impulses");
+/// Writes poses and velocities back.
+pub(super) const FINISH: Kernel = kernel!("solver/finish");
+
+/// Iteration counts of a collision substep: all that its calls depend on, besides buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Passes {
     substeps: u32,
     bias: u32,
     relax: u32,
-    bounce: u32,
+    restitution: u32,
     /// Whether bodies may fall asleep.
     pub sleeping: bool,
 }
 
 impl Passes {
-    /// Those of an interval.
-    pub fn new(settings: &SolverSettings, interval: &CollisionSubstep) -> Self {
+    /// Those of a collision substep.
+    pub fn new(settings: &SolverSettings, collision_substep: &CollisionSubstep) -> Self {
         Self {
-            substeps: interval.substeps.max(1),
+            substeps: collision_substep.substeps.max(1),
             bias: settings.bias_iterations,
             relax: settings.relax_iterations,
-            bounce: settings.restitution_iterations,
+            restitution: settings.restitution_iterations,
             sleeping: settings.sleeping,
         }
     }
 }
 
-/// Adds the call that counts pairs and points, and says how many workgroups all others have. It comes before all else.
-pub fn record_arguments(calls: &mut Calls) {
-    calls.call(&ARGUMENTS, Groups::Exactly(1));
-}
-
-/// Adds the calls that solve an interval.
-pub fn record(calls: &mut Calls, room: &Room, passes: Passes) {
-    let ends = prepare(calls, room);
-    let mut recorder = Recorder { calls, ends };
-    for substep in 1..=passes.substeps {
-        recorder.substep(passes, substep == passes.substeps);
-    }
-    recorder.restitution(passes.bounce);
-    recorder.finish();
-}
-
-/// As many groups as it takes for a thread a body.
-pub(crate) const fn per_body() -> Groups {
-    per(GROUPS_PER_64_BODIES)
-}
-
-/// As many groups as it takes for a thread a pair.
-pub(crate) const fn per_pair() -> Groups {
-    per(GROUPS_PER_64_PAIRS)
-}
-
-const fn per(slot: u32) -> Groups {
-    Groups::Indirect("solver_arguments", slot)
-}
-
 const SORT: Sort = Sort {
     counters: "solver_counters",
-    input: ["end_keys", "ends"],
-    scratch: ["other_end_keys", "other_ends"],
-    digits: "end_digits",
-    sums: "end_sums",
+    input: ["side_keys", "sides"],
+    scratch: ["other_side_keys", "other_sides"],
+    digits: "side_digits",
+    sums: "side_sums",
 };
 
-/// Adds the calls before the first substep, and tells where the sorted ends are.
-fn prepare(calls: &mut Calls, room: &Room) -> &'static str {
+/// Adds the calls that solve a collision substep.
+pub fn record(calls: &mut Calls, capacity: &SolverCapacity, passes: Passes) {
+    let sides = record_begin(calls, capacity);
+    for number in 1..=passes.substeps {
+        record_substep(calls, sides, passes, number == passes.substeps);
+    }
+    restitution::record(calls, passes.restitution, |calls, split_masses| {
+        apply_impulses(calls, sides, split_masses, 0);
+    });
+    calls.call(&FINISH, per_body());
+    warm_start::record_save(calls);
+}
+
+/// Adds the calls before the first substep, and returns the name of the buffer that holds the sorted sides.
+fn record_begin(calls: &mut Calls, capacity: &SolverCapacity) -> &'static str {
     calls.call(&BEGIN, per_body());
-    calls.call(&WARM_START_RENUMBER, per(GROUPS_PER_64_OLD_BODIES));
+    warm_start::record_remap(calls);
     calls.call(&CONSTRAINTS, per_pair());
-    calls.call(&WARM_START, per_pair());
-    calls.call(&ENDS, per_pair());
+    warm_start::record_points(calls);
+    calls.call(&PAIR_ADJACENCY, per_pair());
     let groups = [GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK].map(per);
-    let [keys, ends] = SORT.record(calls, ENTRIES, room.body_bits(), groups);
-    calls.call(&SEGMENTS, per_pair()).bind("end_keys", keys);
-    ends
+    let [keys, sides] = SORT.record(calls, ENTRIES, capacity.body_bits(), groups);
+    calls.call(&PAIR_ADJACENCY_RANGES, per_pair()).bind("side_keys", keys);
+    sides
 }
 
-/// What bodies do with the impulses of a pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Take {
-    /// Counts the pairs that push the body first.
-    shares: bool,
-    /// What follows.
-    then: u32,
+/// Adds the calls of one substep. Velocities are integrated already; unless it is the last one, its last call integrates
+/// them for the next.
+fn record_substep(calls: &mut Calls, sides: &'static str, passes: Passes, is_last: bool) {
+    calls.call(&SUBSTEP_BEGIN, per_pair());
+    let last_pass = passes.bias + passes.relax;
+    for pass in 0..=last_pass {
+        // Pass 0 is the warm start, whose impulses the call above computes.
+        if pass > 0 {
+            let flag = |set: bool, flag| if set { flag } else { 0 };
+            let biased = flag(pass <= passes.bias, PASS_BIASED);
+            // The first pass after the bodies have moved.
+            let updates = flag(pass == passes.bias + 1, PASS_UPDATES_POINTS);
+            calls.call(&SOLVE, per_pair()).constants([biased | updates, 0, 0, 0]);
+        }
+        let mut then = 0;
+        if pass == passes.bias {
+            then |= THEN_INTEGRATE_POSES;
+        }
+        if pass == last_pass && !is_last {
+            then |= THEN_INTEGRATE_VELOCITIES;
+        }
+        apply_impulses(calls, sides, pass == 0, then);
+    }
 }
 
-struct Recorder<'c> {
-    calls: &'c mut Calls,
-    /// Where the sorted ends are.
-    ends: &'static str,
-}
-
-impl Recorder<'_> {
-    /// Bodies have sped up already; unless it is the last one they do so again at its end, for the next.
-    fn substep(&mut self, passes: Passes, last: bool) {
-        self.calls.call(&SUBSTEP_BEGIN, per_pair());
-        let mut takes = vec![Take::default(); 1 + passes.bias as usize + passes.relax as usize];
-        takes[0].shares = true;
-        takes[passes.bias as usize].then |= THEN_ADVANCE;
-        if !last && let Some(end) = takes.last_mut() {
-            end.then |= THEN_ACCELERATE;
-        }
-        for (k, take) in (0..).zip(takes) {
-            if k > 0 {
-                let biased = k <= passes.bias;
-                // The first pass after the bodies have moved.
-                let measures = k == passes.bias + 1;
-                let flag = |set: bool, flag| if set { flag } else { 0 };
-                let flags = flag(biased, PASS_BIASED) | flag(measures, PASS_MEASURES);
-                self.calls.call(&SOLVE, per_pair()).constants([flags, 0, 0, 0]);
-            }
-            self.apply_impulses(take);
-        }
-    }
-
-    fn apply_impulses(&mut self, take: Take) {
-        let call = self.calls.call(&APPLY_IMPULSES, per_body());
-        call.constants([take.shares.into(), take.then, 0, 0])
-            .bind("ends", self.ends);
-    }
-
-    fn restitution(&mut self, times: u32) {
-        self.calls.call(&RESTITUTION_BEGIN, per_pair());
-        self.apply_impulses(Take { shares: true, then: 0 });
-        for _ in 0..times {
-            self.calls.call(&RESTITUTION, per_pair());
-            self.apply_impulses(Take::default());
-        }
-    }
-
-    fn finish(&mut self) {
-        self.calls.call(&FINISH, per_body());
-        self.calls.call(&WARM_START_KEEP, per_pair());
-    }
+/// Adds the call that applies the impulses of a pass. With `split_masses` it splits the mass of each body among its
+/// active pairs. `then` has bits for what follows.
+fn apply_impulses(calls: &mut Calls, sides: &'static str, split_masses: bool, then: u32) {
+    let call = calls.call(&APPLY_IMPULSES, per_body());
+    call.constants([split_masses.into(), then, 0, 0]).bind("sides", sides);
 }

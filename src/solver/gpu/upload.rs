@@ -2,7 +2,7 @@
 
 use super::layout;
 use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
-use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_ROUNDNESS, KINEMATIC, SENSOR, STATIC};
+use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_RADIUS, KINEMATIC, SENSOR, STATIC};
 use crate::manifolds::{Manifold, ManifoldPoint};
 use crate::solver::softness::Softness;
 use crate::solver::{CollisionSubstep, SleepState, SolverBody, SolverMotion};
@@ -18,21 +18,21 @@ const FASTEST: f32 = 1.0e18;
 pub(super) const COARSE_DIGIT: f64 = 1.0 / (1 << 21) as f64;
 
 /// What holds for an interval with so many bodies, of which `old_bodies` were there before, and for lists of this room.
-pub fn interval(
+pub fn collision_substep(
     settings: &SolverSettings,
-    interval: &CollisionSubstep,
+    collision_substep: &CollisionSubstep,
     [bodies, old_bodies]: [u32; 2],
-    room: super::Room,
-) -> layout::Interval {
-    let h = interval.dt / interval.substeps.max(1) as f32;
+    capacity: super::SolverCapacity,
+) -> layout::CollisionSubstep {
+    let h = collision_substep.dt / collision_substep.substeps.max(1) as f32;
     let softness = Softness::new(settings, h);
-    layout::Interval {
-        gravity: interval.gravity.to_array(),
+    layout::CollisionSubstep {
+        gravity: collision_substep.gravity.to_array(),
         h,
         bodies,
         old_bodies,
-        pair_capacity: room.pairs,
-        point_capacity: room.points,
+        pair_capacity: capacity.pairs,
+        point_capacity: capacity.points,
         bias_rate: softness.bias_rate,
         mass_scale: softness.mass_scale,
         impulse_scale: softness.impulse_scale,
@@ -45,7 +45,7 @@ pub fn interval(
         restitution_threshold: settings.restitution_threshold,
         match_distance: settings.match_distance,
         match_normal: settings.match_normal,
-        dt: interval.dt,
+        dt: collision_substep.dt,
         sleep_speed: settings.sleep_speed,
         sleep_time: settings.sleep_time,
         padding: 0,
@@ -61,7 +61,7 @@ pub fn body(body: &SolverBody) -> layout::SolverBody {
     layout::SolverBody {
         inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
         inverse_mass: body.inverse_mass,
-        inverse_inertia_mixed: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
+        inverse_inertia_off_diagonal: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
         flags: flags(body),
         radius: length(body.radius),
         restitution: positive(body.restitution),
@@ -99,15 +99,15 @@ fn rule(rule: CombineRule) -> u32 {
 
 /// 0 for what is no length.
 fn length(value: f32) -> f32 {
-    if value > 0.0 { value.min(FLAT_ROUNDNESS) } else { 0.0 }
+    if value > 0.0 { value.min(FLAT_RADIUS) } else { 0.0 }
 }
 
 /// Where a body is. `key` tells it from other bodies.
-pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::BodyState {
+pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::MotionState {
     let center = motion.center.as_vec3();
     let rotation = DVec4::from(motion.rotation);
     let coarse = (rotation / COARSE_DIGIT).round() * COARSE_DIGIT;
-    layout::BodyState {
+    layout::MotionState {
         center: center.to_array(),
         center_low: (motion.center - center.as_dvec3()).as_vec3().to_array(),
         rotation: coarse.as_vec4().to_array(),
@@ -122,8 +122,8 @@ pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::Bod
     }
 }
 
-impl From<&layout::BodyState> for SolverMotion {
-    fn from(state: &layout::BodyState) -> Self {
+impl From<&layout::MotionState> for SolverMotion {
+    fn from(state: &layout::MotionState) -> Self {
         let sum = |high: [f32; 4], low: [f32; 4]| DVec4::from(high.map(f64::from)) + DVec4::from(low.map(f64::from));
         let rotation = DQuat::from_vec4(sum(state.rotation, state.rotation_low));
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(state.center[axis]) + f64::from(state.center_low[axis]));
@@ -136,8 +136,8 @@ impl From<&layout::BodyState> for SolverMotion {
     }
 }
 
-impl From<&layout::BodyState> for SleepState {
-    fn from(state: &layout::BodyState) -> Self {
+impl From<&layout::MotionState> for SleepState {
+    fn from(state: &layout::MotionState) -> Self {
         Self {
             asleep: state.asleep != 0,
             rest_time: state.rest_time,
@@ -170,15 +170,15 @@ pub fn contact_pair(manifold: &Manifold) -> ContactPair {
 /// One of its points.
 pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
     ContactPoint {
-        arm_a: point.anchors[0].to_array(),
+        anchor_a: point.anchors[0].to_array(),
         separation: point.separation,
-        arm_b: point.anchors[1].to_array(),
-        roundness_a: length(point.curvature_radii[0]),
+        anchor_b: point.anchors[1].to_array(),
+        curvature_radius_a: length(point.curvature_radii[0]),
         normal: point.normal.to_array(),
-        roundness_b: length(point.curvature_radii[1]),
+        curvature_radius_b: length(point.curvature_radii[1]),
         face_a: point.faces[0],
         face_b: point.faces[1],
-        turn: point.normal_rotation,
+        normal_rotation: point.normal_rotation,
         ..Default::default()
     }
 }

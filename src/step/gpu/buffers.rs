@@ -1,10 +1,10 @@
 //! What passes between contact generation and solver in a step, and what outlives it.
 
-use crate::gpu::buffers::{Sizes, buffers, grow};
+use crate::gpu::buffers::{Capacity, buffers, grow};
 use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
 use crate::manifolds::gpu::ContactCapacity;
-use crate::solver::gpu::Room;
-use crate::solver::gpu::layout::{BodyForces, BodyState, COUNTERS, Interval, KeptPair, KeptPoint, SLOTS, SolverBody};
+use crate::solver::gpu::SolverCapacity;
+use crate::solver::gpu::layout::{BodyForces, MotionState, COUNTERS, CollisionSubstep, SavedPair, SavedPoint, SLOTS, SolverBody};
 use wgpu::Buffer;
 
 /// How many of each thing fit.
@@ -29,16 +29,16 @@ impl StepCapacity {
     }
 
     /// The same with as many pairs, slots and bodies as there can be: their lists are made on the device.
-    pub fn beside(mut self, sizes: &Sizes) -> Self {
-        self.contacts.margin_pairs = sizes.pairs;
-        self.contacts.slots = sizes.bodies.saturating_mul(sizes.planes).saturating_add(sizes.pairs);
-        self.bodies = self.bodies.max(sizes.bodies.saturating_add(sizes.planes));
+    pub fn covering(mut self, capacity: &Capacity) -> Self {
+        self.contacts.margin_pairs = capacity.pairs;
+        self.contacts.slots = capacity.bodies.saturating_mul(capacity.planes).saturating_add(capacity.pairs);
+        self.bodies = self.bodies.max(capacity.bodies.saturating_add(capacity.planes));
         self
     }
 
     /// What the solver's own buffers hold.
-    pub fn solver(&self) -> Room {
-        Room {
+    pub fn solver(&self) -> SolverCapacity {
+        SolverCapacity {
             bodies: self.bodies,
             pairs: self.contacts.pairs,
             points: self.contacts.points,
@@ -48,43 +48,43 @@ impl StepCapacity {
 
 buffers! {
     /// Buffers beside those of contact generation and of the solver.
-    StepBuffers(StepCapacity), |room| {
+    StepBuffers(StepCapacity), |capacity| {
         /// What counts over all intervals of a step.
         tally: ARRAY u32, TALLIES, "tally of a step";
         /// Who touched whom and where, in any order.
-        touches: ARRAY Touch, room.touches, "touches";
+        touches: ARRAY Touch, capacity.touches, "touches";
         /// What bodies are to the solver.
-        solver_bodies: ARRAY SolverBody, room.bodies, "solver bodies";
+        solver_bodies: ARRAY SolverBody, capacity.bodies, "solver bodies";
         /// Where they are, as the host knows.
-        arrivals: ARRAY BodyState, room.bodies, "bodies as the host knows them";
+        host_states: ARRAY MotionState, capacity.bodies, "bodies as the host knows them";
         /// Where they are while the step runs.
-        states: ARRAY BodyState, room.bodies, "states of bodies";
+        motion_states: ARRAY MotionState, capacity.bodies, "states of bodies";
         /// What acts on them.
-        forces: ARRAY BodyForces, room.bodies, "forces";
+        forces: ARRAY BodyForces, capacity.bodies, "forces";
         /// What the solver is told about the first interval, and about each other one.
-        first_interval: ARRAY Interval, 1u32, "first interval";
+        first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision_substep";
         /// The other.
-        other_interval: ARRAY Interval, 1u32, "other collision_substeps";
+        later_collision_substep: ARRAY CollisionSubstep, 1u32, "other collision_substeps";
         /// The bodies' numbers by those they had before the first interval, and before each other one.
-        first_numbers: ARRAY u32, room.bodies, "new numbers of bodies";
+        first_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
         /// The other.
-        other_numbers: ARRAY u32, room.bodies, "numbers of bodies";
+        later_new_numbers: ARRAY u32, capacity.bodies, "numbers of bodies";
         /// One of the two.
-        renumbered: ARRAY u32, room.bodies, "numbers of bodies in an interval";
+        new_numbers: ARRAY u32, capacity.bodies, "numbers of bodies in an collision_substep";
         /// Of the solver's indirect dispatches.
         solver_arguments: INDIRECT u32, 3 * SLOTS, "solver arguments";
         /// Where the bodies were after the last step. Outlives a step, as do those that follow.
-        settled: ARRAY BodyState, room.bodies, "settled bodies";
+        last_step_states: ARRAY MotionState, capacity.bodies, "last_step_states bodies";
         /// How much the solver remembers.
-        stored_counters: ARRAY u32, COUNTERS, "stored solver counters";
+        last_step_counters: ARRAY u32, COUNTERS, "stored solver counters";
         /// Of pairs.
-        stored_pairs: ARRAY KeptPair, room.contacts.pairs, "pairs stored between steps";
+        last_step_pairs: ARRAY SavedPair, capacity.contacts.pairs, "pairs stored between steps";
         /// Of points.
-        stored_points: ARRAY KeptPoint, room.contacts.points, "points stored between steps";
+        last_step_points: ARRAY SavedPoint, capacity.contacts.points, "points stored between steps";
         /// What contact generation found last.
-        stored_contact_pairs: ARRAY ContactPair, room.contacts.pairs, "contact pairs stored between steps";
+        last_step_contact_pairs: ARRAY ContactPair, capacity.contacts.pairs, "contact pairs stored between steps";
         /// The points.
-        stored_contact_points: ARRAY ContactPoint, room.contacts.points, "contact points stored between steps";
+        last_step_contact_points: ARRAY ContactPoint, capacity.contacts.points, "contact points stored between steps";
     }
 }
 
@@ -92,12 +92,12 @@ impl StepBuffers {
     /// What outlives a step.
     pub fn memory(&self) -> [&Buffer; 6] {
         [
-            &self.settled,
-            &self.stored_counters,
-            &self.stored_pairs,
-            &self.stored_points,
-            &self.stored_contact_pairs,
-            &self.stored_contact_points,
+            &self.last_step_states,
+            &self.last_step_counters,
+            &self.last_step_pairs,
+            &self.last_step_points,
+            &self.last_step_contact_pairs,
+            &self.last_step_contact_points,
         ]
     }
 }

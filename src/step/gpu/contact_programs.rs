@@ -55,7 +55,7 @@ pub struct ContactPrograms {
     /// Finds contact points in the first interval of a step.
     first: Program,
     /// In the others.
-    other: Program,
+    later: Program,
     /// Moves bodies by them, by how often everything is done.
     solve: HashMap<Passes, Program>,
     /// Ends an interval after which another one follows.
@@ -69,21 +69,21 @@ impl ContactPrograms {
     ///
     /// # Errors
     /// If the device cannot hold the lists.
-    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, room: StepCapacity) -> Result<Self, TooLarge> {
-        let room = room.beside(&buffers.sizes);
+    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, capacity: StepCapacity) -> Result<Self, TooLarge> {
+        let capacity = capacity.covering(&buffers.capacity);
         let mut made = Self {
-            contacts: ContactBuffers::new(gpu, room.contacts)?,
-            solver: SolverBuffers::new(gpu, room.solver())?,
-            step: StepBuffers::new(gpu, room)?,
+            contacts: ContactBuffers::new(gpu, capacity.contacts)?,
+            solver: SolverBuffers::new(gpu, capacity.solver())?,
+            step: StepBuffers::new(gpu, capacity)?,
             report: Program::default(),
             first: Program::default(),
-            other: Program::default(),
+            later: Program::default(),
             solve: HashMap::new(),
             between: Program::default(),
             last: Program::default(),
         };
-        let simple = recorder(Response::None, buffers, &room);
-        let contacts = recorder(Response::Contacts, buffers, &room);
+        let simple = recorder(Response::None, buffers, &capacity);
+        let contacts = recorder(Response::Contacts, buffers, &capacity);
         let bind = |calls: Calls| made.bind(gpu, kernels, buffers, &calls);
         let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
         let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
@@ -94,7 +94,7 @@ impl ContactPrograms {
             bind(contacts.calls(&[Stage::Integrate], last)),
         ];
         made.report = report;
-        [made.first, made.other, made.between, made.last] = programs;
+        [made.first, made.later, made.between, made.last] = programs;
         Ok(made)
     }
 
@@ -108,8 +108,8 @@ impl ContactPrograms {
     }
 
     /// What fits.
-    pub fn room(&self) -> StepCapacity {
-        self.step.sizes
+    pub fn capacity(&self) -> StepCapacity {
+        self.step.capacity
     }
 
     /// Bytes on the device.
@@ -118,7 +118,7 @@ impl ContactPrograms {
     }
 
     /// Copies what outlives a step from `old`.
-    pub fn take_memory(&self, old: &Self, encoder: &mut CommandEncoder) {
+    pub fn copy_memory(&self, old: &Self, encoder: &mut CommandEncoder) {
         for (from, to) in old.step.memory().into_iter().zip(self.step.memory()) {
             copy_all(encoder, from, to);
         }
@@ -132,7 +132,7 @@ impl ContactPrograms {
 
     /// Writes how long the lists are, for so many bodies and half-spaces.
     pub fn write_limits(&self, gpu: &Gpu, bodies: u32, planes: u32) {
-        let limits = self.contacts.sizes.limits(bodies, planes);
+        let limits = self.contacts.capacity.limits(bodies, planes);
         gpu.queue
             .write_buffer(&self.contacts.limits, 0, bytemuck::bytes_of(&limits));
     }
@@ -155,10 +155,10 @@ impl ContactPrograms {
         if self.solve.len() >= MAX_PROGRAMS {
             self.solve.clear();
         }
-        let room = self.room();
+        let capacity = self.capacity();
         let recorder = Recorder {
             passes: Some(passes),
-            ..recorder(Response::Contacts, buffers, &room)
+            ..recorder(Response::Contacts, buffers, &capacity)
         };
         // It is the same in each interval.
         let calls = recorder.calls(&[Stage::ForceScan], Place::of(0, 1));
@@ -174,27 +174,27 @@ impl ContactPrograms {
         };
         encoder.clear_buffer(&step.tally, 0, None);
         for (from, to) in [
-            (&step.stored_counters, &solver.solver_counters),
-            (&step.stored_pairs, &solver.kept_pairs),
-            (&step.stored_points, &solver.kept_points),
-            (&step.stored_contact_pairs, &self.contacts.contact_pairs),
-            (&step.stored_contact_points, &self.contacts.contact_points),
+            (&step.last_step_counters, &solver.solver_counters),
+            (&step.last_step_pairs, &solver.saved_pairs),
+            (&step.last_step_points, &solver.saved_points),
+            (&step.last_step_contact_pairs, &self.contacts.contact_pairs),
+            (&step.last_step_contact_points, &self.contacts.contact_points),
         ] {
             copy_all(encoder, from, to);
         }
         if input.old_bodies() == 0 {
             encoder.clear_buffer(&solver.solver_counters, 0, None);
         }
-        for lap in 0..input.collision_substeps {
-            let place = Place::of(lap, input.collision_substeps);
-            let (interval, numbers, find) = if place.is_first {
-                (&step.first_interval, &step.first_numbers, &self.first)
+        for number in 0..input.collision_substeps {
+            let place = Place::of(number, input.collision_substeps);
+            let (collision_substep, numbers, find) = if place.is_first {
+                (&step.first_collision_substep, &step.first_new_numbers, &self.first)
             } else {
                 encoder.clear_buffer(&buffers.buckets, 0, None);
-                (&step.other_interval, &step.other_numbers, &self.other)
+                (&step.later_collision_substep, &step.later_new_numbers, &self.later)
             };
-            copy_all(encoder, interval, &solver.interval);
-            copy_all(encoder, numbers, &step.renumbered);
+            copy_all(encoder, collision_substep, &solver.collision_substep);
+            copy_all(encoder, numbers, &step.new_numbers);
             encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
             for stage in Stage::ALL {
                 let program = match stage {
@@ -203,8 +203,8 @@ impl ContactPrograms {
                     Stage::Integrate => &self.between,
                     _ => find,
                 };
-                let around = timer.map(|timer| timer.around(stage, lap));
-                program.record(stage, encoder, input.room(), around);
+                let around = timer.map(|timer| timer.around(stage, number));
+                program.record(stage, encoder, input.body_count(), around);
                 if stage == Stage::BroadPhase && place.is_first {
                     // To draw from.
                     copy_all(encoder, &buffers.bodies, &buffers.before);
@@ -214,11 +214,11 @@ impl ContactPrograms {
     }
 }
 
-fn recorder<'s>(response: Response, buffers: &'s Buffers, room: &'s StepCapacity) -> Recorder<'s> {
+fn recorder<'s>(response: Response, buffers: &'s Buffers, capacity: &'s StepCapacity) -> Recorder<'s> {
     Recorder {
         response,
-        sizes: &buffers.sizes,
-        room: Some(room),
+        capacity: &buffers.capacity,
+        contact_capacity: Some(capacity),
         passes: None,
     }
 }

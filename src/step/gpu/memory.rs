@@ -2,23 +2,23 @@
 
 use super::buffers::StepCapacity;
 use super::contact_programs::ContactPrograms;
-use super::lineage::Lineage;
+use super::remap::LastBodies;
 use super::{GpuStep, StepError};
-use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::gpu::readback::{read_words, scoped};
 use crate::manifolds::gpu::ContactCapacity;
-use crate::solver::gpu::layout::{BodyState, COUNTERS, KeptPair, KeptPoint, PAIRS, POINTS};
+use crate::solver::gpu::layout::{MotionState, COUNTERS, SavedPair, SavedPoint, PAIRS, POINTS};
 use bytemuck::cast_slice;
 use wgpu::Buffer;
 
 /// What the device remembers of its last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviceMemory {
-    pub(crate) lineage: Lineage,
+    pub(crate) last_bodies: LastBodies,
     moved: Vec<u32>,
-    settled: Vec<u32>,
+    last_step_states: Vec<u32>,
     counters: Vec<u32>,
     pairs: Vec<u32>,
     points: Vec<u32>,
@@ -31,23 +31,23 @@ impl DeviceMemory {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn read(gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms, lineage: &Lineage) -> Result<Self, String> {
-        if lineage.is_empty() {
+    pub fn read(gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms, last_bodies: &LastBodies) -> Result<Self, String> {
+        if last_bodies.is_empty() {
             return Ok(Self::default());
         }
         let step = &contacts.step;
-        let counters = read_words(gpu, &step.stored_counters, COUNTERS as usize)?;
+        let counters = read_words(gpu, &step.last_step_counters, COUNTERS as usize)?;
         let read = |buffer: &Buffer, count: usize, size: usize| read_words(gpu, buffer, count * size / 4);
-        let bodies = lineage.len();
+        let bodies = last_bodies.len();
         let [pairs, points] = [PAIRS, POINTS].map(|counter| counters[counter as usize] as usize);
         Ok(Self {
-            lineage: lineage.clone(),
+            last_bodies: last_bodies.clone(),
             moved: read(&buffers.moved, bodies, size_of::<Moved>())?,
-            settled: read(&step.settled, bodies, size_of::<BodyState>())?,
-            pairs: read(&step.stored_pairs, pairs, size_of::<KeptPair>())?,
-            points: read(&step.stored_points, points, size_of::<KeptPoint>())?,
-            last_pairs: read(&step.stored_contact_pairs, pairs, size_of::<ContactPair>())?,
-            last_points: read(&step.stored_contact_points, points, size_of::<ContactPoint>())?,
+            last_step_states: read(&step.last_step_states, bodies, size_of::<MotionState>())?,
+            pairs: read(&step.last_step_pairs, pairs, size_of::<SavedPair>())?,
+            points: read(&step.last_step_points, points, size_of::<SavedPoint>())?,
+            last_pairs: read(&step.last_step_contact_pairs, pairs, size_of::<ContactPair>())?,
+            last_points: read(&step.last_step_contact_points, points, size_of::<ContactPoint>())?,
             counters,
         })
     }
@@ -55,7 +55,7 @@ impl DeviceMemory {
     /// How many bodies it is about, and how many pairs and points.
     pub fn lengths(&self) -> (u32, [u32; 2]) {
         let of = |counter: u32| self.counters.get(counter as usize).copied().unwrap_or(0);
-        (self.lineage.len() as u32, [of(PAIRS), of(POINTS)])
+        (self.last_bodies.len() as u32, [of(PAIRS), of(POINTS)])
     }
 
     /// Writes it back to lists that are long enough.
@@ -66,12 +66,12 @@ impl DeviceMemory {
         let step = &contacts.step;
         let parts = [
             (&buffers.moved, &self.moved),
-            (&step.settled, &self.settled),
-            (&step.stored_counters, &self.counters),
-            (&step.stored_pairs, &self.pairs),
-            (&step.stored_points, &self.points),
-            (&step.stored_contact_pairs, &self.last_pairs),
-            (&step.stored_contact_points, &self.last_points),
+            (&step.last_step_states, &self.last_step_states),
+            (&step.last_step_counters, &self.counters),
+            (&step.last_step_pairs, &self.pairs),
+            (&step.last_step_points, &self.points),
+            (&step.last_step_contact_pairs, &self.last_pairs),
+            (&step.last_step_contact_points, &self.last_points),
         ];
         scoped(gpu, || {
             for (buffer, words) in parts {
@@ -88,9 +88,9 @@ impl GpuStep {
     /// # Errors
     /// As [`GpuStep::take`].
     pub fn memory(&mut self) -> Result<DeviceMemory, StepError> {
-        let read = self.settle().and_then(|()| match &self.contacts {
+        let read = self.finish_all().and_then(|()| match &self.contacts {
             Some(contacts) => {
-                let read = DeviceMemory::read(&self.gpu, &self.buffers, contacts, &self.lineage);
+                let read = DeviceMemory::read(&self.gpu, &self.buffers, contacts, &self.last_bodies);
                 read.map_err(StepError::Device)
             }
             None => Ok(DeviceMemory::default()),
@@ -104,33 +104,33 @@ impl GpuStep {
     /// If the device cannot hold it, or fails. The next step goes on from nothing then.
     pub fn remember(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
         self.forget();
-        if memory.lineage.is_empty() {
+        if memory.last_bodies.is_empty() {
             return Ok(());
         }
         self.write_memory(memory).inspect_err(|_| self.fail())
     }
 
     fn write_memory(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
-        self.want_contacts()?;
-        let Some(room) = self.contacts.as_ref().map(ContactPrograms::room) else {
+        self.ensure_contacts()?;
+        let Some(capacity) = self.contacts.as_ref().map(ContactPrograms::capacity) else {
             return Ok(());
         };
         let (bodies, [pairs, points]) = memory.lengths();
-        let needed = Sizes {
+        let needed = Capacity {
             bodies,
-            ..Sizes::default()
+            ..Capacity::default()
         };
         let contacts = ContactCapacity {
             pairs,
             points,
             ..ContactCapacity::default()
         };
-        self.make_room(needed, Some(StepCapacity { contacts, ..room }))?;
+        self.reserve(needed, Some(StepCapacity { contacts, ..capacity }))?;
         if let Some(contacts) = &self.contacts {
             memory
                 .write(&self.gpu, &self.buffers, contacts)
                 .map_err(StepError::Device)?;
-            self.lineage = memory.lineage.clone();
+            self.last_bodies = memory.last_bodies.clone();
         }
         Ok(())
     }

@@ -7,31 +7,31 @@
 //! | file | holds |
 //! |---|---|
 //! | `upload`, `solver_input` | what a step is told |
-//! | `lineage` | which body of a step was which in the step before |
+//! | `last_bodies` | which body of a step was which in the step before |
 //! | `record` | the kernels of each part of a step, in the order of `order`(crate::step::order) |
 //! | `buffers`, `contact_programs` | what only steps with contact points have |
 //! | `submit` | sends a step off |
 //! | `flight` | a step whose results are on their way |
 //! | `overflow` | lists that turn out to be too short |
-//! | `room` | makes buffers |
+//! | `capacity` | makes buffers |
 //! | `results` | what comes of a step |
 //! | `memory` | what outlives it, for snapshots |
 
 pub mod buffers;
+mod capacity;
 mod contact_programs;
 mod flight;
-pub mod lineage;
 pub mod memory;
 mod overflow;
 pub mod record;
+pub mod remap;
 pub mod results;
-mod room;
 mod solver_input;
 mod submit;
 pub mod upload;
 
 use crate::gpu::arena::Arena;
-use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
+use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::kernel::Kernels;
 use crate::gpu::layout;
@@ -44,10 +44,10 @@ use crate::step::StepState;
 use crate::types::stage::Stage;
 use contact_programs::ContactPrograms;
 use flight::Flight;
-use lineage::Lineage;
 use record::{all_modules, impulse_calls, impulse_program};
+use remap::LastBodies;
 use results::{Detail, Output};
-use solver_input::Told;
+use solver_input::HostSpeeds;
 use std::collections::VecDeque;
 use thiserror::Error;
 use wgpu::Buffer;
@@ -78,16 +78,16 @@ pub struct GpuStep {
     /// Somebody has: its kernels are compiled, and meshes come with their corners and edges.
     has_features: bool,
     /// Which body was which in the last step, if it had contacts.
-    lineage: Lineage,
+    last_bodies: LastBodies,
     /// How fast bodies moved after the last step whose results were taken.
     speeds: Speeds,
     /// What the host told of motions in the steps since, oldest first.
-    told: VecDeque<Told>,
+    host_speeds: VecDeque<HostSpeeds>,
     timer: Option<Timer>,
     /// Submitted, oldest first.
     flights: VecDeque<Flight>,
     /// Results that were waited for before anybody asked for them; older than all flights.
-    landed: VecDeque<Output>,
+    finished: VecDeque<Output>,
     /// Buffers to read from that no flight uses.
     spare: Vec<Buffer>,
     /// Bodies of the last step that was submitted.
@@ -96,7 +96,7 @@ pub struct GpuStep {
 }
 
 /// Lists start with room for this many things, and grow.
-const START: Sizes = Sizes {
+const START: Capacity = Capacity {
     bodies: 256,
     planes: 8,
     pairs: 1024,
@@ -112,18 +112,18 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot run the stages.
     pub fn new(gpu: Gpu) -> Result<Self, NoGpu> {
-        Self::with_room(gpu, START)
+        Self::with_capacity(gpu, START)
     }
 
     /// With lists of these sizes to begin with: results do not depend on them.
     ///
     /// # Errors
     /// If the device cannot run the stages.
-    pub fn with_room(gpu: Gpu, sizes: Sizes) -> Result<Self, NoGpu> {
+    pub fn with_capacity(gpu: Gpu, capacity: Capacity) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
-            let calls = impulse_calls(&sizes);
+            let calls = impulse_calls(&capacity);
             let kernels = Kernels::new(&gpu, all_modules(), calls.iter().map(|call| call.kernel))?;
-            let buffers = Buffers::new(&gpu, sizes).map_err(|error| error.to_string())?;
+            let buffers = Buffers::new(&gpu, capacity).map_err(|error| error.to_string())?;
             let program = impulse_program(&gpu, &kernels, &buffers);
             let timer = Timer::new(&gpu);
             Ok((kernels, buffers, program, timer))
@@ -136,13 +136,13 @@ impl GpuStep {
                 buffers,
                 program,
                 contacts: None,
-                lineage: Lineage::default(),
+                last_bodies: LastBodies::default(),
                 speeds: Speeds::NONE,
-                told: VecDeque::new(),
+                host_speeds: VecDeque::new(),
                 has_features: false,
                 timer,
                 flights: VecDeque::new(),
-                landed: VecDeque::new(),
+                finished: VecDeque::new(),
                 spare: Vec::new(),
                 bodies: 0,
                 waits: 0,
@@ -159,7 +159,7 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot run it.
     pub fn with_contacts(mut self) -> Result<Self, NoGpu> {
-        match self.want_contacts() {
+        match self.ensure_contacts() {
             Ok(()) => Ok(self),
             Err(error) => Err(NoGpu::Failed {
                 adapter: self.gpu.info.name.clone(),
@@ -174,8 +174,8 @@ impl GpuStep {
     }
 
     /// What fits at present.
-    pub fn sizes(&self) -> Sizes {
-        self.buffers.sizes
+    pub fn capacity(&self) -> Capacity {
+        self.buffers.capacity
     }
 
     /// Bytes on the device.
@@ -211,7 +211,7 @@ impl GpuStep {
 
     /// Steps that were submitted and not taken.
     pub fn in_flight(&self) -> usize {
-        self.landed.len() + self.flights.len()
+        self.finished.len() + self.flights.len()
     }
 
     /// How often results were asked for before they were there.
@@ -224,16 +224,16 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot hold the lists, or fails: all steps in flight are given up then.
     pub fn take(&mut self) -> Option<Result<Output, StepError>> {
-        let result = match self.landed.pop_front() {
+        let result = match self.finished.pop_front() {
             Some(output) => Ok(output),
             None if self.flights.is_empty() => return None,
-            None => self.land(),
+            None => self.finish_oldest(),
         };
         match &result {
             // Now and not when it landed, which depends on how fast the device is.
             Ok(output) => {
                 self.speeds = output.speeds;
-                self.told.pop_front();
+                self.host_speeds.pop_front();
             }
             Err(_) => self.fail(),
         }
@@ -243,9 +243,9 @@ impl GpuStep {
     /// Gives up all steps in flight. The next one can carry nothing over.
     pub fn forget(&mut self) {
         self.flights.clear();
-        self.landed.clear();
-        self.lineage.forget();
-        self.told.clear();
+        self.finished.clear();
+        self.last_bodies.forget();
+        self.host_speeds.clear();
         self.speeds = Speeds::NONE;
         self.bodies = 0;
     }
@@ -271,7 +271,7 @@ impl GpuStep {
     /// As [`GpuStep::take`].
     pub fn motions(&mut self) -> Result<Vec<Motion>, StepError> {
         let words = self.bodies as usize * size_of::<layout::Moved>() / 4;
-        let read = self.settle().and_then(|()| {
+        let read = self.finish_all().and_then(|()| {
             let words = read_words(&self.gpu, &self.buffers.moved, words);
             words.map_err(StepError::Device)
         });
@@ -283,7 +283,7 @@ impl GpuStep {
     /// The poses on the device, to draw from.
     pub fn poses(&self) -> Poses<'_> {
         Poses {
-            previous: if self.lineage.is_empty() {
+            previous: if self.last_bodies.is_empty() {
                 &self.buffers.bodies
             } else {
                 &self.buffers.before

@@ -6,25 +6,25 @@
 use super::buffers::StepCapacity;
 use super::results::Output;
 use super::{GpuStep, StepError};
-use crate::gpu::buffers::Sizes;
+use crate::gpu::buffers::Capacity;
 use crate::gpu::layout::{
-    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MOST_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
+    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
 };
 use crate::gpu::readback::scoped;
 use crate::manifolds::gpu::ContactCapacity;
 
 impl GpuStep {
     /// Waits until every step in flight has landed.
-    pub(super) fn settle(&mut self) -> Result<(), StepError> {
+    pub(super) fn finish_all(&mut self) -> Result<(), StepError> {
         while !self.flights.is_empty() {
-            let output = self.land()?;
-            self.landed.push_back(output);
+            let output = self.finish_oldest()?;
+            self.finished.push_back(output);
         }
         Ok(())
     }
 
     /// Waits for the oldest flight.
-    pub(super) fn land(&mut self) -> Result<Output, StepError> {
+    pub(super) fn finish_oldest(&mut self) -> Result<Output, StepError> {
         while let Some(flight) = self.flights.front_mut() {
             let results = scoped(&self.gpu, || flight.wait(&self.gpu));
             let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
@@ -50,21 +50,21 @@ impl GpuStep {
     /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved:
     /// the first one found a list too short, and that made the others do nothing.
     fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
-        let needed = Sizes {
-            pairs: counters[SPHERE_PAIRS as usize].max(tally[MOST_PAIRS as usize]),
+        let needed = Capacity {
+            pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),
             hits: counters[HITS as usize],
             plane_contacts: counters[PLANE_CONTACTS as usize],
-            ..Sizes::default()
+            ..Capacity::default()
         };
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             contacts: ContactCapacity::needed(tally),
             touches: tally[TOUCHES as usize],
-            ..contacts.room()
+            ..contacts.capacity()
         });
-        if !self.lacks(needed, for_contacts) {
+        if !self.needs_growth(needed, for_contacts) {
             return Ok(false);
         }
-        self.make_room(needed, for_contacts)?;
+        self.reserve(needed, for_contacts)?;
         for flight in std::mem::take(&mut self.flights) {
             self.launch(flight.input, flight.detail)?;
         }

@@ -1,14 +1,14 @@
 //! What each part of a step does on the device: its kernels, in the order of [`order`](crate::step::order).
 
 use super::buffers::StepCapacity;
-use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernel::{Kernel, Kernels, kernel};
 use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING};
 use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
 use crate::solver::gpu::Passes;
-use crate::solver::gpu::layout::{COUNTERS, KeptPair, KeptPoint, PAIRS, POINTS};
+use crate::solver::gpu::layout::{COUNTERS, SavedPair, SavedPoint, PAIRS, POINTS};
 use crate::step::order::{Part, Place, parts};
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -73,9 +73,9 @@ pub struct Recorder<'s> {
     /// What happens to bodies that touch.
     pub response: Response,
     /// What the lists of a step hold.
-    pub sizes: &'s Sizes,
+    pub capacity: &'s Capacity,
     /// What those hold that only steps with contact points have.
-    pub room: Option<&'s StepCapacity>,
+    pub contact_capacity: Option<&'s StepCapacity>,
     /// How often the solver does everything.
     pub passes: Option<Passes>,
 }
@@ -99,11 +99,11 @@ impl Recorder<'_> {
                 calls.call(&BEGIN, per_body);
             }
             Part::Begin => broad_phase::gpu::record_place(calls),
-            Part::FindSpherePairs => broad_phase::gpu::record_search(calls, self.sizes),
+            Part::FindSpherePairs => broad_phase::gpu::record_search(calls, self.capacity),
             Part::FindNearPairs => angles::gpu::record(calls),
             Part::TestTriangles => triangle_test::gpu::record(calls),
             Part::FindContactPoints => {
-                manifolds::gpu::record::record_select(calls, self.sizes);
+                manifolds::gpu::record::record_select(calls, self.capacity);
                 manifolds::gpu::record::record_points(calls);
             }
             Part::ReuseContactPoints => {
@@ -111,15 +111,15 @@ impl Recorder<'_> {
                 list_contact_points(calls);
             }
             Part::ReportContactPoints => list_contact_points(calls),
-            Part::SumImpulses => force_scan::gpu::record_impulses(calls, self.sizes),
+            Part::SumImpulses => force_scan::gpu::record_impulses(calls, self.capacity),
             Part::ApplyImpulses => integrate::gpu::record(calls),
             Part::Wake => {
-                solver::gpu::record::record_arguments(calls);
+                solver::gpu::arguments::record_arguments(calls);
                 sleep::gpu::record_wake(calls, self.may_sleep());
             }
             Part::Solve => {
-                if let (Some(room), Some(passes)) = (self.room, self.passes) {
-                    solver::gpu::record::record(calls, &room.solver(), passes);
+                if let (Some(contact_capacity), Some(passes)) = (self.contact_capacity, self.passes) {
+                    solver::gpu::record::record(calls, &contact_capacity.solver(), passes);
                 }
             }
             Part::RecordTouches => force_scan::gpu::record_touches(calls),
@@ -137,9 +137,9 @@ impl Recorder<'_> {
                 calls.call(&OVERFLOW_TOUCHES, Groups::Exactly(1));
             }
             Part::Remember => {
-                if let Some(room) = self.room.filter(|_| with_contacts) {
+                if let Some(contact_capacity) = self.contact_capacity.filter(|_| with_contacts) {
                     calls.call(&FINISH, per_body);
-                    remember(calls, room);
+                    remember(calls, contact_capacity);
                 }
             }
         }
@@ -151,11 +151,11 @@ impl Recorder<'_> {
 }
 
 /// The calls of a step with [`Response::Impulse`].
-pub fn impulse_calls(sizes: &Sizes) -> Calls {
+pub fn impulse_calls(capacity: &Capacity) -> Calls {
     let recorder = Recorder {
         response: Response::Impulse,
-        sizes,
-        room: None,
+        capacity,
+        contact_capacity: None,
         passes: None,
     };
     recorder.calls(&Stage::ALL, Place::of(0, 1))
@@ -163,7 +163,7 @@ pub fn impulse_calls(sizes: &Sizes) -> Calls {
 
 /// The same, with their buffers.
 pub fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
-    Program::new(gpu, kernels, &impulse_calls(&buffers.sizes), &[buffers])
+    Program::new(gpu, kernels, &impulse_calls(&buffers.capacity), &[buffers])
 }
 
 /// Puts contact points in order, and finds out whether all lists so far sufficed.
@@ -173,37 +173,37 @@ fn list_contact_points(calls: &mut Calls) {
 }
 
 /// Copies to where it outlives the step what the solver and contact generation know of the last interval.
-fn remember(calls: &mut Calls, room: &StepCapacity) {
-    let StepCapacity { contacts, .. } = room;
+fn remember(calls: &mut Calls, contact_capacity: &StepCapacity) {
+    let StepCapacity { contacts, .. } = contact_capacity;
     for (counter, count, bytes, from, to) in [
-        (NOTHING, 1, 4 * COUNTERS as usize, "solver_counters", "stored_counters"),
+        (NOTHING, 1, 4 * COUNTERS as usize, "solver_counters", "last_step_counters"),
         (
             PAIRS,
             contacts.pairs,
-            size_of::<KeptPair>(),
-            "kept_pairs",
-            "stored_pairs",
+            size_of::<SavedPair>(),
+            "saved_pairs",
+            "last_step_pairs",
         ),
         (
             POINTS,
             contacts.points,
-            size_of::<KeptPoint>(),
-            "kept_points",
-            "stored_points",
+            size_of::<SavedPoint>(),
+            "saved_points",
+            "last_step_points",
         ),
         (
             PAIRS,
             contacts.pairs,
             size_of::<ContactPair>(),
             "contact_pairs",
-            "stored_contact_pairs",
+            "last_step_contact_pairs",
         ),
         (
             POINTS,
             contacts.points,
             size_of::<ContactPoint>(),
             "contact_points",
-            "stored_contact_points",
+            "last_step_contact_points",
         ),
     ] {
         let quads = bytes as u32 / 16;

@@ -3,10 +3,10 @@
 use super::contact_programs::ContactPrograms;
 use super::upload::Input;
 use crate::force_scan::touches::Touches;
-use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::layout::{
-    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HIGHEST,
-    HITS, Hit, LOWEST, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, SPIN, TALLIES,
+    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, MAX_VELOCITY,
+    HITS, Hit, MAX_NEGATED_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, MAX_SPIN, TALLIES,
     TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::timer::{self, Timer};
@@ -81,7 +81,7 @@ pub(super) struct Parts {
 
 impl Parts {
     /// Room for as much as the lists hold: how much there will be is not known when the copy is recorded.
-    pub fn new(sizes: &Sizes, contacts: Option<&ContactPrograms>, input: &Input, detail: Detail) -> Self {
+    pub fn new(capacity: &Capacity, contacts: Option<&ContactPrograms>, input: &Input, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
@@ -93,15 +93,15 @@ impl Parts {
         let times = part(timer::BYTES * input.collision_substeps(), 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
         let moved = part(lists(input.len()), size_of::<Moved>());
-        let sphere_pairs = part(lists(sizes.pairs), 8);
-        let touching = part(lists(sizes.pairs), size_of::<Touching>());
-        let hits = part(lists(sizes.hits), size_of::<Hit>());
-        let planes = part(lists(sizes.plane_contacts), size_of::<PlaneContact>());
-        let room = contacts.map(ContactPrograms::room);
+        let sphere_pairs = part(lists(capacity.pairs), 8);
+        let touching = part(lists(capacity.pairs), size_of::<Touching>());
+        let hits = part(lists(capacity.hits), size_of::<Hit>());
+        let planes = part(lists(capacity.plane_contacts), size_of::<PlaneContact>());
+        let contact_capacity = contacts.map(ContactPrograms::capacity);
         let [pairs, points, touched] =
-            room.map_or([0; 3], |room| [room.contacts.pairs, room.contacts.points, room.touches]);
-        let tally = part(if room.is_some() { TALLIES } else { 0 }, 4);
-        let found = part(if room.is_some() { CONTACT_COUNTERS } else { 0 }, 4);
+            contact_capacity.map_or([0; 3], |capacity| [capacity.contacts.pairs, capacity.contacts.points, capacity.touches]);
+        let tally = part(if contact_capacity.is_some() { TALLIES } else { 0 }, 4);
+        let found = part(if contact_capacity.is_some() { CONTACT_COUNTERS } else { 0 }, 4);
         let contact_pairs = part(lists(pairs), size_of::<ContactPair>());
         let contact_points = part(lists(points), size_of::<ContactPoint>());
         let touches = part(lists(touched), size_of::<Touch>());
@@ -367,11 +367,11 @@ fn put_planes(contacts: &mut Contacts, input: &Input, mut planes: Vec<PlaneConta
 
 /// What a tally says of velocities.
 fn speeds(tally: &[u32]) -> Speeds {
-    let [highest, lowest] = [HIGHEST, LOWEST].map(|first| {
+    let [highest, lowest] = [MAX_VELOCITY, MAX_NEGATED_VELOCITY].map(|first| {
         let axes = [0, 1, 2].map(|axis| descending(tally[(first + axis) as usize]));
         Vec3::from_array(axes.map(|speed| speed.unwrap_or(f32::NEG_INFINITY)))
     });
-    Speeds::between(-lowest, highest, descending(tally[SPIN as usize]).unwrap_or(0.0))
+    Speeds::between(-lowest, highest, descending(tally[MAX_SPIN as usize]).unwrap_or(0.0))
 }
 
 /// The number that the kernels made one of, in the order of the floats; `None` for 0, which stands for none.

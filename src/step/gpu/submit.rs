@@ -3,10 +3,10 @@
 use super::buffers::StepCapacity;
 use super::flight::Flight;
 use super::results::{Detail, Parts};
-use super::solver_input::{SolverInput, Told};
+use super::solver_input::{SolverInput, HostSpeeds};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
-use crate::gpu::buffers::Sizes;
+use crate::gpu::buffers::Capacity;
 use crate::gpu::readback::{scoped, staging};
 use crate::state::StepInput;
 use crate::types::settings::Response;
@@ -34,51 +34,51 @@ impl GpuStep {
     ) -> Result<(), StepError> {
         let wants_points = state.config.response != Response::Impulse;
         if wants_points {
-            self.want_contacts()?;
+            self.ensure_contacts()?;
         }
         let mut input = Input::new(state, carried);
         if state.config.response == Response::Contacts {
-            let descent = self.lineage.follow(state);
+            let remap = self.last_bodies.advance_to(state);
             // What may have changed while the results are on their way: what the host told, and what falls.
-            let push = self.told.iter().map(|told| told.push).sum();
+            let max_change = self.host_speeds.iter().map(|host| host.max_change).sum();
             let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
             let known = self
-                .told
+                .host_speeds
                 .iter()
-                .fold(self.speeds, |speeds, told| speeds.and(told.speeds));
-            let solver = SolverInput::new(state, carried, known.after(push, fall), descent);
-            self.told.push_back(solver.told);
+                .fold(self.speeds, |speeds, host| speeds.and(host.speeds));
+            let solver = SolverInput::new(state, carried, known.after(max_change, fall), remap);
+            self.host_speeds.push_back(solver.host_speeds);
             input = input.with_solver(solver);
         } else {
-            self.lineage.forget();
-            self.told.push_back(Told::default());
+            self.last_bodies.forget();
+            self.host_speeds.push_back(HostSpeeds::default());
         }
         let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {
             // Steps that must run again find their meshes where they were.
-            self.settle()?;
+            self.finish_all()?;
             changes = self.arena.update(&state.meshes)?;
         }
-        let needed = Sizes {
+        let needed = Capacity {
             bodies: input.len(),
             planes: state.planes.len() as u32,
             meshes: self.arena.slots(),
             words: self.arena.words(),
-            ..Sizes::default()
+            ..Capacity::default()
         };
-        if !wants_points && self.buffers.sizes.grown(needed) != self.buffers.sizes {
+        if !wants_points && self.buffers.capacity.grown(needed) != self.buffers.capacity {
             // Swarms of impulses need no room for contact points: it is made again when somebody wants some.
-            self.settle()?;
+            self.finish_all()?;
             self.contacts = None;
         }
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
-            ..contacts.room()
+            ..contacts.capacity()
         });
-        if self.lacks(needed, for_contacts) {
-            self.settle()?;
+        if self.needs_growth(needed, for_contacts) {
+            self.finish_all()?;
         }
-        if !self.make_room(needed, for_contacts)? {
+        if !self.reserve(needed, for_contacts)? {
             self.write(changes)?;
         }
         self.bodies = input.len();
@@ -104,7 +104,7 @@ impl GpuStep {
                 contacts.prepare(gpu, kernels, buffers, solver.passes());
             }
             let contacts = contacts.as_deref();
-            let parts = Parts::new(&buffers.sizes, contacts, &input, detail);
+            let parts = Parts::new(&buffers.capacity, contacts, &input, detail);
             input.write(gpu, buffers, contacts);
             if flights.is_empty() {
                 // No list is known to be too short.

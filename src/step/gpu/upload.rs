@@ -3,7 +3,7 @@
 use super::contact_programs::ContactPrograms;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
-use crate::gpu::buffers::{Buffers, Sizes};
+use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
@@ -21,22 +21,22 @@ pub struct Carried {
     /// Its number in that step.
     pub source: u32,
     /// What of its position goes on.
-    pub position: Onward,
+    pub position: CarriedVector,
     /// Whether its rotation goes on. If not, it is that of [`Bodies`].
     pub rotation: bool,
     /// What of its linear velocity goes on.
-    pub linear: Onward,
+    pub linear: CarriedVector,
     /// What of its angular velocity goes on.
-    pub angular: Onward,
+    pub angular: CarriedVector,
 }
 
 /// What of a vector goes on from the step before.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Onward {
+pub struct CarriedVector {
     /// Along which axes it does. Along the others it is that of [`Bodies`].
     pub axes: BVec3,
     /// What is added along these axes.
-    pub push: Vec3,
+    pub added: Vec3,
 }
 
 impl Carried {
@@ -44,10 +44,10 @@ impl Carried {
     pub fn all(source: u32) -> Self {
         Self {
             source,
-            position: Onward::ALL,
+            position: CarriedVector::ALL,
             rotation: true,
-            linear: Onward::ALL,
-            angular: Onward::ALL,
+            linear: CarriedVector::ALL,
+            angular: CarriedVector::ALL,
         }
     }
 
@@ -71,20 +71,20 @@ impl Carried {
     }
 }
 
-impl Onward {
+impl CarriedVector {
     /// The whole vector goes on, unchanged. Adding minus zero changes no bit of any number; zero would those of minus zero.
     pub const ALL: Self = Self {
         axes: BVec3::TRUE,
-        push: Vec3::splat(-0.0),
+        added: Vec3::splat(-0.0),
     };
 
     /// What the device is told.
-    pub fn told(&self, own: Vec3) -> Vec3 {
-        Vec3::select(self.axes, self.push, own)
+    pub fn sent(&self, own: Vec3) -> Vec3 {
+        Vec3::select(self.axes, self.added, own)
     }
 
     fn apply(&self, last: Vec3, own: Vec3) -> Vec3 {
-        Vec3::select(self.axes, last + self.push, own)
+        Vec3::select(self.axes, last + self.added, own)
     }
 }
 
@@ -134,9 +134,9 @@ impl Input {
     /// Adds what the solver is told, with [`Response::Contacts`].
     pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
         self.step.dt = solver.dt();
-        self.step.look_ahead = solver.look_ahead();
+        self.step.speculative_time = solver.speculative_time();
         self.step.drift = solver.drift.to_array();
-        self.step.new_ground = solver.new_ground().into();
+        self.step.planes_changed = solver.planes_changed().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
             // Whoever continues has the same number there.
@@ -200,18 +200,18 @@ impl Input {
 
     /// Writes everything.
     pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&ContactPrograms>) {
-        let sizes = &buffers.sizes;
-        let held = Sizes {
+        let capacity = &buffers.capacity;
+        let held = Capacity {
             bodies: self.step.bodies,
-            ..*sizes
+            ..*capacity
         };
         let step = layout::Step {
             // By the bodies there are and not by the room for them: the order of pairs, and so of sums, follows the buckets.
             bucket_mask: held.buckets() - 1,
-            pair_capacity: sizes.pairs,
-            hit_capacity: sizes.hits,
-            plane_contact_capacity: sizes.plane_contacts,
-            touch_capacity: contacts.map_or(0, |contacts| contacts.room().touches),
+            pair_capacity: capacity.pairs,
+            hit_capacity: capacity.hits,
+            plane_contact_capacity: capacity.plane_contacts,
+            touch_capacity: contacts.map_or(0, |contacts| contacts.capacity().touches),
             ..self.step
         };
         let mut counters = [0u32; COUNTERS as usize];
@@ -223,7 +223,7 @@ impl Input {
         if let Some(contacts) = contacts {
             contacts.write_limits(gpu, step.bodies, step.planes);
             if let Some(solver) = &self.solver {
-                solver.write(gpu, &contacts.step, contacts.solver.sizes);
+                solver.write(gpu, &contacts.step, contacts.solver.capacity);
             }
         }
     }
@@ -235,27 +235,27 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let mesh = &state.meshes[bodies.mesh[i]].mesh;
     // The device places the centre of mass in single precision: the sphere grows by what that can cost. What the distance
     // from the origin adds is for the device to say, which knows the place.
-    let arm = scale * mesh.mass.center;
+    let anchor = scale * mesh.mass.center;
     let radius = mesh.radius * scale.abs().max_element();
-    let mut told = bodies.motion(i);
+    let mut sent = bodies.motion(i);
     if let Some(carried) = carried {
-        told.position = carried.position.told(told.position);
-        told.linear_velocity = carried.linear.told(told.linear_velocity);
-        told.angular_velocity = carried.angular.told(told.angular_velocity);
+        sent.position = carried.position.sent(sent.position);
+        sent.linear_velocity = carried.linear.sent(sent.linear_velocity);
+        sent.angular_velocity = carried.angular.sent(sent.angular_velocity);
     }
     layout::Body {
-        position: told.position.to_array(),
+        position: sent.position.to_array(),
         mesh: bodies.mesh[i],
         rotation: bodies.rotation[i].to_array(),
         scale: scale.to_array(),
-        radius: radius * (1.0 + 1.0e-6) + 1.5e-6 * arm.length(),
-        linear_velocity: told.linear_velocity.to_array(),
+        radius: radius * (1.0 + 1.0e-6) + 1.5e-6 * anchor.length(),
+        linear_velocity: sent.linear_velocity.to_array(),
         inverse_mass: bodies.inverse_mass[i],
-        angular_velocity: told.angular_velocity.to_array(),
+        angular_velocity: sent.angular_velocity.to_array(),
         restitution: bodies.restitution[i],
         inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
         gravity_scale: bodies.gravity_scale[i],
-        inverse_inertia_mixed: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
+        inverse_inertia_off_diagonal: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
         flags: flags(bodies, i),
         memberships: bodies.layers[i].memberships,
         filters: bodies.layers[i].filters,

@@ -10,7 +10,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 /// Least 1-norm of the cross product of two normals for which their planes have a common line.
-pub(crate) const LEAST_LINE: f32 = 1.0e-30;
+pub(crate) const MIN_LINE: f32 = 1.0e-30;
 
 /// Eight triangles with their planes and error bounds.
 pub struct Eight {
@@ -80,7 +80,7 @@ pub fn decide_by([a, b]: [&Eight; 2], heights_a: &[f32x8; 3], heights_b: &[f32x8
 
     let apart = side_a.one | side_b.one;
     // Nearly parallel planes and tiny faces have no reliable common line.
-    let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(f32x8::splat(LEAST_LINE));
+    let clear = side_a.clear & side_b.clear & norm1(line).simd_gt(f32x8::splat(MIN_LINE));
     let hit = clear & overlap.simd_gt(bound);
     let miss = apart | (clear & overlap.simd_lt(-bound));
     let hit = hit.to_bitmask() & !apart.to_bitmask();

@@ -46,7 +46,7 @@ pub fn twice_and_with_little_room(gpu: &Gpu) {
         let again = run.run(&state.input, &pairs).unwrap();
         assert_eq!(bits(&again), bits(&first));
     }
-    let mut small = GpuManifolds::with_room(gpu, ContactCapacity::default()).unwrap();
+    let mut small = GpuManifolds::with_capacity(gpu, ContactCapacity::default()).unwrap();
     let grown = small.run(&state.input, &pairs).unwrap();
     assert_eq!(bits(&grown), bits(&first));
     assert!(small.repeats() > 2, "{}", small.repeats());

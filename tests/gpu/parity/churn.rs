@@ -5,7 +5,7 @@ use super::compare::{Tally, compare};
 use super::scene::{Scene, Shape, step_on_cpu};
 use crate::oracle::rng::Rng;
 use bevy_faceoff::geometry::shapes;
-use bevy_faceoff::gpu::buffers::Sizes;
+use bevy_faceoff::gpu::buffers::Capacity;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::state::Body;
 use bevy_faceoff::step::StepState;
@@ -108,12 +108,12 @@ impl Churn {
 }
 
 pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
-    let room = Sizes {
+    let capacity = Capacity {
         bodies: 1,
         words: 1,
         ..Default::default()
     };
-    let mut step = GpuStep::with_room(gpu.clone(), room).unwrap();
+    let mut step = GpuStep::with_capacity(gpu.clone(), capacity).unwrap();
     let mut churn = Churn {
         rng: Rng::new(3000, 0),
         known: shapes(),
@@ -172,7 +172,7 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
         early_bytes,
         STEPS / 5,
         step.bytes(),
-        step.sizes()
+        step.capacity()
     );
     all.require_no_failures();
     all.require_few_excused(1000);
@@ -185,9 +185,9 @@ pub fn bodies_and_meshes_come_and_go(gpu: &Gpu) {
     );
     let most: usize = churn.known.iter().map(words).max().unwrap() * MESHES;
     assert!(
-        step.sizes().words as usize <= 2 * most,
+        step.capacity().words as usize <= 2 * most,
         "{} words for {most}",
-        step.sizes().words
+        step.capacity().words
     );
 }
 

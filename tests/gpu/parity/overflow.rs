@@ -17,18 +17,18 @@ pub fn growing_lists_change_nothing(gpu: &Gpu) {
     for body in &mut scene.bodies {
         body.linear_velocity = -10.0 * body.position;
     }
-    let mut tiny = GpuStep::with_room(gpu.clone(), TINY).unwrap();
-    let mut ample = GpuStep::with_room(gpu.clone(), AMPLE).unwrap();
+    let mut tiny = GpuStep::with_capacity(gpu.clone(), TINY).unwrap();
+    let mut ample = GpuStep::with_capacity(gpu.clone(), AMPLE).unwrap();
     let mut growths = 0;
     for number in 0..8 {
-        let before = tiny.sizes();
+        let before = tiny.capacity();
         let (one, other) = (scene.on_gpu(&mut tiny), scene.on_gpu(&mut ample));
         Bits::of(&one).require(&Bits::of(&other), &format!("step {number}"));
-        growths += usize::from(tiny.sizes() != before);
+        growths += usize::from(tiny.capacity() != before);
         scene.take(&one);
     }
     assert!(growths >= 3, "lists grew {growths} times only");
-    assert_eq!(ample.sizes(), AMPLE, "what is ample need not grow");
+    assert_eq!(ample.capacity(), AMPLE, "what is ample need not grow");
 }
 
 /// Two meshes that touch in 100,000 places are a long loop. Mesa's llvmpipe leaves loops early; that must not go unnoticed.

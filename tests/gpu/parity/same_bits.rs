@@ -3,7 +3,7 @@
 use super::scene::Scene;
 use super::scenes::{ANY, Kit, crowd, half_spaces};
 use crate::oracle::rng::Rng;
-use bevy_faceoff::gpu::buffers::Sizes;
+use bevy_faceoff::gpu::buffers::Capacity;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::state::StepConfig;
 use bevy_faceoff::step::StepState;
@@ -12,7 +12,7 @@ use bevy_faceoff::types::settings::Culling;
 use glam::Vec3;
 
 /// Room for nothing: every list has to grow.
-pub const TINY: Sizes = Sizes {
+pub const TINY: Capacity = Capacity {
     bodies: 1,
     planes: 0,
     pairs: 1,
@@ -23,7 +23,7 @@ pub const TINY: Sizes = Sizes {
 };
 
 /// Room for all that is tried here.
-pub const AMPLE: Sizes = Sizes {
+pub const AMPLE: Capacity = Capacity {
     bodies: 5000,
     planes: 100,
     pairs: 50_000,
@@ -116,8 +116,8 @@ pub fn again_and_with_other_room(gpu: &Gpu) {
     for _ in 0..2 {
         first.require(&Bits::of(&scene.on_gpu(&mut step)), "again");
     }
-    for (name, room) in [("tiny", TINY), ("ample", AMPLE)] {
-        let mut step = GpuStep::with_room(gpu.clone(), room).unwrap();
+    for (name, capacity) in [("tiny", TINY), ("ample", AMPLE)] {
+        let mut step = GpuStep::with_capacity(gpu.clone(), capacity).unwrap();
         first.require(&Bits::of(&scene.on_gpu(&mut step)), name);
     }
     // After another scene, with lists that have grown and meshes elsewhere.

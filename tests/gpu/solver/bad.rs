@@ -5,7 +5,7 @@ use super::twin::Twin;
 use super::world::{World, check};
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds};
-use bevy_faceoff::solver::gpu::Room;
+use bevy_faceoff::solver::gpu::SolverCapacity;
 use bevy_faceoff::solver::{CollisionSubstep, SolverBodies, SolverBody};
 use bevy_faceoff::step::gpu::StepError;
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
@@ -33,7 +33,7 @@ fn pair(bodies: [usize; 2], first_point: u32, point_count: u32) -> Manifold {
     }
 }
 
-fn interval(world: &World) -> CollisionSubstep {
+fn collision_substep(world: &World) -> CollisionSubstep {
     CollisionSubstep {
         dt: world.dt,
         substeps: 8,
@@ -85,8 +85,8 @@ pub fn bad_input_is_left_out(gpu: &Gpu) {
             pair([cube, odd], u32::MAX, u32::MAX),
             pair([cube, lost], first + 5, 0),
         ]);
-        let interval = interval(&twin.world);
-        twin.solve(&interval);
+        let collision_substep = collision_substep(&twin.world);
+        twin.solve(&collision_substep);
     }
     let world = &twin.world;
     check("the cube rests", world.center(cube).y, 0.5 + 0.00866, 0.005);
@@ -105,16 +105,16 @@ pub fn bad_input_is_left_out(gpu: &Gpu) {
 
 pub fn nothing_at_all(gpu: &Gpu) {
     let mut solver = GpuSolver::new(gpu).unwrap();
-    let interval = CollisionSubstep {
+    let collision_substep = CollisionSubstep {
         dt: 0.01,
         substeps: 3,
         gravity: Vec3::NEG_Y,
     };
     let settings = SolverSettings::default();
-    solver.run(&settings, &interval).unwrap();
+    solver.run(&settings, &collision_substep).unwrap();
     solver.put_bodies(&SolverBodies::default()).unwrap();
     solver.put_contacts(&Manifolds::default()).unwrap();
-    solver.run(&settings, &interval).unwrap();
+    solver.run(&settings, &collision_substep).unwrap();
     assert_eq!(solver.motions().unwrap(), []);
     assert_eq!(solver.impulses().unwrap(), [0.0; 0]);
     // No passes at all, but bodies fall.
@@ -181,8 +181,8 @@ pub fn lists_that_lie(gpu: &Gpu) {
                 )
             })
             .collect();
-        let interval = interval(&twin.world);
-        twin.solve(&interval);
+        let collision_substep = collision_substep(&twin.world);
+        twin.solve(&collision_substep);
         for motion in &twin.world.bodies.motions {
             assert!(motion.center.is_finite() && motion.rotation.is_finite(), "{motion:?}");
         }
@@ -190,11 +190,11 @@ pub fn lists_that_lie(gpu: &Gpu) {
 }
 
 pub fn too_much_is_an_error(gpu: &Gpu) {
-    let room = Room {
+    let capacity = SolverCapacity {
         bodies: 10,
         pairs: 10,
         points: u32::MAX,
     };
-    let error = GpuSolver::with_room(gpu, room).err().unwrap();
+    let error = GpuSolver::with_capacity(gpu, capacity).err().unwrap();
     assert!(matches!(error, StepError::TooLarge(_)), "{error}");
 }

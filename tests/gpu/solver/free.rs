@@ -134,13 +134,13 @@ pub fn kinematic_and_static_bodies(gpu: &Gpu) {
     let mut twin = Twin::new(gpu, make());
     for _ in 0..64 {
         // Without contacts, and without the sleeper.
-        let interval = CollisionSubstep {
+        let collision_substep = CollisionSubstep {
             dt: cpu.dt,
             substeps: 8,
             gravity: cpu.gravity,
         };
-        solve_on_cpu(&mut cpu, &interval);
-        twin.solve(&interval);
+        solve_on_cpu(&mut cpu, &collision_substep);
+        twin.solve(&collision_substep);
     }
     Apart::of(&cpu, &twin.world).check("kinematic, static, asleep", all(1.0e-5));
     assert_eq!(twin.world.center(1), DVec3::Y);

@@ -107,7 +107,7 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
     let (mut solver, mut warm) = (Solver::default(), WarmStart::default());
     let mut on_device = GpuSolver::new(gpu).unwrap();
     on_device.put_bodies(&other.bodies).unwrap();
-    let interval = CollisionSubstep {
+    let collision_substep = CollisionSubstep {
         dt: one.state.input.config.dt,
         substeps: settings.substeps,
         gravity: one.state.input.config.gravity,
@@ -115,13 +115,13 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
     let mut most = 0;
     for step in 0..128 {
         let manifolds = one.manifolds();
-        solver.solve(&mut one.bodies, &manifolds, &mut warm, &settings, &interval);
+        solver.solve(&mut one.bodies, &manifolds, &mut warm, &settings, &collision_substep);
         one.place();
 
         let manifolds = other.manifolds();
         most = most.max(manifolds.points.len());
         on_device.put_contacts(&manifolds).unwrap();
-        on_device.run(&settings, &interval).unwrap();
+        on_device.run(&settings, &collision_substep).unwrap();
         other.bodies.motions = on_device.motions().unwrap();
         other.place();
         if step == 31 {

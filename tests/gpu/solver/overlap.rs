@@ -76,18 +76,18 @@ pub fn points_that_disagree(gpu: &Gpu) {
             world.motion(1).center = DVec3::X * 0.97;
         }
         twin.put();
-        let interval = CollisionSubstep {
+        let collision_substep = CollisionSubstep {
             dt: cpu.dt,
             substeps: 8,
             gravity: Vec3::ZERO,
         };
         for _ in 0..64 {
-            cpu.detect(interval.dt);
+            cpu.detect(collision_substep.dt);
             contradict(&mut cpu);
-            solve_on_cpu(&mut cpu, &interval);
-            twin.world.detect(interval.dt);
+            solve_on_cpu(&mut cpu, &collision_substep);
+            twin.world.detect(collision_substep.dt);
             contradict(&mut twin.world);
-            twin.solve(&interval);
+            twin.solve(&collision_substep);
         }
         Apart::of(&cpu, &twin.world).check(&format!("approached {approach}"), all(1.0e-4));
         let apart = twin.world.center(1).x - twin.world.center(0).x;

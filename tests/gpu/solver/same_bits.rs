@@ -5,7 +5,7 @@ use super::shapes::Shape;
 use super::twin::{Apart, Twin, all};
 use super::world::World;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::solver::gpu::Room;
+use bevy_faceoff::solver::gpu::SolverCapacity;
 use glam::{DVec3, Vec3};
 
 fn heap() -> World {
@@ -42,18 +42,18 @@ pub fn the_same_bits_again(gpu: &Gpu) {
 }
 
 pub fn bits_do_not_depend_on_room(gpu: &Gpu) {
-    let run = |room| {
-        let mut twin = Twin::with_room(gpu, room, heap());
+    let run = |capacity| {
+        let mut twin = Twin::with_capacity(gpu, capacity, heap());
         twin.step(40);
-        (bits(&twin), twin.solver.room())
+        (bits(&twin), twin.solver.capacity())
     };
     // Every list has to grow, some while impulses are remembered.
-    let tiny = Room {
+    let tiny = SolverCapacity {
         bodies: 1,
         pairs: 1,
         points: 1,
     };
-    let large = Room {
+    let large = SolverCapacity {
         bodies: 70_000,
         pairs: 5000,
         points: 9000,

@@ -151,18 +151,18 @@ fn web() -> World {
 pub fn islands_are_those_of_the_cpu(gpu: &Gpu) {
     let mut cpu = web();
     let mut twin = Twin::new(gpu, web());
-    let interval = CollisionSubstep {
+    let collision_substep = CollisionSubstep {
         dt: cpu.dt,
         substeps: 1,
         gravity: Vec3::ZERO,
     };
     for round in 0..4 {
         cpu.sleeper
-            .wake(&mut cpu.bodies, &cpu.manifolds, &cpu.settings, &interval);
-        solve_on_cpu(&mut cpu, &interval);
+            .wake(&mut cpu.bodies, &cpu.manifolds, &cpu.settings, &collision_substep);
+        solve_on_cpu(&mut cpu, &collision_substep);
         cpu.sleeper
-            .settle(&mut cpu.bodies, &cpu.manifolds, &cpu.settings, interval.dt);
-        twin.solve(&interval);
+            .settle(&mut cpu.bodies, &cpu.manifolds, &cpu.settings, collision_substep.dt);
+        twin.solve(&collision_substep);
         let sleepers = asleep(&twin.world);
         println!("round {round}: {} of 3000 asleep", sleepers.len());
         assert_eq!(sleepers, asleep(&cpu));

@@ -2,7 +2,7 @@
 
 use super::world::World;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::solver::gpu::Room;
+use bevy_faceoff::solver::gpu::SolverCapacity;
 use bevy_faceoff::solver::speeds::Speeds;
 use bevy_faceoff::solver::{CollisionSubstep, SolverBodies, SolverMotion};
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
@@ -19,8 +19,8 @@ impl Twin {
         Self::with_solver(GpuSolver::new(gpu).unwrap(), world)
     }
 
-    pub fn with_room(gpu: &Gpu, room: Room, world: World) -> Self {
-        Self::with_solver(GpuSolver::with_room(gpu, room).unwrap(), world)
+    pub fn with_capacity(gpu: &Gpu, capacity: SolverCapacity, world: World) -> Self {
+        Self::with_solver(GpuSolver::with_capacity(gpu, capacity).unwrap(), world)
     }
 
     fn with_solver(solver: GpuSolver, world: World) -> Self {
@@ -44,23 +44,23 @@ impl Twin {
             let collision_substeps = world.collision_substeps.unwrap_or_else(|| {
                 Speeds::of(&world.bodies, |_| false).collision_substeps(&world.settings, &world.bodies, world.dt)
             });
-            let interval = CollisionSubstep {
+            let collision_substep = CollisionSubstep {
                 dt: world.dt / collision_substeps as f32,
                 substeps: world.settings.substeps_per_collision_substep(collision_substeps),
                 gravity: world.gravity,
             };
             for _ in 0..collision_substeps {
-                self.world.detect(interval.dt);
-                self.solve(&interval);
+                self.world.detect(collision_substep.dt);
+                self.solve(&collision_substep);
             }
         }
     }
 
     /// One interval with the manifolds as they are.
-    pub fn solve(&mut self, interval: &CollisionSubstep) {
+    pub fn solve(&mut self, collision_substep: &CollisionSubstep) {
         self.solver.put_contacts(&self.world.manifolds).unwrap();
         let start = std::time::Instant::now();
-        self.solver.run(&self.world.settings, interval).unwrap();
+        self.solver.run(&self.world.settings, collision_substep).unwrap();
         self.time_solving += start.elapsed();
         self.world.bodies.motions = self.solver.motions().unwrap();
         self.world.bodies.sleep = self.solver.sleep().unwrap();
@@ -68,13 +68,13 @@ impl Twin {
 }
 
 /// One interval on the CPU with the manifolds as they are.
-pub fn solve_on_cpu(world: &mut World, interval: &CollisionSubstep) {
+pub fn solve_on_cpu(world: &mut World, collision_substep: &CollisionSubstep) {
     world.solver.solve(
         &mut world.bodies,
         &world.manifolds,
         &mut world.warm,
         &world.settings,
-        interval,
+        collision_substep,
     );
 }
 

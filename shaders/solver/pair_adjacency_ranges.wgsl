@@ -2,10 +2,10 @@
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 
-@group(0) @binding(0) var<uniform> interval: s::Interval;
+@group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
-@group(0) @binding(2) var<storage, read> end_keys: array<u32>;
-@group(0) @binding(3) var<storage, read_write> links: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> side_keys: array<u32>;
+@group(0) @binding(3) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
 
 // Two ends a thread, so that a dispatch for 64 pairs reaches all.
 @compute @workgroup_size(128)
@@ -15,14 +15,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= length {
         return;
     }
-    let key = end_keys[i];
-    if key >= interval.bodies {
+    let key = side_keys[i];
+    if key >= collision_substep.bodies {
         return;
     }
-    if i == 0u || end_keys[i - 1u] != key {
-        links[key].x = i;
+    if i == 0u || side_keys[i - 1u] != key {
+        body_adjacency[key].first_side = i;
     }
-    if i + 1u == length || end_keys[i + 1u] != key {
-        links[key].y = i + 1u;
+    if i + 1u == length || side_keys[i + 1u] != key {
+        body_adjacency[key].sides_end = i + 1u;
     }
 }

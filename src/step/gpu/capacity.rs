@@ -5,17 +5,17 @@ use super::contact_programs::{ContactPrograms, START};
 use super::record::{all_kernels, all_modules, impulse_program};
 use super::{GpuStep, StepError};
 use crate::gpu::arena::Change;
-use crate::gpu::buffers::{Buffers, Sizes, TooLarge};
+use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::layout;
 use crate::gpu::readback::scoped;
 
 impl GpuStep {
     /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
-    pub(super) fn want_contacts(&mut self) -> Result<(), StepError> {
+    pub(super) fn ensure_contacts(&mut self) -> Result<(), StepError> {
         if self.contacts.is_some() {
             return Ok(());
         }
-        self.settle()?;
+        self.finish_all()?;
         let Self {
             gpu,
             kernels,
@@ -39,21 +39,21 @@ impl GpuStep {
     }
 
     /// Whether some list does not suffice.
-    pub(super) fn lacks(&self, needed: Sizes, for_contacts: Option<StepCapacity>) -> bool {
-        let room = self.contacts.as_ref().map(ContactPrograms::room);
-        self.buffers.sizes.grown(needed) != self.buffers.sizes
-            || room
+    pub(super) fn needs_growth(&self, needed: Capacity, for_contacts: Option<StepCapacity>) -> bool {
+        let contact_capacity = self.contacts.as_ref().map(ContactPrograms::capacity);
+        self.buffers.capacity.grown(needed) != self.buffers.capacity
+            || contact_capacity
                 .zip(for_contacts)
-                .is_some_and(|(room, needed)| room.grown(needed) != room)
+                .is_some_and(|(capacity, needed)| capacity.grown(needed) != capacity)
     }
 
     /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
-    pub(super) fn make_room(&mut self, needed: Sizes, for_contacts: Option<StepCapacity>) -> Result<bool, StepError> {
-        if !self.lacks(needed, for_contacts) {
+    pub(super) fn reserve(&mut self, needed: Capacity, for_contacts: Option<StepCapacity>) -> Result<bool, StepError> {
+        if !self.needs_growth(needed, for_contacts) {
             return Ok(false);
         }
-        let grown = self.buffers.sizes.grown(needed);
-        let longer = grown != self.buffers.sizes;
+        let grown = self.buffers.capacity.grown(needed);
+        let longer = grown != self.buffers.capacity;
         let made = scoped(&self.gpu, || {
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             let buffers = if longer {
@@ -68,8 +68,8 @@ impl GpuStep {
             let contacts = match (&self.contacts, for_contacts) {
                 (Some(old), Some(needed)) => {
                     let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
-                    let contacts = ContactPrograms::new(&self.gpu, &self.kernels, buffers, old.room().grown(needed))?;
-                    contacts.take_memory(old, &mut encoder);
+                    let contacts = ContactPrograms::new(&self.gpu, &self.kernels, buffers, old.capacity().grown(needed))?;
+                    contacts.copy_memory(old, &mut encoder);
                     Some(contacts)
                 }
                 _ => None,

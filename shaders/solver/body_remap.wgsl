@@ -1,0 +1,20 @@
+// Solver: which number each body had in the interval before.
+#import faceoff::dispatch::group_index
+#import faceoff::solver_types as s
+
+@group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
+// New numbers by old ones; the largest word for bodies that are gone.
+@group(0) @binding(1) var<storage, read> new_numbers: array<u32>;
+@group(0) @binding(2) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let old = group_index(group) * 64u + thread;
+    if old >= min(collision_substep.old_bodies, arrayLength(&new_numbers)) {
+        return;
+    }
+    let body = new_numbers[old];
+    if body < collision_substep.bodies {
+        body_adjacency[body].old_number = old;
+    }
+}
