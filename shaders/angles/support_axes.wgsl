@@ -1,5 +1,4 @@
-// Angles: how the two bodies of a pair lie to each other, whether a support plane separates them, and what is in view. One
-// thread a pair.
+// Angles: the relative pose of each pair, the support-axis cull, and which triangles are visible. One thread per pair.
 #import faceoff::arena::{meshes, words, support}
 #import faceoff::constants::angles::AXES
 #import faceoff::dispatch::group_index
@@ -13,7 +12,7 @@
 @group(0) @binding(5) var<storage, read_write> near_pairs: array<t::NearPair>;
 @group(0) @binding(6) var<uniform> step: t::Step;
 
-// Error of a placed coordinate in the pair's unit: some 40 roundings of 2^-24. Relative poses are made of products of two
+// Error of a placed coordinate in the pair's unit: about 40 roundings of 2^-24. Relative poses are products of two
 // rotations, each rounded.
 const PLACING_ERROR: f32 = 2.5e-6;
 
@@ -30,7 +29,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// The power of two that brings a size between 1 and 2.
+// The power of two that scales a size to between 1 and 2.
 fn unit_of(size: f32) -> f32 {
     let exponent = clamp((bitcast<u32>(size) >> 23u) & 255u, 1u, 253u);
     return bitcast<f32>((254u - exponent) << 23u);
@@ -47,7 +46,7 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
 
     let back = conjugate(a.rotation);
     let rotation = matrix(compose(back, b.rotation));
-    // The difference of two positions is rounded once, however far away they are.
+    // The difference of two positions is rounded once, however far they are from the origin.
     let anchor_a = rotate(a.rotation, a.scale * mesh_a.center);
     let anchor_b = rotate(b.rotation, b.scale * mesh_b.center);
     let apart = rotate(back, ((b.position - a.position) + (anchor_b - anchor_a)) * unit);
@@ -72,7 +71,8 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     best.view_b = t::VIEW_ALL;
 
     var best_overlap = 3.0e38;
-    // Gilbert's iteration: the nearest point known of a minus b, at first from centre to centre.
+    // Gilbert's iteration: the point of the Minkowski difference of a and b that is nearest to the origin so far; at
+    // first the difference of the centres.
     var nearest = -apart;
     for (var k = 0u; k < AXES; k += 1u) {
         let distance = sqrt(dot(nearest, nearest));
@@ -101,14 +101,14 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
         let to = (pa - pb) - nearest;
         let square = dot(to, to);
         let along = -dot(nearest, to);
-        // No nearer point along this axis.
+        // This axis gives no nearer point.
         if !(square > 0.0 && along > 0.0) {
             break;
         }
         nearest += to * min(along / square, 1.0);
     }
 
-    // Below a distance of `pad` the direction between the centres is rounding, or none.
+    // Within the distance `pad` rounding determines the direction between the centres.
     if dot(apart, apart) > pad * pad {
         let local = apart * rotation;
         best.view_a = view(a, mesh_a, apart, true);
@@ -117,23 +117,24 @@ fn near(bodies_of_pair: vec2<u32>) -> t::NearPair {
     return best;
 }
 
-// `to_other` points to the other body, in the body's axes; `first`: the translation of the pair does too.
+// The visible triangles of a body. `to_other` points to the other body, in the body's axes. `first`: it is the first of
+// the pair.
 fn view(body: t::Body, mesh: t::Mesh, to_other: vec3<f32>, first: bool) -> u32 {
     let culling = body.flags & t::CULLING_MASK;
     let orientation = mesh.flags & t::ORIENTATION_MASK;
     if culling == t::CULLING_FACES && mesh.direction_steps != 0u {
         return t::VIEW_GROUP + words[mesh.directions + direction_index(mesh.direction_steps, to_other / body.scale)];
     }
-    // Of a room, what is in it sees every wall.
+    // A body inside a room sees every wall.
     if culling == t::CULLING_FRONT && orientation == t::OUTWARD {
-        // Mirroring turns corners from counter-clockwise to clockwise.
+        // Mirroring reverses the winding.
         let mirrored = (body.scale.x < 0.0) != ((body.scale.y < 0.0) != (body.scale.z < 0.0));
         return select(t::VIEW_AGAINST, t::VIEW_ALONG, mirrored != first);
     }
     return t::VIEW_ALL;
 }
 
-// The table's direction nearest to `d`; `geometry/direction.rs` explains the grid.
+// The index of the table's direction nearest to `d`. `src/geometry/direction.rs` explains the grid.
 fn direction_index(steps: u32, d: vec3<f32>) -> u32 {
     let u = direction(d);
     let turn = i32(steps);

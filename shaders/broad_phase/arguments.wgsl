@@ -1,5 +1,5 @@
-// BroadPhase: how many workgroups the kernels over pairs need. A list that is too small turns the step into nothing: the
-// host makes it longer and runs the step again.
+// BroadPhase: workgroup counts of the kernels over pairs. If the list of pairs is too short the step does nothing; the
+// host makes the list longer and repeats it.
 #import faceoff::constants::shared::{DIGITS, SCAN_BLOCK, SORT_BLOCK}
 #import faceoff::dispatch::{divide_up, rows}
 #import faceoff::types as t

@@ -1,4 +1,4 @@
-// BroadPhase: the bucket of every body, and which levels there are.
+// BroadPhase: the bucket of each body, and which levels have bodies. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of, center_of, level_of}
 #import faceoff::types::{Body, Mesh, Step, LEVELS}

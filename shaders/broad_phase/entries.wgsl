@@ -1,4 +1,4 @@
-// BroadPhase: bodies in the order of their buckets, and where each bucket begins and ends.
+// BroadPhase: the bodies in the order of their buckets, and the range of each bucket. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{center_of, level_of}
 #import faceoff::types::{Body, GridEntry, Mesh, Step}
@@ -9,7 +9,7 @@
 @group(0) @binding(3) var<storage, read> keys: array<u32>;
 @group(0) @binding(4) var<storage, read> values: array<u32>;
 @group(0) @binding(5) var<storage, read_write> entries: array<GridEntry>;
-// Cleared before: a bucket without bodies begins and ends at 0.
+// Cleared before, so empty buckets are empty ranges.
 @group(0) @binding(6) var<storage, read_write> buckets: array<vec2<u32>>;
 
 @compute @workgroup_size(64)

@@ -1,8 +1,8 @@
 #define_import_path faceoff::grid
 
-// Cells of the broad phase. A body belongs to the level whose cells are the smallest power of two not below its diameter,
-// so spheres that overlap lie in neighbouring cells of the larger one's level: dividing by a power of two, rounding down and
-// the difference of the centres are exact, or rounded the same way for both.
+// Cells of the broad phase. The level of a body has the smallest cells, of power-of-two size, that are no smaller than
+// its diameter. So spheres that overlap lie in neighbouring cells of the larger one's level: division by a power of
+// two, rounding down and the difference of the centres are exact, or rounded the same way for both.
 
 #import faceoff::types::Body
 #import faceoff::math::rotate
@@ -11,7 +11,8 @@
 const LEVEL_BIAS: i32 = 97;
 
 fn level_of(radius: f32) -> i32 {
-    // A little more than the diameter, for the rounding of the sphere test. The exponent of the next power of two.
+    // Slightly more than the diameter, because of the rounding of the sphere test. The exponent of the next power of
+    // two.
     let above = i32(bitcast<u32>(radius * 2.0001) >> 23u) + 1;
     return clamp(above - LEVEL_BIAS, 0, 63);
 }
@@ -21,7 +22,7 @@ fn cell_of(center: vec3<f32>, level: i32) -> vec3<i32> {
     return vec3<i32>(clamp(floor(center * per_metre), vec3(-1.0e9), vec3(1.0e9)));
 }
 
-// A bucket for a cell; several may share one.
+// The bucket of a cell. Several cells may share one.
 fn bucket_of(cell: vec3<i32>, level: i32, mask: u32) -> u32 {
     let c = bitcast<vec3<u32>>(cell);
     var h = c.x * 0x8da6b343u + c.y * 0xd8163841u + c.z * 0xcb1ab31fu + u32(level) * 0x9e3779b9u;

@@ -1,6 +1,6 @@
-// BroadPhase: every body looks into the cells around it, on its own level and all coarser ones, so that each pair is seen
-// once: by the smaller body, or on the same level by the one of smaller number. Counted first; with EMIT written to
-// where the scan of the counts says.
+// BroadPhase: each body searches the cells around it, on its own level and all coarser ones. So each pair is found
+// once: by the smaller body or, on the same level, by the one of smaller number. The first run counts the pairs; the
+// second, with EMIT, writes them to the positions from the scan of the counts. One thread per body.
 #import faceoff::constants::broad_phase::SPHERE_SLACK
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of}
@@ -44,7 +44,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 if other.level != level || (level == own.level && other.body <= own.body) || !(other.radius > 0.0) {
                     continue;
                 }
-                // Another cell may share the bucket.
+                // Several cells may share the bucket.
                 if any(cell_of(other.center, level) != cell) || !overlap(own, other) || !may_collide(own, other) {
                     continue;
                 }
@@ -64,7 +64,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 }
 
 fn overlap(a: GridEntry, b: GridEntry) -> bool {
-    // Relative to the larger: squares of tiny or huge lengths would leave f32's range.
+    // In units of the larger sphere: squares of tiny or huge lengths would leave the range of f32.
     let reach = a.radius + b.radius;
     let d = (b.center - a.center) / reach;
     return dot(d, d) <= SPHERE_SLACK;

@@ -1,5 +1,5 @@
-// BroadPhase, before all else: where each body is as the step begins. Bodies may go on from where the last step left them,
-// which the host need not know yet.
+// BroadPhase, first: the pose of each body at the start of the step. Bodies continue from the last step, whose results
+// the host need not know yet. One thread per body.
 #import faceoff::carried::carry_over
 #import faceoff::dispatch::group_index
 #import faceoff::margins::with_speculative_radius
@@ -16,7 +16,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var body = carry_over(bodies[i], moved[bodies[i].source]);
-    // The sphere grows by what rounding its centre costs, four units in the last place.
+    // The sphere grows by the rounding error of its centre: four units in the last place.
     let place = abs(body.position);
     body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
     bodies[i] = with_speculative_radius(step, body);

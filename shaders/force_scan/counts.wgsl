@@ -1,4 +1,5 @@
-// ForceScan: how many contacts push each body. One that parts already takes no share of the mass.
+// ForceScan: counts the contacts that apply an impulse to each body. Contacts that separate do not count, so they take
+// no part of the body's mass. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::response::plane_pushes
 #import faceoff::types as t

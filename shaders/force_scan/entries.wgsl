@@ -1,5 +1,5 @@
-// ForceScan: two entries a pair, keyed by body, for those that touch, are solid and close in; the others' key is beyond
-// all bodies.
+// ForceScan: two entries per pair, keyed by body, for solid bodies that touch and approach each other. Other entries
+// get a key beyond all bodies. One thread per pair.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::math::rotate

@@ -1,12 +1,12 @@
 #define_import_path faceoff::response
 
-// How contacts answer; `src/force_scan/mod.rs` explains it.
+// The impulse of one contact. The twin of `src/force_scan/impulse.rs`.
 
 #import faceoff::constants::force_scan::{RESTITUTION_STEPS, PUSH}
 #import faceoff::math::{conjugate, rotate}
 #import faceoff::types as t
 
-// Velocity of a body's point, `anchor` from its centre, at the end of the step if nothing is touched.
+// Velocity of the point at `anchor` from a body's centre of mass at the end of the step, without contacts.
 fn velocity(step: t::Step, body: t::Body, anchor: vec3<f32>) -> vec3<f32> {
     let kind = body.flags & t::KIND_MASK;
     if kind == t::STATIC {
@@ -19,7 +19,8 @@ fn velocity(step: t::Step, body: t::Body, anchor: vec3<f32>) -> vec3<f32> {
     return v;
 }
 
-// Closing speeds below this do not bounce, or a body at rest would bounce off what gravity gave it within the step.
+// Closing speed below which there is no restitution. Otherwise a body at rest would bounce with the speed that gravity
+// adds within a step.
 fn restitution_threshold(step: t::Step) -> f32 {
     return RESTITUTION_STEPS * sqrt(dot(step.gravity, step.gravity)) * step.dt;
 }
@@ -37,7 +38,7 @@ fn inverse_inertia(body: t::Body, v: vec3<f32>) -> vec3<f32> {
     return rotate(body.rotation, local);
 }
 
-// The speed at which a plane wants a body to leave that arrives with `speed`.
+// The speed at which a body should leave a plane that it reaches with `speed`.
 fn target_speed(step: t::Step, body: t::Body, plane: t::Plane, depth: f32, speed: f32) -> f32 {
     var rebound = 0.0;
     if -speed > restitution_threshold(step) {
@@ -46,7 +47,7 @@ fn target_speed(step: t::Step, body: t::Body, plane: t::Plane, depth: f32, speed
     return max(rebound, min(PUSH.x * depth / step.dt, PUSH.y));
 }
 
-// Whether a body is solid and slower than a plane wants it to leave.
+// Whether a body is solid and leaves a plane more slowly than it should.
 fn plane_pushes(step: t::Step, body: t::Body, plane: t::Plane, contact: t::PlaneContact) -> bool {
     if !(contact.depth > 0.0) || (body.flags & t::SENSOR) != 0u {
         return false;

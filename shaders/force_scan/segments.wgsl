@@ -1,4 +1,4 @@
-// ForceScan: where each body's entries begin and end.
+// ForceScan: the range of each body among the sorted entries.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
@@ -7,7 +7,7 @@
 @group(0) @binding(2) var<storage, read> keys: array<u32>;
 @group(0) @binding(3) var<storage, read_write> body_contacts: array<t::BodyContacts>;
 
-// Two entries a thread, so that a dispatch for 64 pairs reaches all.
+// One thread per entry. There are two entries per pair, so a dispatch with a workgroup per 64 pairs covers all.
 @compute @workgroup_size(128)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 128u + thread;

@@ -1,4 +1,4 @@
-// ForceScan: every body sums the impulses of its entries, in their order, and of its planes.
+// ForceScan: each body sums the impulses of its entries, in their order, and of its planes. One thread per body.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::math::rotate
@@ -41,7 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     impulses[i] = sum;
 }
 
-// How much a unit impulse along n at `anchor` changes the speed there, if the body is split among its contacts.
+// Change of velocity along n by a unit impulse at `anchor`, if the body's mass is split among its contacts.
 fn side_inverse_effective_mass(body: t::Body, active_contacts: u32, anchor: vec3<f32>, n: vec3<f32>) -> f32 {
     let spin = r::inverse_inertia(body, cross(anchor, n));
     return f32(active_contacts) * (body.inverse_mass + dot(cross(spin, anchor), n));
@@ -78,7 +78,7 @@ fn of_pair(result: t::PairResult, first: bool) -> t::Impulse {
     return impulse(b, anchor_b, n, size);
 }
 
-// The change of velocity of a body that reaches into a half-space.
+// The change of velocity of a body that penetrates a half-space.
 fn of_plane(body: t::Body, contact: t::PlaneContact, active_contacts: u32) -> t::Impulse {
     let plane = planes[contact.plane];
     var none: t::Impulse;

@@ -1,4 +1,5 @@
-// ForceScan of a step with contacts, before bodies fall asleep: who touched whom, and where. `src/step/touches.rs` explains it. A thread a pair.
+// ForceScan of a step with contacts, before bodies fall asleep: records which pairs touched, and where. The twin of
+// `src/force_scan/touches.rs`. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -29,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if contact_points[k].separation < contact_points[nearest].separation {
             nearest = k;
         }
-        // Those of bodies that sleep hold the impulse that they had last.
+        // Points of sleeping bodies have the impulse of their last solved substep.
         has_impulse |= impulse_of(point_states[k]) > 0.0 || point_states[k].normal_impulse > 0.0;
     }
     if !(has_impulse || contact_points[nearest].separation <= pair.rest_offset) {
@@ -42,7 +43,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if first + pair.count > step.touch_capacity {
         return;
     }
-    // As the interval began.
+    // At the start of the collision substep.
     let center = motion_states[pair.a].center + (motion_states[pair.a].center_low - pose_changes[pair.a].translation);
     let substep_number = atomicLoad(&tally[t::COLLISION_SUBSTEPS]);
     for (var k = 0u; k < pair.count; k += 1u) {

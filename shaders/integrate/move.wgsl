@@ -1,4 +1,5 @@
-// Integrate: semi-implicit Euler. If a list was too small nothing moves, and the host runs the step again.
+// Integrate: semi-implicit Euler. If a list was too short nothing moves, and the host repeats the step. One thread per
+// body.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, rotate, rotation_by}
@@ -34,7 +35,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         w += impulses[i].angular;
     }
     if kind != t::STATIC {
-        // The centre of mass moves along a line and the mesh's origin turns about it.
+        // The centre of mass moves along a line, and the mesh's origin rotates about it.
         let anchor = body.scale * meshes[body.mesh].center;
         position += v * step.dt;
         if any(w != vec3(0.0)) {

@@ -1,5 +1,5 @@
-// Contact generation: which features count. Near a patch all must agree with it; and of the faces under which a vertex is,
-// the one through which it came is meant. A workgroup a pair.
+// Contact generation: drops features that disagree with a nearby patch. Of the overlapping features of a vertex only
+// the shallowest stays: the face through which it entered. One workgroup per pair.
 #import faceoff::constants::manifolds::MIN_AGREEMENT
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
@@ -28,7 +28,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
         }
     }
-    // What is dropped is only marked at first: `distance` says so, since others still compare.
+    // Dropped features are only marked in `distance` at first, because other threads still compare with them.
     var deep_index = thread;
     while deep_index < setup.deep_count {
         let at = setup.first_deep + deep_index;
@@ -57,7 +57,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
         }
     }
-    // Some devices leave a loop that takes long.
+    // Some devices abort long loops.
     if deep_index < setup.deep_count || patch_index < setup.patch_count {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
@@ -68,7 +68,7 @@ fn is_near(patch_near: t::Patch, feature: t::Feature) -> bool {
     return dot(offset, offset) < patch_near.reach * patch_near.reach;
 }
 
-// Whether the vertex of an overlapping feature is nearer to another face.
+// Whether the vertex of an overlapping feature has a shallower one.
 fn has_shallower(setup: t::PairSetup, at: u32) -> bool {
     let own = features[at].vertex;
     if own == t::NOTHING {

@@ -1,4 +1,4 @@
-// Contact generation, before all else: how many workgroups each kernel takes.
+// Contact generation, first: workgroup counts of its kernels.
 #import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::{divide_up, rows}
 #import faceoff::types as t
@@ -10,7 +10,7 @@
 @compute @workgroup_size(1)
 fn main() {
     let pairs = contact_counters[t::MARGIN_PAIRS];
-    // Every pair has a slot, and every body one for each half-space.
+    // One slot per pair, and one per body and half-space.
     let slots = pairs + limits.bodies * limits.planes;
     contact_counters[t::CONTACT_SLOTS] = slots;
     set_rows(t::GROUPS_PER_MARGIN_PAIR, pairs);

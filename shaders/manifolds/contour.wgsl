@@ -1,5 +1,5 @@
-// Contact generation: the segments of a pair, joined into closed contours, and the patches that these enclose. A workgroup a
-// pair. `src/manifolds/cpu/contour.rs` explains it.
+// Contact generation: joins the segments of a pair into closed contours, and computes their patches. One workgroup per
+// pair. The twin of `src/manifolds/cpu/contour.rs`.
 #import faceoff::constants::manifolds::{MAX_DEPTH, MIN_ENCLOSED_AREA, REACH_FACTOR}
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
@@ -7,15 +7,16 @@
 @group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(1) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
-// Eight words a segment. Of a pair with n segments: a table of 4 n slots for the ends of segments, by what these share
-// with the segment that goes on there (later a list of loose ends); for each end the other end of that, 2 n; the number of
-// the first segment known to belong to the same contour, n; for each first segment how many there are, n.
+// Eight words per segment. A pair with n segments has: 4 n slots of a hash table of segment ends, by the crossing that
+// an end shares with the next segment (later the list of loose ends); 2 n words, for each end its partner; n words, for
+// each segment its label, the number of the first segment known to belong to the same contour; n words, for each first
+// segment the number of segments in its contour.
 @group(0) @binding(3) var<storage, read_write> contour_links: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> patches: array<t::Patch>;
 
-// Ends of contours that should go on count as the same point if they are this near, beside the rounding of heights.
+// Loose ends closer than this are the same point, in units of the rounding of heights.
 const TIE_ROUNDINGS: f32 = 4.0;
-// More loose ends than this are not tied.
+// With more loose ends than this, none are tied.
 const MAX_LOOSE_ENDS: u32 = 1024u;
 
 var<workgroup> loose: atomic<u32>;
@@ -63,7 +64,7 @@ fn size_of(i: u32) -> u32 {
     return 8u * first + 7u * count + i;
 }
 
-// An edge of one body and the triangle of the other that it pierces.
+// The crossing at an end: an edge of one body, and the triangle of the other that it pierces.
 fn key(end: u32) -> vec2<u32> {
     let segment = segments[first + end / 2u];
     let edge = select(segment.start_edge, segment.end_edge, end % 2u == 1u);
@@ -107,10 +108,10 @@ fn join(thread: u32) {
                 }
                 held = put.old_value;
             }
-            // It may still be empty: exchanges fail now and then.
+            // The slot may still be empty: weak exchanges can fail.
             if held != 0u {
                 if all(key(held - 1u) == own) {
-                    // Who comes first holds the slot, and which of several is noted there does not matter.
+                    // The first end owns the slot. If there are several others, any of them may be the partner.
                     atomicStore(&contour_links[partner_of(end)], held - 1u);
                     atomicStore(&contour_links[partner_of(held - 1u)], end);
                     break;
@@ -124,7 +125,7 @@ fn join(thread: u32) {
     sync();
 }
 
-// Some devices leave a loop that takes long.
+// Some devices abort long loops.
 fn check(finished: bool) {
     if !finished {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
@@ -137,11 +138,11 @@ fn hash(key: vec2<u32>) -> u32 {
     return h ^ (h >> 13u);
 }
 
-// Where corners of one body lie on edges of the other, rounding may break a contour: its ends are joined by where they are.
+// Joins loose ends by position. Rounding may break a contour where corners of one body lie on edges of the other.
 fn tie_loose_ends(thread: u32, reach: f32) {
     for (var end = thread; end < 2u * count; end += 64u) {
         if atomicLoad(&contour_links[partner_of(end)]) == t::NOTHING {
-            // Twice as many fit.
+            // The table is long enough for twice as many.
             atomicStore(&contour_links[slot(atomicAdd(&loose, 1u))], end);
         }
     }
@@ -166,7 +167,7 @@ fn tie_loose_ends(thread: u32, reach: f32) {
     sync();
 }
 
-// Gives all segments of a contour the number of its first one.
+// Gives all segments of a contour the number of its first segment.
 fn label(thread: u32) {
     if thread < 3u {
         atomicStore(&changed[thread], 0u);
@@ -186,7 +187,7 @@ fn label(thread: u32) {
                     let least = min(own, other);
                     atomicMin(&contour_links[label_of(end / 2u)], least);
                     atomicMin(&contour_links[label_of(partner / 2u)], least);
-                    // And that of the one after which the higher was named.
+                    // The segment after which the larger label was named gets the smaller one too.
                     atomicMin(&contour_links[label_of(max(own, other))], least);
                 }
             }
@@ -202,7 +203,7 @@ fn label(thread: u32) {
         }
         sync();
         go_on = atomicLoad(&changed[flag]) == 1u;
-        // Cleared for the round after the next: others may still read this one.
+        // Clears the flag of the round after the next. Other threads may still read this round's.
         if thread == 0u {
             atomicStore(&changed[(flag + 2u) % 3u], 0u);
         }
@@ -226,7 +227,7 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
     var next = 0u;
     var finished = false;
     loop {
-        // The next contour of more than one segment.
+        // Finds the next contour of more than one segment.
         if thread == 0u {
             atomicStore(&lowest, t::NOTHING);
         }
@@ -250,7 +251,8 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
             let half = vec3(found.reach + 0.5 * MAX_DEPTH * setup.size);
             low = min(low, found.center - half);
             high = max(high, found.center + half);
-            // Several patches have no common direction. One has: what agrees with it and overlaps, overlaps along it.
+            // Features that agree with a single patch overlap along its normal. Several patches have no common
+            // direction.
             direction = select(vec3(0.0), found.normal, number == 0u);
             if thread == 0u {
                 patches[first + number] = found;
@@ -267,11 +269,11 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
     }
 }
 
-// The patch of the contour whose first segment is `root`; its reach is zero if it encloses no area.
+// The patch of the contour whose first segment is `root`. Its reach is zero if it encloses no area.
 fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     var result: t::Patch;
     result.reach = 0.0;
-    // Sums are taken about the first point, for digits.
+    // Sums are relative to the first point, for precision.
     let origin = segments[first + root].start;
     var sum = vec4(0.0);
     for (var i = thread; i < count; i += 64u) {
@@ -302,7 +304,7 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     area = total(vec4(area, 0.0), thread).xyz;
     let radius = sqrt(maximum(square, thread));
     let size = sqrt(dot(area, area));
-    // A contour that is a line to and fro encloses what rounding makes of it.
+    // A contour that retraces itself encloses only rounding errors.
     if !(size > MIN_ENCLOSED_AREA * setup.size * setup.size && size > 0.5 * setup.rounding * length) {
         return result;
     }
@@ -315,7 +317,7 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     result.a = segments[first + root].a;
     result.b = segments[first + root].b;
 
-    // The farthest from the centre across the normal is the first, so both bodies choose the same.
+    // The first extreme is the farthest from the centre, so the order of the bodies does not matter.
     let n = result.normal;
     let to_first = farthest(thread, root, center, mat3x3(vec3(0.0), vec3(0.0), vec3(0.0)), n);
     result.extreme_a = extreme_of(to_first.x, center);
@@ -331,7 +333,8 @@ fn extreme_of(i: u32, center: vec3<f32>) -> vec3<f32> {
     return segments[first + i].start - center;
 }
 
-// The segments of a contour whose starts are farthest from the centre: across the normal, and along each of three ways.
+// The segments of a contour whose starts are farthest from the centre: perpendicular to the normal, and along each of
+// three directions.
 fn farthest(thread: u32, root: u32, center: vec3<f32>, ways: mat3x3<f32>, normal: vec3<f32>) -> vec4<u32> {
     var best = vec4(-3.0e38);
     var number = vec4(root);
@@ -392,7 +395,7 @@ fn maximum(own: f32, thread: u32) -> f32 {
     return result;
 }
 
-// All threads have come so far, and see what the others have written.
+// Barrier for all threads, and for their writes to storage.
 fn sync() {
     storageBarrier();
     workgroupBarrier();

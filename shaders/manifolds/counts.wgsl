@@ -1,5 +1,5 @@
-// Contact generation: how many points each slot holds, and whether it holds any, for the scans that tell where they go. A
-// thread a slot.
+// Contact generation: the counts of pairs and points per slot, for the scans that give their positions. One thread per
+// slot.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 

@@ -1,4 +1,4 @@
-// Contact generation, last: the lists of pairs and points, without gaps. A thread a slot.
+// Contact generation, last: writes the lists of pairs and points without gaps. One thread per slot.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
@@ -32,7 +32,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Whether some list has no room for what was found, or not all was found.
+// Whether a list overflowed or a loop was aborted.
 fn is_worthless() -> bool {
     return contact_counters[t::NEAR_TRIANGLES] > limits.near_triangles
         || contact_counters[t::FEATURES] > limits.features

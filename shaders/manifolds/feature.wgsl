@@ -1,24 +1,24 @@
 #define_import_path faceoff::features
 
-// Vertices over faces, edges over edges, and segments in which triangles cross: `src/manifolds/cpu/feature.rs` and
-// `contour.rs` explain them.
+// Vertex-face and edge-edge features, and the segments in which triangles cross. The twin of
+// `src/manifolds/cpu/feature.rs` and `contour.rs`.
 
 #import faceoff::arena::words
 #import faceoff::constants::manifolds::{ARC, BELOW, FLAT, OUTSIDE, PARALLEL}
 #import faceoff::sides
 #import faceoff::types as t
 
-// Planes that differ by less than this, as a squared sine, are one.
+// Triangles are coplanar if the squared sine of the angle between them is below this.
 const SAME_PLANE: f32 = 1.0e-12;
 
-// Two triangles and the heights of their corners over each other's planes.
+// Two triangles, and the heights of their corners over each other's planes.
 struct TrianglePair {
     a: sides::Triangle,
     b: sides::Triangle,
     heights_a: vec3<f32>,
     heights_b: vec3<f32>,
     rounding: f32,
-    // Separations of features.
+    // Range of the separations of features.
     low: f32,
     high: f32,
 }
@@ -29,7 +29,7 @@ fn none() -> t::Feature {
     return feature;
 }
 
-// Corner k of `own` over the triangle `over`.
+// The feature of corner k of `own` over the triangle `over`.
 fn vertex_feature(
     side: sides::Side, own: sides::Triangle, over: sides::Triangle, height: f32, k: u32, rounding: f32
 ) -> t::Feature {
@@ -40,7 +40,7 @@ fn vertex_feature(
         let edge = over.corners[(i + 1u) % 3u] - start;
         let inside = dot(cross(edge, foot - start), over.normal) * over.winding_sign;
         let square = dot(edge, edge);
-        // Nothing lies over a triangle that has collapsed.
+        // Degenerate triangles have no features.
         if inside <= -(OUTSIDE * square + rounding * sqrt(square)) {
             return none();
         }
@@ -66,7 +66,7 @@ fn vertex_feature(
     return feature;
 }
 
-// Edge k of the first triangle over edge l of the second.
+// The feature of edge k of the first triangle and edge l of the second.
 fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l: u32) -> t::Feature {
     let start_a = pair.a.corners[k];
     let start_b = pair.b.corners[l];
@@ -74,7 +74,7 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l:
     let along_b = pair.b.corners[(l + 1u) % 3u] - start_b;
     let normal_of_both = cross(along_a, along_b);
     let square = dot(normal_of_both, normal_of_both);
-    // The lines' distance comes first, as it rejects most.
+    // The distance of the lines is tested first, because it rejects most pairs.
     let offset = start_b - start_a;
     let product = dot(offset, normal_of_both);
     let max_distance = max(abs(pair.low), abs(pair.high));
@@ -101,7 +101,8 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l:
     if !rim_b {
         other_b = sides::normal_of(sb, across_b);
     }
-    // Rims face every way from one side of the sheet round to the other, so their neighbours decide.
+    // The normal of a boundary edge may point in any direction from one side of the sheet to the other, so the
+    // neighbouring faces decide.
     var towards = pair.a.normal + other_a;
     if rim_a {
         towards = select(-(pair.b.normal + other_b), sb.center - sa.center, rim_b);
@@ -136,7 +137,7 @@ fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l:
     return feature;
 }
 
-// The face's normal if it is nearer to the edge's than what is known.
+// The face's normal, if it is closer to the edge's normal than the known one.
 fn nearer(known: vec4<f32>, normal: vec3<f32>, face: vec3<f32>) -> vec4<f32> {
     let cosine = dot(face, normal);
     if cosine > known.w {
@@ -145,7 +146,7 @@ fn nearer(known: vec4<f32>, normal: vec3<f32>, face: vec3<f32>) -> vec4<f32> {
     return known;
 }
 
-// Whether the edge is convex, or a rim, and `normal` lies between the normals of its owner and of the other face.
+// Whether the edge is convex or a boundary, and `normal` lies between the normals of its owner and of the other face.
 fn may_face(own: sides::Triangle, along: vec3<f32>, normal: vec3<f32>, rim: bool, other: vec3<f32>) -> bool {
     let length = sqrt(dot(along, along));
     let least = -ARC * length;
@@ -156,21 +157,21 @@ fn may_face(own: sides::Triangle, along: vec3<f32>, normal: vec3<f32>, rim: bool
         && own.winding_sign * dot(cross(normal, other), along) >= least);
 }
 
-// Where an edge pierces a plane.
+// The point at which an edge pierces a plane.
 struct Crossing {
     point: vec3<f32>,
     at: f32,
     edge: u32,
 }
 
-// Where a triangle's edges pierce the other's plane, in order along the common line.
+// The crossings of a triangle's edges with the other's plane, in order along the common line.
 struct Chord {
     start: Crossing,
     end: Crossing,
 }
 
-// Whether the triangles cross and are not in one plane. Heights up to the rounding are none, and then the first body counts
-// as a little smaller than it is: its corners are below the second's planes, and the second's above its own.
+// Whether the triangles cross and are not coplanar. Heights up to the rounding are ties. Ties are broken as if the
+// first body were slightly smaller: its corners lie below the second's planes, and the second's above its own.
 fn crosses(pair: TrianglePair) -> bool {
     let above_a = above(pair.heights_a, pair.rounding, false);
     let above_b = above(pair.heights_b, -pair.rounding, true);
@@ -178,7 +179,7 @@ fn crosses(pair: TrianglePair) -> bool {
     return above_a != 0u && above_a != 7u && above_b != 0u && above_b != 7u && dot(line, line) >= SAME_PLANE;
 }
 
-// A bit for each height above the limit, or at it.
+// One bit per corner whose height is above the limit, or at it.
 fn above(heights: vec3<f32>, limit: f32, at_it: bool) -> u32 {
     var bits = 0u;
     for (var k = 0u; k < 3u; k += 1u) {
@@ -189,12 +190,12 @@ fn above(heights: vec3<f32>, limit: f32, at_it: bool) -> u32 {
     return bits;
 }
 
-// The segment of triangles that cross. Its end is its start, and its edge `NOTHING`, if they miss each other.
+// The segment in which two triangles cross. Its start edge is `NOTHING` if they miss each other.
 fn segment(sa: sides::Side, sb: sides::Side, pair: TrianglePair) -> t::Segment {
     let line = cross(pair.a.normal, pair.b.normal);
     let of_a = chord(sa, pair.a, pair.heights_a, above(pair.heights_a, pair.rounding, false), line);
     let of_b = chord(sb, pair.b, pair.heights_b, above(pair.heights_b, -pair.rounding, true), line);
-    // Where both end at once, the first body, which counts as smaller, ends first.
+    // At ties the first body, which counts as smaller, ends first.
     let slack = pair.rounding * sqrt(dot(line, line));
     var start = of_b.start;
     if of_a.start.at >= of_b.start.at - slack {
@@ -224,12 +225,12 @@ fn chord(side: sides::Side, own: sides::Triangle, heights: vec3<f32>, bits: u32,
         if ((bits >> i) & 1u) == ((bits >> j) & 1u) {
             continue;
         }
-        // From the same end for both triangles at the edge, so that both get the same point.
+        // Both triangles of an edge compute the point from the same end, so they get the same bits.
         if vertices[i] > vertices[j] {
             i = j;
             j = k;
         }
-        // Both may be zero, and then any point of the edge is as good as any other.
+        // If both heights are zero, any point of the edge will do.
         let fall = heights[i] - heights[j];
         var at = 0.5;
         if fall != 0.0 {

@@ -1,5 +1,5 @@
-// Contact generation: what nearby triangles have to say. A workgroup a pair of bodies, a thread a pair of triangles; the
-// first round finds out what there is, the second writes it, in the order of the triangles.
+// Contact generation: the features and segments of nearby triangles. One workgroup per pair of bodies, one thread per
+// pair of triangles. The first round counts them; the second writes them in the order of the triangles.
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::manifolds::{MIN_AGREEMENT, MAX_DEPTH}
 #import faceoff::dispatch::group_index
@@ -7,12 +7,12 @@
 #import faceoff::sides
 #import faceoff::types as t
 
-// Which search: for all features that touch or are apart, and segments (0), or for those that overlap, near patches (1).
+// x = 0: features that touch or are apart, and segments. x = 1: features that overlap, near patches.
 @group(0) @binding(2) var<uniform> constants: vec4<u32>;
 @group(0) @binding(3) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
-// The two triangles, and a bit for each thing that they have to say.
+// The two triangles, and a bit set of their features and segment.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
 @group(0) @binding(7) var<storage, read_write> features: array<t::Feature>;
 @group(0) @binding(8) var<storage, read_write> segments: array<t::Segment>;
@@ -22,7 +22,7 @@
 const EDGES: u32 = 6u;
 const SEGMENT: u32 = 15u;
 
-// Numbers of features, and of segments in the upper half.
+// Counts of features and of segments.
 var<workgroup> sums: array<vec2<u32>, 64>;
 var<workgroup> base: vec2<u32>;
 
@@ -53,7 +53,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         base = reserve(index, all, deep);
     }
     workgroupBarrier();
-    // How many there are, or none if they do not fit.
+    // The positions of the results, or `NOTHING` if they do not fit.
     var next = base;
     if next.x == t::NOTHING {
         return;
@@ -75,7 +75,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         round += 64u;
         workgroupBarrier();
     }
-    // Some devices leave a loop that takes long.
+    // Some devices abort long loops.
     if surveyed < setup.near_count || round < setup.near_count {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
@@ -85,7 +85,7 @@ fn counts(mask: u32) -> vec2<u32> {
     return vec2(countOneBits(mask & 0x7fffu), mask >> SEGMENT);
 }
 
-// The sum over all threads before this one; over all it is in `sums[63]`.
+// Exclusive scan over the threads. The total is in `sums[63]`.
 fn before(own: vec2<u32>, thread: u32) -> vec2<u32> {
     var inclusive = own;
     for (var reach = 1u; reach < 64u; reach *= 2u) {
@@ -101,7 +101,7 @@ fn before(own: vec2<u32>, thread: u32) -> vec2<u32> {
     return inclusive - own;
 }
 
-// Places for so many features and segments, noted in the pair's setting.
+// Reserves positions for features and segments, and writes their ranges to the pair's setup.
 fn reserve(index: u32, count: vec2<u32>, deep: bool) -> vec2<u32> {
     var first = vec2(atomicAdd(&contact_counters[t::FEATURES], count.x), 0u);
     var fits = first.x <= limits.features && count.x <= limits.features - first.x;
@@ -139,7 +139,7 @@ fn triangle_pair(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: v
     return pair;
 }
 
-// A bit for each thing that two triangles have to say.
+// The bit set of the features and the segment of two triangles.
 fn survey(setup: t::PairSetup, a: sides::Side, b: sides::Side, at: u32, deep: bool) -> u32 {
     let pair = triangle_pair(setup, a, b, near_triangles[at].xy, deep);
     let reach = max(abs(pair.low), pair.high + setup.touch);
@@ -176,7 +176,7 @@ fn beyond(heights: vec3<f32>, reach: f32) -> bool {
     return all(heights > vec3(reach)) || all(heights < vec3(-reach));
 }
 
-// Bits of the corners that the triangle owns and that are as high as features are.
+// Bits of the corners that the triangle owns and whose height is in the range of separations.
 fn wanted_vertices(owned: u32, heights: vec3<f32>, pair: f::TrianglePair) -> u32 {
     var bits = 0u;
     for (var k = 0u; k < 3u; k += 1u) {
@@ -197,7 +197,7 @@ fn feature_of(a: sides::Side, b: sides::Side, pair: f::TrianglePair, bit: u32) -
     return f::edge_feature(a, b, pair, (bit - EDGES) / 3u, (bit - EDGES) % 3u);
 }
 
-// Whether a patch speaks for a feature that overlaps, and all those near agree.
+// Whether an overlapping feature has a patch nearby, and all patches nearby agree with it.
 fn agrees(setup: t::PairSetup, feature: t::Feature) -> bool {
     let middle = 0.5 * (feature.point_a + feature.point_b);
     var any_near = false;

@@ -1,5 +1,5 @@
-// Contact generation: one body inside the other without a crossing, and the short way out. A workgroup a pair.
-// `src/manifolds/cpu/inside.rs` explains it.
+// Contact generation: containment without intersecting faces, and the shortest way out. One workgroup per pair. The
+// twin of `src/manifolds/cpu/inside.rs`.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::containment::{contains, unfinished}
 #import faceoff::dispatch::group_index
@@ -13,12 +13,12 @@
 @group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 
-// Of more components than this only the first ones can be inside.
+// Only this many components of a mesh are tested.
 const MAX_COMPONENTS: u32 = 1024u;
 
-// A bit for each component of the inner body.
+// Bit set of the components of the inner body that are inside.
 var<workgroup> held: array<u32, 32>;
-// The best of each thread: a place, and how good it is; a number.
+// The best candidate of each thread: a position with its rank, and a number.
 var<workgroup> best: array<vec4<f32>, 64>;
 var<workgroup> best_number: array<u32, 64>;
 
@@ -47,8 +47,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Whether something of `inner` is inside of `outer`, whose place in the pair is `end`; if so its contact becomes all that
-// the pair has to say.
+// Whether a component of `inner` is inside `outer`, whose position in the pair is `end`. If so, the contact replaces
+// all other features of the pair.
 fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread: u32) -> bool {
     let mesh = meshes[outer.mesh];
     if (mesh.flags & t::SOLID) == 0u {
@@ -64,7 +64,7 @@ fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread
     workgroupBarrier();
     for (var k = 0u; k < min(components, MAX_COMPONENTS); k += 1u) {
         let p = sides::place(inner, vector(meshes[inner.mesh].components + 3u * k));
-        // What lies on the surface counts as inside or not as rounding wants: two vertices must be.
+        // Rounding decides whether points on the surface are inside, so two vertices must be.
         if is_inside(mesh, outer, end, p, thread) && is_inside(mesh, outer, end, sides::far_end(inner, k), thread) {
             if !any_inside {
                 start = p;
@@ -88,14 +88,15 @@ fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread
 
 fn is_inside(mesh: t::Mesh, outer: sides::Side, end: u32, p: vec3<f32>, thread: u32) -> bool {
     let own = sides::to_own(outer, p) / outer.scale;
-    // Only saves work: a hair outside the box is outside the body.
+    // Optimisation only: points outside the slightly enlarged box are outside the body.
     if any(abs(own - mesh.box_center) > mesh.box_half * 1.00001 + mesh.radius * 1.0e-5) {
         return false;
     }
     return contains(mesh, end, own, thread);
 }
 
-// From the nearest point of the outer surface to the far end of what is inside, on the line through its middle.
+// The contact from the nearest point of the outer surface to the far end of the contained part, on the line through its
+// middle.
 fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>, several: bool, thread: u32) {
     var nearest = vec4(vec3(0.0), t::DROPPED);
     var number = t::NOTHING;
@@ -119,7 +120,7 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     if dot(direction_out, direction_out) == 0.0 {
         direction_out = sides::normal_of(outer, triangle);
     }
-    // Of several components only what is inside moves the way to the far end.
+    // Only components inside count for the far end.
     var far = vec4(0.0);
     var vertex = t::NOTHING;
     for (var v = thread; v < sides::vertex_count(inner); v += 64u) {
@@ -134,7 +135,7 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     }
     least(far, vertex, thread);
     let depth = best[0].w;
-    // Without a far end that of the first vertex.
+    // Without a far end, the first vertex.
     let last = select(best_number[0], 0u, best_number[0] == t::NOTHING);
     workgroupBarrier();
     var owner = t::NOTHING;
@@ -168,7 +169,7 @@ fn push_out(index: u32, outer: sides::Side, inner: sides::Side, start: vec3<f32>
     }
 }
 
-// Brings the least of all threads to the front; of equals that of the least number.
+// Reduction to the smallest value of all threads; of equal ones, that with the smallest number.
 fn least(own: vec4<f32>, number: u32, thread: u32) {
     best[thread] = own;
     best_number[thread] = number;
@@ -186,8 +187,7 @@ fn least(own: vec4<f32>, number: u32, thread: u32) {
     }
 }
 
-// The point of a triangle nearest to p, by the region of its plane over which p lies (Ericson 2005, Real-Time Collision
-// Detection, 5.1.5).
+// The point of a triangle nearest to p (Ericson 2005, Real-Time Collision Detection, 5.1.5).
 fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> {
     let ab = b - a;
     let ac = c - a;
@@ -210,7 +210,7 @@ fn closest(p: vec3<f32>, a: vec3<f32>, b: vec3<f32>, c: vec3<f32>) -> vec3<f32> 
     let vb = ab_at_c * ac_at_a - ab_at_a * ac_at_c;
     let vc = ab_at_a * ac_at_b - ab_at_b * ac_at_a;
     if vc <= 0.0 && ab_at_a >= 0.0 && ab_at_b <= 0.0 {
-        // Corners that were joined leave an edge without length.
+        // Welded corners leave an edge of zero length.
         return a + ab * (ab_at_a / max(ab_at_a - ab_at_b, 1.0e-30));
     }
     if vb <= 0.0 && ac_at_a >= 0.0 && ac_at_c <= 0.0 {

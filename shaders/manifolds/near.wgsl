@@ -1,6 +1,6 @@
-// Contact generation: pairs of triangles that are near each other. A workgroup a pair of bodies goes down both trees of
-// boxes, eight children of one against eight of the other at a time, one thread each; once to count, once to write. The
-// order is that of the trees, whatever runs first.
+// Contact generation: pairs of triangles that are near each other. One workgroup per pair of bodies traverses both
+// bounding-volume trees, eight children of one node against eight of another at a time, one thread each: once to count,
+// once to write. The order is that of the trees, whatever the order of threads.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{AROUND_ERROR, MAX_DEPTH, DIRECTION_ERROR, ERROR}
 #import faceoff::dispatch::group_index
@@ -9,23 +9,23 @@
 #import faceoff::tree
 #import faceoff::types as t
 
-// Which search: for all features (0), or for those that overlap, near patches (1).
+// x = 0: all features. x = 1: features that overlap, near patches.
 @group(0) @binding(2) var<uniform> constants: vec4<u32>;
 @group(0) @binding(3) var<uniform> limits: t::ContactLimits;
 @group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
-// The two triangles; the rest is for `manifold_features.wgsl`.
+// The two triangles; `features.wgsl` uses the rest.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
 
-// A node of either tree. Of each of at most 8 levels no more than 63 pairs wait while the 64th is opened.
+// Pairs of nodes. Of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
-// A bit for each thread, three times over: one is set and read, the next is cleared meanwhile, and the last may still be
-// read by threads that have not passed the barrier.
+// Bit sets of the threads, in triplicate: one is in use, the next is cleared meanwhile, and threads that have not
+// passed the barrier may still read the last.
 var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> base: u32;
 
 var<private> reach: f32;
-// For rounding.
+// Rounding allowance.
 var<private> pad: f32;
 var<private> windowed: bool;
 
@@ -38,7 +38,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let setup = pair_setups[index];
     windowed = constants.x == 1u;
     let max_depth = MAX_DEPTH * setup.size;
-    // With a wide margin all pairs are known.
+    // A margin wider than the largest overlap has found all pairs already.
     if setup.valid == 0u || (windowed && (setup.patch_count == 0u || max_depth <= setup.margin)) {
         return;
     }
@@ -68,7 +68,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Counts the pairs, and writes them from `first` on unless that is `NOTHING`.
+// Counts the pairs and, unless `first` is `NOTHING`, writes them from there on.
 fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, first: u32) -> u32 {
     workgroupBarrier();
     if thread == 0u {
@@ -82,10 +82,10 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     let j = thread % 8u;
     var depth = 1u;
     var count = 0u;
-    // Which of the three masks is in use.
+    // Which of the three bit sets is in use.
     var mask_set = 0u;
     loop {
-        // Uniform: all threads count what all have found.
+        // Uniform control flow: all threads count the results of all.
         if depth == 0u {
             break;
         }
@@ -100,7 +100,7 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
         let number_a = nodes.x & tree::NUMBER;
         let number_b = nodes.y & tree::NUMBER;
         let leaves = level_a == 0u && level_b == 0u;
-        // The taller tree is opened, both if they are equally tall.
+        // The taller tree is opened, or both if they are equally tall.
         let open_a = level_a >= level_b;
         let open_b = level_b >= level_a;
         var pair = vec2(8u * number_a + i, 8u * number_b + j);
@@ -134,11 +134,11 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
         mask_set = next_set;
         workgroupBarrier();
     }
-    // Some devices leave a loop that takes long.
+    // Some devices abort long loops.
     if depth != 0u {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
-    // The next descent begins with masks that are clear.
+    // The next traversal starts with empty bit sets.
     if thread < 6u {
         atomicStore(&found[thread], 0u);
     }
@@ -146,7 +146,7 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     return count;
 }
 
-// How many threads before this one have their bit set.
+// Number of earlier threads whose bit is set.
 fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
     let below = (1u << (thread % 32u)) - 1u;
     if thread < 32u {
@@ -155,7 +155,7 @@ fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
     return countOneBits(mask.x) + countOneBits(mask.y & below);
 }
 
-// Whether two nodes exist, are in the window, and their boxes are near along the axes of both.
+// Whether both nodes exist, are in the window, and their boxes are near along the axes of both.
 fn boxes_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, nodes: vec2<u32>) -> bool {
     let at_a = tree::box_of(0u, nodes.x);
     let at_b = tree::box_of(1u, nodes.y);
@@ -185,8 +185,8 @@ fn boxes_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, nodes: vec2<u
     return all(abs(apart) <= half_b + half_a * spread + reach);
 }
 
-// Whether two triangles exist, are in the window, and neither their boxes nor a plane of one of the two part them by more
-// than the reach.
+// Whether both triangles exist, are in the window, and neither their boxes nor one of their planes separates them by
+// more than the reach.
 fn triangles_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: vec2<u32>) -> bool {
     if numbers.x >= a.triangle_count || numbers.y >= b.triangle_count {
         return false;
@@ -211,7 +211,7 @@ fn triangles_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: 
             return false;
         }
     }
-    // No two points of triangles whose boxes are near are farther apart.
+    // Upper bound of the distance between two points of triangles whose boxes are near.
     let spread = norm1(high_a - low_a) + norm1(high_b - low_b) + reach;
     if beyond(ca, cb, spread, reach) || beyond(cb, ca, spread, reach) {
         return false;
@@ -221,14 +221,14 @@ fn triangles_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: 
     return meet || has_features(a, b, ca, cb, numbers);
 }
 
-// Whether two triangles may have a feature; `Placed::has_features` in `src/manifolds/cpu/near.rs` explains it.
+// Whether two triangles may have a feature. The twin of `PlacedCluster::has_features` in `src/manifolds/cpu/near.rs`.
 fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, numbers: vec2<u32>) -> bool {
     let middle_a = (ca.p + ca.q + ca.r) / 3.0;
     let middle_b = (cb.p + cb.q + cb.r) / 3.0;
     let outward_a = outward(a, ca);
     let outward_b = outward(b, cb);
     let offset = middle_b - middle_a;
-    // How far beside each other they lie, seen along the normal of either. Without a direction it is nothing.
+    // Lateral distance of the centres, perpendicular to the normal of either triangle; zero if the normal is unknown.
     let across_a = cross(offset, outward_a);
     let across_b = cross(offset, outward_b);
     let lateral = sqrt(vec2(dot(across_a, across_a), dot(across_b, across_b)));
@@ -242,7 +242,7 @@ fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, number
     return facing && all(lateral <= around + reach * min(edge_rotation, vec2(1.0)));
 }
 
-// The unit normal that leads outward; zero where single precision does not tell it.
+// The outward unit normal; zero where single precision does not determine it.
 fn outward(side: sides::Side, c: Corners) -> vec3<f32> {
     let u = c.q - c.p;
     let v = c.r - c.p;
@@ -254,7 +254,7 @@ fn outward(side: sides::Side, c: Corners) -> vec3<f32> {
     return normal * (side.mirror / length);
 }
 
-// Of the circle about `middle` around the corners.
+// Radius of the circle about `middle` that contains the corners.
 fn radius(c: Corners, middle: vec3<f32>) -> f32 {
     let p = c.p - middle;
     let q = c.q - middle;
@@ -275,7 +275,7 @@ fn corners(side: sides::Side, number: u32) -> Corners {
     );
 }
 
-// Whether a plane has all of another triangle farther away than this.
+// Whether the plane of one triangle is farther than `distance` from all of the other.
 fn beyond(plane: Corners, other: Corners, spread: f32, distance: f32) -> bool {
     let u = plane.q - plane.p;
     let v = plane.r - plane.p;

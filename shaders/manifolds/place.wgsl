@@ -1,4 +1,4 @@
-// Contact generation: how the bodies of each pair lie to each other. A thread a pair.
+// Contact generation: the relative pose of each pair. One thread per pair.
 #import faceoff::arena::meshes
 #import faceoff::constants::manifolds::{NUDGE, SAME_PLACE}
 #import faceoff::constants::shared::DEFAULT_DIRECTION
@@ -12,12 +12,12 @@
 @group(0) @binding(5) var<storage, read> margin_pairs: array<t::MarginPair>;
 @group(0) @binding(6) var<storage, read_write> pair_setups: array<t::PairSetup>;
 
-// How wrong a height over a plane can be, in units of the bounding radii together: some 12 roundings of 2^-23.
+// Error bound of a height over a plane, in units of the sum of the bounding radii: about 12 roundings of 2^-23.
 const ROUNDING_SINGLE: f32 = 1.5e-6;
-// What overlaps by less, in units of the smaller body's size, touches: rounding must not part bodies that rest on each
-// other.
+// A smaller overlap, in units of the smaller body's size, counts as touching, so that rounding does not drop contacts
+// of resting bodies.
 const TOUCH_SINGLE: f32 = 1.0e-5;
-// Nothing is farther than this, in the pair's unit.
+// Upper bound of distances, in the pair's unit.
 const WIDEST: f32 = 1.0e6;
 // The bits of infinity.
 const INFINITE: u32 = 0x7f800000u;
@@ -53,7 +53,7 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     result.x = b_to_a[0];
     result.y = b_to_a[1];
     result.z = b_to_a[2];
-    // The difference of two positions is rounded once, however far away they are.
+    // The difference of two positions is rounded once, however far they are from the origin.
     let anchor_a = rotate(a.rotation, a.scale * meshes[a.mesh].center);
     let anchor_b = rotate(b.rotation, b.scale * meshes[b.mesh].center);
     var world_offset = (b.position - a.position) + (anchor_b - anchor_a);
@@ -73,8 +73,8 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     result.size = 2.0 * min(
         max_component(meshes[a.mesh].box_half * abs(result.scale_a)), max_component(meshes[b.mesh].box_half * abs(result.scale_b))
     );
-    // Not a number is no margin. By bits, which are in the order of positive numbers: devices may take it that all are
-    // numbers.
+    // NaN counts as no margin. Compared by bits, which are in the order of positive numbers, because compilers may
+    // assume that NaN does not occur.
     let bits = bitcast<u32>(pair.margin);
     if bits <= INFINITE {
         result.margin = bitcast<f32>(min(bits, bitcast<u32>(WIDEST / result.unit))) * result.unit;
@@ -84,15 +84,15 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     return result;
 }
 
-// Whether two bodies are the same in the same place; `aside` in `src/manifolds/cpu/side.rs` explains it.
+// Whether two bodies of one mesh coincide. The twin of `nudge` in `src/manifolds/cpu/side.rs`.
 fn same_place(a: t::Body, b: t::Body, world_offset: vec3<f32>) -> bool {
     let max_distance = SAME_PLACE * min(a.radius, b.radius);
-    // Single precision tells rotations apart by 3e-3 radians, where the CPU asks for 1e-4.
+    // Single precision resolves rotations to 3e-3 radians only; the CPU requires 1e-4.
     let rotation_difference = 1.0 - abs(dot(a.rotation, b.rotation));
     return a.mesh == b.mesh && all(a.scale == b.scale) && dot(world_offset, world_offset) < max_distance * max_distance && rotation_difference < 1.0e-6;
 }
 
-// The power of two that brings a size between 1 and 2.
+// The power of two that scales a size to between 1 and 2.
 fn unit_of(size: f32) -> f32 {
     let exponent = clamp((bitcast<u32>(size) >> 23u) & 255u, 1u, 253u);
     return bitcast<f32>((254u - exponent) << 23u);

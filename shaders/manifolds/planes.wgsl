@@ -1,5 +1,5 @@
-// Contact generation: where bodies lie on half-spaces. A few vertices each, the lowest and spread wide. A workgroup a body.
-// `src/manifolds/cpu/planes.rs` explains it.
+// Contact generation: contact points of bodies on half-spaces. A few vertices each, the lowest and widely spread. One
+// workgroup per body. The twin of `src/manifolds/cpu/planes.rs`.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{LEVEL, MARGIN, MAX_PLANE_POINTS}
 #import faceoff::constants::shared::SAFETY
@@ -52,7 +52,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// How many pairs of the ascending list have this body or one before as their first.
+// Number of pairs of the ascending list whose first body is this one or an earlier one.
 fn pairs_up_to(body: u32, pairs: u32) -> u32 {
     var low = 0u;
     var high = pairs;
@@ -67,13 +67,13 @@ fn pairs_up_to(body: u32, pairs: u32) -> u32 {
     return low;
 }
 
-// Of a body's centre of mass over a plane. The position, which may be large, comes before what is small.
+// Height of a body's centre of mass over a plane. Large terms are added first.
 fn height_of(body: t::Body, plane: t::Plane) -> f32 {
     let anchor = rotate(body.rotation, body.scale * meshes[body.mesh].center);
     return (dot(plane.normal, body.position) - plane.distance) + dot(plane.normal, anchor);
 }
 
-// Fills in the list of chosen vertices, and tells how many: the lowest one, then always that farthest from those chosen.
+// Selects vertices: the lowest, then repeatedly the one farthest from those selected. Returns their number.
 fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     if (body.flags & t::KIND_MASK) != t::DYNAMIC || (body.flags & t::SENSOR) != 0u || !(body.radius > 0.0) {
         return 0u;
@@ -111,7 +111,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     workgroupBarrier();
     let level = 2.0 * LEVEL * body.radius;
     var count = 1u;
-    // The first half are those on which it stands.
+    // The first half are those that support the body.
     for (var stage = 0u; stage < 2u; stage += 1u) {
         let limit = select(MAX_PLANE_POINTS / 2u, MAX_PLANE_POINTS, stage == 1u);
         let ceiling = select(min(floor_height + level, margin), margin, stage == 1u);
@@ -132,7 +132,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
             greatest(best_value, number, thread);
             last = best_vertex[0];
             workgroupBarrier();
-            // What is left lies on what was picked.
+            // The remaining vertices coincide with selected ones.
             if last == t::NOTHING {
                 break;
             }
@@ -156,7 +156,7 @@ fn square_from_chosen(scale: vec3<f32>, p: vec3<f32>, count: u32) -> f32 {
     return least;
 }
 
-// Brings the greatest of all threads to the front; of equals the first vertex.
+// Reduction to the largest value of all threads; of equal ones, that of the first vertex.
 fn greatest(value: f32, number: u32, thread: u32) {
     best[thread] = value;
     best_vertex[thread] = number;
@@ -178,7 +178,7 @@ fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>, number: u32) -> t::C
     let height = height_of(body, plane);
     let own = rotate(body.rotation, body.scale * meshes[body.mesh].center);
     let separation = dot(vertex, body.scale * rotate(conjugate(body.rotation), plane.normal)) + height;
-    // Not the vertex touches but the smooth surface around it.
+    // A finely tessellated curved surface touches with its smooth surface.
     let smooth_vertex = sides::smooth_vertex(meshes[body.mesh].features, number);
     let own_normal = rotate(body.rotation, direction(vector(smooth_vertex) / body.scale));
     var curvature_radius = bitcast<f32>(words[smooth_vertex + 3u]);
@@ -189,12 +189,12 @@ fn point(body: t::Body, plane: t::Plane, vertex: vec3<f32>, number: u32) -> t::C
     if smooth::is_smooth(own_normal, -plane.normal, curvature_radius) {
         anchor += smooth::slide(own_normal, anchor, -plane.normal, curvature_radius);
     } else {
-        // A corner turns with the body until it touches.
+        // The anchor of a corner rotates with the body.
         curvature_radius = 0.0;
     }
     var result: t::ContactPoint;
     result.anchor_a = anchor;
-    // From the plane's point nearest to the world's origin.
+    // Relative to the plane's point nearest to the world's origin.
     result.anchor_b = (body.position - plane.normal * plane.distance) + (own + anchor - plane.normal * separation);
     result.normal = -plane.normal;
     result.separation = separation;

@@ -1,6 +1,6 @@
-// Contact generation: patches without an overlapping feature get points by rays along their normal, from five places in
-// each to where they leave the bodies. A workgroup a pair, a thread a place. `src/manifolds/cpu/ray.rs` explains the
-// rays.
+// Contact generation: patches without an overlapping feature get their points from rays along the normal, cast from
+// five points in the patch to where they leave the bodies. One workgroup per pair, one thread per point. The twin of
+// `src/manifolds/cpu/ray.rs`.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, RAY_LENGTH, SHALLOW}
 #import faceoff::dispatch::group_index
@@ -14,9 +14,9 @@
 @group(0) @binding(5) var<storage, read> patches: array<t::Patch>;
 @group(0) @binding(6) var<storage, read_write> features: array<t::Feature>;
 
-// How far outside a triangle a ray may pass, in barycentric coordinates, so that none slips through an edge.
+// Tolerance of a hit in barycentric coordinates, so that no ray slips through an edge.
 const SLACK_SINGLE: f32 = 1.0e-5;
-// Places in a patch.
+// Points per patch.
 const PLACES: u32 = 5u;
 
 var<workgroup> base: u32;
@@ -63,7 +63,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     workgroupBarrier();
     for (var n = thread; n < empty_count; n += 64u) {
         let first = base + PLACES * n;
-        // Dropped ones are larger than any.
+        // The separation of dropped features is larger than any other.
         var deepest = t::DROPPED;
         for (var k = 0u; k < PLACES; k += 1u) {
             deepest = min(deepest, features[first + k].separation);
@@ -74,7 +74,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 features[first] = shallow(empty_patch, setup.size);
             }
         } else if deepest >= -setup.touch && has_feature(setup, empty_patch) {
-            // Where the bodies only touch, their features have said so.
+            // Where the bodies only touch, their other features suffice.
             for (var k = 0u; k < PLACES; k += 1u) {
                 features[first + k].separation = t::DROPPED;
             }
@@ -82,7 +82,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Whether a feature that touches or is apart is near a patch.
+// Whether a patch has a feature nearby that touches or is apart.
 fn has_feature(setup: t::PairSetup, empty_patch: t::Patch) -> bool {
     for (var i = setup.first_feature; i < setup.first_feature + setup.feature_count; i += 1u) {
         let offset = 0.5 * (features[i].point_a + features[i].point_b) - empty_patch.center;
@@ -93,7 +93,7 @@ fn has_feature(setup: t::PairSetup, empty_patch: t::Patch) -> bool {
     return false;
 }
 
-// Where the patch is that is the n-th without a feature.
+// Index of the n-th patch without an overlapping feature.
 fn nth_empty_patch(setup: t::PairSetup, n: u32) -> u32 {
     var remaining = n;
     var at = setup.first_segment;
@@ -109,7 +109,7 @@ fn nth_empty_patch(setup: t::PairSetup, n: u32) -> u32 {
     return at;
 }
 
-// The patch's centre, and the contour's extremes drawn in by a quarter.
+// The patch's centre, or an extreme of its contour moved inward by a quarter.
 fn place_of(empty_patch: t::Patch, k: u32) -> vec3<f32> {
     var extreme = vec3(0.0);
     switch k {
@@ -122,8 +122,8 @@ fn place_of(empty_patch: t::Patch, k: u32) -> vec3<f32> {
     return empty_patch.center + PROBE_FRACTION * extreme;
 }
 
-// The point of a patch by rays from p, if both leave a body. They start a little before it: where the bodies only touch,
-// rounding may have p outside of one.
+// The contact point of a patch from two rays through p, if both leave a body. The rays start slightly before p, because
+// rounding may put p outside where the bodies only touch.
 fn probe(a: sides::Side, b: sides::Side, empty_patch: t::Patch, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
     var feature: t::Feature;
     feature.separation = t::DROPPED;
@@ -148,9 +148,9 @@ fn probe(a: sides::Side, b: sides::Side, empty_patch: t::Patch, p: vec3<f32>, se
     return feature;
 }
 
-// What stands for a patch that no ray leaves.
+// A contact for a patch without ray hits.
 fn shallow(empty_patch: t::Patch, size: f32) -> t::Feature {
-    // Twice the area over the length is the radius of a circle.
+    // Twice the area over the length of a circle is its radius.
     let depth = min(2.0 * empty_patch.area / empty_patch.length, SHALLOW * size);
     var feature: t::Feature;
     feature.point_a = empty_patch.center + empty_patch.normal * (0.5 * depth);
@@ -168,18 +168,19 @@ struct Exit {
     triangle: u32,
 }
 
-// How far the ray from `start` along the unit vector `direction` runs until it meets the body, and which triangle is there;
-// `NOTHING` if that is beyond `max_distance` or the ray does not leave the body there. `end` is the body's place in the pair.
+// Distance and triangle of the first hit of the ray from `start` along the unit vector `direction`. The triangle is
+// `NOTHING` if the hit is farther than `max_distance` or the ray does not leave the body there. `end` is the body's
+// position in the pair.
 fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max_distance: f32) -> Exit {
     // In the body's own axes, scaled.
     let origin = sides::to_own(side, start);
     let along = direction * side.rotation;
-    // Far from overflow, and never zero.
+    // Keeps the reciprocal finite.
     let inverse = 1.0 / select(along, vec3(1.0e-12), abs(along) < vec3(1.0e-12));
     let whole = abs(side.scale) * meshes[side.mesh].box_half;
     let pad = 4.0e-6 * (whole.x + whole.y + whole.z);
     var nearest = Exit(max_distance, t::NOTHING);
-    // Of each level at most eight wait, less the one that is opened.
+    // At most eight nodes of each level wait, minus the one that is opened.
     var waiting: array<u32, 64>;
     waiting[0] = tree::node(meshes[side.mesh].levels - 1u, 0u);
     var depth = 1u;
@@ -206,7 +207,7 @@ fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max
             }
         }
     }
-    // Some devices leave a loop that takes long.
+    // Some devices abort long loops.
     if depth > 0u {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
@@ -216,7 +217,7 @@ fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max
     return nearest;
 }
 
-// Whether the ray meets a box before it has run as far as `max_distance`.
+// Whether the ray meets a box within `max_distance`.
 fn passes(side: sides::Side, at: u32, origin: vec3<f32>, inverse: vec3<f32>, pad: f32, max_distance: f32) -> bool {
     let apart = side.scale * vector(at) - origin;
     let half = abs(side.scale) * vector(at + 3u) + pad;
@@ -229,7 +230,7 @@ fn passes(side: sides::Side, at: u32, origin: vec3<f32>, inverse: vec3<f32>, pad
     return enter <= leaves + 1.0e-6 * (abs(enter) + abs(leaves)) + pad;
 }
 
-// How far along the way the ray meets the triangle; `DROPPED` if it does not.
+// Distance at which the ray hits the triangle; `DROPPED` if it misses.
 fn meets(side: sides::Side, number: u32, origin: vec3<f32>, direction: vec3<f32>) -> f32 {
     let at = side.triangles + 9u * number;
     let a = side.scale * vector(at) - origin;

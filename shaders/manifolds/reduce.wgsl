@@ -1,5 +1,5 @@
-// Contact generation: the few points that say what many say. The deepest, then always the one farthest from those chosen
-// before, in position and normal. A workgroup a pair.
+// Contact reduction: selects the few points that represent a manifold. The deepest, then repeatedly the one farthest
+// from those selected, in position and normal. One workgroup per pair. The twin of `src/manifolds/cpu/reduce.rs`.
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
@@ -45,7 +45,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Fills in the list of chosen features, and tells how many.
+// Selects features and returns their number.
 fn choose(setup: t::PairSetup, thread: u32) -> u32 {
     let all = setup.feature_count + setup.deep_count + setup.probe_count;
     var best_value = -t::DROPPED;
@@ -98,7 +98,7 @@ fn choose(setup: t::PairSetup, thread: u32) -> u32 {
                 place = at;
             }
         }
-        // Some devices leave a loop that takes long.
+        // Some devices abort long loops.
         if i < all {
             atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
         }
@@ -109,7 +109,7 @@ fn choose(setup: t::PairSetup, thread: u32) -> u32 {
     return count;
 }
 
-// The pair's i-th feature.
+// Index of the pair's i-th feature.
 fn feature_at(setup: t::PairSetup, i: u32) -> u32 {
     if i < setup.feature_count {
         return setup.first_feature + i;
@@ -121,7 +121,7 @@ fn feature_at(setup: t::PairSetup, i: u32) -> u32 {
     return setup.first_probe + j - setup.deep_count;
 }
 
-// Brings the greatest of all threads to the front; of equals that of the first thread.
+// Reduction to the largest value of all threads; of equal ones, that of the first thread.
 fn greatest(value: f32, place: u32, thread: u32) {
     best[thread] = value;
     best_at[thread] = place;
@@ -136,7 +136,7 @@ fn greatest(value: f32, place: u32, thread: u32) {
     }
 }
 
-// Out of the first body's axes and the pair's unit.
+// The contact point of a feature, in world axes and metres.
 fn point(setup: t::PairSetup, feature: t::Feature) -> t::ContactPoint {
     let a = sides::first(setup);
     let b = sides::second(setup);
@@ -156,11 +156,11 @@ fn point(setup: t::PairSetup, feature: t::Feature) -> t::ContactPoint {
     return result;
 }
 
-// Of a body's surface at the feature, metres.
+// Radius of curvature of a body's surface at the feature, metres.
 fn curvature_radius_of(side: sides::Side, triangle: u32, vertex: u32, unit: f32) -> f32 {
     let curvature_radius = sides::curvature_radius(side, triangle);
     let is_face = vertex != t::NOTHING && (vertex & t::OF_SECOND) != side.mark;
-    // Between creases a face is flat.
+    // The interior of a face between creases is flat.
     if curvature_radius >= t::FLAT_RADIUS || (is_face && curvature_radius == 0.0) {
         return t::FLAT_RADIUS;
     }

@@ -1,5 +1,6 @@
-// Contact generation, which pairs it looks at, first of three: solid ones near each other of which one gives way. They are
-// sorted by their second body, and then by the first; the others' key is beyond all bodies.
+// Contact generation, selection of pairs, first of three kernels: pairs of near solid bodies of which at least one has
+// mass. They are sorted by their second body, then by the first; other pairs get a key beyond all bodies. One thread
+// per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 

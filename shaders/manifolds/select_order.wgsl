@@ -1,4 +1,5 @@
-// Contact generation, which pairs it looks at, second of three: sorted by their second body, they get their first one as key.
+// Contact generation, selection of pairs, second of three kernels: pairs sorted by their second body get the first one
+// as their key. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 

@@ -1,4 +1,5 @@
-// Contact generation, which pairs it looks at, last of three: the list, ascending, with margins.
+// Contact generation, selection of pairs, last of three kernels: the pairs in ascending order, with margins. One thread
+// per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::margins::speculative_margin
 #import faceoff::types as t

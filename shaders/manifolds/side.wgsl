@@ -1,8 +1,8 @@
 #define_import_path faceoff::sides
 
-// The two bodies of a pair whose contact points are wanted, in the axes of the first about the centre of mass of the
-// smaller one: coordinates are taken relative to that centre in each body's own axes before they are turned, so that
-// digits are lost neither far from the world's origin nor between a small body and a large one.
+// One body of a pair, in the axes of the pair's first body, relative to the centre of mass of the smaller one.
+// Coordinates are made relative to that centre in each body's own axes before they are rotated. So no precision is lost
+// far from the world's origin, nor between bodies of very different size.
 
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::ARC_SLACK
@@ -14,17 +14,17 @@ struct Side {
     rotation: mat3x3<f32>,
     scale: vec3<f32>,
     offset: vec3<f32>,
-    // Of mass.
+    // The centre of mass.
     center: vec3<f32>,
     other_center: vec3<f32>,
-    // Minus one if the scale mirrors, so that corners run clockwise seen from outside.
+    // -1 if the scale mirrors, so that outward faces are clockwise; else 1.
     mirror: f32,
     mesh: u32,
     triangles: u32,
     triangle_count: u32,
-    // Where features lie among the words.
+    // Index of its features among the words.
     features: u32,
-    // Whether the faces of a closed mesh agree about where it is solid; if not, triangles have two sides.
+    // Triangles have an inside and an outside. Those of open or inconsistent meshes are two-sided.
     sided: bool,
     // `OF_SECOND` or 0.
     mark: u32,
@@ -32,10 +32,10 @@ struct Side {
 
 struct Triangle {
     number: u32,
-    // 1 if the corners run counter-clockwise about the normal, else -1.
+    // 1 if the corners are counter-clockwise about the normal, else -1.
     winding_sign: f32,
     corners: array<vec3<f32>, 3>,
-    // Unit vector, outward; of triangles with two sides towards the other body.
+    // Unit vector, outward. Normals of two-sided triangles point to the other body.
     normal: vec3<f32>,
 }
 
@@ -54,7 +54,7 @@ fn second(setup: t::PairSetup) -> Side {
     return side;
 }
 
-// Turns b's axes into a's.
+// Rotation from b's axes to a's.
 fn b_to_a(setup: t::PairSetup) -> mat3x3<f32> {
     return mat3x3(setup.x, setup.y, setup.z);
 }
@@ -76,12 +76,12 @@ fn side_of(mesh: u32, scale: vec3<f32>, offset: vec3<f32>, rotation: mat3x3<f32>
     return side;
 }
 
-// A point of the mesh, relative to its centre of mass.
+// Places a point of the mesh, given relative to its centre of mass.
 fn place(side: Side, p: vec3<f32>) -> vec3<f32> {
     return side.rotation * (side.scale * p - side.offset);
 }
 
-// Back to the body's own axes about its centre of mass, scaled.
+// Transforms a placed point back to the body's own axes, relative to its centre of mass and scaled.
 fn to_own(side: Side, p: vec3<f32>) -> vec3<f32> {
     return p * side.rotation + side.offset;
 }
@@ -98,28 +98,28 @@ fn vertex(side: Side, number: u32) -> vec3<f32> {
     return place(side, vector(side.features + words[side.features + 1u] + 3u * number));
 }
 
-// The normal of the smooth surface at a vertex; zero if it has none.
+// Normal of the smooth surface at a vertex; zero if it has none.
 fn smooth_normal(side: Side, number: u32) -> vec3<f32> {
     return side.rotation * direction(vector(smooth_vertex(side.features, number)) / side.scale);
 }
 
-// Where normal and roundness of a vertex lie among the words of a mesh whose features start there.
+// Index of a vertex's smooth normal and radius of curvature, for a mesh whose features start at `features`.
 fn smooth_vertex(features: u32, number: u32) -> u32 {
     return features + words[features + 6u] + 4u * number;
 }
 
-// Where the vertices' neighbours start among the words, and where they end.
+// Range of the vertex's neighbours among the words.
 fn neighbors(side: Side, number: u32) -> vec2<u32> {
     let at = side.features + words[side.features + 2u] + number;
     return side.features + words[side.features + 3u] + vec2(words[at], words[at + 1u]);
 }
 
-// The number of the connected component to which a vertex belongs.
+// The connected component of a vertex.
 fn component(side: Side, number: u32) -> u32 {
     return words[side.features + words[side.features + 4u] + number];
 }
 
-// The vertex of a component that is farthest from its first one.
+// The vertex of a component that is farthest from its first vertex.
 fn far_end(side: Side, number: u32) -> vec3<f32> {
     return place(side, vector(side.features + words[side.features + 5u] + 3u * number));
 }
@@ -134,7 +134,7 @@ fn edge_number(side: Side, number: u32, k: u32) -> u32 {
     return words[record(side, number) + 3u + k];
 }
 
-// The triangle across an edge that this triangle owns; `NOTHING` at a rim.
+// The triangle across an edge that this triangle owns; `NOTHING` at a boundary edge.
 fn across(side: Side, number: u32, k: u32) -> u32 {
     return words[record(side, number) + 6u + k];
 }
@@ -143,14 +143,14 @@ fn owned(side: Side, number: u32) -> u32 {
     return words[record(side, number) + 12u] & 63u;
 }
 
-// How far a contact's normal at an edge that the triangle owns may turn from the triangle's, radians; of `ANY_NORMAL` any normal
-// is within.
+// Largest angle between a triangle's normal and a contact normal at an edge that it owns, radians. `ANY_NORMAL` permits
+// every normal.
 fn edge_normal_rotation(side: Side, number: u32) -> f32 {
     let scale = abs(side.scale);
     let longest = max(scale.x, max(scale.y, scale.z));
     let shortest = min(scale.x, min(scale.y, scale.z));
     let rotation = f32(words[record(side, number) + 12u] >> 8u) * (ANY_NORMAL / 255.0) + ARC_SLACK;
-    // Unequal scales change angles.
+    // Non-uniform scales change angles.
     return select(ANY_NORMAL, min(rotation, ANY_NORMAL), longest <= shortest * (1.0 + 1.0e-6));
 }
 
@@ -158,8 +158,8 @@ fn curvature_radius(side: Side, number: u32) -> f32 {
     return bitcast<f32>(words[record(side, number) + 13u]);
 }
 
-// The largest radius of curvature that the surface has in any direction at a triangle; `FLAT_RADIUS` or more if it is not
-// round all ways.
+// Upper bound of the surface's radius of curvature in all directions at a triangle; `FLAT_RADIUS` or more if it is not
+// convex in all directions.
 fn max_curvature_radius(side: Side, number: u32) -> f32 {
     let curvature = bitcast<f32>(words[record(side, number) + 15u]);
     if !(curvature > 0.0) {
@@ -168,7 +168,7 @@ fn max_curvature_radius(side: Side, number: u32) -> f32 {
     let scale = abs(side.scale);
     let longest = max(scale.x, max(scale.y, scale.z));
     let shortest = min(scale.x, min(scale.y, scale.z));
-    // Of a ball squeezed to an ellipsoid the flattest place has the radius `longest^2 / shortest`.
+    // The flattest point of a sphere scaled to an ellipsoid has the radius of curvature `longest^2 / shortest`.
     return longest * (longest / shortest) / curvature;
 }
 
@@ -176,7 +176,8 @@ fn face(side: Side, number: u32) -> u32 {
     return words[record(side, number) + 14u];
 }
 
-// Its normal is that of the placed corners, so that corners in its plane have a height of nearly zero.
+// A placed triangle. Its normal is computed from the placed corners, so corners in its plane have a height of nearly
+// zero.
 fn triangle(side: Side, number: u32) -> Triangle {
     let at = side.triangles + 9u * number;
     var result: Triangle;
@@ -187,7 +188,7 @@ fn triangle(side: Side, number: u32) -> Triangle {
     let along = direction(result.corners[1] - result.corners[0]);
     let normal = cross(along, direction(result.corners[2] - result.corners[0])) * side.mirror;
     let square = dot(normal, normal);
-    // What is too thin to have a normal by its corners has that of its mesh.
+    // A triangle too thin for that has the transformed normal of its mesh.
     if square > 1.0e-12 {
         result.normal = normal / sqrt(square);
     } else {
@@ -201,12 +202,12 @@ fn triangle(side: Side, number: u32) -> Triangle {
     return result;
 }
 
-// The normal that a triangle has in its mesh, turned and scaled.
+// The transformed normal of the mesh.
 fn baked_normal(side: Side, number: u32) -> vec3<f32> {
     return side.rotation * direction(vector(record(side, number) + 9u) / side.scale);
 }
 
-// The same; of triangles with two sides towards the other body.
+// The same; for two-sided triangles the side of the other body.
 fn normal_of(side: Side, number: u32) -> vec3<f32> {
     let normal = baked_normal(side, number);
     if side.sided {

@@ -1,34 +1,34 @@
 #define_import_path faceoff::smooth
 
-// How round surfaces touch of which a mesh has only corners and facets. `src/manifolds/cpu/smooth.rs` says why.
+// Contact on the smooth surface that a fine mesh approximates. The twin of `src/manifolds/cpu/smooth.rs`.
 
 #import faceoff::constants::manifolds::SMOOTH
 #import faceoff::math::direction
 #import faceoff::sides
 #import faceoff::types as t
 
-// How the smooth surfaces touch at a feature.
+// The contact of the smooth surfaces at a feature.
 struct Smoothed {
-    // From the first body to the second.
+    // Unit vector from the first body to the second.
     normal: vec3<f32>,
-    // How fast it turns as the surfaces slide along each other: radians by length.
+    // Rotation of the normal per distance that the surfaces slide along each other.
     normal_rotation: f32,
-    // From where each body touches to where its smooth surface does, across the normal.
+    // Offset of each body's point, perpendicular to the normal, to where its smooth surface touches.
     slide_a: vec3<f32>,
     slide_b: vec3<f32>,
 }
 
-// With the roundness of the first body's surface and of the second's.
+// The contact at a feature, for the radii of curvature there.
 fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, curvature_radius: vec2<f32>) -> Smoothed {
     var result: Smoothed;
     result.normal = feature.normal;
     let radius_a = sides::max_curvature_radius(a, feature.a);
     let radius_b = sides::max_curvature_radius(b, feature.b);
     if radius_a < t::FLAT_RADIUS && radius_b < t::FLAT_RADIUS {
-        // Round all ways: they touch between the centres of the balls that they are there.
+        // Surfaces that are convex in all directions touch on the line between their centres of curvature.
         let normal_a = normal_at(a, feature.a, feature.point_a);
         let normal_b = normal_at(b, feature.b, feature.point_b);
-        // Two facets lie between the normals at two points.
+        // The smooth normals at two points differ by at most the angle of two facets.
         let least = 1.0 - 2.0 * SMOOTH * SMOOTH;
         if dot(normal_a, feature.normal) >= least && -dot(normal_b, feature.normal) >= least {
             let gap = max(feature.separation, 0.0);
@@ -55,27 +55,27 @@ fn smoothed(a: sides::Side, b: sides::Side, feature: t::Feature, curvature_radiu
             offset = slide(normal, feature.point_b - b.center, -feature.normal, curvature_radius.y);
         }
     }
-    // Along the other body's face.
+    // Both points move along the other body's face.
     result.slide_a = offset;
     result.slide_b = offset;
     return result;
 }
 
-// Whether there is a smooth surface of this roundness around a vertex, where it has this normal or none, that has the normal
-// `out` near it.
+// Whether the smooth surface around a vertex has the normal `out` nearby. `normal` is the smooth normal at the vertex,
+// which may be zero.
 fn is_smooth(normal: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> bool {
     let across = cross(normal, out);
     let near = dot(normal, out) > 0.0 && dot(across, across) <= SMOOTH * SMOOTH;
     return near && curvature_radius > 0.0 && curvature_radius < t::FLAT_RADIUS;
 }
 
-// From a point with this normal, at `anchor` from the centre of mass, to where it is `out`.
+// Offset from a point with this normal, at `anchor` from the centre of mass, to where the normal is `out`.
 fn slide(normal: vec3<f32>, anchor: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> vec3<f32> {
-    // No farther round than to beside the centre of mass, as the solver takes it.
+    // The centre of curvature lies no deeper than the centre of mass, as in the solver.
     return (out * dot(normal, out) - normal) * min(curvature_radius, max(dot(anchor, out), 0.0));
 }
 
-// The smooth surface's normal at a point of a triangle: between those at its corners, by the areas over against them.
+// The smooth normal at a point of a triangle, interpolated from the corners by barycentric areas.
 fn normal_at(side: sides::Side, triangle: u32, at: vec3<f32>) -> vec3<f32> {
     let numbers = sides::vertices(side, triangle);
     let p = sides::vertex(side, numbers.x) - at;

@@ -1,7 +1,7 @@
 #define_import_path faceoff::arena
 
-// What every kernel that looks into the arena binds: all meshes in one array of words. Bound here, once, so that the
-// functions that read it need not be handed an array, which WGSL does not allow.
+// The meshes, all in one array of words. The bindings are declared here, because WGSL functions cannot take a storage
+// array as an argument.
 
 #import faceoff::constants::shared::HEIGHT_STEPS
 #import faceoff::math::direction
@@ -14,8 +14,8 @@ fn vector(at: u32) -> vec3<f32> {
     return bitcast<vec3<f32>>(vec3(words[at], words[at + 1u], words[at + 2u]));
 }
 
-// A point p with dot(p, u) not below that of any vertex, for a u of any length but zero; relative to the centre of mass,
-// in the mesh's own axes. `projection/heights.rs` explains it.
+// The support point of a mesh along u, which may have any length but zero: a point p whose dot(p, u) is at least that
+// of any vertex. Relative to the centre of mass, in the mesh's own axes. The twin of `src/projection/heights.rs`.
 fn support(heights: u32, u: vec3<f32>) -> vec3<f32> {
     let d = abs(direction(u));
     let n = i32(HEIGHT_STEPS);

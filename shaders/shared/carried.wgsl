@@ -1,8 +1,8 @@
-// Where a body begins a step: what goes on from the last step, and what the host has told.
+// The state of a body at the start of a step: what carries over from the last step, and what the host has changed.
 #define_import_path faceoff::carried
 #import faceoff::types as t
 
-// `body` as the host sent it, brought to where it begins. `last` is where it was after the last step.
+// `body` as the host sent it, with what carries over from `last`, its state after the last step.
 fn carry_over(body: t::Body, last: t::Moved) -> t::Body {
     var next = body;
     next.position = carry_axes(body.carried, t::CARRIED_POSITION, last.position, body.position);
@@ -14,7 +14,7 @@ fn carry_over(body: t::Body, last: t::Moved) -> t::Body {
     return next;
 }
 
-// Axis by axis what is told, or the last value and what is told to be added.
+// Axis by axis: the value that the host sent, or the last value plus what the host adds.
 fn carry_axes(carried: u32, first: u32, last: vec3<f32>, sent: vec3<f32>) -> vec3<f32> {
     let goes_on = (vec3(carried) & (vec3(1u, 2u, 4u) * first)) != vec3(0u);
     return select(sent, last + sent, goes_on);

@@ -1,12 +1,12 @@
 #define_import_path faceoff::margins
 
-// How far bodies look for each other; `src/state/margins.rs` explains it. `Step::speculative_time` is the time until the next
-// detection, with the safety that is on top of it.
+// Speculative margins. The twin of `src/state/margins.rs`. `Step::speculative_time` is the time until the next
+// detection, times the safety factor.
 
 #import faceoff::constants::shared::BOUND
 #import faceoff::types as t
 
-// The body, with its reach as its velocities now are.
+// The body with its speculative radius, which follows from its present velocities.
 fn with_speculative_radius(step: t::Step, body: t::Body) -> t::Body {
     var placed = body;
     var travel = 0.0;
@@ -18,7 +18,7 @@ fn with_speculative_radius(step: t::Step, body: t::Body) -> t::Body {
     return placed;
 }
 
-// How near the surfaces of two bodies must come for points to be found, metres.
+// The speculative margin of a pair, metres.
 fn speculative_margin(step: t::Step, a: t::Body, b: t::Body) -> f32 {
     let diameter = 2.0 * min(a.radius, b.radius);
     let v = velocity(b) - velocity(a);
@@ -30,7 +30,7 @@ fn velocity(body: t::Body) -> vec3<f32> {
     return select(body.linear_velocity, vec3(0.0), (body.flags & t::KIND_MASK) == t::STATIC);
 }
 
-// How fast a body's surface may move until the next detection beside the velocity of its centre, m/s.
+// Upper bound of the speed that rotation and gravity add to a body's surface until the next detection, m/s.
 fn sway(step: t::Step, body: t::Body) -> f32 {
     let kind = body.flags & t::KIND_MASK;
     if kind == t::STATIC {

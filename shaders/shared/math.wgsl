@@ -1,6 +1,7 @@
 #define_import_path faceoff::math
 
-// What WGSL leaves too loose, or lacks. Its own sin, cos and atan2 may be wrong by 2^-11.
+// Functions that WGSL lacks, or whose built-in versions are too inaccurate: its sin, cos and atan2 may have errors of
+// 2^-11.
 
 // Rotates v by the unit quaternion q.
 fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
@@ -12,12 +13,12 @@ fn conjugate(q: vec4<f32>) -> vec4<f32> {
     return vec4(-q.xyz, q.w);
 }
 
-// Turns by q first, then by p.
+// The rotation by q, followed by the rotation by p.
 fn compose(p: vec4<f32>, q: vec4<f32>) -> vec4<f32> {
     return vec4(p.w * q.xyz + q.w * p.xyz + cross(p.xyz, q.xyz), p.w * q.w - dot(p.xyz, q.xyz));
 }
 
-// The matrix of the unit quaternion q.
+// The rotation matrix of the unit quaternion q.
 fn matrix(q: vec4<f32>) -> mat3x3<f32> {
     let d = q.xyz + q.xyz;
     let xx = q.x * d.x;
@@ -48,7 +49,8 @@ fn norm1(v: vec3<f32>) -> f32 {
     return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
-// A vector of any finite length, divided by it. Zero stays zero. Squares of tiny or huge lengths would leave f32's range.
+// v normalised; zero stays zero. It is scaled first, because squares of tiny or huge lengths would leave the range of
+// f32.
 fn direction(v: vec3<f32>) -> vec3<f32> {
     let size = max_component(abs(v));
     if !(size > 0.0) {
@@ -58,7 +60,8 @@ fn direction(v: vec3<f32>) -> vec3<f32> {
     return w / sqrt(dot(w, w));
 }
 
-// (sin x, cos x): Taylor after taking off quarter turns, good to 1e-7 while |x| stays below some thousands.
+// (sin x, cos x) by Taylor series after reduction to a quarter turn. The error is below 1e-7 while |x| is below some
+// thousands.
 fn sin_cos(x: f32) -> vec2<f32> {
     let turns = round(x * 0.63661977);
     // pi/2 in three parts.
@@ -77,7 +80,7 @@ fn sin_cos(x: f32) -> vec2<f32> {
     return vec2(-c, s);
 }
 
-// The turn by the vector w: about its direction, by its length in radians.
+// The rotation by the rotation vector w, whose length is the angle in radians.
 fn rotation_by(w: vec3<f32>) -> vec4<f32> {
     let size = max_component(abs(w));
     if !(size > 0.0) {
@@ -89,7 +92,7 @@ fn rotation_by(w: vec3<f32>) -> vec4<f32> {
     return vec4(n * (half.x / length), half.y);
 }
 
-// The angle of (x, y), within 3e-7 of the truth. (0, 0) has angle 0.
+// The angle of (x, y), with an error below 3e-7. The angle of (0, 0) is 0.
 fn angle_of(y: f32, x: f32) -> f32 {
     let ax = abs(x);
     let ay = abs(y);
@@ -97,7 +100,7 @@ fn angle_of(y: f32, x: f32) -> f32 {
     if !(high > 0.0) {
         return 0.0;
     }
-    // At most 1; then at most tan(pi/12), where five terms of the series are enough.
+    // At most 1; after the reduction at most tan(pi/12), where five terms of the series suffice.
     var t = min(ax, ay) / high;
     var base = 0.0;
     if t > 0.26794919 {

@@ -1,4 +1,4 @@
-// Exclusive scan, third of three: every value becomes the sum of all before it.
+// Exclusive scan, third of three kernels: replaces each value by the sum of all before it.
 #import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::group_index
 #import faceoff::scan::scan_length

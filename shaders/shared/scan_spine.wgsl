@@ -1,5 +1,5 @@
-// Exclusive scan, second of three: one workgroup scans the sums of all blocks, and notes the total: if that is
-// more than a counter holds, the largest number there is, which no list has room for.
+// Exclusive scan, second of three kernels: one workgroup scans the sums of all blocks and writes the total. A total
+// that overflows is written as 0xffffffff, which no list can hold.
 #import faceoff::constants::shared::{NO_TOTAL, SCAN_BLOCK}
 #import faceoff::dispatch::divide_up
 #import faceoff::scan::scan_length
@@ -13,9 +13,9 @@ var<workgroup> partial: array<u32, 256>;
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
     let blocks = divide_up(scan_length(constants, counters[constants.x]), SCAN_BLOCK);
-    // What all blocks before this round sum up to.
+    // The sum of all earlier blocks.
     var before = 0u;
-    // The same without end, for this thread's blocks.
+    // The sum over this thread's blocks as a float, to detect overflow.
     var roughly = 0.0;
     for (var first = 0u; first < blocks; first += 256u) {
         let i = first + thread;

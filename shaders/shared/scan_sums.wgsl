@@ -1,4 +1,4 @@
-// Exclusive scan, first of three: the sum of every block of 1024.
+// Exclusive scan, first of three kernels: the sum of each block of 1024 values.
 #import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::group_index
 #import faceoff::scan::scan_length

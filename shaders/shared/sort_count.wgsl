@@ -1,9 +1,9 @@
-// Radix sort, first of two per digit: how often each digit occurs in each block. Counts of one digit lie together, so that
-// their scan tells each block where its keys of that digit go.
+// Radix sort, first of two kernels per digit: counts the digits in each block. Counts of one digit are adjacent, so
+// that their scan gives the position of each block's first key with that digit.
 #import faceoff::constants::shared::SORT_BLOCK
 #import faceoff::dispatch::{divide_up, group_index}
 
-// Which counter holds the number of keys; how far the digit is shifted.
+// x: the counter that holds the number of keys. y: the shift of the digit.
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> keys: array<u32>;

@@ -1,8 +1,8 @@
-// Radix sort, second of two per digit: every key goes to its place, keys of the same digit in the order they had.
+// Radix sort, second of two kernels per digit: moves each key to its place. Keys with the same digit keep their order.
 #import faceoff::constants::shared::SORT_BLOCK
 #import faceoff::dispatch::{divide_up, group_index}
 
-// Which counter holds the number of keys; how far the digit is shifted.
+// x: the counter that holds the number of keys. y: the shift of the digit.
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> digits: array<u32>;
@@ -11,9 +11,9 @@
 @group(0) @binding(5) var<storage, read_write> sorted_keys: array<u32>;
 @group(0) @binding(6) var<storage, read_write> sorted_values: array<u32>;
 
-// Where the next key of each digit goes.
+// The position of the next key of each digit.
 var<workgroup> next: array<u32, 256>;
-// Which of the 256 threads hold a digit: eight words of bits for each.
+// Bit sets of the 256 threads that hold each digit: eight words per digit.
 var<workgroup> holders: array<atomic<u32>, 2048>;
 
 @compute @workgroup_size(256)
@@ -41,7 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         workgroupBarrier();
         if held {
-            // Threads before this one with the same digit.
+            // Number of earlier threads with the same digit.
             var rank = countOneBits(atomicLoad(&holders[digit * 8u + thread / 32u]) & ((1u << (thread % 32u)) - 1u));
             for (var k = 0u; k < thread / 32u; k += 1u) {
                 rank += countOneBits(atomicLoad(&holders[digit * 8u + k]));
@@ -51,7 +51,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             sorted_values[at] = values[i];
         }
         workgroupBarrier();
-        // This thread's own digit: move on, and clear for the next round.
+        // Each thread updates one digit: it advances the position and clears the bit set for the next round.
         var count = 0u;
         for (var k = 0u; k < 8u; k += 1u) {
             count += countOneBits(atomicExchange(&holders[thread * 8u + k], 0u));

@@ -1,6 +1,6 @@
 #define_import_path faceoff::tensor
 
-// Symmetric tensors of second rank, for inertia.
+// Symmetric tensors of rank two, for inertia.
 
 #import faceoff::math::{max_component, matrix}
 
@@ -29,7 +29,7 @@ fn apply_tensor(s: Tensor, v: vec3<f32>) -> vec3<f32> {
     );
 }
 
-// In the axes that see the tensor's own turned by the unit quaternion q.
+// The tensor rotated by the unit quaternion q.
 fn rotated_tensor(s: Tensor, q: vec4<f32>) -> Tensor {
     let axes = matrix(q);
     let d = s.diagonal;
@@ -39,9 +39,9 @@ fn rotated_tensor(s: Tensor, q: vec4<f32>) -> Tensor {
     return Tensor(vec3(rotated[0].x, rotated[1].y, rotated[2].z), vec3(rotated[1].x, rotated[2].x, rotated[2].y));
 }
 
-// Zero if there is none.
+// The inverse; zero if the tensor is singular.
 fn inverse_tensor(s: Tensor) -> Tensor {
-    // As a part of the largest entry: the determinant of a small body's would leave f32's range.
+    // Scaled to the largest entry: the determinant of a small body's tensor would leave the range of f32.
     let size = max(max_component(abs(s.diagonal)), max_component(abs(s.off_diagonal)));
     if !(size > 0.0) {
         return no_tensor();
@@ -58,7 +58,7 @@ fn inverse_tensor(s: Tensor) -> Tensor {
     return Tensor(diagonal / scale, off_diagonal / scale);
 }
 
-// Without the axes at which the mask is 0.
+// Without the rows and columns where the mask is 0.
 fn masked_tensor(s: Tensor, mask: vec3<f32>) -> Tensor {
     return Tensor(s.diagonal * mask, s.off_diagonal * mask.xxy * mask.yzz);
 }

@@ -1,7 +1,7 @@
 #define_import_path faceoff::tree
 
-// The trees of boxes over the triangles of a pair's two meshes. A node is its level in the upper four bits and its number
-// within the level below; clusters of eight triangles are level 0, and the root has a level to itself.
+// The bounding-volume trees over the triangles of a pair's two meshes. A node is a word: its level in the upper four
+// bits, and its number within the level. Level 0 are clusters of eight triangles; the root has a level of its own.
 
 #import faceoff::arena::meshes
 #import faceoff::constants::shared::TREE_LEVELS
@@ -9,12 +9,12 @@
 
 const NUMBER: u32 = 0x0fffffffu;
 
-// Where each level of each tree begins among the words, and how many nodes it has: those of the second mesh after those of
-// the first.
+// For each level of both trees, first those of the first mesh, then those of the second: the index of its first word,
+// and its number of nodes.
 var<workgroup> first: array<u32, 16>;
 var<workgroup> count: array<u32, 16>;
 
-// Fills in one of the two, by one thread.
+// Sets the levels of one of the two trees. `end` is 0 for the first mesh and 1 for the second.
 fn survey(end: u32, mesh: u32) {
     var at = meshes[mesh].boxes;
     var nodes = divide_up(meshes[mesh].triangle_count, 8u);
@@ -34,7 +34,7 @@ fn node(level: u32, number: u32) -> u32 {
     return (level << 28u) | number;
 }
 
-// Where the node's box is among the words, centre and half size; 0 if there is no such node.
+// The index of a node's box, centre and half size; 0 if there is no such node.
 fn box_of(end: u32, node: u32) -> u32 {
     let level = TREE_LEVELS * end + level_of(node);
     let number = node & NUMBER;

@@ -1,4 +1,4 @@
-// Solver, sleep: wakes the bodies of restless islands, or freezes those of the others.
+// Sleep: wakes the bodies of disturbed islands, or puts those of the others to sleep. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, collision_substep, islands, motion_states}

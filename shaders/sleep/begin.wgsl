@@ -1,4 +1,4 @@
-// Solver, sleep: every body is an island by itself.
+// Sleep: at first every body is an island of its own. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::islands::{collision_substep, islands}
 

@@ -1,4 +1,4 @@
-// Solver, sleep: bodies that keep their island awake, or wake it.
+// Sleep: bodies that keep their island awake, or wake it. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, forces, collision_substep, islands, motion_states}

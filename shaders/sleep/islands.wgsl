@@ -1,26 +1,26 @@
 #define_import_path faceoff::islands
 
-// Which bodies are frozen: islands of bodies at rest. `src/sleep/cpu.rs` explains it. All kernels run twice an
-// interval: before it they wake, after it they put to sleep.
+// Sleep: islands of bodies at rest, by union-find over touching pairs. The twin of `src/sleep/cpu.rs`. All kernels run
+// twice in a collision substep: before it they wake bodies, after it they put them to sleep.
 
 #import faceoff::constants::sleep::{OVERLAP, TOUCH}
 #import faceoff::solver_math::{finite, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
-// A body's place in its island.
+// A body in the union-find forest of islands.
 struct Island {
-    // A body nearer to the island's root, which has the smallest number; the root's own.
+    // A body closer to the root of the island, or the root itself. The root has the smallest number.
     parent: atomic<u32>,
-    // What the body touches, as a sum of keys.
+    // The bodies that it touches, as the sum of their keys.
     neighbours: atomic<u32>,
-    // Of a root, not 0: something in the island is awake, or must wake.
+    // Of a root, not 0: the island stays awake, or must wake.
     disturbed: atomic<u32>,
     padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
-// Which half of the work it is.
+// x: `WAKE` or `FALL_ASLEEP`.
 @group(0) @binding(1) var<uniform> constants: vec4<u32>;
 @group(0) @binding(2) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(3) var<storage, read> contact_pairs: array<t::ContactPair>;
@@ -30,7 +30,7 @@ struct Island {
 @group(0) @binding(7) var<storage, read> forces: array<s::BodyForces>;
 @group(0) @binding(8) var<storage, read_write> islands: array<Island>;
 
-// The root of a body's island. Parents have smaller numbers, so there is an end to it; the way is halved.
+// The root of a body's island, with path halving. Parents have smaller numbers, so the loop ends.
 fn root_of(body: u32) -> u32 {
     var at = body;
     var above = atomicLoad(&islands[at].parent);
@@ -43,8 +43,8 @@ fn root_of(body: u32) -> u32 {
     return at;
 }
 
-// Makes two islands one (Komura, "GPU-based cluster-labeling algorithm without the use of conventional iteration", 2015).
-// Whoever comes first, the smallest number is the root in the end.
+// Unites two islands without locks (Komura, "GPU-based cluster-labeling algorithm without the use of conventional
+// iteration", 2015). Whatever the order of threads, the smallest number becomes the root.
 fn join(a: u32, b: u32) {
     var one = root_of(a);
     var other = root_of(b);
@@ -55,7 +55,7 @@ fn join(a: u32, b: u32) {
         if before == high {
             return;
         }
-        // It had been joined to another root meanwhile.
+        // Another thread has united it with a different root meanwhile.
         one = before;
         other = low;
     }
@@ -65,7 +65,7 @@ fn disturb(body: u32) {
     atomicStore(&islands[root_of(body)].disturbed, 1u);
 }
 
-// Whether forces and contacts can move it.
+// Whether impulses change its velocity.
 fn has_mass(body: s::SolverBody) -> bool {
     return (body.flags & t::KIND_MASK) == t::DYNAMIC
         && body.inverse_mass > 0.0
@@ -74,14 +74,14 @@ fn has_mass(body: s::SolverBody) -> bool {
         && finite_vector(body.inverse_inertia_off_diagonal);
 }
 
-// How fast the fastest point of the body's bounding sphere moves.
+// Upper bound of the speed of any point of the body, m/s.
 fn speed_of(i: u32) -> f32 {
     let v = motion_states[i].linear_velocity;
     let w = motion_states[i].angular_velocity;
     return sqrt(dot(v, v)) + sqrt(dot(w, w)) * solver_bodies[i].radius;
 }
 
-// Whether both bodies are there and solid, and so are all points.
+// Whether the pair names two different solid bodies and its points are in the list.
 fn is_pair(pair: t::ContactPair) -> bool {
     let points = solver_counters[s::POINTS];
     if pair.a >= collision_substep.bodies || pair.b >= collision_substep.bodies || pair.a == pair.b {
@@ -92,17 +92,17 @@ fn is_pair(pair: t::ContactPair) -> bool {
         && pair.point_count <= points - pair.first_point;
 }
 
-// Up to which separation a pair touches.
+// Bodies touch up to this separation.
 fn touch_distance(pair: t::ContactPair) -> f32 {
     return TOUCH * rest_offset(pair);
 }
 
-// The gap that a pair keeps at rest.
+// The separation that a pair keeps at rest.
 fn rest_offset(pair: t::ContactPair) -> f32 {
     return collision_substep.rest_offset * 2.0 * min(solver_bodies[pair.a].radius, solver_bodies[pair.b].radius);
 }
 
-// Whether some point overlaps by more than at rest.
+// Whether some point is deeper than resting contacts get.
 fn overlaps(pair: t::ContactPair) -> bool {
     let limit = -OVERLAP * rest_offset(pair);
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
@@ -113,7 +113,7 @@ fn overlaps(pair: t::ContactPair) -> bool {
     return false;
 }
 
-// Whether some point is as near as at rest.
+// Whether some point touches.
 fn touches(pair: t::ContactPair) -> bool {
     let near = touch_distance(pair);
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {

@@ -1,4 +1,4 @@
-// Solver, sleep: joins bodies that touch, and sums up whom each body touches.
+// Sleep: unites the islands of bodies that touch, and sums the keys of each body's neighbours. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, islands, motion_states}
@@ -14,7 +14,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if !l::is_pair(pair) || !l::touches(pair) {
         return;
     }
-    // A sum of words does not depend on the order of pairs.
+    // A sum of integers does not depend on the order of pairs.
     atomicAdd(&islands[pair.a].neighbours, motion_states[pair.b].key);
     atomicAdd(&islands[pair.b].neighbours, motion_states[pair.a].key);
     if l::has_mass(solver_bodies[pair.a]) && l::has_mass(solver_bodies[pair.b]) {

@@ -1,5 +1,5 @@
-// Solver, sleep: bodies that move wake those that they will have reached at the end of the interval; kinematic ones keep
-// those awake that they touch. A ground that is not as it was wakes those on it.
+// Sleep: moving bodies wake those that they touch or will reach within the collision substep, and kinematic ones keep
+// those awake that they touch. A static body that has changed wakes those on it. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters, collision_substep, motion_states}
@@ -31,7 +31,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// A body that is being pushed out of another is not at rest.
+// Bodies that overlap are not at rest: the solver is still pushing them apart.
 fn keep_awake(i: u32) {
     motion_states[i].rest_time = 0.0;
     if (solver_bodies[i].flags & t::KIND_MASK) == t::DYNAMIC && motion_states[i].asleep == 0u {
@@ -39,7 +39,7 @@ fn keep_awake(i: u32) {
     }
 }
 
-// Whether the two touch, now or at the end of the interval.
+// Whether the bodies touch, now or by the end of the collision substep.
 fn will_touch(pair: t::ContactPair) -> bool {
     if constants.x != s::WAKE {
         return l::touches(pair);
@@ -60,7 +60,7 @@ fn velocity_at(i: u32, anchor: vec3<f32>) -> vec3<f32> {
     return motion_states[i].linear_velocity + cross(motion_states[i].angular_velocity, anchor);
 }
 
-// Whether a body moves and nothing stops it from waking others.
+// Whether a body moves, so that it wakes others.
 fn disturbs_others(i: u32) -> bool {
     let kind = solver_bodies[i].flags & t::KIND_MASK;
     if kind == t::STATIC {

@@ -1,4 +1,4 @@
-// Solver, sleep: nobody sleeps where sleep is switched off.
+// Sleep: wakes all bodies, if sleep is disabled. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 

@@ -1,12 +1,12 @@
-// Solver: every body takes the sum of the impulses at its ends, in the order of pairs, and moves or speeds up if that is
-// next.
+// Solver: applies to each body the sum of the impulses of its sides, in the order of pairs. Then integrates its pose or
+// velocity, if that is next. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::motion as m
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
-// Whether the pairs that push each body are counted first; what follows.
+// x: split the mass of each body among its active pairs. y: what follows, by the bits `THEN_...`.
 @group(0) @binding(1) var<uniform> constants: vec4<u32>;
 @group(0) @binding(2) var<storage, read> body_constants: array<s::BodyConstants>;
 @group(0) @binding(3) var<storage, read_write> velocities: array<s::Velocity>;

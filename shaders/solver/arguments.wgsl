@@ -1,5 +1,5 @@
-// Solver: how many workgroups its kernels need. A list that is too small, or an interval without length, turns all of them
-// into nothing; the memory of impulses stays what it was.
+// Solver: workgroup counts of its kernels. They are all zero if a list is too short or the collision substep has no
+// length; saved impulses then stay as they are.
 #import faceoff::constants::shared::{DIGITS, SCAN_BLOCK, SORT_BLOCK}
 #import faceoff::dispatch::{divide_up, rows}
 #import faceoff::solver_math::{finite, finite_vector}

@@ -1,4 +1,5 @@
-// Solver: every body takes over pose and velocity and the impulses from outside, and speeds up for the first substep.
+// Solver: loads pose and velocity of each body, applies external impulses, and integrates velocities for the first
+// substep. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::math::max_component
 #import faceoff::motion as m
@@ -15,7 +16,6 @@
 @group(0) @binding(5) var<storage, read_write> velocities: array<s::Velocity>;
 @group(0) @binding(6) var<storage, read_write> masses: array<s::Mass>;
 @group(0) @binding(7) var<storage, read_write> pose_changes: array<s::PoseChange>;
-// Of each body: where its ends begin and end among those sorted by body, and its number in the interval before.
 @group(0) @binding(8) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
 
 @compute @workgroup_size(64)
@@ -93,7 +93,7 @@ fn body_constants_of(body: s::SolverBody, state: s::MotionState, external_forces
     constants.local_inverse_inertia = body.inverse_inertia;
     constants.local_inverse_inertia_off_diagonal = body.inverse_inertia_off_diagonal;
     let inertia = inverse_tensor(Tensor(body.inverse_inertia, body.inverse_inertia_off_diagonal));
-    // A body that cannot be turned about some axis has no inertia to speak of: it turns as if it were a ball.
+    // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates as if isotropic.
     let regular = !is_zero(inertia) && finite_vector(inertia.diagonal) && finite_vector(inertia.off_diagonal);
     if regular {
         constants.local_inertia = inertia.diagonal;

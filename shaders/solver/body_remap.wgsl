@@ -1,9 +1,9 @@
-// Solver: which number each body had in the interval before.
+// Solver: gives each body its number in the last collision substep. One thread per body of that substep.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
-// New numbers by old ones; the largest word for bodies that are gone.
+// New numbers by old ones; 0xffffffff for bodies that are gone.
 @group(0) @binding(1) var<storage, read> new_numbers: array<u32>;
 @group(0) @binding(2) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
 

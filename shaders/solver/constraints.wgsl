@@ -1,4 +1,4 @@
-// Solver: what holds for all points of a pair, and which remembered pair it is.
+// Solver: the constraint of each pair, and its saved pair of the last collision substep. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -25,7 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     pair.b = contact.b;
     pair.flags = s::FROZEN;
     pair.saved_pair = s::NOT_SAVED;
-    // A pair that names points that are not there, or those of the pair before, has none.
+    // A pair whose range of points exceeds the list or overlaps an earlier one gets no points.
     var before = 0u;
     if i > 0u {
         before = contact_pairs[i - 1u].first_point + contact_pairs[i - 1u].point_count;
@@ -73,13 +73,14 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     (*pair).surface_speed = surface_speed_of(a) + surface_speed_of(b);
 }
 
-// How fast a body's surface turns about its centre.
+// Upper bound of the speed of a body's surface relative to its centre, m/s.
 fn surface_speed_of(i: u32) -> f32 {
     let w = motion_states[i].angular_velocity;
     return sqrt(dot(w, w)) * min(solver_bodies[i].radius, s::INFINITE_LENGTH);
 }
 
-// One coefficient from two, by the later rule in the order of `CombineRule`.
+// The combined coefficient of two bodies, by the rule that comes later in the order of `CombineRule`. `shift` is that
+// of the rule in the flags.
 fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
     let p = max(x, 0.0);
     let q = max(y, 0.0);
@@ -102,7 +103,7 @@ fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
     }
 }
 
-// Looks the pair up among those remembered, which are ascending.
+// Finds the saved pair by binary search: saved pairs are in ascending order.
 fn find_saved_pair(pair: ptr<function, s::SolverPair>) {
     let first = body_adjacency[(*pair).a].old_number;
     let second = body_adjacency[(*pair).b].old_number;

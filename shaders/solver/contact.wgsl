@@ -1,7 +1,9 @@
 #define_import_path faceoff::contact
 
-// What a pair does in a pass: from the velocities of its bodies, an impulse for each. `src/solver/pairs.rs` explains it.
-// Bound here, once, is what the kernels over pairs share.
+// One pass over one pair: from the velocities of its two bodies to an impulse for each. The twin of
+// `src/solver/solve.rs`.
+//
+// The bindings that all kernels over pairs share are declared here.
 
 #import faceoff::solver_math::{tangent, rotation_displacement}
 #import faceoff::solver_types as s
@@ -16,28 +18,29 @@
 @group(0) @binding(6) var<storage, read> masses: array<s::Mass>;
 @group(0) @binding(7) var<storage, read> pose_changes: array<s::PoseChange>;
 @group(0) @binding(8) var<storage, read> velocities: array<s::Velocity>;
-// What each pair does to its first body and to its second.
+// Two per pair: the impulse on its first body and on its second.
 @group(0) @binding(9) var<storage, read_write> side_impulses: array<t::Impulse>;
 
-// A pair by itself: its bodies, each with this pair's share of its mass.
+// The velocities of a pair's bodies during a pass, and the impulses it has applied so far. Each body has only this
+// pair's part of its mass.
 struct PairVelocities {
     mass_a: s::Mass,
     mass_b: s::Mass,
     a: s::Velocity,
     b: s::Velocity,
-    // The impulse on the second body; the first has its opposite.
+    // Linear impulse on the second body; the first body gets the opposite.
     linear: vec3<f32>,
     angular_a: vec3<f32>,
     angular_b: vec3<f32>,
 }
 
-// A direction in which a point pushes, and what a unit impulse along it does to the two bodies.
+// The normal or a tangent of a point, with the Jacobian along it.
 struct Row {
     direction: vec3<f32>,
-    // Its moment about each centre of mass.
+    // The moment of a unit impulse about each centre of mass.
     moment_a: vec3<f32>,
     moment_b: vec3<f32>,
-    // The angular velocity that the moment causes.
+    // The change of angular velocity by that moment.
     angular_response_a: vec3<f32>,
     angular_response_b: vec3<f32>,
 }
@@ -61,7 +64,7 @@ fn row(mass_a: s::Mass, mass_b: s::Mass, point: s::PointState, direction: vec3<f
     return Row(direction, moment_a, moment_b, angular_response(mass_a, moment_a), angular_response(mass_b, moment_b));
 }
 
-// Change of speed per unit impulse at both bodies.
+// The inverse effective mass of each body along a row.
 fn inverse_effective_masses(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> vec2<f32> {
     let d = r.direction;
     return vec2(
@@ -70,7 +73,7 @@ fn inverse_effective_masses(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> vec2<f3
     );
 }
 
-// Where a point is now, and how the bodies give way there.
+// A point at the present poses: its separation, normal, anchors and effective masses.
 fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
     var point = point_states[k];
     let constants = point_constants[k];
@@ -82,8 +85,8 @@ fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
         let displacement_a = rotation_displacement(pose_changes[pair.a].rotation, constants.curvature_center_a);
         let displacement_b = rotation_displacement(pose_changes[pair.b].rotation, constants.curvature_center_b);
         let displacement = (pose_changes[pair.b].translation - pose_changes[pair.a].translation) + displacement_b - displacement_a;
-        // Round surfaces that have not touched yet pass each other as balls do: they push along the normal at the moment
-        // of touching.
+        // The normal of curved surfaces that have not touched yet rotates as that of two balls that pass each other:
+        // their impulse acts along the normal at the moment of contact.
         if constants.normal_rotation > 0.0 && point.max_normal_impulse == 0.0 && point.normal_impulse == 0.0 {
             let normal = constants.initial_normal + constants.normal_rotation * displacement;
             let square = dot(normal, normal);
@@ -93,11 +96,11 @@ fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
         }
         point.separation = constants.initial_separation + dot(point.normal, displacement);
         if constants.normal_rotation > 0.0 {
-            // By how much the way between the centres of curvature is shorter along the new normal.
+            // The distance between the centres of curvature is shorter along the rotated normal.
             let change_of_normal = point.normal - constants.initial_normal;
             point.separation -= 0.5 * dot(change_of_normal, change_of_normal) / constants.normal_rotation;
         }
-        // One place for both, or the two impulses would turn the pair.
+        // Both impulses act at one position. Otherwise they would exert a moment on the pair.
         let offset = constants.anchor_offset + displacement;
         point.impulse_anchor_a = constants.anchor_a + displacement_a + constants.contact_fraction * offset;
         point.impulse_anchor_b = constants.anchor_b + displacement_b - (1.0 - constants.contact_fraction) * offset;
@@ -108,32 +111,32 @@ fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
     let normal = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, point.normal));
     let one = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, first_tangent));
     let other = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, cross(point.normal, first_tangent)));
-    // One number for both tangents: with two, friction would not point against the sliding.
+    // Both tangents use the same value. Otherwise friction would not point against the sliding direction.
     let tangential = max(one, other);
     point.inverse_effective_mass = vec4(normal.x, tangential.x, normal.y, tangential.y);
     return point;
 }
 
-// The point's give along the normal and across it, with the bodies' shares.
+// The inverse effective mass of a point along the normal and along the tangents, with mass splitting.
 fn split_inverse_effective_mass(pair_velocities: ptr<function, PairVelocities>, point: s::PointState) -> vec2<f32> {
     return (*pair_velocities).mass_a.split_count * point.inverse_effective_mass.xy + (*pair_velocities).mass_b.split_count * point.inverse_effective_mass.zw;
 }
 
-// How fast the bodies part along a row.
+// Velocity of the second body relative to the first along a row. Along the normal it is positive when they separate.
 fn velocity_along(pair_velocities: ptr<function, PairVelocities>, r: Row) -> f32 {
     let a = (*pair_velocities).a;
     let b = (*pair_velocities).b;
     return dot(r.direction, b.linear - a.linear) + dot(r.moment_b, b.angular) - dot(r.moment_a, a.angular);
 }
 
-// Adds an impulse on the second body, and its opposite on the first, to what the pair hands out.
+// Adds an impulse on the second body, and its opposite on the first, to the pair's impulses. Velocities stay the same.
 fn accumulate(pair_velocities: ptr<function, PairVelocities>, r: Row, impulse: f32) {
     (*pair_velocities).linear += r.direction * impulse;
     (*pair_velocities).angular_a -= r.moment_a * impulse;
     (*pair_velocities).angular_b += r.moment_b * impulse;
 }
 
-// The same, and changes the velocities.
+// Applies an impulse to the second body, and its opposite to the first.
 fn apply_impulse(pair_velocities: ptr<function, PairVelocities>, r: Row, impulse: f32) {
     accumulate(pair_velocities, r, impulse);
     let linear = r.direction * impulse;
@@ -145,7 +148,7 @@ fn apply_impulse(pair_velocities: ptr<function, PairVelocities>, r: Row, impulse
     (*pair_velocities).b.angular += r.angular_response_b * (split_b * impulse);
 }
 
-// Leaves what the pair does to its ends.
+// Writes the sum of the pair's impulses on each body.
 fn write_impulses(i: u32, pair_velocities: ptr<function, PairVelocities>) {
     side_impulses[2u * i] = t::Impulse(-(*pair_velocities).linear, 0.0, (*pair_velocities).angular_a, 0.0);
     side_impulses[2u * i + 1u] = t::Impulse((*pair_velocities).linear, 0.0, (*pair_velocities).angular_b, 0.0);

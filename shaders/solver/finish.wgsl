@@ -1,4 +1,4 @@
-// Solver: where the bodies are after the interval.
+// Solver: writes poses and velocities back at the end of a collision substep. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::math::compose
 #import faceoff::motion::limited_velocity
@@ -34,12 +34,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 fn rotate_state(state: ptr<function, s::MotionState>, rotation_change: vec4<f32>) {
     let high = (*state).rotation;
     let low = (*state).rotation_low;
-    // turned * rotation - rotation, of which the first factor is nearly the identity: 1 - w follows from the small parts.
+    // `rotation_change * rotation - rotation`, where the first factor is close to the identity: computing 1 - w from
+    // the small parts avoids cancellation.
     let small = dot(rotation_change.xyz, rotation_change.xyz);
     let one_minus_w = select(1.0 - rotation_change.w, small / (1.0 + rotation_change.w), rotation_change.w > 0.0);
     let by = vec4(rotation_change.xyz, -one_minus_w);
     let whole = high + low;
-    // Too long by this part, without the rounding of a sum near 1.
+    // The squared length minus 1, computed from the small parts to avoid cancellation.
     let excess = (dot(high, high) - 1.0) + 2.0 * dot(high, low);
     let step = compose(by, whole);
     let fine = low + step - (0.5 * excess) * (whole + step);

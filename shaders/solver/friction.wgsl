@@ -1,12 +1,13 @@
 #define_import_path faceoff::friction
 
-// Coulomb friction at a point: an impulse across the normal, no larger than the friction coefficient times the normal one.
+// Coulomb friction: tangential impulses within Coulomb's cone. The twin of `src/solver/friction.rs`.
 
 #import faceoff::contact as c
 #import faceoff::solver_math::tangent
 #import faceoff::solver_types as s
 
-// What stops the points from sliding, shortened to `limit`: pushes by the difference and returns the new impulse.
+// Applies the friction impulse that stops the sliding at a point, clamped to the length `limit`, and returns it.
+// `friction_impulse` is the impulse so far, `relaxation` the fraction of the correction that is applied.
 fn apply_friction(pair_velocities: ptr<function, c::PairVelocities>, point: s::PointState, inverse_effective_mass: f32, friction_impulse: vec2<f32>, relaxation: f32, limit: f32) -> vec2<f32> {
     let first_tangent = tangent(point.normal);
     let first_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, first_tangent);

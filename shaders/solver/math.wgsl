@@ -3,7 +3,7 @@
 #import faceoff::constants::solver::COARSE_DIGIT
 #import faceoff::math::{compose, rotation_by}
 
-// WGSL may take for granted that there are neither NaN nor infinities: only the bits tell.
+// WGSL compilers may assume that NaN and infinity do not occur, so these functions test the bits.
 const EXPONENT: u32 = 0x7f800000u;
 
 fn finite(x: f32) -> bool {
@@ -18,20 +18,21 @@ fn finite_rotation(q: vec4<f32>) -> bool {
     return all((bitcast<vec4<u32>>(q) & vec4(EXPONENT)) != vec4(EXPONENT));
 }
 
-// A unit vector across the unit vector n, always the same (Duff et al., "Building an Orthonormal Basis, Revisited", 2017).
+// A unit vector perpendicular to the unit vector n, continuous in n (Duff et al., "Building an Orthonormal Basis,
+// Revisited", 2017).
 fn tangent(n: vec3<f32>) -> vec3<f32> {
     let side = select(1.0, -1.0, n.z < 0.0);
     let a = -1.0 / (side + n.z);
     return vec3(1.0 + side * n.x * n.x * a, side * n.x * n.y * a, -side * n.x);
 }
 
-// q turns v: by how much it changes, without the rounding of either.
+// The displacement of v by the rotation q, without cancellation.
 fn rotation_displacement(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     let t = 2.0 * cross(q.xyz, v);
     return q.w * t + cross(q.xyz, t);
 }
 
-// q, turned on by the angle vector w in world axes.
+// q, followed by the rotation vector w in world axes.
 fn rotated(w: vec3<f32>, q: vec4<f32>) -> vec4<f32> {
     let rotation_change = compose(rotation_by(w), q);
     let unit = rotation_change / sqrt(dot(rotation_change, rotation_change));
@@ -41,7 +42,7 @@ fn rotated(w: vec3<f32>, q: vec4<f32>) -> vec4<f32> {
     return q;
 }
 
-// v, or a vector along it of length `limit` if it is longer.
+// v, shortened to the length `limit` if it is longer.
 fn limited(v: vec3<f32>, limit: f32) -> vec3<f32> {
     let square = dot(v, v);
     if square > limit * limit {
@@ -50,7 +51,7 @@ fn limited(v: vec3<f32>, limit: f32) -> vec3<f32> {
     return v;
 }
 
-// exp(-x) for an x that is not negative; 1 for others. WGSL's own is too coarse to be taken once a substep.
+// exp(-x); 1 if x is negative. The built-in function is too coarse for a factor that is applied in every substep.
 fn decay(x: f32) -> f32 {
     if !(x > 0.0) {
         return 1.0;
@@ -74,16 +75,17 @@ fn decay(x: f32) -> f32 {
     return result;
 }
 
-// Numbers in two parts. The coarse one has so few digits that what is carried to it arrives unrounded, but for once in a
-// doubling of its size; no compiler can take that for zero, as it may with the usual sums of what rounding has lost.
+// Numbers in two parts, a coarse one and a fine one. The coarse part is a multiple of a digit so large that additions
+// to it are exact, except when its magnitude doubles. Compilers cannot optimise this away, as they may the usual
+// compensated sums.
 
-// The digit of a coarse part of this size; below a metre always the same.
+// The digit of a coarse part of this magnitude; below one metre always the same.
 fn coarse_digit(coarse: vec3<f32>) -> vec3<f32> {
     let power = bitcast<vec3<f32>>(bitcast<vec3<u32>>(coarse) & vec3(EXPONENT));
     return max(power * COARSE_DIGIT, vec3(COARSE_DIGIT));
 }
 
-// What a fine part of this size should hand over.
+// The multiple of the digit that moves from a fine part to the coarse one.
 fn coarse_part(fine: vec3<f32>, digit: vec3<f32>) -> vec3<f32> {
     return round(fine / digit) * digit;
 }

@@ -1,6 +1,6 @@
 #define_import_path faceoff::motion
 
-// What a body does by itself: it speeds up and moves. `src/solver/motion.rs` explains it.
+// Integration of a body's velocity and pose. The twin of `src/solver/motion.rs` and `body_constants.rs`.
 
 #import faceoff::constants::solver::{FREE_ANGLE, MAX_ROUNDS}
 #import faceoff::math::{compose, rotation_by}
@@ -8,17 +8,17 @@
 #import faceoff::solver_types as s
 #import faceoff::tensor::{apply_tensor, inverse_tensor, is_zero, masked_tensor, rotated_tensor, Tensor}
 
-// 1 for each axis along which the body may move, else 0.
+// 1 for each axis along which the body may translate, else 0.
 fn free_translation(flags: u32) -> vec3<f32> {
     return vec3<f32>((vec3(~(flags >> s::LOCKED)) >> vec3(0u, 1u, 2u)) & vec3(1u));
 }
 
-// 1 for each axis about which it may turn, else 0.
+// 1 for each axis about which it may rotate, else 0.
 fn free_rotation(flags: u32) -> vec3<f32> {
     return vec3<f32>((vec3(~(flags >> s::LOCKED)) >> vec3(3u, 4u, 5u)) & vec3(1u));
 }
 
-// In world axes, for a body turned by `rotation`.
+// The inverse inertia in world axes at `rotation`.
 fn world_inverse_inertia(constants: s::BodyConstants, rotation: vec4<f32>) -> Tensor {
     let own = Tensor(constants.local_inverse_inertia, constants.local_inverse_inertia_off_diagonal);
     let free = free_rotation(constants.flags);
@@ -30,7 +30,8 @@ fn world_inverse_inertia(constants: s::BodyConstants, rotation: vec4<f32>) -> Te
     if !locked {
         return inverse;
     }
-    // What holds an axis takes up its moment. What is left of the inertia tensor without the axis is inverted.
+    // The bearing of a locked axis balances any moment about it. So the locked axes are removed from the inertia
+    // tensor, and the rest is inverted.
     let inertia = rotated_tensor(Tensor(constants.local_inertia, constants.local_inertia_off_diagonal), rotation);
     var reduced = masked_tensor(inertia, free);
     reduced.diagonal += vec3(1.0) - free;
@@ -46,7 +47,7 @@ fn inertia_of(mass: s::Mass) -> Tensor {
     return Tensor(mass.inverse_inertia, mass.inverse_inertia_off_diagonal);
 }
 
-// The velocity after an impulse; unchanged if that would not be finite.
+// The velocity after an impulse; unchanged if the result would not be finite.
 fn with_impulse(velocity: s::Velocity, mass: s::Mass, linear: vec3<f32>, angular: vec3<f32>) -> s::Velocity {
     var next = velocity;
     next.linear += mass.inverse_mass * linear;
@@ -64,7 +65,7 @@ fn limited_velocity(velocity: s::Velocity, constants: s::BodyConstants) -> s::Ve
     return next;
 }
 
-// Gravity, outer forces, damping and speed limits over one substep.
+// The velocity after one substep of gravity, external forces, damping and speed limits.
 fn with_integrated_velocity(velocity: s::Velocity, mass: s::Mass, constants: s::BodyConstants, h: f32) -> s::Velocity {
     if (constants.flags & s::HAS_MASS) == 0u {
         return velocity;
@@ -80,7 +81,7 @@ fn with_integrated_velocity(velocity: s::Velocity, mass: s::Mass, constants: s::
     return limited_velocity(next, constants);
 }
 
-// Moves and turns a body over one substep.
+// Moves and rotates a body over one substep.
 fn integrate_pose(
     constants: s::BodyConstants,
     velocity: ptr<function, s::Velocity>,
@@ -117,8 +118,8 @@ struct FreeRotation {
     rotation_change: vec4<f32>,
 }
 
-// A body on which nothing acts after a substep: the implicit midpoint rule, in axes that turn with the body. Everything is
-// summed as changes, so that rounding does not add up.
+// The rotation of a body without torque over one substep, by the implicit midpoint rule in axes that rotate with the
+// body. All terms are summed as changes, so that rounding errors do not add up.
 fn rotate_freely(constants: s::BodyConstants, angular: vec3<f32>, rotation_change: vec4<f32>, h: f32) -> FreeRotation {
     let rounds = max(ceil(sqrt(dot(angular, angular)) * h / FREE_ANGLE), 1.0);
     if !(rounds <= MAX_ROUNDS) {

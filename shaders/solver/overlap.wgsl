@@ -1,6 +1,6 @@
 #define_import_path faceoff::overlap
 
-// What is made of overlaps whose contact points may disagree about the way out; `src/solver/overlap.rs` explains it.
+// Overlaps whose contact points disagree about the separating direction. The twin of `src/solver/overlap.rs`.
 
 #import faceoff::constants::shared::{DEFAULT_DIRECTION, SAFETY}
 #import faceoff::constants::solver::{CONFLICT_DEPTH, MIN_DIRECTION_LENGTH, OPPOSED, RESOLVED_DEPTH}
@@ -13,7 +13,7 @@
 @group(0) @binding(4) var<storage, read> saved_pairs: array<s::SavedPair>;
 @group(0) @binding(5) var<storage, read> saved_points: array<s::SavedPoint>;
 
-// More points than this are not compared with each other.
+// Only this many points of a pair are compared with each other.
 const MAX_COMPARED: u32 = 64u;
 
 const ORDINARY: u32 = 0u;
@@ -22,7 +22,7 @@ const CONFLICTING: u32 = 2u;
 
 struct Overlap {
     kind: u32,
-    // The way out.
+    // Unit vector along which the pair is pushed apart.
     direction: vec3<f32>,
 }
 
@@ -64,7 +64,7 @@ fn classify(pair: s::SolverPair) -> Overlap {
     return Overlap(CONFLICTING, separating);
 }
 
-// Whether some point is deep although the pair's motion does not explain it.
+// Whether some point is deep and the pair's motion does not explain its depth.
 fn exceeds_motion(pair: s::SolverPair) -> bool {
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         let point = contact_points[k];
@@ -86,7 +86,7 @@ fn deeper_than(pair: s::SolverPair, depth: f32) -> bool {
     return false;
 }
 
-// Whether two points, both deeper than `depth`, push against each other.
+// Whether two points, both deeper than `depth`, have opposed normals.
 fn has_opposed_normals(pair: s::SolverPair, depth: f32) -> bool {
     let end = pair.first + min(pair.count, MAX_COMPARED);
     for (var k = pair.first; k < end; k += 1u) {
@@ -102,7 +102,7 @@ fn has_opposed_normals(pair: s::SolverPair, depth: f32) -> bool {
     return false;
 }
 
-// v as a unit vector if it is longer than `least`.
+// v normalised, if it is longer than `least`; else `otherwise`.
 fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
     let length = sqrt(dot(v, v));
     if finite_vector(v) && length > least && length < s::INFINITE_LENGTH {
@@ -111,7 +111,8 @@ fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
     return otherwise;
 }
 
-// The line of centres; away from a body without mass the mean of normals, as its centre says little about its surface.
+// The line of centres. If one body has no mass it is the depth-weighted mean normal, because that body's centre says
+// little about where its surface is.
 fn depenetration_direction(pair: s::SolverPair) -> vec3<f32> {
     let least = MIN_DIRECTION_LENGTH * pair.diameter;
     let centers = unit_or(pair.center_offset, least, DEFAULT_DIRECTION);
@@ -128,17 +129,17 @@ fn depenetration_direction(pair: s::SolverPair) -> vec3<f32> {
     return unit_or(sum, least, centers);
 }
 
-// The way out of a dispute in the last interval, or zero.
+// The direction that resolved a conflict in the last collision substep, or zero.
 fn saved_separating_direction(pair: s::SolverPair) -> vec3<f32> {
     return saved_sign(pair) * saved_pairs[pair.saved_pair].separating_direction;
 }
 
-// -1 if the bodies of the remembered pair were the other way round.
+// -1 if the bodies of the saved pair are in the opposite order.
 fn saved_sign(pair: s::SolverPair) -> f32 {
     return select(1.0, -1.0, (pair.flags & s::SWAPPED) != 0u);
 }
 
-// The sum of the remembered normal impulses, or of normals where none pushed.
+// The sum of the saved normal impulses as a vector, or of the normals if there was no impulse.
 fn saved_normal_impulse(pair: s::SolverPair) -> vec3<f32> {
     let saved = saved_pairs[pair.saved_pair];
     var impulses = vec3(0.0);

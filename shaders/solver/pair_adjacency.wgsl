@@ -1,4 +1,5 @@
-// Solver: two ends a pair, keyed by body, for bodies that are pushed; the others' key is beyond all bodies.
+// Solver: lists the two sides of each pair, keyed by body, for the sort. Sides of frozen pairs, and of bodies without
+// mass, get a key beyond all bodies. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 

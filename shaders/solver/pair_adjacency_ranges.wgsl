@@ -1,4 +1,4 @@
-// Solver: where each body's ends begin and end.
+// Solver: the range of each body among the sorted sides.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 
@@ -7,7 +7,7 @@
 @group(0) @binding(2) var<storage, read> side_keys: array<u32>;
 @group(0) @binding(3) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
 
-// Two ends a thread, so that a dispatch for 64 pairs reaches all.
+// One thread per side. There are two sides per pair, so a dispatch with a workgroup per 64 pairs covers all.
 @compute @workgroup_size(128)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 128u + thread;

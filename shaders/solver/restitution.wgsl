@@ -1,5 +1,5 @@
-// Solver: one pass that turns round the speed at which a pair's points met (Newton's law of impact), with the friction that
-// goes with it.
+// Solver: one restitution pass (Newton's law of restitution), with the friction that follows from it. One thread per
+// pair.
 #import faceoff::constants::restitution::RESTITUTION_SWEEPS
 #import faceoff::contact as c
 #import faceoff::contact::{solver_counters, solver_pairs, point_states}

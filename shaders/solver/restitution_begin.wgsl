@@ -1,4 +1,4 @@
-// Solver: which pairs met fast enough to bounce.
+// Solver: makes only the pairs active that met fast enough for restitution. One thread per pair.
 #import faceoff::contact as c
 #import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
 #import faceoff::dispatch::group_index

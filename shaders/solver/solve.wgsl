@@ -1,11 +1,11 @@
-// Solver: one pass over the points of every pair.
+// Solver: one pass over the active points of every pair. One thread per pair.
 #import faceoff::contact as c
 #import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
 #import faceoff::dispatch::group_index
 #import faceoff::friction::apply_friction
 #import faceoff::solver_types as s
 
-// What the pass does beside solving.
+// x: the bits `PASS_...`.
 @group(0) @binding(1) var<uniform> constants: vec4<u32>;
 
 @compute @workgroup_size(64)
@@ -16,7 +16,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let pair = solver_pairs[i];
     if (pair.flags & s::ACTIVE) == 0u {
-        // It hands out nothing already.
+        // Its impulses are zero already.
         return;
     }
     if (constants.x & s::PASS_UPDATES_POINTS) != 0u {
@@ -56,18 +56,17 @@ fn solve(pair: s::SolverPair, k: u32, pair_velocities: ptr<function, c::PairVelo
     point_states[k].friction_impulse = apply_friction(pair_velocities, point, inverse_effective_mass.y, point.friction_impulse, collision_substep.relaxation, limit);
 }
 
-// The speed that a point asks for beyond none at all, the part of the rigid answer that is given, and the part of the
-// impulse so far that is taken back.
+// Bias velocity, mass scale and impulse scale of a point.
 fn bias(pair: s::SolverPair, separation: f32) -> vec3<f32> {
     if separation > 0.0 {
-        // They may meet by the end of the substep, and no sooner.
+        // Speculative contact: the gap may close by the end of the substep, and no sooner.
         return vec3(separation / collision_substep.h, 1.0, 0.0);
     }
     if (constants.x & s::PASS_BIASED) == 0u {
         return vec3(0.0, 1.0, 0.0);
     }
     if (pair.flags & s::DEPENETRATING) != 0u {
-        // Slower towards the end, where the spring of other pairs is as fast.
+        // Near the surface the bias falls below the maximum, to that of the contact spring of other pairs.
         return vec3(max(collision_substep.bias_rate * separation, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
     }
     let speed = max(collision_substep.bias_rate * separation, -collision_substep.max_depenetration_speed);

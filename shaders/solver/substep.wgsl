@@ -1,4 +1,5 @@
-// Solver: every pair measures its points, finds out which of them push, and gives the impulses of the last substep again.
+// Solver, at the start of a substep: updates the points, decides which are active, and applies the impulses of the last
+// substep again. One thread per pair.
 #import faceoff::constants::solver::ACTIVATION_DISTANCE
 #import faceoff::contact as c
 #import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
@@ -24,7 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             continue;
         }
         var point = c::updated_point(pair, k);
-        // As fast as before anything was pushed: what is pushed here shows in the next pass.
+        // All points are judged by the velocities before the warm start: its impulses change them only after this pass.
         let normal_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, point.normal);
         let normal_velocity = c::velocity_along(&pair_velocities, normal_row);
         point.total_normal_impulse += point.normal_impulse;

@@ -1,18 +1,18 @@
 #define_import_path faceoff::solver_types
 
-// What passes between the solver's kernels, and between them and the host. `src/solver/gpu/layout.rs` holds the same structs,
-// of which a test compares every offset; and it holds the constants that the host needs, which are added to this module from
-// there. Symmetric tensors are six numbers: the diagonal xx, yy, zz and, mixed, xy, xz, yz.
+// The structs that the solver's kernels share with each other and with the host. `src/solver/gpu/layout.rs` declares
+// the same structs; a test compares every offset. Constants that the host needs are declared there and added to this
+// module. A symmetric tensor is six numbers: the diagonal xx, yy, zz and the off-diagonal xy, xz, yz.
 
-// A collision substep, and how contacts are solved in it; `settings.rs` explains what is not explained here.
+// Parameters of a collision substep. `SolverSettings` explains those without a comment.
 struct CollisionSubstep {
     gravity: vec3<f32>,
     // Length of a substep, seconds.
     h: f32,
     bodies: u32,
-    // How many bodies there were when the memory of impulses was written.
+    // Number of bodies, with half-spaces, in the last collision substep.
     old_bodies: u32,
-    // How many pairs and points the solver's own lists hold.
+    // Lengths of the solver's lists.
     pair_capacity: u32,
     point_capacity: u32,
     // The contact spring.
@@ -28,20 +28,20 @@ struct CollisionSubstep {
     restitution_threshold: f32,
     match_distance: f32,
     match_normal: f32,
-    // Length of the interval, seconds.
+    // Length of the collision substep, seconds.
     dt: f32,
     sleep_speed: f32,
     sleep_time: f32,
     padding: u32,
 }
 
-// What a body is.
+// Properties of a body, constant within a step.
 struct SolverBody {
-    // In the body's own axes.
+    // In the body's own axes, 1/(kg m^2).
     inverse_inertia: vec3<f32>,
     inverse_mass: f32,
     inverse_inertia_off_diagonal: vec3<f32>,
-    // Kind and sensor as in `Body`; the rules of combination, and the locked axes, at the shifts below.
+    // Kind and sensor as in `Body`, combination rules, and locked axes; see the constants.
     flags: u32,
     radius: f32,
     restitution: f32,
@@ -49,7 +49,7 @@ struct SolverBody {
     gravity_scale: f32,
     linear_damping: f32,
     angular_damping: f32,
-    // Squares of limits are finite numbers.
+    // Small enough that its square is finite.
     max_linear_speed: f32,
     max_angular_speed: f32,
 }
@@ -57,26 +57,26 @@ struct SolverBody {
 // Lengths from here on count as infinite.
 const INFINITE_LENGTH: f32 = 1.0e29;
 
-// Where a body is and how it moves. What is in two parts is their sum: a coarse one, and a small one that holds what the
-// coarse one is too coarse for.
+// Pose, velocity and sleep state of a body. Centre and rotation are each the sum of two parts: a coarse one and a small
+// remainder.
 struct MotionState {
     center: vec3<f32>,
-    // Not 0: frozen. Of a static body: `CHANGED`, until others have woken from it.
+    // Not 0: the body sleeps. A static body has `CHANGED` until it has woken others.
     asleep: u32,
     center_low: vec3<f32>,
-    // For how long it has been slow, seconds.
+    // How long it has been slow, seconds.
     rest_time: f32,
     rotation: vec4<f32>,
     rotation_low: vec4<f32>,
     linear_velocity: vec3<f32>,
-    // What it touched when it fell asleep, as a sum of keys.
+    // The bodies that it touched when it fell asleep, as the sum of their keys.
     neighbours: u32,
     angular_velocity: vec3<f32>,
-    // A hash of what tells it from other bodies.
+    // A hash of the body's key.
     key: u32,
 }
 
-// What acts on a body from outside.
+// External forces and impulses.
 struct BodyForces {
     force: vec3<f32>,
     padding_a: f32,
@@ -88,13 +88,13 @@ struct BodyForces {
     padding_d: f32,
 }
 
-// What about a body holds for an interval.
+// Properties of a body that are constant during a collision substep.
 struct BodyConstants {
-    // At the start of the interval.
+    // From the body's axes to the world's, at the start of the collision substep.
     initial_rotation: vec4<f32>,
-    // In the body's own axes; zero if it has no inverse.
+    // In the body's own axes; zero if the inverse is singular.
     local_inertia: vec3<f32>,
-    // What is left of the velocities after a substep.
+    // Factors that damping applies to the velocities in each substep.
     linear_decay: f32,
     local_inertia_off_diagonal: vec3<f32>,
     angular_decay: f32,
@@ -102,9 +102,9 @@ struct BodyConstants {
     max_linear_speed: f32,
     local_inverse_inertia_off_diagonal: vec3<f32>,
     max_angular_speed: f32,
-    // By gravity.
+    // By gravity, m/s^2.
     acceleration: vec3<f32>,
-    // See the constants.
+    // See the constants below.
     flags: u32,
     force: vec3<f32>,
     padding_a: f32,
@@ -112,18 +112,18 @@ struct BodyConstants {
     padding_b: f32,
 }
 
-// It changes its place.
+// It is not static, not asleep, and its motion is finite.
 const MOVES: u32 = 1u;
-// Contacts push it.
+// Impulses change its velocity.
 const HAS_MASS: u32 = 2u;
 // Its inertia is the same about all axes.
 const ISOTROPIC: u32 = 4u;
 // Its numbers are finite.
 const FINITE: u32 = 8u;
-// Above them the locked axes: x, y, z of translation, then of rotation.
+// First bit of the locked axes: x, y, z of translation, then of rotation.
 const LOCKED: u32 = 8u;
 
-// The range of a body's sides in the sorted list of sides, and its number in the last collision substep.
+// The range of a body's sides among the sorted sides, and its number in the last collision substep.
 struct BodyAdjacency {
     first_side: u32,
     // One more than the last.
@@ -133,7 +133,7 @@ struct BodyAdjacency {
     padding: u32,
 }
 
-// How a body moves.
+// Velocity in world axes, m/s and rad/s.
 struct Velocity {
     linear: vec3<f32>,
     padding_a: f32,
@@ -141,28 +141,28 @@ struct Velocity {
     padding_b: f32,
 }
 
-// How a body gives way.
+// How impulses change the velocity of a body.
 struct Mass {
-    // Along each world axis.
+    // Along each world axis, 1/kg.
     inverse_mass: vec3<f32>,
-    // Into how many bodies it is split in this substep.
+    // Into how many bodies it is split in this substep: its number of active pairs, at least 1.
     split_count: f32,
-    // In world axes.
+    // In world axes, 1/(kg m^2).
     inverse_inertia: vec3<f32>,
-    // Those of the mover.
+    // Those of `BodyConstants`.
     flags: u32,
     inverse_inertia_off_diagonal: vec3<f32>,
     padding: f32,
 }
 
-// How far a body has come since the start of the interval.
+// Change of a body's pose since the start of the collision substep, in world axes.
 struct PoseChange {
     translation: vec3<f32>,
     padding: f32,
     rotation: vec4<f32>,
 }
 
-// Two bodies and what holds for all their points.
+// The contact constraint of two bodies.
 struct SolverPair {
     a: u32,
     b: u32,
@@ -172,88 +172,87 @@ struct SolverPair {
     restitution: f32,
     rest_offset: f32,
     flags: u32,
-    // The way out of an overlap whose points disagree; zero for other pairs.
+    // The direction that resolves a conflict between contact points; zero for other pairs.
     separating_direction: vec3<f32>,
-    // Which of the remembered pairs it is.
+    // Number of the saved pair of the last collision substep, or `NOT_SAVED`.
     saved_pair: u32,
     // From the first body's centre of mass to the second's.
     center_offset: vec3<f32>,
     // The smaller bounding diameter.
     diameter: f32,
-    // The velocity of the first centre as seen from the second.
+    // Velocity of the first centre relative to the second, m/s.
     approach_velocity: vec3<f32>,
-    // How fast both surfaces turn about their centres together, at most.
+    // Upper bound for the sum of both surface speeds relative to the centres, m/s.
     surface_speed: f32,
 }
 
-// Its points are to be solved, or at least kept.
+// Its numbers are valid. Its impulses are saved even if it is frozen.
 const VALID: u32 = 1u;
-// Neither end moves.
+// No impulse moves either body: the pair is not solved.
 const FROZEN: u32 = 2u;
-// Some point pushes, or may, in this substep.
+// Some point is active.
 const ACTIVE: u32 = 4u;
 const DEPENETRATING: u32 = 8u;
-// The first body was the second of the remembered pair.
+// The bodies of the saved pair are in the opposite order.
 const SWAPPED: u32 = 16u;
-// Whether contacts push the ends.
 const FIRST_HAS_MASS: u32 = 32u;
 const SECOND_HAS_MASS: u32 = 64u;
 
 const NOT_SAVED: u32 = 0xffffffffu;
 
-// What of a point stays as it is for an interval.
+// What is constant about a point during a collision substep.
 struct PointConstants {
-    // From the centres of mass to the points on the surfaces, at the start of the interval.
+    // From each centre of mass to the point on the surface, at the start of the collision substep.
     anchor_a: vec3<f32>,
-    // Beyond the rest offset, at the start of the interval.
+    // Separation beyond the rest offset, at the start of the collision substep.
     initial_separation: f32,
     anchor_b: vec3<f32>,
-    // How far from the first body's point to the second's impulses act.
+    // Where impulses act, as a fraction of the way from the first anchor to the second.
     contact_fraction: f32,
-    // To the centres of curvature.
+    // From each centre of mass to the centre of curvature.
     curvature_center_a: vec3<f32>,
     padding_a: f32,
     curvature_center_b: vec3<f32>,
     padding_b: f32,
-    // From the first body's point to the second's.
+    // From the first anchor to the second.
     anchor_offset: vec3<f32>,
     padding_c: f32,
-    // At the start of the interval.
+    // The normal at the start of the collision substep.
     initial_normal: vec3<f32>,
-    // How fast it turns as the surfaces slide, radians per metre.
+    // How fast the normal rotates as the surfaces slide, radians per metre.
     normal_rotation: f32,
 }
 
-// What of a point changes.
+// The state of a point.
 struct PointState {
     normal: vec3<f32>,
     separation: f32,
-    // Where impulses act, from the centres of mass.
+    // From each centre of mass to where the impulses act now.
     impulse_anchor_a: vec3<f32>,
     flags: u32,
     impulse_anchor_b: vec3<f32>,
-    // How fast the bodies parted at the point just before it first pushed.
+    // The normal velocity just before the first normal impulse, m/s; negative if the bodies approached each other.
     impact_velocity: f32,
-    // Change of velocity that a unit impulse causes: along the normal and across it, of the first body, then the second.
+    // Change of velocity by a unit impulse: of the first body along the normal and along a tangent, then of the second.
     inverse_effective_mass: vec4<f32>,
-    // Of this substep.
+    // Impulses of this substep, along the tangents and along the normal.
     friction_impulse: vec2<f32>,
     normal_impulse: f32,
-    // The largest normal impulse.
+    // The largest normal impulse of any pass so far.
     max_normal_impulse: f32,
-    // Impulses that made it bounce.
+    // Additional impulses by restitution.
     restitution_friction_impulse: vec2<f32>,
     restitution_impulse: f32,
-    // The sum of the normal impulses of the substeps so far, less what is in `impulse`.
+    // The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
     total_normal_impulse: f32,
 }
 
-// Not left out.
+// Its numbers are valid, and it is part of the constraint.
 const POINT_VALID: u32 = 1u;
-// Pushes, or may, in this substep.
+// It is solved in this substep.
 const POINT_ACTIVE: u32 = 2u;
 
-// What is kept of a pair until the next interval, by the numbers that its bodies had.
+// A pair as it is saved for the next collision substep, by the present numbers of its bodies.
 struct SavedPair {
     a: u32,
     b: u32,
@@ -266,7 +265,7 @@ struct SavedPair {
     rotation_b: vec4<f32>,
 }
 
-// What is kept of a point, as the world was then.
+// A point as it is saved for the next collision substep, in world axes.
 struct SavedPoint {
     anchor_a: vec3<f32>,
     normal_impulse: f32,

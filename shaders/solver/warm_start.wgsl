@@ -1,4 +1,4 @@
-// Solver: the points of every pair, ready to be solved, with last interval's impulses where they fit.
+// Solver: the points of every pair, with the saved impulses that match them. One thread per pair.
 #import faceoff::constants::warm_start::{MAX_IMPULSE_SCALE, MAX_MATCHED}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, conjugate, rotate}
@@ -31,7 +31,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let overlap = o::classify(pair);
     if overlap.kind == o::DEEP && (pair.flags & s::FROZEN) == 0u {
         solver_pairs[i].flags |= s::DEPENETRATING;
-        // One point, which pushes the centres themselves apart.
+        // In deep penetration one point pushes the centres apart.
         var deepest = 0.0;
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
             deepest = min(deepest, contact_points[k].separation);
@@ -61,7 +61,7 @@ fn default_point() -> s::PointState {
 }
 
 fn fill(pair: s::SolverPair) {
-    // How to turn the bodies back to where they were.
+    // From each body's present rotation back to its saved one.
     var back_a = vec4(0.0, 0.0, 0.0, 1.0);
     var back_b = back_a;
     var saved_pair: s::SavedPair;
@@ -77,10 +77,10 @@ fn fill(pair: s::SolverPair) {
         back_b = compose(second, conjugate(body_constants[pair.b].initial_rotation));
     }
     let substep = bitcast<f32>(solver_counters[s::SAVED_SUBSTEP]);
-    // What holds up a weight is proportional to time.
+    // The impulse that supports a weight is proportional to the length of the substep.
     let impulse_scale = select(1.0, min(collision_substep.h / max(substep, 1.0e-30), MAX_IMPULSE_SCALE), substep > 0.0);
     let match_distance = collision_substep.match_distance * pair.diameter;
-    // A bit for each old point that is given away.
+    // One bit for each saved point that is used.
     var taken = vec2(0u);
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         let contact = contact_points[k];
@@ -94,7 +94,8 @@ fn fill(pair: s::SolverPair) {
         point.flags = s::POINT_VALID;
         let anchor_a = rotate(back_a, contact.anchor_a);
         let anchor_b = rotate(back_b, contact.anchor_b);
-        // The nearest old point, as near as either body sees it: what slides along one body rests on the other.
+        // The nearest saved point. Distances are measured on both bodies and the smaller one counts, because a point
+        // that slides along one body may be at rest on the other.
         var nearest = match_distance * match_distance;
         var found = s::NOT_SAVED;
         for (var j = 0u; j < min(saved_pair.count, MAX_MATCHED); j += 1u) {
@@ -115,7 +116,7 @@ fn fill(pair: s::SolverPair) {
             taken[found / 32u] |= 1u << (found % 32u);
             let saved = saved_points[saved_pair.first + found];
             point.normal_impulse = impulse_scale * saved.normal_impulse;
-            // Belongs to the last interval.
+            // This impulse belongs to the last collision substep, so it does not count in this one's total.
             point.total_normal_impulse = -point.normal_impulse;
             let friction = impulse_scale * o::saved_sign(pair) * saved.friction_impulse;
             let side = tangent(contact.normal);
@@ -145,7 +146,7 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::Point
     constants.initial_normal = contact.normal;
     constants.normal_rotation = contact.normal_rotation;
     constants.initial_separation = contact.separation - pair.rest_offset;
-    // 0 if the first surface is the sharper by far, 1 if the second is.
+    // Impulses act on the sharper body: 0 is the first, 1 the second.
     let sum = contact.curvature_radius_a + contact.curvature_radius_b;
     if finite(sum) && sum > 0.0 {
         constants.contact_fraction = contact.curvature_radius_a / sum;
@@ -153,7 +154,7 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::Point
     return constants;
 }
 
-// No farther in than to beside the centre of mass: of a ball that is just where its centre is.
+// The centre of curvature, but no deeper than the centre of mass. For a ball that is exactly its centre of curvature.
 fn curvature_center(anchor: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> vec3<f32> {
     if !finite(curvature_radius) || curvature_radius >= s::INFINITE_LENGTH {
         return anchor;

@@ -1,4 +1,4 @@
-// Solver: what is kept of every pair until the next interval.
+// Solver: saves pairs, points and impulses for the next collision substep. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_math::tangent
 #import faceoff::solver_types as s
@@ -39,7 +39,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         saved_point.normal = point.normal;
         let side = tangent(point.normal);
         saved_point.friction_impulse = side * point.friction_impulse.x + cross(point.normal, side) * point.friction_impulse.y;
-        // What bounces has left, or is about to: the impulse that stopped it must not be given again.
+        // A point with restitution separates: the impulse of its impact must not be applied again.
         if (point.flags & s::POINT_VALID) != 0u && point.restitution_impulse == 0.0 {
             saved_point.normal_impulse = point.normal_impulse;
         }

@@ -1,5 +1,5 @@
-// BroadPhase of a step with contacts, before all else: where each body is as the step begins, and whether it sleeps. Bodies
-// go on from where the last step left them, in all the digits it had, unless the host has put them elsewhere.
+// BroadPhase of a step with contacts, first: pose, velocity and sleep state of each body at the start of the step.
+// Bodies continue from the last step, in full precision, except for what the host has changed. One thread per body.
 #import faceoff::arena::meshes
 #import faceoff::carried::carry_over
 #import faceoff::dispatch::group_index
@@ -12,7 +12,7 @@
 @group(0) @binding(2) var<uniform> step: t::Step;
 @group(0) @binding(3) var<storage, read> moved: array<t::Moved>;
 @group(0) @binding(4) var<storage, read> last_step_states: array<s::MotionState>;
-// What the host knows of bodies and half-spaces.
+// The states that the host knows, of bodies and half-spaces.
 @group(0) @binding(5) var<storage, read> host_states: array<s::MotionState>;
 @group(0) @binding(6) var<storage, read_write> bodies: array<t::Body>;
 @group(0) @binding(7) var<storage, read_write> motion_states: array<s::MotionState>;
@@ -61,7 +61,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let rests = all(body.linear_velocity == vec3(0.0)) && all(body.angular_velocity == vec3(0.0));
     body.inactive = u32(goes_on && (is_static || (state.asleep != 0u && rests)));
-    // The sphere grows by what rounding its centre costs, four units in the last place.
+    // The sphere grows by the rounding error of its centre: four units in the last place.
     let place = abs(body.position);
     body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
     bodies[i] = with_speculative_radius(step, body);

@@ -1,5 +1,5 @@
-// Integrate of a step with contacts: where the solver has left the bodies. If a list was too small nothing has moved, and
-// the host runs the step again.
+// Integrate of a step with contacts: writes the results of the solver. If a list was too short nothing is written, and
+// the host repeats the step. One thread per body.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::placed::{position_of, rotation_of}
@@ -26,7 +26,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var after: t::Moved;
     after.position = body.position;
     after.rotation = body.rotation;
-    // What rests keeps its place to the bit.
+    // Bodies at rest keep their pose to the bit.
     if (body_constants[i].flags & s::MOVES) != 0u {
         after.position = position_of(state, body.scale * meshes[body.mesh].center);
         after.rotation = rotation_of(state);
@@ -49,7 +49,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// A number in the order of the floats, larger than 0.
+// Maps floats to integers in the same order; never 0.
 fn ascending(x: f32) -> u32 {
     let bits = bitcast<u32>(x);
     return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);

@@ -1,4 +1,5 @@
-// BroadPhase of every other interval of a step with contacts: where the solver has put the bodies meanwhile.
+// Integrate between collision substeps: moves the bodies of the step to where the solver has put them. One thread per
+// body.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::margins::with_speculative_radius
@@ -16,7 +17,7 @@
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
     if i == 0u {
-        // What the triangle test found is meant for the beginning of the step, and stays.
+        // The counters of the triangle test stay: it runs in the first collision substep only.
         counters[t::LEVELS] = 0u;
         counters[t::LEVELS + 1u] = 0u;
         counters[t::SPHERE_PAIRS] = 0u;

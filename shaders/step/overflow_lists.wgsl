@@ -1,5 +1,5 @@
-// Contact generation, after all else: notes how long its lists would have to be, and whether some list of the step so far is
-// too short, which turns the rest of the step into nothing.
+// Contact generation, last: records the lengths that its lists would need. If a list of the step so far is too short,
+// the rest of the step does nothing.
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;

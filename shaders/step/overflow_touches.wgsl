@@ -1,4 +1,4 @@
-// Integrate of a step with contacts, first: a list of touches that is too short turns the step into nothing.
+// Integrate of a step with contacts, first: if the touch list overflowed, the step is discarded.
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;

@@ -1,6 +1,6 @@
 #define_import_path faceoff::placed
 
-// From the solver's two-part states to poses in single precision.
+// Converts the solver's two-part states to poses in single precision.
 
 #import faceoff::math::rotate
 #import faceoff::solver_types as s
@@ -10,7 +10,7 @@ fn rotation_of(state: s::MotionState) -> vec4<f32> {
     return rotation / sqrt(dot(rotation, rotation));
 }
 
-// Where the mesh's origin lies; `center` is the centre of mass, scaled, in the mesh's own axes.
+// The position of the mesh's origin. `center` is the scaled centre of mass in the mesh's own axes.
 fn position_of(state: s::MotionState, center: vec3<f32>) -> vec3<f32> {
     return state.center + (state.center_low - rotate(rotation_of(state), center));
 }

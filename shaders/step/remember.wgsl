@@ -1,8 +1,10 @@
-// Integrate of a step with contacts, last: what the solver remembers outlives the step, unless that has to run again.
+// Integrate of a step with contacts, last: saves the solver's memory for the next step, unless this one has to be
+// repeated.
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
-// Which of the solver's counters holds the number of elements, or `NOTHING` for one; and how long an element is.
+// x: which of the solver's counters holds the number of elements, or `NOTHING` for one element. y: length of an
+// element, in 16 bytes.
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> solver_counters: array<u32>;

@@ -1,5 +1,5 @@
-// Contact generation in a step with contacts: pairs about which nothing has changed have the points that they had. A thread a
-// slot, before the slots are put in order.
+// Contact generation in a step with contacts: inactive pairs keep the contact points of the last collision substep. One
+// thread per slot, before the lists are compacted.
 #import faceoff::dispatch::group_index
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -10,7 +10,7 @@
 @group(0) @binding(3) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> slots: array<t::ContactPair>;
 @group(0) @binding(5) var<storage, read_write> staged: array<t::ContactPoint>;
-// What was found last, ascending by the numbers that bodies had then, and how much.
+// The results of the last collision substep, ascending by the numbers that bodies had then.
 @group(0) @binding(6) var<storage, read> contact_pairs: array<t::ContactPair>;
 @group(0) @binding(7) var<storage, read> contact_points: array<t::ContactPoint>;
 @group(0) @binding(8) var<storage, read> solver_counters: array<u32>;
@@ -43,7 +43,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let first = atomicAdd(&contact_counters[t::STAGED_POINTS], known.point_count);
     if first + known.point_count > arrayLength(&staged) {
-        // The list is made longer, by the counter, and the step runs again.
+        // The counter says how long the list must be; the host repeats the step.
         return;
     }
     for (var k = 0u; k < known.point_count; k += 1u) {
@@ -52,7 +52,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     slots[i] = t::ContactPair(slot.a, slot.b, first, known.point_count);
 }
 
-// The pair of these numbers; without points if there was none.
+// The pair with these old numbers; without points if there was none.
 fn find(bodies_then: vec2<u32>) -> t::ContactPair {
     let count = min(solver_counters[s::PAIRS], arrayLength(&contact_pairs));
     var low = 0u;

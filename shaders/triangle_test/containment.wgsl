@@ -1,6 +1,6 @@
 #define_import_path faceoff::containment
 
-// Whether a closed mesh has a point inside, asked by all 64 threads of a workgroup together.
+// Whether a point is inside a closed mesh. All 64 threads of a workgroup work on one point.
 
 #import faceoff::arena::vector
 #import faceoff::tree
@@ -8,14 +8,15 @@
 
 var<workgroup> inside: atomic<i32>;
 var<workgroup> crossings: atomic<u32>;
-// Nodes to look into. Of each level at most 64 wait, for only nodes of the lowest one that waits are opened.
+// Nodes still to be opened. At most 64 nodes of each level wait, because only nodes of the lowest waiting level are
+// opened.
 var<workgroup> waiting: array<u32, 512>;
 var<workgroup> depth: atomic<u32>;
-// Whether the device left a loop before its end.
+// The device aborted a loop.
 var<private> unfinished: bool = false;
 
-// By the winding number along the ray from p along +z; by its parity if neighbouring faces disagree about the outside.
-// `end` is the mesh's place in the pair. Eight nodes are opened at a time, a thread each child.
+// By the winding number along the ray from p along +z or, if the winding is inconsistent, by the parity of crossings.
+// `end` is the mesh's position in the pair. Eight nodes are opened at a time, one thread per child.
 fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     if thread == 0u {
         atomicStore(&inside, 0);
@@ -55,7 +56,7 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     workgroupBarrier();
     let winding = atomicLoad(&inside);
     let parity = atomicLoad(&crossings) % 2u;
-    // All have read them before they are cleared for the next component.
+    // All threads have read the result before the counters are cleared for the next component.
     workgroupBarrier();
     if (mesh.flags & t::ORIENTATION_MASK) == t::MIXED {
         return parity == 1u;
@@ -63,14 +64,14 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     return winding != 0;
 }
 
-// Whether there is such a node, and the ray meets its box.
+// Whether the node exists and the ray meets its box.
 fn meets(mesh: t::Mesh, end: u32, node: u32, p: vec3<f32>) -> bool {
     let at = tree::box_of(end, node);
     if at == 0u {
         return false;
     }
     let offset = vector(at) - p;
-    // Rounding moves a box by less than a millionth of the mesh.
+    // Rounding moves a box by less than a millionth of the mesh's size.
     let half = vector(at + 3u) + 1.0e-5 * mesh.radius;
     return abs(offset.x) <= half.x && abs(offset.y) <= half.y && offset.z >= -half.z;
 }
@@ -80,7 +81,7 @@ fn count_crossing(mesh: t::Mesh, number: u32, p: vec3<f32>) {
         return;
     }
     let at = mesh.corners + 9u * number;
-    // Divided by the mesh's size: products of five lengths occur.
+    // In units of the mesh's size, because products of five lengths occur.
     let side = crossing(
         (vector(at) - p) / mesh.radius, (vector(at + 3u) - p) / mesh.radius, (vector(at + 6u) - p) / mesh.radius
     );
@@ -90,8 +91,8 @@ fn count_crossing(mesh: t::Mesh, number: u32, p: vec3<f32>) {
     }
 }
 
-// Whether the ray from the origin along +z crosses the triangle, and from which side. A ray through an edge or corner
-// is moved aside by an infinitely small step, the same for all triangles.
+// Whether the ray from the origin along +z crosses the triangle: 1 or -1 by the side, else 0. A ray through an edge or
+// a corner counts as displaced by an infinitesimal offset, the same for all triangles.
 fn crossing(p: vec3<f32>, q: vec3<f32>, r: vec3<f32>) -> i32 {
     let pq = left(p.xy, q.xy);
     if left(q.xy, r.xy) != pq || left(r.xy, p.xy) != pq {
@@ -104,13 +105,13 @@ fn crossing(p: vec3<f32>, q: vec3<f32>, r: vec3<f32>) -> i32 {
     return 0;
 }
 
-// Whether the origin lies to the left of the way from p to q. Both triangles at an edge must agree, so it is always
-// computed in the same direction, however the products are rounded.
+// Whether the origin lies to the left of the line from p to q. It is always computed in the same direction, so that
+// both triangles of an edge get the same result in spite of rounding.
 fn left(p: vec2<f32>, q: vec2<f32>) -> bool {
     let swapped = q.x < p.x || (q.x == p.x && q.y < p.y);
     let u = select(p, q, swapped);
     let v = select(q, p, swapped);
     let side = u.x * v.y - u.y * v.x;
-    // On the line: as if the origin lay a little aside.
+    // On the line, the origin counts as displaced to one side.
     return (side >= 0.0) != swapped;
 }

@@ -1,6 +1,7 @@
-// TriangleTest: a workgroup a pair goes down the trees of boxes of both meshes, eight children of one against eight of
-// the other at a time, one thread each; then eight triangles against eight; what may intersect waits in a queue until
-// there is work for all threads. The order of everything is that of the trees, whatever runs first.
+// TriangleTest: one workgroup per pair traverses both bounding-volume trees. It tests eight children of one node
+// against eight of another at a time, one thread each, and finally eight triangles against eight. Candidates wait in a
+// queue until there is work for all threads. The order of the results is that of the trees, whatever the order of
+// threads.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::triangle_test::SIGNIFICANT
 #import faceoff::containment::{contains, unfinished}
@@ -18,23 +19,24 @@
 @group(0) @binding(7) var<storage, read_write> touching: array<t::Touching>;
 @group(0) @binding(8) var<storage, read_write> hits: array<t::Hit>;
 
-// A node of either tree. Of each of at most 8 levels no more than 63 pairs wait while the 64th is opened.
+// Pairs of nodes. Of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
-// Pairs of triangles: fewer than 64 wait when up to 64 come.
+// Pairs of triangles. Fewer than 64 wait when up to 64 are added.
 var<workgroup> queue: array<vec2<u32>, 128>;
-// A bit for each thread, three times over: one is set and read, the next is cleared meanwhile, and the last may still be
-// read by threads that have not passed the barrier.
+// Bit sets of the threads, in triplicate: one is in use, the next is cleared meanwhile, and threads that have not
+// passed the barrier may still read the last.
 var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> tested: atomic<u32>;
 var<workgroup> hit_base: u32;
 var<workgroup> origin: vec3<f32>;
 
-// Sums over the contour, per thread: middles by length, with the length; area; way from each start to its end.
+// Sums over the contour per thread: midpoints weighted by length, with the length; area; offset from each start to its
+// end.
 var<workgroup> sum_middle: array<vec4<f32>, 64>;
 var<workgroup> sum_area: array<vec4<f32>, 64>;
 var<workgroup> sum_closing: array<vec4<f32>, 64>;
 
-// What all threads know of the pair.
+// The data of the pair that all threads use.
 struct Pair {
     near: t::NearPair,
     rotation: mat3x3<f32>,
@@ -92,10 +94,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var middle = vec4(0.0);
     var area = vec4(0.0);
     var closure = vec4(0.0);
-    // Which of the three masks is in use.
+    // Which of the three bit sets is in use.
     var mask_set = 0u;
     loop {
-        // Uniform: all threads count what all have found.
+        // Uniform control flow: all threads count the results of all.
         let testing = waiting >= 64u || (depth == 0u && waiting > 0u);
         if !testing && depth == 0u {
             break;
@@ -107,7 +109,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let bit = 1u << (thread % 32u);
         let word = mask_set + thread / 32u;
         if testing {
-            // Up to 64 pairs of triangles, a thread each.
+            // Up to 64 pairs of triangles, one thread each.
             let taken = min(waiting, 64u);
             waiting -= taken;
             var verdict: tri::Verdict;
@@ -133,7 +135,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 hit_base = atomicAdd(&counters[t::HITS], hits_now);
             }
             if hit && hit_count == 0u && rank == 0u {
-                // Sums are taken about the first point, for digits.
+                // Sums are relative to the first point, for precision.
                 origin = verdict.start;
             }
             workgroupBarrier();
@@ -166,7 +168,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let i = thread / 8u;
             let j = thread % 8u;
             if level_a == 0u && level_b == 0u {
-                // Two clusters of eight triangles. Each thread places its own two: cheaper than waiting for others to.
+                // Two clusters of eight triangles. Each thread places its own two triangles: that costs less than
+                // waiting for other threads.
                 let triangles = vec2(8u * number_a + i, 8u * number_b + j);
                 let candidate = may_intersect(pair, triangles);
                 if candidate {
@@ -179,7 +182,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 }
                 waiting += countOneBits(mask.x) + countOneBits(mask.y);
             } else {
-                // The taller tree is opened, both if they are equally tall.
+                // The taller tree is opened, or both if they are equally tall.
                 let open_a = level_a >= level_b;
                 let open_b = level_b >= level_a;
                 let child_a = select(nodes.x, tree::node(level_a - 1u, 8u * number_a + i), open_a);
@@ -201,8 +204,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         workgroupBarrier();
     }
 
-    // Some devices leave a loop that takes long: Mesa's llvmpipe after some ten thousand rounds, each group of threads for
-    // itself. What is in the lists then is worth nothing.
+    // Some devices abort long loops: Mesa's llvmpipe does after some ten thousand iterations, separately for each group
+    // of threads. The lists are then incomplete.
     if depth != 0u || waiting != 0u {
         atomicOr(&counters[t::CUT_SHORT], 1u);
     }
@@ -249,7 +252,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// How many threads before this one have their bit set.
+// Number of earlier threads whose bit is set.
 fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
     let below = (1u << (thread % 32u)) - 1u;
     if thread < 32u {
@@ -258,7 +261,7 @@ fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
     return countOneBits(mask.x) + countOneBits(mask.y & below);
 }
 
-// From a's axes and the pair's unit.
+// From a's axes and the pair's unit to the world.
 fn to_world(a: t::Body, pair: Pair, p: vec3<f32>) -> vec3<f32> {
     return a.position + rotate(a.rotation, a.scale * pair.mesh_a.center + p / pair.near.unit);
 }
@@ -281,8 +284,8 @@ fn corners_b(pair: Pair, number: u32) -> tri::Corners {
     return tri::Corners(placed_b(pair, at), placed_b(pair, at + 3u), placed_b(pair, at + 6u));
 }
 
-// Whether two triangles exist, are in view and in reach of the other body, their boxes overlap, and neither certainly
-// lies beside the other's plane.
+// Whether both triangles exist, are visible and within the support axis' bounds, their boxes overlap, and neither is
+// certainly on one side of the other's plane.
 fn may_intersect(pair: Pair, triangles: vec2<u32>) -> bool {
     if triangles.x >= pair.mesh_a.triangle_count || triangles.y >= pair.mesh_b.triangle_count {
         return false;
@@ -314,7 +317,7 @@ fn may_intersect(pair: Pair, triangles: vec2<u32>) -> bool {
     return !tri::beside(ta, tb) && !tri::beside(tb, ta);
 }
 
-// By the winding of the corners placed in a's axes.
+// Front faces are determined by the winding of the corners in a's axes.
 fn in_view(pair: Pair, of_a: bool, view: u32, number: u32, normal: vec3<f32>) -> bool {
     if view == t::VIEW_ALL {
         return true;
@@ -331,8 +334,8 @@ fn in_view(pair: Pair, of_a: bool, view: u32, number: u32, normal: vec3<f32>) ->
     return ((word >> (number % 32u)) & 1u) == 1u;
 }
 
-// Whether two nodes exist, reach into the other body's half of the support axis and sphere, and their boxes overlap along
-// the axes of both.
+// Whether both nodes exist, reach beyond the other body's bound along the support axis and into its sphere, and their
+// boxes overlap along the axes of both.
 fn boxes_meet(pair: Pair, node_a: u32, node_b: u32) -> bool {
     let at_a = tree::box_of(0u, node_a);
     let at_b = tree::box_of(1u, node_b);
@@ -372,8 +375,8 @@ struct Contact {
     normal: vec3<f32>,
 }
 
-// Where the bodies push each other, in a's axes and the pair's unit: the contour's centroid, along its area vector.
-// `src/triangle_test/cpu/contact.rs` explains it.
+// The contact in a's axes and the pair's unit: the contour's centroid, and its area vector as the normal. The twin of
+// `src/triangle_test/cpu/contact.rs`.
 fn contact(pair: Pair, a: t::Body, b: t::Body, hit_count: u32) -> Contact {
     let translation = pair.near.translation;
     let apart = sqrt(dot(translation, translation));
@@ -382,7 +385,7 @@ fn contact(pair: Pair, a: t::Body, b: t::Body, hit_count: u32) -> Contact {
         centers = translation / apart;
     }
     if hit_count == 0u {
-        // One inside the other: push apart at the centre of the smaller one.
+        // Containment: the centre of the smaller body, along the line of centres.
         return Contact(select(translation, vec3(0.0), a.radius < b.radius), centers);
     }
     let length = sum_middle[0].w;
@@ -400,7 +403,7 @@ fn contact(pair: Pair, a: t::Body, b: t::Body, hit_count: u32) -> Contact {
     return Contact(middle + origin, normal);
 }
 
-// Which way a body's faces run: 1 as in its mesh, -1 if the scale mirrors, 0 if they disagree.
+// The orientation of a body's faces: 1 as in its mesh, -1 if the scale mirrors, 0 if it is inconsistent.
 fn sign_of(body: t::Body, mesh: t::Mesh) -> f32 {
     let mirrored = (body.scale.x < 0.0) != ((body.scale.y < 0.0) != (body.scale.z < 0.0));
     let orientation = mesh.flags & t::ORIENTATION_MASK;
@@ -410,7 +413,7 @@ fn sign_of(body: t::Body, mesh: t::Mesh) -> f32 {
     return select(1.0, -1.0, mirrored);
 }
 
-// Whether one body is solid and has some component of the other inside: `of_a`, a component of a in b.
+// Whether one body is solid and contains a component of the other. `of_a`: a component of a inside b.
 fn any_inside(pair: Pair, of_a: bool, thread: u32) -> bool {
     var inner = pair.mesh_b;
     var outer = pair.mesh_a;

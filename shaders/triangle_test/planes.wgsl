@@ -1,4 +1,4 @@
-// TriangleTest: which vertices of a body lie inside half-spaces. A workgroup a body.
+// TriangleTest: the vertices of each body that lie inside half-spaces. One workgroup per body.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{conjugate, rotate}
@@ -12,7 +12,7 @@
 @group(0) @binding(7) var<storage, read_write> body_contacts: array<t::BodyContacts>;
 
 var<workgroup> base: u32;
-// Sum of points by depth, and of depths; the deepest.
+// Sum of points weighted by depth, with the sum of depths; the largest depth.
 var<workgroup> sums: array<vec4<f32>, 64>;
 var<workgroup> deepest: array<f32, 64>;
 

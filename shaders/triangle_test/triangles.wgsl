@@ -1,8 +1,8 @@
 #define_import_path faceoff::triangles
 
-// Triangle against triangle in single precision, with a bound on every error: Moeller's interval test (1997) where the
-// bounds let it speak. What it cannot tell is called touching unless a plane is found that certainly separates the two.
-// Lengths are in the pair's unit, so products of five of them stay in f32's range.
+// Triangle-triangle test in single precision with error bounds: Moeller's interval test (1997), where the bounds
+// permit. Undecided pairs count as touching unless a separating plane is found. Lengths are in the pair's unit, so that
+// products of five of them stay in the range of f32.
 
 #import faceoff::constants::triangle_test::MIN_LINE
 #import faceoff::math::{max_component, norm1}
@@ -12,8 +12,8 @@ struct Triangle {
     q: vec3<f32>,
     r: vec3<f32>,
     normal: vec3<f32>,
-    // How wrong a height over the plane, times the normal's length, can be for a point of a triangle whose box
-    // overlaps this one's.
+    // Error bound of a height over the plane, times the normal's length, for points of a triangle whose box overlaps
+    // this one's.
     tolerance: f32,
 }
 
@@ -31,12 +31,12 @@ fn high(c: Corners) -> vec3<f32> {
     return max(c.p, max(c.q, c.r));
 }
 
-// Nothing of a triangle is farther from anything else of it.
+// Upper bound of the distance between two points of the triangle.
 fn reach(c: Corners) -> f32 {
     return norm1(high(c) - low(c));
 }
 
-// `error` is that of a coordinate; `reach` of the triangle and of the one it is compared with, added.
+// `error` is that of a coordinate; `reach` is the sum of those of this triangle and the other.
 fn triangle(c: Corners, error: f32, reach: f32) -> Triangle {
     let u = c.q - c.p;
     let v = c.r - c.p;
@@ -44,7 +44,7 @@ fn triangle(c: Corners, error: f32, reach: f32) -> Triangle {
     return Triangle(c.p, c.q, c.r, normal, 3.0 * error * (norm1(normal) + (norm1(u) + norm1(v)) * reach));
 }
 
-// Heights of the corners of `t` over the plane of `plane`, times the normal's length.
+// Heights of the corners of `t` over the plane, times the normal's length.
 fn heights(plane: Triangle, t: Triangle) -> vec3<f32> {
     return vec3(
         dot(t.p - plane.p, plane.normal),
@@ -53,23 +53,23 @@ fn heights(plane: Triangle, t: Triangle) -> vec3<f32> {
     );
 }
 
-// Whether `t` certainly lies on one side of the plane.
+// Whether `t` is certainly on one side of the plane.
 fn beside(plane: Triangle, t: Triangle) -> bool {
     let h = heights(plane, t);
     return all(h > vec3(plane.tolerance)) || all(h < vec3(-plane.tolerance));
 }
 
-// Where a triangle crosses the other's plane: two points in order along the common line.
+// The segment in which a triangle crosses the other's plane: two points in order along the common line.
 struct Chord {
     low: vec3<f32>,
     low_at: f32,
     high: vec3<f32>,
     high_at: f32,
-    // How far off the points can be, apart from the error of coordinates.
+    // Error bound of the points, in addition to that of coordinates.
     error: f32,
 }
 
-// Some height is above the plane, and some is not.
+// The chord of a triangle with corners on both sides of the plane.
 fn chord(t: Triangle, h: vec3<f32>, tolerance: f32, line: vec3<f32>) -> Chord {
     let above = h > vec3(0.0);
     // The corner that is alone on its side comes first.
@@ -103,7 +103,7 @@ fn chord(t: Triangle, h: vec3<f32>, tolerance: f32, line: vec3<f32>) -> Chord {
 
 struct Verdict {
     hit: bool,
-    // The segment runs along the cross product of both normals, and not across a common plane.
+    // The segment runs along the cross product of both normals. It does not if the triangles are coplanar.
     directed: bool,
     start: vec3<f32>,
     end: vec3<f32>,
@@ -143,12 +143,12 @@ fn decide(a: Triangle, b: Triangle, error: f32) -> Verdict {
     return verdict;
 }
 
-// Whether some corner is above the plane and some is not.
+// Whether the plane separates the corners.
 fn crosses(h: vec3<f32>) -> bool {
     return any(h > vec3(0.0)) && any(h <= vec3(0.0));
 }
 
-// Two triangles that nearly touch, or lie in nearly the same plane. If they touch, the segment is one between them.
+// Two triangles that are close to touching or to coplanar. If they touch, the segment is one between them.
 fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     var verdict: Verdict;
     verdict.hit = false;
@@ -156,8 +156,8 @@ fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     let nearest = nearest_points(a, b);
     verdict.start = nearest.a;
     verdict.end = nearest.b;
-    // Any direction along which the two certainly do not overlap will do. The normals once more: `beside` must allow for
-    // the error of a normal where it meets the plane, and of an axis only its name is wanted.
+    // Any separating direction will do. The normals are tried again: `beside` allows for the error of the plane's
+    // normal, but any axis is valid here, whatever its error.
     if apart(a, b, nearest.b - nearest.a, error) || apart(a, b, a.normal, error) || apart(a, b, b.normal, error) {
         return verdict;
     }
@@ -177,14 +177,14 @@ fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     return verdict;
 }
 
-// Whether the two certainly do not overlap along an axis of any length.
+// Whether the axis, of any length, certainly separates the triangles.
 fn apart(a: Triangle, b: Triangle, axis: vec3<f32>, error: f32) -> bool {
     let size = max_component(abs(axis));
     if !(size > MIN_LINE) {
         return false;
     }
     let u = axis / size;
-    // From a corner of a: its own digits do not matter.
+    // Relative to a corner of a, for precision.
     let of_a = vec2(dot(a.q - a.p, u), dot(a.r - a.p, u));
     let of_b = vec3(dot(b.p - a.p, u), dot(b.q - a.p, u), dot(b.r - a.p, u));
     let high = max(0.0, max(of_a.x, of_a.y));
@@ -208,7 +208,7 @@ fn closer(best: Points, a: vec3<f32>, b: vec3<f32>) -> Points {
     return best;
 }
 
-// About the nearest points of two triangles: good enough to try the direction between them.
+// Approximately the nearest points of two triangles: good enough for a separating direction.
 fn nearest_points(a: Triangle, b: Triangle) -> Points {
     var best = Points(a.p, b.p, 3.0e38);
     var ca = array(a.p, a.q, a.r);
@@ -239,7 +239,7 @@ fn nearest_points(a: Triangle, b: Triangle) -> Points {
     return best;
 }
 
-// Where the point at `w` from the start of an edge falls on it.
+// The parameter on an edge that is nearest to the point at `w` from its start.
 fn along(w: vec3<f32>, edge: vec3<f32>, square: f32) -> f32 {
     if square > 0.0 {
         return clamp(dot(w, edge) / square, 0.0, 1.0);
@@ -247,7 +247,7 @@ fn along(w: vec3<f32>, edge: vec3<f32>, square: f32) -> f32 {
     return 0.0;
 }
 
-// The point of a triangle's inside above or below `p`; one of its corners if there is none. Edges are tried elsewhere.
+// The projection of `p` onto the triangle if it is inside; else one of the corners. Edges are handled elsewhere.
 fn on_triangle(p: vec3<f32>, t: Triangle) -> vec3<f32> {
     let square = dot(t.normal, t.normal);
     if !(square > 0.0) {
