@@ -290,7 +290,7 @@ struct PairSetup {
     z: vec3<f32>,
     // Error bound of heights over planes.
     rounding: f32,
-    // From the point to which coordinates are relative to each body's centre of mass, negated, in the body's own axes.
+    // From each body's centre of mass to the reference point of the coordinates, in the body's own axes.
     offset_a: vec3<f32>,
     // A smaller overlap counts as touching.
     touch: f32,

@@ -1,19 +1,19 @@
-//! Angles on the GPU: a thread a pair. Pairs that are apart stay in the list, marked, since skipping one costs less than
-//! closing the gaps.
+//! Angles on the GPU: one thread per pair. Pairs that are apart stay in the list with a mark, because skipping them
+//! costs less than compacting the list.
 
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::GROUPS_PER_64_PAIRS;
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::{Module, Shaders, shared_constants};
 
-/// Relative poses, support planes, views.
+/// Relative poses, support-axis cull, visible triangles.
 const SUPPORT_AXES: Kernel = kernel!("angles/support_axes");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::angles", {
     u32 AXES = super::AXES;
 });
 
-/// All of them.
+/// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS],
     kernels: &[&SUPPORT_AXES],

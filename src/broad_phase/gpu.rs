@@ -1,6 +1,6 @@
-//! BroadPhase on the GPU: a hashed grid with a level of cells for every power of two of the diameter.
+//! BroadPhase on the GPU: a hashed grid with a level of cells for each power of two of the diameter.
 //!
-//! Each body looks into its own level and the coarser ones that hold any.
+//! Each body searches its own level and the coarser ones that have bodies.
 
 use super::cpu::grid;
 use crate::gpu::buffers::Capacity;
@@ -11,24 +11,24 @@ use crate::gpu::radix_sort::{self, Sort};
 use crate::gpu::scan::{self, Length, Scan};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
-/// Where the bodies are.
+/// Places the bodies at the start of a step.
 const PLACE: Kernel = kernel!("broad_phase/place");
-/// The bucket of every body.
+/// Computes the bucket of each body.
 const CELLS: Kernel = kernel!("broad_phase/cells");
-/// Bodies in the order of buckets.
+/// Writes the bodies in the order of their buckets.
 const ENTRIES: Kernel = kernel!("broad_phase/entries");
-/// How many pairs each body sees.
+/// Counts the pairs of each body.
 const COUNT: Kernel = kernel!("broad_phase/pairs");
-/// The pairs.
+/// Writes the pairs.
 const EMIT: Kernel = kernel!("broad_phase/pairs", emit);
-/// Workgroups for the stages that follow.
+/// Computes workgroup counts for the following stages.
 pub const ARGUMENTS: Kernel = kernel!("broad_phase/arguments");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::broad_phase", {
     f32 SPHERE_SLACK = grid::SPHERE_SLACK;
 });
 
-/// All of them.
+/// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS, module!("broad_phase/grid")],
     kernels: &[&PLACE, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS],
@@ -48,11 +48,11 @@ pub fn record_place(calls: &mut Calls) {
     calls.call(&PLACE, Groups::PerBodies(64));
 }
 
-/// Adds those that search for pairs of placed bodies.
+/// Adds the calls that find the sphere pairs.
 pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
     let per_body = Groups::PerBodies(64);
     calls.call(&CELLS, per_body);
-    // Workgroups beyond the bodies there are return at once.
+    // Superfluous workgroups return at once.
     let groups = [
         Groups::PerBodies(radix_sort::BLOCK),
         Groups::Exactly(radix_sort::digit_groups(capacity.bodies)),

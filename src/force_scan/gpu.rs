@@ -1,5 +1,5 @@
-//! ForceScan on the GPU. Impulses have two entries a pair, sorted by body, summed by a thread a body; touches are noted by a
-//! thread a pair.
+//! ForceScan on the GPU. For impulses each pair has two entries, which are sorted by body; one thread per body sums its
+//! impulses. Touches are recorded by one thread per pair.
 
 use super::impulse;
 use crate::broad_phase::gpu::SORT;
@@ -10,15 +10,15 @@ use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 use crate::solver::gpu::arguments::per_pair as per_solver_pair;
 
-/// Keys by body.
+/// Writes the entries of pairs, keyed by body.
 const ENTRIES: Kernel = kernel!("force_scan/entries");
-/// Where each body's entries are.
+/// Finds the range of each body's entries.
 const SEGMENTS: Kernel = kernel!("force_scan/segments");
-/// How many push it.
+/// Counts the active contacts of each body.
 const COUNTS: Kernel = kernel!("force_scan/counts");
-/// The sums.
+/// Sums the impulses.
 const SUMS: Kernel = kernel!("force_scan/sums");
-/// Who touched whom, and where.
+/// Records the touching pairs.
 const TOUCHES: Kernel = kernel!("force_scan/touches");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::force_scan", {
@@ -26,13 +26,13 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::force_scan", {
     f32 RESTITUTION_STEPS = impulse::RESTITUTION_STEPS;
 });
 
-/// All of them.
+/// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS, module!("force_scan/response")],
     kernels: &[&ENTRIES, &SEGMENTS, &COUNTS, &SUMS, &TOUCHES],
 };
 
-/// Adds the calls that sum up impulses.
+/// Adds the calls that sum impulses.
 pub fn record_impulses(calls: &mut Calls, capacity: &Capacity) {
     let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
         .map(|slot| Groups::Indirect("arguments", slot));
@@ -44,7 +44,7 @@ pub fn record_impulses(calls: &mut Calls, capacity: &Capacity) {
     calls.call(&SUMS, per_body).bind("values", values);
 }
 
-/// Adds the call that notes who touched whom in an interval that the solver has solved.
+/// Adds the call that records the touching pairs of a collision substep, after the solver.
 pub fn record_touches(calls: &mut Calls) {
     calls.call(&TOUCHES, per_solver_pair());
 }

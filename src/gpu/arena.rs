@@ -1,4 +1,4 @@
-//! The meshes on the device: one array of words for all, and a header for each.
+//! The meshes on the device: all in one array of words, with a header for each.
 
 use super::buffers::TooLarge;
 use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID};
@@ -9,14 +9,14 @@ use crate::state::mesh_arena::{MeshArena, MeshSlot, Points};
 use glam::Vec3;
 use std::ops::Range;
 
-/// What is where in the array of words.
+/// Allocates the array of words.
 #[derive(Default)]
 pub struct Arena {
     slots: Vec<Option<Resident>>,
-    /// Unused ranges below `end`, ascending, no two adjacent.
+    /// Unused ranges below `end`, ascending; no two are adjacent.
     free: Vec<Range<u32>>,
     end: u32,
-    /// Whether each mesh comes with its vertices and edges.
+    /// Whether meshes include their topology.
     features: bool,
 }
 
@@ -26,13 +26,13 @@ struct Resident {
     header: layout::Mesh,
 }
 
-/// Levels that the tree of boxes over a mesh may have. Each box has eight children.
+/// Maximum number of levels of a mesh's bounding-volume tree. Each box has eight children.
 pub const TREE_LEVELS: u32 = 8;
 
-/// As many as such a tree holds.
+/// Capacity of such a tree.
 const MAX_TRIANGLES: u64 = 1 << (3 * TREE_LEVELS);
 
-/// What must be written to the device.
+/// A write to the device.
 pub enum Change {
     /// Words from this index on.
     Words(u32, Vec<u32>),
@@ -41,7 +41,7 @@ pub enum Change {
 }
 
 impl Arena {
-    /// One whose meshes come with what contact points are made of.
+    /// An arena whose meshes include the topology that contact generation needs.
     pub fn with_features() -> Self {
         Self {
             features: true,
@@ -49,7 +49,7 @@ impl Arena {
         }
     }
 
-    /// Whether it holds what `meshes` holds.
+    /// Whether its contents equal those of `meshes`.
     pub fn holds(&self, meshes: &MeshArena) -> bool {
         let slots = self.slots.len().max(meshes.len()) as u32;
         (0..slots).all(|number| {
@@ -64,11 +64,11 @@ impl Arena {
         })
     }
 
-    /// Makes the arena hold what `meshes` holds, and tells what to write. Meshes that are there already stay where they
-    /// are.
+    /// Updates the contents to those of `meshes`, and returns the necessary writes. Meshes that are there already keep
+    /// their place.
     ///
     /// # Errors
-    /// If the tree over some mesh's triangles is higher than the kernels can go down.
+    /// If the tree of a mesh has more levels than the kernels support.
     pub fn update(&mut self, meshes: &MeshArena) -> Result<Vec<Change>, TooLarge> {
         let mut changes = Vec::new();
         self.slots.resize_with(self.slots.len().max(meshes.len()), || None);
@@ -108,7 +108,7 @@ impl Arena {
         Ok(changes)
     }
 
-    /// Everything that is there, for an array that was made anew and is empty.
+    /// The writes of all contents, for a new, empty array.
     pub fn contents(&self) -> Vec<Change> {
         let mut changes = Vec::new();
         for (number, held) in (0..).zip(&self.slots) {
@@ -123,17 +123,17 @@ impl Arena {
         changes
     }
 
-    /// Slots.
+    /// Number of slots.
     pub fn slots(&self) -> u32 {
         self.slots.len() as u32
     }
 
-    /// Words, unused ones between meshes included.
+    /// Length of the array, with unused words between meshes.
     pub fn words(&self) -> u32 {
         self.end
     }
 
-    /// The first range that is long enough, or a new one at the end.
+    /// The first free range that is long enough, or a new one at the end.
     fn reserve(&mut self, length: u32) -> Range<u32> {
         if let Some(at) = self.free.iter().position(|range| range.len() as u32 >= length) {
             let range = &mut self.free[at];
@@ -145,7 +145,7 @@ impl Arena {
             return reserved;
         }
         let start = self.end;
-        // No device holds as much as that: making room fails next.
+        // No device holds that much: reserving buffers fails next.
         self.end = self.end.saturating_add(length);
         start..self.end
     }
@@ -153,7 +153,7 @@ impl Arena {
     fn release(&mut self, words: Range<u32>) {
         let at = self.free.partition_point(|range| range.start < words.start);
         self.free.insert(at, words);
-        // Neighbours become one.
+        // Merges adjacent ranges.
         self.free.dedup_by(|later, earlier| {
             let adjacent = earlier.end == later.start;
             if adjacent {
@@ -167,7 +167,7 @@ impl Arena {
     }
 }
 
-/// A header whose offsets count from the mesh's own first word, moved to where that is.
+/// A header with offsets relative to the mesh's first word, moved to where that is.
 fn moved(mesh: layout::Mesh, by: u32) -> layout::Mesh {
     layout::Mesh {
         triangles: mesh.triangles + by,
@@ -200,7 +200,7 @@ impl Packed {
         let center = baked.mass.center;
         let count = mesh.triangles().len();
         let triangles = self.points((0..count).flat_map(|t| mesh.corners(t)).map(|p| p - center));
-        // Most meshes have no corners that were joined from different places.
+        // Most meshes have no welded corners.
         let is_joined = |t: usize| mesh.welded_corners(t) != mesh.corners(t);
         let corners = if (0..count).any(is_joined) {
             self.points((0..count).flat_map(|t| mesh.welded_corners(t)).map(|p| p - center))
@@ -208,7 +208,7 @@ impl Packed {
             triangles
         };
 
-        // The lanes' last group of each level is filled up with boxes that are none.
+        // The last group of each level is padded with empty boxes.
         let mut nodes = count.div_ceil(8);
         let boxes = self.0.len() as u32;
         for level in &slot.lanes.levels {
@@ -218,7 +218,7 @@ impl Packed {
             self.points(all.take(2 * nodes));
             nodes = nodes.div_ceil(8);
         }
-        // The root, a box around all, has no level among the lanes, unless there is one cluster only.
+        // The root, a box around everything, has no level in `lanes`, unless there is a single cluster.
         let levels = if count > 8 {
             let aabb = slot.lanes.aabb;
             let middle = aabb.center();

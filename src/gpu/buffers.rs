@@ -1,4 +1,4 @@
-//! Every buffer of a step without contact points, how large it is, and how sets of buffers are declared.
+//! The buffers of a step without contact points, their capacity, and the macro that declares sets of buffers.
 
 use super::device::Gpu;
 use super::layout::*;
@@ -6,7 +6,7 @@ use super::{radix_sort, scan};
 use thiserror::Error;
 use wgpu::{Buffer, BufferDescriptor, BufferUsages};
 
-/// How many of each thing fit.
+/// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacity {
     /// Body slots.
@@ -25,8 +25,8 @@ pub struct Capacity {
     pub words: u32,
 }
 
-/// Room for at least so many things: as it is, or with some to spare where it does not suffice, so that growing lists are made
-/// anew a few times and not every step.
+/// The new length of a list that needs `needs` elements. It grows by a quarter more than needed, so that growing lists
+/// are not reallocated in every step.
 pub(crate) fn grow(has: u32, needs: u32) -> u32 {
     if needs > has {
         needs.saturating_add(needs / 4).saturating_add(64)
@@ -35,20 +35,20 @@ pub(crate) fn grow(has: u32, needs: u32) -> u32 {
     }
 }
 
-/// A list that the device cannot hold.
+/// A list that exceeds the limits of the device.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the list of {what} takes {bytes} bytes, and the device binds at most {limit}")]
 pub struct TooLarge {
-    /// Of what.
+    /// What it contains.
     pub what: &'static str,
-    /// How long it would be.
+    /// Its length, bytes.
     pub bytes: u64,
-    /// How long it may be.
+    /// The device's limit, bytes.
     pub limit: u64,
 }
 
 impl Capacity {
-    /// At least `needed` of each, with room to spare where these sizes do not suffice.
+    /// At least `needed` of each, with some to spare where this capacity does not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
             bodies: grow(self.bodies, needed.bodies),
@@ -61,31 +61,31 @@ impl Capacity {
         }
     }
 
-    /// The grid has at least twice as many buckets as bodies.
+    /// Number of grid buckets: at least twice the number of bodies.
     pub fn buckets(&self) -> u32 {
         (2 * self.bodies).next_power_of_two().max(64)
     }
 
-    /// Bits of a bucket's number.
+    /// Number of bits of a bucket's index.
     pub fn bucket_bits(&self) -> u32 {
         self.buckets().trailing_zeros()
     }
 
-    /// Bits of a body's number, or of the one after the last.
+    /// Number of bits of a body's index, or of the one after the last.
     pub fn body_bits(&self) -> u32 {
         32 - self.bodies.leading_zeros()
     }
 
-    /// Keys of the longest sort: one a body, two a pair.
+    /// Keys of the longest sort: one per body, or two per pair.
     fn keys(&self) -> u32 {
         self.bodies.max(self.pairs.saturating_mul(2))
     }
 }
 
-/// A set of buffers. Each has a name, by which kernels find it, the kind of its elements, and how many there are by the sizes
-/// of the set; the text says in errors what it holds.
+/// Declares a set of buffers. Each has the name by which kernels find it, an element type, a length that depends on the
+/// capacity of the set, and a description for error messages.
 ///
-/// Declares a struct with a public field `capacity`, one for each buffer, and the functions `new` and `bytes`.
+/// The result is a struct with a public field `capacity`, one field per buffer, and the functions `new` and `bytes`.
 macro_rules! buffers {
     ($(#[$doc:meta])* $set:ident($capacity_type:ty), |$capacity:ident| {
         $($(#[$buffer_doc:meta])* $name:ident: $usage:ident $element:ty, $count:expr, $what:literal;)*
@@ -93,20 +93,20 @@ macro_rules! buffers {
         $(#[$doc])*
         #[derive(Debug)]
         pub struct $set {
-            /// What fits.
+            /// Capacity of the lists.
             pub capacity: $capacity_type,
             $($(#[$buffer_doc])* #[allow(missing_docs)] pub $name: wgpu::Buffer,)*
         }
 
         impl $set {
-            /// Names of all, and what their elements are called in WGSL.
+            /// Name and WGSL element type of each buffer.
             pub const ELEMENTS: &'static [(&'static str, &'static str)] =
                 &[$((stringify!($name), <$element as $crate::gpu::layout::Element>::WGSL)),*];
 
-            /// Makes all of them.
+            /// Creates all buffers.
             ///
             /// # Errors
-            /// If one is larger than the device allows; none is made then.
+            /// If one exceeds the limits of the device. Then none is created.
             pub fn new(gpu: &$crate::gpu::device::Gpu, capacity: $capacity_type) -> Result<Self, $crate::gpu::buffers::TooLarge> {
                 $(let $name = {
                     #[allow(unused_variables)]
@@ -119,7 +119,7 @@ macro_rules! buffers {
                 })
             }
 
-            /// Bytes of all of them.
+            /// Total size, bytes.
             pub fn bytes(&self) -> u64 {
                 [$(&self.$name),*].into_iter().map(wgpu::Buffer::size).sum()
             }
@@ -138,20 +138,20 @@ macro_rules! buffers {
 
 pub(crate) use buffers;
 
-/// Of an array that kernels read and write.
+/// An array that kernels read and write.
 pub(crate) const ARRAY: BufferUsages = BufferUsages::empty();
-/// Of a struct that kernels read.
+/// A struct that kernels read.
 pub(crate) const UNIFORM: BufferUsages = BufferUsages::UNIFORM;
-/// Of the arguments of indirect dispatches.
+/// Arguments of indirect dispatches.
 pub(crate) const INDIRECT: BufferUsages = BufferUsages::INDIRECT;
 
 buffers! {
-    /// Every buffer of a step without contact points; `shaders/shared/types.wgsl` explains their elements.
+    /// The buffers of a step without contact points. `shaders/shared/types.wgsl` explains their elements.
     Buffers(Capacity), |capacity| {
-        /// What holds for all bodies.
+        /// Parameters of the step.
         step: UNIFORM Step, 1u32, "step";
         bodies: ARRAY Body, capacity.bodies, "bodies";
-        /// To draw from.
+        /// Copy for rendering.
         before: ARRAY Body, capacity.bodies, "bodies before the step";
         planes: ARRAY Plane, capacity.planes, "half-spaces";
         meshes: ARRAY Mesh, capacity.meshes, "meshes";
@@ -159,7 +159,7 @@ buffers! {
         counters: ARRAY u32, COUNTERS, "counters";
         status: ARRAY u32, 4u32, "status";
         arguments: INDIRECT u32, 16u32, "arguments";
-        /// Two pairs of arrays between which sorts move keys and values.
+        /// Two pairs of arrays, between which sorts move keys and values.
         keys: ARRAY u32, capacity.keys(), "sort keys";
         values: ARRAY u32, capacity.keys(), "sort values";
         other_keys: ARRAY u32, capacity.keys(), "sort keys, scratch";
@@ -177,12 +177,12 @@ buffers! {
         plane_contacts: ARRAY PlaneContact, capacity.plane_contacts, "contacts with half-spaces";
         body_contacts: ARRAY BodyContacts, capacity.bodies, "contacts by body";
         impulses: ARRAY Impulse, capacity.bodies, "impulses";
-        /// Where the bodies are after the step. Outlives it.
+        /// Motions after the step. They persist until the next step.
         moved: ARRAY Moved, capacity.bodies, "moved bodies";
     }
 }
 
-/// The size of a buffer that the device can bind, at least one element of any kind.
+/// The size of a buffer, at least that of one element of any kind.
 pub(crate) fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
     let limits = gpu.device.limits();
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -192,7 +192,7 @@ pub(crate) fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, To
     Ok(bytes.max(256))
 }
 
-/// A buffer of so many bytes.
+/// Creates a buffer of `size` bytes.
 pub(crate) fn make(gpu: &Gpu, what: &str, size: u64, usage: BufferUsages) -> Buffer {
     gpu.device.create_buffer(&BufferDescriptor {
         label: Some(what),

@@ -1,20 +1,20 @@
-//! The device that the stages run on, and why there is none.
+//! The GPU device that the stages run on, and why there may be none.
 
 use super::readback::{alive, wait};
 use thiserror::Error;
 use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, Limits, Queue};
 
-/// A device of our own, or that of Bevy's renderer. Clones are the same device.
+/// A device of our own, or that of Bevy's renderer. Clones refer to the same device.
 ///
-/// Whoever uses it puts every call into an error scope and leaves its callbacks alone: on one that is shared, these are the
-/// renderer's, and an error that reaches them ends the app.
+/// Put every call into an error scope, and do not set the device's callbacks: on a shared device these belong to the
+/// renderer, and an error that reaches them ends the app.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    /// Makes buffers and pipelines.
+    /// Creates buffers and pipelines.
     pub device: Device,
-    /// Takes work.
+    /// Receives the work.
     pub queue: Queue,
-    /// What it is.
+    /// Name, type and backend of the adapter.
     pub info: AdapterInfo,
 }
 
@@ -24,58 +24,58 @@ pub enum NoGpu {
     /// No driver, no loader, or no card.
     #[error("no GPU adapter is found: install a Vulkan, Metal or DirectX 12 driver, or use Backend::Cpu")]
     NoAdapter,
-    /// The machine has no graphics card, so that nobody looked for adapters.
+    /// The machine has no graphics card, so adapters are not enumerated.
     #[error(
         "there is no graphics card: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
     )]
     NoCard,
-    /// The adapter computes on the CPU, which [`Backend::Auto`](crate::plugin::settings::Backend) does not take.
+    /// The adapter computes on the CPU. [`Backend::Auto`](crate::plugin::settings::Backend) does not use it.
     #[error("the adapter {0} computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
     OnlySoftware(String),
-    /// Bevy's renderer uses OpenGL, on which no stage has been tried.
+    /// Bevy's renderer uses OpenGL, which the stages do not support.
     #[error("Bevy's renderer drives {0} through OpenGL, which the stages do not use")]
     OpenGl(String),
-    /// The driver refused.
+    /// The driver refused to open a device.
     #[error("{adapter} gives no device: {reason}")]
     Device {
-        /// Which one.
+        /// Name of the adapter.
         adapter: String,
-        /// In its own words.
+        /// The driver's message.
         reason: String,
     },
-    /// The device can do too little.
+    /// A limit of the device is too low.
     #[error("{adapter} allows {limit} of {has} only, and the stages need {needs}")]
     Limit {
-        /// Which one.
+        /// Name of the adapter.
         adapter: String,
         /// The limit's name in wgpu.
         limit: &'static str,
-        /// What the device has.
+        /// The device's value.
         has: u64,
-        /// What we need.
+        /// The value that the stages need.
         needs: u64,
     },
     /// A kernel did not compile, or a first step failed.
     #[error("{adapter} cannot run the stages: {reason}")]
     Failed {
-        /// Which one.
+        /// Name of the adapter.
         adapter: String,
-        /// What went wrong.
+        /// The error message.
         reason: String,
     },
 }
 
-/// Opens the best adapter there is: discrete before integrated before virtual ones, and one that computes on the CPU
-/// only if `software` allows it.
+/// Opens the best adapter: discrete before integrated before virtual. Adapters that compute on the CPU are used only if
+/// `software` is true.
 ///
 /// # Errors
-/// If there is none that can run the stages.
+/// If no adapter can run the stages.
 pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     if !software && !may_have_card() {
         return Err(NoGpu::NoCard);
     }
     pollster::block_on(async {
-        // From the environment: WGPU_BACKEND chooses among several, WGPU_VALIDATION and the like switch checks.
+        // Reads WGPU_BACKEND, WGPU_VALIDATION and the like from the environment.
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = instance.enumerate_adapters(Backends::all()).await;
         adapters.retain(|adapter| adapter.get_info().backend != wgpu::Backend::Gl);
@@ -86,14 +86,14 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     })
 }
 
-/// Whether there may be a graphics card. Where there is none an instance would load drivers that compute on the CPU only for us to
-/// refuse them, which takes a while; and a layer of Mesa's, which looks for a Wayland display whenever wgpu makes an instance,
-/// would complain on standard error that `XDG_RUNTIME_DIR` is missing, as it is on servers and in containers.
+/// Whether there may be a graphics card. Without one, creating an instance would load software drivers only for us to
+/// refuse them, which takes a while. A layer of Mesa's, which looks for a Wayland display, would also print an error if
+/// `XDG_RUNTIME_DIR` is missing, as on servers and in containers.
 fn may_have_card() -> bool {
     if !cfg!(target_os = "linux") {
         return true;
     }
-    // Through which drivers reach a card: most of them; NVIDIA's own; WSL's; and those of Adreno, Mali and PowerVR on boards.
+    // The device files of drivers: most of them; NVIDIA's; WSL's; those of Adreno, Mali and PowerVR.
     const DEVICES: [&str; 6] = ["dri", "nvidia", "dxg", "kgsl", "mali", "pvr"];
     let Ok(files) = std::fs::read_dir("/dev") else {
         return true;
@@ -102,10 +102,10 @@ fn may_have_card() -> bool {
     files.flatten().any(|file| is_card(&file.file_name().to_string_lossy()))
 }
 
-/// Whether the stages can run there, and may: on an adapter that computes on the CPU only if `software` allows it.
+/// Whether the stages can run on an adapter. One that computes on the CPU is accepted only if `software` is true.
 ///
 /// # Errors
-/// If not.
+/// The reason why not.
 pub fn suits(info: &AdapterInfo, limits: &Limits, software: bool) -> Result<(), NoGpu> {
     let name = &info.name;
     if info.device_type == DeviceType::Cpu && !software {
@@ -117,8 +117,7 @@ pub fn suits(info: &AdapterInfo, limits: &Limits, software: bool) -> Result<(), 
     }
 }
 
-/// Whether the device takes no work any more. Waits until it has nothing to do; one that was destroyed tells its owner then,
-/// and not before.
+/// Whether the device is lost. Waits until it is idle, because the loss of a destroyed device is reported only then.
 pub fn is_lost(gpu: &Gpu) -> bool {
     wait(gpu).and_then(|()| alive(gpu)).is_err()
 }
@@ -130,7 +129,7 @@ async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
         .request_device(&wgpu::DeviceDescriptor {
             label: Some("faceoff"),
             required_features: adapter.features() & Features::TIMESTAMP_QUERY,
-            // Lists are as long as the card allows, not as long as every card does.
+            // The limits of the adapter instead of the defaults, for longer lists.
             required_limits: limits,
             ..Default::default()
         })
@@ -142,7 +141,7 @@ async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
     Ok(Gpu { device, queue, info })
 }
 
-/// Whether a device with these limits can run every kernel.
+/// Whether a device with these limits can run all kernels.
 pub fn check(adapter: &str, limits: &Limits) -> Result<(), NoGpu> {
     let needs = [
         (

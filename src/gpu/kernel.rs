@@ -1,4 +1,4 @@
-//! How a kernel is declared and compiled. What it binds, and how many threads its workgroups have, is told by its WGSL.
+//! Declaration and compilation of kernels. Bindings and workgroup sizes are reflected from the WGSL.
 
 use super::device::Gpu;
 use super::shader::{Module, composer};
@@ -11,15 +11,16 @@ use wgpu::*;
 /// A compute shader with one entry point, `main`.
 #[derive(Debug)]
 pub struct Kernel {
-    /// Its label: the path of its file below `shaders/`, without the ending.
+    /// Label: the path of its file below `shaders/`, without the extension.
     pub name: &'static str,
-    /// WGSL.
+    /// The WGSL source.
     pub source: &'static str,
-    /// Whether `EMIT` is defined: lists of unknown length are counted by a kernel and emitted by the same one again.
+    /// Whether `EMIT` is defined. Lists of unknown length are counted by a kernel, and written by the same kernel with
+    /// `EMIT`.
     pub emit: bool,
 }
 
-/// The kernel in a file below `shaders/`, named without its ending; with `emit`, the one that emits what it counts.
+/// The kernel in a file below `shaders/`, without the extension. With `emit` it writes what it counts otherwise.
 macro_rules! kernel {
     ($path:literal) => {
         $crate::gpu::kernel::Kernel {
@@ -39,7 +40,7 @@ macro_rules! kernel {
 
 pub(crate) use kernel;
 
-/// A buffer that a kernel sees.
+/// A buffer binding of a kernel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Binding {
     /// `@group` in WGSL.
@@ -48,16 +49,16 @@ pub struct Binding {
     pub slot: u32,
     /// The variable's name in WGSL.
     pub name: String,
-    /// What the kernel does with it.
+    /// How the kernel accesses it.
     pub access: Access,
-    /// The WGSL type; of an array, that of its elements.
+    /// The WGSL type; for arrays that of the elements.
     pub element: String,
 }
 
-/// What a kernel does with a buffer.
+/// How a kernel accesses a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Reads one struct.
+    /// Reads a struct.
     Uniform,
     /// Reads an array.
     Read,
@@ -66,10 +67,10 @@ pub enum Access {
 }
 
 impl Kernel {
-    /// The kernel with its imports.
+    /// The naga module of the kernel, with its imports.
     ///
     /// # Errors
-    /// If it is not valid WGSL.
+    /// If the WGSL is invalid.
     pub fn compose(&self, composer: &mut Composer) -> Result<naga::Module, Box<ComposerError>> {
         let mut shader_defs = HashMap::new();
         if self.emit {
@@ -109,7 +110,7 @@ impl Kernel {
             module: &module,
             entry_point: Some("main"),
             compilation_options: PipelineCompilationOptions {
-                // Every kernel clears what it reads.
+                // Every kernel initialises what it reads.
                 zero_initialize_workgroup_memory: false,
                 ..Default::default()
             },
@@ -142,7 +143,7 @@ impl Binding {
     }
 }
 
-/// What a kernel binds, by slot.
+/// The bindings of a kernel, sorted by slot.
 pub fn bindings(module: &naga::Module) -> Vec<Binding> {
     let variables = module.global_variables.iter().map(|(_, variable)| variable);
     let mut bindings: Vec<_> = variables
@@ -170,13 +171,13 @@ pub fn bindings(module: &naga::Module) -> Vec<Binding> {
     bindings
 }
 
-/// The name that an item has in its own file: naga_oil adds to it where it is imported.
+/// The name of an item in its own file, without what naga_oil appends where it is imported.
 pub fn own_name(name: &Option<String>) -> &str {
     let name = name.as_deref().unwrap_or_default();
     name.split_once("X_naga_oil_mod_X").map_or(name, |(own, _)| own)
 }
 
-/// A type as WGSL calls it; an atomic counts as what it holds.
+/// The name of a type in WGSL. An atomic counts as its integer type.
 pub fn type_name(module: &naga::Module, ty: Handle<Type>) -> String {
     let scalar = |scalar: naga::Scalar| match (scalar.kind, scalar.width) {
         (ScalarKind::Uint, 4) => "u32",
@@ -199,7 +200,7 @@ pub fn type_name(module: &naga::Module, ty: Handle<Type>) -> String {
     }
 }
 
-/// A kernel on a device.
+/// A compiled kernel.
 #[derive(Clone, Debug)]
 pub(super) struct Compiled {
     pub bindings: Vec<Binding>,
@@ -207,14 +208,14 @@ pub(super) struct Compiled {
     pub pipeline: ComputePipeline,
 }
 
-/// All kernels on a device.
+/// All compiled kernels of a device.
 #[derive(Debug)]
 pub struct Kernels {
     compiled: HashMap<&'static str, Compiled>,
 }
 
 impl Kernels {
-    /// Compiles some kernels, which import from these modules.
+    /// Compiles kernels that import from these modules.
     ///
     /// # Errors
     /// The compiler's message.
@@ -230,7 +231,7 @@ impl Kernels {
         Ok(compiled)
     }
 
-    /// Compiles some more, unless they are compiled already.
+    /// Compiles further kernels. Those that are compiled already are skipped.
     ///
     /// # Errors
     /// The compiler's message.

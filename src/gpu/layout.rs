@@ -1,14 +1,15 @@
-//! What passes between host and kernels, byte for byte as in `shaders/shared/types.wgsl`, where every field is explained.
+//! The structs and constants that kernels share with the host. `shaders/shared/types.wgsl` has the same structs and
+//! explains their fields.
 //!
-//! Vectors of three are followed by a scalar that fills their fourth word, so that Rust's layout and WGSL's agree;
-//! `tests/gpu/contract.rs` compares every offset. Structs stand in both languages, where some of their fields are atomic in
-//! WGSL; constants stand here only, and the WGSL module `faceoff::types` gets them from here.
+//! Vectors of three are followed by a scalar that fills their fourth word, so that the layouts of Rust and WGSL agree;
+//! `tests/gpu/contract.rs` compares every offset. Structs are declared in both languages, because some of their fields
+//! are atomic in WGSL. Constants are declared here only; the WGSL module `faceoff::types` imports them.
 
 use bytemuck::{Pod, Zeroable};
 
-/// What an array on the device is made of.
+/// The element type of an array on the device.
 pub trait Element: Pod {
-    /// The type's name in WGSL.
+    /// Its name in WGSL.
     const WGSL: &'static str;
 }
 
@@ -40,7 +41,7 @@ macro_rules! layout {
             }
         )*
 
-        /// Name, size and fields with their offsets of every struct here.
+        /// Name, size and field offsets of every struct in this module.
         pub const STRUCTS: &[$crate::gpu::layout::Struct] = &[$($crate::gpu::layout::Struct {
             name: stringify!($name),
             size: size_of::<$name>(),
@@ -52,18 +53,18 @@ macro_rules! layout {
 /// The layout of a struct.
 #[derive(Clone, Copy, Debug)]
 pub struct Struct {
-    /// Its name, the same on both sides.
+    /// Its name, the same in both languages.
     pub name: &'static str,
-    /// Bytes.
+    /// Size, bytes.
     pub size: usize,
-    /// Names and offsets in bytes.
+    /// Names and offsets, bytes.
     pub fields: &'static [(&'static str, usize)],
 }
 
 type Vec3 = [f32; 3];
 
 layout! {
-    /// What holds for all bodies in a step.
+    /// Parameters of a step.
     Step {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
@@ -71,7 +72,7 @@ layout! {
         contact_margin: f32, speculative_time: f32, planes_changed: u32, padding_a: u32,
         drift: Vec3, padding_b: u32,
     }
-    /// A body's input and state.
+    /// Input and state of a body.
     Body {
         position: Vec3, mesh: u32,
         rotation: [f32; 4],
@@ -88,7 +89,7 @@ layout! {
         normal: Vec3, distance: f32,
         restitution: f32, padding_a: f32, padding_b: f32, padding_c: f32,
     }
-    /// Where a mesh lies in the arena of words.
+    /// Where the data of a mesh lies in the array of words.
     Mesh {
         center: Vec3, radius: f32,
         triangles: u32, triangle_count: u32, boxes: u32, levels: u32,
@@ -98,12 +99,12 @@ layout! {
         box_center: Vec3, padding_a: u32,
         box_half: Vec3, padding_b: u32,
     }
-    /// A body in the order of grid buckets.
+    /// A body in the sorted grid.
     GridEntry {
         center: Vec3, radius: f32,
         body: u32, level: i32, flags: u32, padding: u32,
     }
-    /// A pair of bodies whose spheres overlap, and what Angles knows of it.
+    /// A pair of bodies whose spheres overlap, with the results of Angles.
     NearPair {
         a: u32, b: u32, near: u32, unit: f32,
         x: Vec3, a_below: f32,
@@ -112,36 +113,36 @@ layout! {
         translation: Vec3, view_a: u32,
         axis: Vec3, view_b: u32,
     }
-    /// What TriangleTest found of a pair.
+    /// The result of TriangleTest for a pair.
     PairResult {
         point: Vec3, touching: u32,
         normal: Vec3, padding_a: u32,
         a: u32, b: u32, padding: [u32; 2],
     }
-    /// The same for the host, for pairs that touch.
+    /// The result for the host, for pairs that touch.
     Touching {
         point: Vec3, a: u32,
         normal: Vec3, b: u32,
         pair: u32, hits: u32, contained: u32, padding: u32,
     }
-    /// Two triangles that intersect.
+    /// Two intersecting triangles.
     Hit {
         pair: u32, index: u32, a: u32, b: u32,
         start_x: f32, start_y: f32, start_z: f32,
         end_x: f32, end_y: f32, end_z: f32,
     }
-    /// A body that reaches into a half-space.
+    /// A body that penetrates a half-space.
     PlaneContact {
         anchor: Vec3, depth: f32,
         point: Vec3, body: u32,
         plane: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
-    /// What pushes a body.
+    /// The contacts of a body.
     BodyContacts {
         first_entry: u32, last_entry: u32, first_plane: u32, planes: u32,
         active_contacts: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
-    /// Where a body is after the step.
+    /// Motion of a body after a step.
     Moved {
         position: Vec3, asleep: u32,
         rotation: [f32; 4],
@@ -153,16 +154,16 @@ layout! {
         linear: Vec3, padding_a: f32,
         angular: Vec3, padding_b: f32,
     }
-    /// How long the lists of contact generation are.
+    /// Lengths of the lists of contact generation.
     ContactLimits {
         near_triangles: u32, features: u32, segments: u32, staged_points: u32,
         pairs: u32, points: u32, bodies: u32, planes: u32,
     }
-    /// A pair of bodies whose contact points are wanted.
+    /// A pair of bodies whose contact points are requested.
     MarginPair {
         a: u32, b: u32, margin: f32, inactive: u32,
     }
-    /// How its bodies lie to each other, and where in the lists its share is.
+    /// The relative pose of such a pair, and its ranges in the lists.
     PairSetup {
         a: u32, b: u32, valid: u32, unit: f32,
         rotation: [f32; 4],
@@ -179,7 +180,7 @@ layout! {
         segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
         deep_count: u32, first_probe: u32, probe_count: u32, padding: u32,
     }
-    /// A point at which bodies push each other.
+    /// A contact feature.
     Feature {
         point_a: Vec3, separation: f32,
         point_b: Vec3, distance: f32,
@@ -201,18 +202,18 @@ layout! {
         extreme_c: Vec3, a: u32,
         extreme_d: Vec3, b: u32,
     }
-    /// A point at which two bodies push each other, in world axes and metres.
+    /// A contact point, in world axes and metres.
     ContactPoint {
         anchor_a: Vec3, separation: f32,
         anchor_b: Vec3, curvature_radius_a: f32,
         normal: Vec3, curvature_radius_b: f32,
         face_a: u32, face_b: u32, normal_rotation: f32, padding: u32,
     }
-    /// All points of a pair of bodies.
+    /// The manifold of a pair.
     ContactPair {
         a: u32, b: u32, first_point: u32, point_count: u32,
     }
-    /// A point of two bodies that pushed each other in an interval of a step, or lay as near as bodies at rest.
+    /// A contact point of two bodies that touched in a collision substep.
     Touch {
         point: Vec3, a: u32,
         normal: Vec3, b: u32,
@@ -224,13 +225,13 @@ macro_rules! constants {
     ($($(#[$doc:meta])* $type:ident $name:ident = $value:expr;)*) => {
         $($(#[$doc])* #[allow(missing_docs)] pub const $name: $type = $value;)*
 
-        /// Every constant here by name, for the WGSL.
+        /// Name and value of every constant in this module, for the WGSL.
         pub const CONSTANTS: &[(&str, $crate::gpu::shader::Value)] =
             &[$((stringify!($name), $crate::gpu::shader::shared_value!($type $name))),*];
     };
 }
 
-// The solver has structs and constants of its own.
+// The solver declares its own structs and constants with these macros.
 pub(crate) use {constants, layout};
 
 constants! {
@@ -244,32 +245,32 @@ constants! {
     u32 CULLING_FACES = 8;
     u32 CULLING_FRONT = 16;
 
-    // Bits of `Body::carried`: what of a body goes on from the last step, in which it had the number `Body::source`.
-    /// The rotation is that of `moved[source]`; without it that which the host wrote.
+    // Bits of `Body::carried`: what carries over from the last step, in which the body had the number `Body::source`.
+    /// The rotation is that of `moved[source]`; otherwise it is the one that the host sent.
     u32 CARRIED_ROTATION = 1;
-    /// It was there in that step, with its centre of mass where it is now: if the host wrote the pose of `moved[source]`, it
-    /// is where it was.
+    /// The body was in that step, and its centre of mass is at the same place in its axes. If its pose is that of
+    /// `moved[source]`, its centre of mass has not moved.
     u32 CONTINUES = 4;
-    /// If it is where it was it goes on sleeping, or is a ground on which others sleep.
+    /// If it has not moved, its sleep state carries over. A static body then has not changed.
     u32 CARRIED_SLEEP = 8;
-    /// It is to be awake.
+    /// The host wakes it.
     u32 WOKEN = 16;
-    /// The first of three bits, for x, y and z: along that axis it is that of `moved[source]`, and what the host wrote is
-    /// added.
+    /// The first of three bits for x, y and z: along that axis the value is that of `moved[source]` plus what the host
+    /// sent.
     u32 CARRIED_POSITION = 32;
     u32 CARRIED_LINEAR = 256;
     u32 CARRIED_ANGULAR = 2048;
 
     // `NearPair::near`.
-    /// A support plane separates the two by more than the margin.
+    /// A support plane separates the bodies by more than the margin.
     u32 FAR = 0;
-    /// Less than the margin separates them.
+    /// A support plane separates them by less than the margin.
     u32 NEAR = 1;
-    /// No support plane was found that separates them.
+    /// No separating support plane was found.
     u32 OVERLAPPING = 2;
 
     // Bits of `Mesh::flags`.
-    /// Another body can be wholly inside.
+    /// It can contain other bodies.
     u32 SOLID = 1;
     u32 ORIENTATION_MASK = 6;
     u32 OUTWARD = 0;
@@ -277,12 +278,12 @@ constants! {
     u32 MIXED = 4;
     u32 OPEN = 6;
 
-    // Indices into `counters`. The host sets the first and zeroes the others before each step. With several intervals what
-    // the triangle test counts is of the first one, and the others are of the last.
+    // Indices into `counters`. Before each step the host sets the first and zeroes the others. The results of the
+    // triangle test are those of the first collision substep, the others those of the last.
     u32 BODIES = 0;
-    /// Two words, a bit for each level with bodies.
+    /// Two words: one bit per level that has bodies.
     u32 LEVELS = 1;
-    /// As many as there are, even if the list holds fewer.
+    /// The number found, even if the list is shorter.
     u32 SPHERE_PAIRS = 3;
     u32 HITS = 4;
     u32 PLANE_CONTACTS = 5;
@@ -290,35 +291,36 @@ constants! {
     u32 TRIANGLE_TESTS = 7;
     u32 APPROXIMATE = 8;
     u32 ENTRIES = 9;
-    /// Not 0: bodies were not moved, since a list was too small.
+    /// Not 0: a list was too short, and the bodies were not moved.
     u32 SKIPPED = 10;
-    /// Sphere pairs in the list: all, or none if they do not fit.
+    /// The number of sphere pairs in the list; 0 if they do not fit.
     u32 PAIRS = 11;
-    /// Not 0: the device left a loop before its end.
+    /// Not 0: the device aborted a loop.
     u32 CUT_SHORT = 12;
-    /// Pairs whose contact points are wanted.
+    /// Number of pairs whose contact points are requested.
     u32 SELECTED = 13;
     u32 COUNTERS = 16;
 
-    // Slots of `arguments`: a workgroup for 64 pairs, for each pair, for each block of a sort of two entries a pair, for
-    // each block of the scan of that sort's digits.
+    // Slots of `arguments`: a workgroup per 64 pairs, per pair, per block of a sort of two entries per pair, per block
+    // of the scan of that sort's digits.
     u32 GROUPS_PER_64_PAIRS = 0;
     u32 GROUPS_PER_PAIR = 1;
     u32 GROUPS_PER_SORT_BLOCK = 2;
     u32 GROUPS_PER_DIGIT_BLOCK = 3;
 
-    /// Index into `status`: whether a list was too small, now or in an earlier step that has not been repeated yet.
+    /// Index into `status`. Not 0: a list was too short, in this step or in an earlier one that has not been repeated
+    /// yet.
     u32 OVERFLOW = 0;
 
-    /// Bit of the number of a vertex or an edge that belongs to the second body of a pair.
+    /// This bit of a vertex or edge number marks those of the second body of a pair.
     u32 OF_SECOND = 0x8000_0000;
-    /// No vertex, no triangle.
+    /// In place of a vertex or triangle number: there is none.
     u32 NOTHING = 0xffff_ffff;
-    /// The radius of curvature of what is flat: WGSL has no dependable infinity.
+    /// In place of an infinite radius of curvature: infinity is not portable in WGSL.
     f32 FLAT_RADIUS = 1.0e30;
 
-    // Indices into `contact_counters`. The host sets the first and zeroes the others. Lists may hold fewer than these say,
-    // and then their contents are worth nothing.
+    // Indices into `contact_counters`. The host sets the first and zeroes the others. If a list is shorter than its
+    // counter, its contents are invalid.
     u32 MARGIN_PAIRS = 0;
     u32 CONTACT_SLOTS = 1;
     u32 NEAR_TRIANGLES = 2;
@@ -327,33 +329,33 @@ constants! {
     u32 STAGED_POINTS = 5;
     u32 CONTACT_PAIRS = 6;
     u32 CONTACT_POINTS = 7;
-    /// Not 0: the device left a loop before its end.
+    /// Not 0: the device aborted a loop.
     u32 CONTACTS_CUT_SHORT = 8;
-    /// Not 0: a list was too small, or a loop cut short; the results are worth nothing.
+    /// Not 0: a list was too short or a loop was aborted, and the results are invalid.
     u32 CONTACTS_SKIPPED = 9;
     u32 CONTACT_COUNTERS = 16;
 
-    // Slots of `contact_arguments`: a workgroup for each pair, for 64 pairs, for 64 slots, for each block of the scan of
-    // slots.
+    // Slots of `contact_arguments`: a workgroup per pair, per 64 pairs, per 64 slots, per block of the scan of slots.
     u32 GROUPS_PER_MARGIN_PAIR = 0;
     u32 GROUPS_PER_64_MARGIN_PAIRS = 1;
     u32 GROUPS_PER_64_SLOTS = 2;
     u32 GROUPS_PER_SLOT_BLOCK = 3;
 
-    // Indices into `tally`, which counts over all intervals of a step. The first are the largest that `contact_counters` came
-    // to, under the same indices.
-    /// So far.
+    // Indices into `tally`, which covers all collision substeps of a step. The first entries are the maxima of
+    // `contact_counters`, at the same indices.
+    /// Number of collision substeps so far.
     u32 COLLISION_SUBSTEPS = 16;
-    /// As many as there are, even if the list holds fewer.
+    /// The number found, even if the list is shorter.
     u32 TOUCHES = 17;
-    /// Of two meshes, in the last interval.
+    /// Number of touching pairs of meshes in the last collision substep.
     u32 TOUCHING_NOW = 18;
-    /// Bodies, after the step.
+    /// Number of sleeping bodies after the step.
     u32 ASLEEP = 19;
-    /// Of spheres, in any interval.
+    /// Number of sphere pairs in any collision substep.
     u32 MAX_SPHERE_PAIRS = 20;
-    // Velocities after the step of what may move, m/s: the largest along each axis, the largest negated, and the largest speed
-    // of a surface about its body's centre of mass. As `ascending` numbers, so that 0 stands for none.
+    // Maxima over all bodies that are not static, after the step, m/s: of the velocity along each axis, of the negated
+    // velocity, and of the surface speed relative to the centre of mass. The values are integers in the order of the
+    // floats (`ascending`); 0 stands for none.
     u32 MAX_VELOCITY = 21;
     u32 MAX_NEGATED_VELOCITY = 24;
     u32 MAX_SPIN = 27;

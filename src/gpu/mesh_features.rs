@@ -1,20 +1,21 @@
-//! The vertices and edges of a mesh as words, as `shaders/manifolds/side.wgsl` reads them.
+//! The topology of a mesh as words, as `shaders/manifolds/side.wgsl` reads it.
 
 use super::layout::{FLAT_RADIUS, NOTHING};
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::state::mesh_arena::MeshSlot;
 use glam::Vec3;
 
-/// Words before the triangles' records, of which seven are in use: how many vertices there are, and where their places, the
-/// starts of their lists of neighbours, these lists, the numbers of their components, the far ends of these, and the normals of
-/// the vertices, each with the roundness there, begin.
+/// Number of words before the triangles' records. Seven are used: the number of vertices, and the start of the
+/// positions, of the starts of the neighbour lists, of these lists, of the component numbers, of the components' far
+/// ends, and of the vertex normals, each with the radius of curvature.
 pub const HEADER: usize = 8;
 
-/// Words of a triangle's record: its vertices, its edges, the triangles across those that it owns, its normal, what it owns
-/// and how far normals at its edges turn, how round it is, its number in the input mesh, and how curved it is at least.
+/// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns,
+/// with the largest normal rotation at its edges; radius of curvature; number in the input mesh; lower bound of the
+/// curvature.
 pub const RECORD: usize = 16;
 
-/// All of them; places count from the first word.
+/// The words of a mesh. Starts are relative to the first word.
 pub fn words(slot: &MeshSlot) -> Vec<u32> {
     let features = &*slot.features;
     let center = slot.mesh.mass.center;
@@ -30,7 +31,7 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     for t in 0..triangles {
         record(slot, features, t, &mut words);
     }
-    // Relative to the centre of mass, and the same bits as the triangles' corners.
+    // Relative to the centre of mass, with the same bits as the triangles' corners.
     let place = |p: &Vec3| (*p - center).to_array().map(f32::to_bits);
     words.extend(features.vertices.iter().flat_map(place));
     words.extend(&features.neighbor_starts);
@@ -44,8 +45,8 @@ pub fn words(slot: &MeshSlot) -> Vec<u32> {
     words
 }
 
-/// For each component the vertex farthest from its first one: what is inside of another body is so with both, and what
-/// only lies on it is not.
+/// For each component the vertex farthest from its first one. A component is inside another body if both are; one that
+/// only touches its surface is not.
 fn far_ends_of(slot: &MeshSlot, features: &MeshFeatures) -> Vec<Vec3> {
     let mesh = &slot.mesh.mesh;
     let firsts: Vec<Vec3> = (mesh.component_vertices().iter())
@@ -99,7 +100,7 @@ mod tests {
         let components = &words[words[4] as usize..words[5] as usize];
         assert_eq!((components.len(), (words[6] - words[5]) as usize), (16, 2 * 3));
         let features = &*slot.features;
-        // One number on each side.
+        // One component number per side.
         let right = |p: &Vec3| p.x > 1.5;
         let number_of = |side: bool| {
             let at = features.vertices.iter().position(|p| right(p) == side).unwrap();

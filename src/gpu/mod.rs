@@ -1,13 +1,21 @@
 //! What the GPU versions of all stages share.
 //!
-//! [`device`] finds a device. [`kernel`] says how a kernel is declared and compiled, [`shader`] what kernels import, and
-//! [`program`] how they are called. [`layout`] is what passes between host and kernels, and [`buffers`] where it lies.
-//! [`arena`] holds the meshes, if wanted with their [features](mesh_features). [`scan`] and [`radix_sort`] are the
-//! primitives; [`readback`] brings results to the host, and [`timer`] tells how long stages took.
+//! | file | contents |
+//! |---|---|
+//! | [`device`] | the device, and why there may be none |
+//! | [`kernel`] | declaration and compilation of kernels |
+//! | [`shader`] | WGSL modules and shared constants |
+//! | [`program`] | lists of kernel calls |
+//! | [`layout`] | structs and constants that kernels share with the host |
+//! | [`buffers`] | the buffers of a step without contact points |
+//! | [`arena`], [`mesh_features`] | the meshes, with their topology if needed |
+//! | [`scan`], [`radix_sort`] | primitives |
+//! | [`readback`] | reading of buffers |
+//! | [`timer`] | the time that each stage takes |
 //!
-//! Each stage declares its kernels in its own folder, in `gpu.rs` or `gpu/`, with their WGSL in `shaders/`;
-//! `step::gpu` runs them all. Lists of unknown length have a capacity and a counter; if one is too short, the bodies stay
-//! where they are, the list is made longer, and the step runs again: nothing is dropped.
+//! Each stage declares its kernels in its own folder, in `gpu.rs` or `gpu/`, with their WGSL in `shaders/`. `step::gpu`
+//! runs them all. Lists whose number of elements is not known in advance have a capacity and a counter. If one
+//! overflows, the bodies do not move, the list is made longer, and the step is repeated: no result is dropped.
 
 pub mod arena;
 pub mod buffers;
@@ -45,7 +53,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::shared", {
     f32 BOUND = margins::BOUND;
 });
 
-/// What all kernels may import, and the primitives.
+/// Modules that all kernels may import, and the kernels of the primitives.
 pub const SHADERS: Shaders = Shaders {
     modules: &[
         CONSTANTS,

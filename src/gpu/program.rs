@@ -1,7 +1,7 @@
-//! What a step does on the device: calls of kernels in order, first by the names of buffers, then with the buffers.
+//! Programs: lists of kernel calls, first by the names of buffers, then bound to buffers.
 //!
-//! A call binds each variable of its kernel to the buffer of the same name. Only what runs on different buffers from call
-//! to call, such as the sort, is told their names. So calls can be listed, and checked, without a device.
+//! A call binds each variable of its kernel to the buffer of the same name. Only kernels that run on different buffers,
+//! such as the sort's, are given the names. So calls can be listed and checked without a device.
 
 use super::device::Gpu;
 use super::kernel::{Compiled, Kernel, Kernels};
@@ -10,39 +10,39 @@ use std::collections::HashMap;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::*;
 
-/// How many workgroups run.
+/// Number of workgroups of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Groups {
-    /// As many as there are.
+    /// This number.
     Exactly(u32),
-    /// One for so many bodies.
+    /// One per this many bodies.
     PerBodies(u32),
-    /// What the kernels before wrote into the slot of this number in the buffer of this name.
+    /// Indirect: the buffer of this name, and the slot in it.
     Indirect(&'static str, u32),
 }
 
-/// The variable that holds what a call says beside buffers.
+/// The name of the variable that holds a call's constants.
 pub const CONSTANTS: &str = "constants";
 
 /// A call of a kernel.
 #[derive(Clone, Debug)]
 pub struct Call {
-    /// Which.
+    /// The kernel.
     pub kernel: &'static Kernel,
-    /// Part of which stage.
+    /// The stage to which it belongs.
     pub stage: Stage,
-    /// How many workgroups it has.
+    /// Number of workgroups.
     pub groups: Groups,
     constants: Option<[u32; 4]>,
     bound: Vec<Bound>,
 }
 
-/// A variable whose buffer has another name.
+/// A variable that is bound to a buffer of another name.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
     variable: &'static str,
     buffer: &'static str,
-    /// The buffer's elements are taken for words.
+    /// The element type of the buffer is ignored.
     words: bool,
 }
 
@@ -53,7 +53,7 @@ impl Call {
         self
     }
 
-    /// Binds a variable to the buffer of another name.
+    /// Binds a variable to a buffer of another name.
     pub fn bind(&mut self, variable: &'static str, buffer: &'static str) -> &mut Self {
         self.bound.push(Bound {
             variable,
@@ -63,7 +63,7 @@ impl Call {
         self
     }
 
-    /// Binds a variable to a buffer whatever its elements are: the kernel moves words.
+    /// Binds a variable to a buffer of any element type, for kernels that copy words.
     pub fn bind_words(&mut self, variable: &'static str, buffer: &'static str) -> &mut Self {
         self.bound.push(Bound {
             variable,
@@ -73,7 +73,7 @@ impl Call {
         self
     }
 
-    /// The buffer to which a variable is bound, and whether its elements are taken for words.
+    /// The buffer to which a variable is bound, and whether its element type is ignored.
     pub fn buffer_of<'v>(&self, variable: &'v str) -> (&'v str, bool) {
         match self.bound.iter().find(|bound| bound.variable == variable) {
             Some(bound) => (bound.buffer, bound.words),
@@ -81,7 +81,7 @@ impl Call {
         }
     }
 
-    /// Variables that are bound to buffers of other names.
+    /// The variables that are bound to buffers of other names.
     pub fn rebound(&self) -> impl Iterator<Item = &'static str> {
         self.bound.iter().map(|bound| bound.variable)
     }
@@ -92,7 +92,7 @@ impl Call {
     }
 }
 
-/// Calls in order, not yet bound to buffers.
+/// A list of calls that are not yet bound to buffers.
 #[derive(Clone, Debug)]
 pub struct Calls {
     stage: Stage,
@@ -100,7 +100,7 @@ pub struct Calls {
 }
 
 impl Calls {
-    /// None yet; the next ones belong to this stage.
+    /// An empty list. Calls are added to this stage first.
     pub fn new(stage: Stage) -> Self {
         Self {
             stage,
@@ -108,7 +108,7 @@ impl Calls {
         }
     }
 
-    /// What follows belongs to this stage.
+    /// Adds the following calls to this stage.
     pub fn stage(&mut self, stage: Stage) {
         self.stage = stage;
     }
@@ -126,13 +126,13 @@ impl Calls {
         &mut self.calls[last]
     }
 
-    /// All of them.
+    /// All calls, in order.
     pub fn iter(&self) -> impl Iterator<Item = &Call> {
         self.calls.iter()
     }
 }
 
-/// Buffers that have names.
+/// Buffers by name.
 pub trait BufferSet {
     /// The buffer of this name.
     fn find(&self, name: &str) -> Option<&Buffer>;
@@ -144,27 +144,27 @@ impl<const N: usize> BufferSet for [(&str, &Buffer); N] {
     }
 }
 
-/// A call with its buffers.
+/// A call with its bindings.
 #[derive(Clone, Debug)]
 struct BoundCall {
     pipeline: ComputePipeline,
     bind_group: BindGroup,
     groups: Groups,
-    /// Of indirect dispatches.
+    /// The buffer of an indirect dispatch.
     arguments: Option<Buffer>,
 }
 
-/// Calls with their buffers, by stage: recorded anew every step, made anew when a buffer is.
+/// Calls with their bindings, by stage. They are recorded in every step, and made again when a buffer is replaced.
 #[derive(Clone, Debug, Default)]
 pub struct Program {
     stages: [Vec<BoundCall>; Stage::COUNT],
 }
 
 impl Program {
-    /// Binds calls to buffers of `sets`, among which no two have the same name.
+    /// Binds calls to the buffers of `sets`, whose names must be unique.
     ///
     /// # Panics
-    /// If a kernel was not compiled, or there is no buffer of some name.
+    /// If a kernel is not compiled, or a buffer is missing.
     pub fn new(gpu: &Gpu, kernels: &Kernels, calls: &Calls, sets: &[&dyn BufferSet]) -> Self {
         let mut binder = Binder {
             gpu,
@@ -179,7 +179,7 @@ impl Program {
         program
     }
 
-    /// Records the calls of one stage as one pass.
+    /// Records the calls of a stage as one compute pass.
     pub fn record(
         &self,
         stage: Stage,
@@ -205,18 +205,18 @@ impl Program {
         }
     }
 
-    /// How many dispatches a stage takes.
+    /// Number of dispatches of a stage.
     pub fn len(&self, stage: Stage) -> usize {
         self.stages[stage as usize].len()
     }
 }
 
-/// Finds the buffers of calls.
+/// Resolves the buffers of calls.
 struct Binder<'a> {
     gpu: &'a Gpu,
     kernels: &'a Kernels,
     sets: &'a [&'a dyn BufferSet],
-    /// Small uniforms that never change, by what they hold.
+    /// Uniforms that never change, by content.
     constants: HashMap<[u32; 4], Buffer>,
 }
 
@@ -271,17 +271,17 @@ fn uniform(gpu: &Gpu, values: [u32; 4]) -> Buffer {
     })
 }
 
-/// One dimension holds 65,535 groups; more are laid out in rows. `dispatch.wgsl` does the same on the device, and
-/// numbers the groups.
+/// One dimension of a dispatch has at most 65,535 workgroups, so they are laid out in rows. `dispatch.wgsl` numbers
+/// them on the device.
 fn dispatch(pass: &mut ComputePass, groups: u32) {
     let [x, y, z] = rows(groups);
     pass.dispatch_workgroups(x, y, z);
 }
 
-/// Rows of workgroups; the last one may hold more than are wanted.
+/// The dispatch size for a number of workgroups. The last row may have too many.
 pub fn rows(groups: u32) -> [u32; 3] {
     [groups.min(MAX_ROW), groups.div_ceil(MAX_ROW), 1]
 }
 
-/// Groups along one dimension that every device allows.
+/// Workgroups per dimension that every device supports.
 pub const MAX_ROW: u32 = 65_535;

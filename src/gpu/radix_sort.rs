@@ -1,17 +1,17 @@
-//! Stable sort of words with a value each, eight bits at a time: count digits per block, scan the counts, move. Five
-//! dispatches a digit.
+//! Stable radix sort of words with values, eight bits at a time: count the digits per block, scan the counts, move.
+//! Five dispatches per digit.
 
 use super::kernel::{Kernel, kernel};
 use super::program::{Calls, Groups};
 use super::scan::{self, Length, Scan};
 
-/// Keys that one workgroup moves.
+/// Keys per workgroup.
 pub const BLOCK: u32 = 2048;
 
-/// Bits sorted by at a time.
+/// Bits per digit.
 pub const DIGIT: u32 = 8;
 
-/// Different digits that there are.
+/// Number of digit values.
 pub const DIGITS: u32 = 1 << DIGIT;
 
 /// Counts digits.
@@ -19,32 +19,32 @@ pub const COUNT: Kernel = kernel!("shared/sort_count");
 /// Moves keys and values.
 pub const MOVE: Kernel = kernel!("shared/sort_move");
 
-/// The names of a pair of arrays, of keys and of their values.
+/// The names of an array of keys and an array of values.
 pub type KeysAndValues = [&'static str; 2];
 
-/// The names of the arrays of a sort, each with room for all keys.
+/// The names of the arrays of a sort. Each has the capacity for all keys.
 #[derive(Clone, Copy, Debug)]
 pub struct Sort {
-    /// Holds the number of keys.
+    /// Contains the number of keys.
     pub counters: &'static str,
-    /// Keys and values; read, and overwritten by every second digit.
+    /// Keys and values. They are overwritten.
     pub input: KeysAndValues,
-    /// Scratch of the same size.
+    /// Scratch memory of the same length.
     pub scratch: KeysAndValues,
-    /// [`DIGITS`] words for every [`BLOCK`] keys.
+    /// [`DIGITS`] words per [`BLOCK`] keys.
     pub digits: &'static str,
-    /// Scratch of the scan over `digits`.
+    /// Scratch memory for the scan of `digits`.
     pub sums: &'static str,
 }
 
 impl Sort {
-    /// The same for other keys and values.
+    /// The same sort with other keys and values.
     pub const fn between(self, input: KeysAndValues, scratch: KeysAndValues) -> Self {
         Self { input, scratch, ..self }
     }
 
-    /// Adds the calls for keys of `bits` bits, and tells which buffers hold the result. `groups` are those for one
-    /// workgroup per [`BLOCK`] keys, and for the scan of the digits.
+    /// Adds the calls for keys of `bits` bits, and returns the names of the buffers with the result. `groups` are the
+    /// workgroup counts of the kernels over blocks, and of the scan of the digits.
     pub fn record(&self, calls: &mut Calls, counter: u32, bits: u32, groups: [Groups; 2]) -> KeysAndValues {
         let (mut from, mut to) = (self.input, self.scratch);
         for shift in (0..bits).step_by(DIGIT as usize) {
@@ -70,7 +70,7 @@ impl Sort {
     }
 }
 
-/// Workgroups for the scan of the digits of so many keys.
+/// Workgroup count of the scan of the digits for this many keys.
 pub fn digit_groups(keys: u32) -> u32 {
     (DIGITS * keys.div_ceil(BLOCK)).div_ceil(scan::BLOCK)
 }

@@ -1,20 +1,20 @@
-//! From the device to the host.
+//! Readback: reading of buffers, and handling of lost devices.
 
 use super::device::Gpu;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, channel};
 use wgpu::{Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, BufferView, ErrorFilter, MapMode, PollType};
 
-/// Runs `work` and reports what the device says against it. An error out of any scope would make Bevy end the app.
+/// Runs `work` in error scopes. Errors outside of a scope would make Bevy end the app.
 ///
 /// # Errors
-/// The first error, if there is any.
+/// The first error, if there is one.
 pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, String> {
     let filters = [ErrorFilter::Internal, ErrorFilter::OutOfMemory, ErrorFilter::Validation];
     let scopes = filters.map(|filter| gpu.device.push_error_scope(filter));
     let result = work();
     let mut first = None;
-    // The last one pushed is the first to be popped.
+    // Scopes are popped in reverse order.
     for scope in scopes.into_iter().rev() {
         let error = pollster::block_on(scope.pop());
         first = first.or(error);
@@ -30,7 +30,7 @@ pub fn wait(gpu: &Gpu) -> Result<(), String> {
     poll(gpu, PollType::wait_indefinitely())
 }
 
-/// Sees what is done, or waits for it.
+/// Polls the device, or waits for it.
 ///
 /// # Errors
 /// If the device is lost.
@@ -39,13 +39,13 @@ pub fn poll(gpu: &Gpu, what: PollType) -> Result<(), String> {
     polled.map(|_| ()).map_err(|error| error.to_string())
 }
 
-/// Whether the device still works. A lost one may report that a buffer is mapped, and looking at it is a panic.
+/// Checks that the device works. A lost device may report that a buffer is mapped, and reading it would panic.
 ///
 /// # Errors
 /// If the device is lost.
 pub fn alive(gpu: &Gpu) -> Result<(), String> {
     scoped(gpu, || {
-        // wgpu keeps errors of lost devices to itself, but refuses to map their buffers, at once.
+        // wgpu does not report errors of lost devices, but it refuses at once to map their buffers.
         match request(&staging(gpu, 4), 4).try_recv() {
             Ok(Err(_)) => Err("it is lost".to_string()),
             _ => Ok(()),
@@ -53,17 +53,17 @@ pub fn alive(gpu: &Gpu) -> Result<(), String> {
     })?
 }
 
-/// Asks for the first `bytes` of a staging buffer to be mapped, and is told when they are.
+/// Requests that the first `bytes` of a staging buffer are mapped. The receiver is notified when they are.
 pub fn request(staging: &Buffer, bytes: u64) -> Receiver<Result<(), BufferAsyncError>> {
     let (sender, receiver) = channel();
     staging.map_async(MapMode::Read, ..bytes, move |result| {
-        // Nobody waits any more: the step was given up, or waiting failed, which is reported there.
+        // The receiver is gone if the step was given up, or if waiting failed, which is reported there.
         let _ = sender.send(result);
     });
     receiver
 }
 
-/// What was mapped.
+/// The mapped contents.
 ///
 /// # Errors
 /// If the device is lost.
@@ -72,16 +72,16 @@ pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, Strin
     catch_lost(|| staging.slice(..bytes).get_mapped_range())
 }
 
-/// Some calls make wgpu panic, without a lock in its hands, if the device is lost by then; and a shared one may be lost at any
-/// time, to somebody else.
+/// Runs a call that makes wgpu panic if the device is lost. wgpu holds no lock then. A shared device may be lost at any
+/// time.
 ///
 /// # Errors
-/// If it did.
+/// If it panicked.
 pub fn catch_lost<T>(call: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(call)).map_err(|_| "it is lost".to_string())
 }
 
-/// A buffer to map.
+/// A staging buffer.
 pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
     gpu.device.create_buffer(&BufferDescriptor {
         label: Some("readback"),
@@ -91,7 +91,7 @@ pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
     })
 }
 
-/// Waits for the first `bytes` of a staging buffer, hands them to `look`, and unmaps it.
+/// Waits for the first `bytes` of a staging buffer, calls `look` with them, and unmaps the buffer.
 ///
 /// # Errors
 /// If the device is lost.
@@ -108,7 +108,7 @@ pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) 
 /// Copies the first words of a buffer.
 ///
 /// # Errors
-/// What the device says.
+/// The device's message.
 pub fn read_words(gpu: &Gpu, buffer: &Buffer, words: usize) -> Result<Vec<u32>, String> {
     let bytes = 4 * words as u64;
     scoped(gpu, || {

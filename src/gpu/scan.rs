@@ -1,45 +1,45 @@
-//! Exclusive scan of words on the device: block sums, scan of the sums, apply. Three dispatches, no look-back, since WGSL
-//! promises no progress between workgroups.
+//! Exclusive scan of words on the device: sums of blocks, scan of the sums, application. It takes three dispatches and
+//! no look-back, because WGSL does not guarantee progress between workgroups.
 
 use super::kernel::{Kernel, kernel};
 use super::program::{Calls, Groups};
 
-/// Values that one workgroup scans.
+/// Values per workgroup.
 pub const BLOCK: u32 = 1024;
 
-/// The number of a counter that is none: nobody wants the total.
+/// In place of the index of a counter: the total is not needed.
 pub const NO_TOTAL: u32 = u32::MAX;
 
-/// Sums blocks.
+/// Sums the blocks.
 pub const SUMS: Kernel = kernel!("shared/scan_sums");
 /// Scans the sums.
 pub const SPINE: Kernel = kernel!("shared/scan_spine");
-/// Applies them.
+/// Adds the sums to the values of each block.
 pub const APPLY: Kernel = kernel!("shared/scan_apply");
 
-/// What is scanned: how many values a counter stands for.
+/// Number of scanned values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Length {
-    /// As many as the counter says.
+    /// The value of the counter.
     Counter,
-    /// The digit counts of a sort of as many keys.
+    /// The digit counts of a sort of that many keys.
     Digits,
 }
 
 /// The names of the arrays of a scan.
 #[derive(Clone, Copy, Debug)]
 pub struct Scan {
-    /// Holds the length, and takes the total.
+    /// Contains the number of values, and receives the total.
     pub counters: &'static str,
-    /// Replaced by the sum of all values before.
+    /// Each value is replaced by the sum of all before it.
     pub values: &'static str,
-    /// Scratch, a word for every [`BLOCK`] values.
+    /// Scratch memory: one word per [`BLOCK`] values.
     pub sums: &'static str,
 }
 
 impl Scan {
-    /// Adds the calls. `length` is in counter `counter`; `total` is the counter that takes the sum of all; `groups` are
-    /// those for one workgroup per block.
+    /// Adds the calls. `counter` is the index of the counter that determines the number of values, `total` that of the
+    /// one that receives the total. `groups` is the workgroup count of the kernels over blocks.
     pub fn record(&self, calls: &mut Calls, counter: u32, length: Length, total: Option<u32>, groups: Groups) {
         let constants = [counter, length as u32, total.unwrap_or(NO_TOTAL), 0];
         let Self { counters, values, sums } = *self;

@@ -1,46 +1,46 @@
-//! WGSL files that kernels import, and constants that they share with the host.
+//! WGSL modules that kernels import, and the constants that they share with the host.
 //!
-//! A constant that both need is defined in Rust, beside the CPU code that uses it, and listed in its stage's `gpu.rs`. Its
-//! WGSL is written when a [composer] is made: no constant stands in both languages.
+//! A constant that both need is defined in Rust, next to the CPU code that uses it, and listed in its stage's `gpu.rs`.
+//! Its WGSL is generated when a [composer] is made, so no constant is defined in both languages.
 
 use super::kernel::Kernel;
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, ComposerError, ShaderLanguage};
 use std::fmt::Write;
 
-/// The WGSL of a stage.
+/// The shaders of a stage.
 #[derive(Debug)]
 pub struct Shaders {
-    /// What its kernels, and those of later stages, import. A module may import those before it.
+    /// Modules that its kernels, and those of later stages, import. A module may import those before it.
     pub modules: &'static [Module],
     /// Its kernels.
     pub kernels: &'static [&'static Kernel],
 }
 
-/// What kernels import under one path.
+/// A module: what kernels import under one path.
 #[derive(Clone, Copy, Debug)]
 pub struct Module {
-    /// The file's name, for messages.
+    /// File name, for messages.
     pub name: &'static str,
-    /// WGSL that begins with `#define_import_path`.
+    /// The WGSL source, which begins with `#define_import_path`.
     pub source: &'static str,
-    /// Constants that Rust defines.
+    /// Constants that are defined in Rust.
     pub constants: &'static [(&'static str, Value)],
 }
 
 /// The value of a shared constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// A word.
+    /// An unsigned integer.
     U32(u32),
-    /// A number of which WGSL takes the nearest that has single precision.
+    /// A number. WGSL gets the nearest one of single precision.
     F32(f64),
-    /// Two of them.
+    /// Two numbers.
     Vec2([f64; 2]),
-    /// Three of them.
+    /// Three numbers.
     Vec3([f64; 3]),
 }
 
-/// The module in a file below `shaders/`, named without its ending; if wanted with constants.
+/// The module in a file below `shaders/`, without the extension; optionally with constants from Rust.
 macro_rules! module {
     ($path:literal) => {
         $crate::gpu::shader::module!($path, &[])
@@ -54,7 +54,7 @@ macro_rules! module {
     };
 }
 
-/// A module of constants alone, each with its type in WGSL, its name there, and its value.
+/// A module of constants alone, each with its type and name in WGSL and its value.
 macro_rules! shared_constants {
     ($path:literal, { $($type:ident $name:ident = $value:expr;)* }) => {
         $crate::gpu::shader::Module {
@@ -83,7 +83,7 @@ macro_rules! shared_value {
 pub(crate) use {module, shared_constants, shared_value};
 
 impl Module {
-    /// Its WGSL, constants and all.
+    /// The WGSL source with the constants.
     pub fn wgsl(&self) -> String {
         let mut wgsl = self.source.to_owned();
         for (name, value) in self.constants {
@@ -96,7 +96,7 @@ impl Module {
 }
 
 impl Value {
-    /// Its type and value in WGSL. Numbers of single precision are written in double precision, in which they are exact.
+    /// The type and value in WGSL. Single-precision numbers are written in double precision, where they are exact.
     fn wgsl(self) -> (&'static str, String) {
         let numbers = |all: &[f64]| all.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
         match self {
@@ -108,10 +108,10 @@ impl Value {
     }
 }
 
-/// A composer that knows these modules, of which each may import those before it.
+/// A composer with these modules. Each may import those before it.
 ///
 /// # Errors
-/// If one of them is not valid WGSL.
+/// If one of them is invalid WGSL.
 pub fn composer<'m>(modules: impl IntoIterator<Item = &'m Module>) -> Result<Composer, Box<ComposerError>> {
     let mut composer = Composer::default();
     add(&mut composer, modules)?;
@@ -121,7 +121,7 @@ pub fn composer<'m>(modules: impl IntoIterator<Item = &'m Module>) -> Result<Com
 /// Adds modules to a composer.
 ///
 /// # Errors
-/// If one of them is not valid WGSL, or imports what the composer does not know.
+/// If one is invalid WGSL, or imports an unknown module.
 pub fn add<'m>(
     composer: &mut Composer,
     modules: impl IntoIterator<Item = &'m Module>,

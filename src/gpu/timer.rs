@@ -1,4 +1,4 @@
-//! How long each stage took on the device, where it can tell.
+//! The time that each stage takes on the device, if it has time stamps.
 
 use super::device::Gpu;
 use crate::types::stage::Stage;
@@ -8,19 +8,19 @@ use wgpu::{
     QuerySetDescriptor, QueryType,
 };
 
-/// Two time stamps for each stage of each interval.
+/// Two time stamps per stage and collision substep.
 pub struct Timer {
     queries: QuerySet,
     resolved: Buffer,
-    /// Nanoseconds a tick.
+    /// Nanoseconds per tick.
     period: f64,
 }
 
-/// Stamps of an interval.
+/// Time stamps per collision substep.
 const COUNT: u32 = 2 * Stage::ALL.len() as u32;
-/// Bytes that they take.
+/// Their size, bytes.
 pub const BYTES: u32 = 8 * COUNT;
-/// The most intervals there can be.
+/// Maximum number of collision substeps.
 const LAPS: u32 = crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 impl Timer {
@@ -42,7 +42,8 @@ impl Timer {
         })
     }
 
-    /// Stamps the beginning and the end of a stage in an interval. Each stage must be recorded in each of them.
+    /// Writes time stamps at the beginning and at the end of a stage. Every stage must be recorded in every collision
+    /// substep.
     pub fn around(&self, stage: Stage, interval: u32) -> ComputePassTimestampWrites<'_> {
         let first = interval * COUNT + 2 * stage as u32;
         ComputePassTimestampWrites {
@@ -52,17 +53,17 @@ impl Timer {
         }
     }
 
-    /// To be recorded after the stages of so many intervals.
+    /// Resolves the time stamps. Record it after the stages of all collision substeps.
     pub fn resolve(&self, encoder: &mut CommandEncoder, collision_substeps: u32) {
         encoder.resolve_query_set(&self.queries, 0..collision_substeps * COUNT, &self.resolved, 0);
     }
 
-    /// Where the stamps then are, [`BYTES`] for each interval.
+    /// The buffer of resolved time stamps: [`BYTES`] per collision substep.
     pub fn resolved(&self) -> &Buffer {
         &self.resolved
     }
 
-    /// What the stamps of all intervals mean: sums over them.
+    /// The time of each stage, summed over the collision substeps.
     pub fn times(&self, stamps: &[u64]) -> [Duration; Stage::COUNT] {
         Stage::ALL.map(|stage| {
             let at = 2 * stage as usize;

@@ -1,13 +1,13 @@
-//! Integrate on the GPU: a thread a body.
+//! Integrate on the GPU: one thread per body.
 
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::Shaders;
 
-/// Moves the bodies, unless some list was too small.
+/// Moves the bodies, unless a list was too short.
 const MOVE: Kernel = kernel!("integrate/move");
 
-/// All of them.
+/// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[],
     kernels: &[&MOVE],

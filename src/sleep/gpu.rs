@@ -1,4 +1,4 @@
-//! Which bodies are frozen, on the device: islands are found by joining pairs, without rounds.
+//! Sleep on the GPU: islands by parallel union-find.
 
 use super::cpu;
 use crate::gpu::kernel::{Kernel, kernel};
@@ -7,17 +7,17 @@ use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 use crate::solver::gpu::layout::{FALL_ASLEEP, WAKE};
 use crate::solver::gpu::arguments::{per_body, per_pair};
 
-/// Every body is an island.
+/// Makes each body an island of its own.
 const BEGIN: Kernel = kernel!("sleep/begin");
-/// Joins bodies that touch.
+/// Unites the islands of bodies that touch.
 const JOIN: Kernel = kernel!("sleep/join");
-/// Bodies that keep an island awake.
+/// Marks islands by the state of their bodies.
 const BODIES: Kernel = kernel!("sleep/bodies");
-/// Bodies that keep those awake that they touch or reach.
+/// Marks islands by bodies that touch or approach them.
 const PAIRS: Kernel = kernel!("sleep/pairs");
-/// Wakes or freezes.
+/// Wakes bodies, or puts them to sleep.
 const APPLY: Kernel = kernel!("sleep/apply");
-/// Wakes all.
+/// Wakes all bodies.
 const WAKE_ALL: Kernel = kernel!("sleep/wake_all");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::sleep", {
@@ -25,13 +25,13 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::sleep", {
     f32 OVERLAP = cpu::OVERLAP;
 });
 
-/// All of them.
+/// The modules and kernels of sleep.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS, module!("sleep/islands")],
     kernels: &[&BEGIN, &JOIN, &BODIES, &PAIRS, &APPLY, &WAKE_ALL],
 };
 
-/// Adds the calls that wake, before an interval: those that something disturbs or, where nobody may sleep, all.
+/// Adds the calls that wake disturbed islands, before the solver. If sleep is disabled, all bodies wake.
 pub fn record_wake(calls: &mut Calls, may_sleep: bool) {
     if may_sleep {
         record(calls, WAKE);
@@ -40,7 +40,7 @@ pub fn record_wake(calls: &mut Calls, may_sleep: bool) {
     }
 }
 
-/// Adds the calls that put to sleep, after an interval.
+/// Adds the calls that put islands to sleep, after the solver.
 pub fn record_fall_asleep(calls: &mut Calls, may_sleep: bool) {
     if may_sleep {
         record(calls, FALL_ASLEEP);

@@ -1,4 +1,4 @@
-//! Contact generation on its own: bodies and pairs in, manifolds out.
+//! Contact generation on the GPU by itself: bodies and pairs in, manifolds out.
 
 use crate::gpu::arena::{Arena, Change};
 use crate::gpu::buffers::TooLarge;
@@ -23,16 +23,16 @@ use glam::Vec3;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-/// Contact generation on a device.
+/// Contact generation on the GPU.
 pub struct GpuManifolds {
     gpu: Gpu,
     kernels: Kernels,
     capacity: ContactCapacity,
-    /// How often lists had to be made longer.
+    /// Number of times that lists were made longer.
     repeats: usize,
 }
 
-/// Lists start with room for this many things, and grow.
+/// Initial capacity. Lists grow as needed.
 const START: ContactCapacity = ContactCapacity {
     margin_pairs: 256,
     slots: 1024,
@@ -44,7 +44,7 @@ const START: ContactCapacity = ContactCapacity {
     points: 4096,
 };
 
-/// Each repeat needs at least one list to grow, and an earlier list may hide what a later one needs.
+/// Each repetition makes at least one list longer. The overflow of an early list can hide what later ones need.
 const REPEATS: usize = 12;
 
 impl GpuManifolds {
@@ -56,7 +56,7 @@ impl GpuManifolds {
         Self::with_capacity(gpu, START)
     }
 
-    /// With lists of these sizes to begin with: results do not depend on them.
+    /// With this initial capacity. Results do not depend on it.
     ///
     /// # Errors
     /// If the device cannot run the kernels.
@@ -77,19 +77,19 @@ impl GpuManifolds {
         }
     }
 
-    /// What fits at present.
+    /// Current capacity of the lists.
     pub fn capacity(&self) -> ContactCapacity {
         self.capacity
     }
 
-    /// How often a list was too short so far, and everything ran again with longer ones.
+    /// Number of times that a list was too short and the run was repeated.
     pub fn repeats(&self) -> usize {
         self.repeats
     }
 
-    /// The contact points of `pairs`, which must ascend, and of the bodies of `state` with its half-spaces, ascending by the
-    /// numbers of bodies; half-space `i` has the number `bodies.len() + i`. A pair of numbers that name no two bodies has no
-    /// points; a margin that is negative or not a number is none.
+    /// The contact points of `pairs`, which must ascend, and of the bodies of `state` on its half-spaces, ascending by
+    /// the numbers of bodies. Half-space `i` is numbered `bodies.len() + i`. Invalid pairs have no points. A margin
+    /// that is negative or NaN counts as 0.
     ///
     /// # Errors
     /// If the device cannot hold the lists, or fails.
@@ -164,7 +164,7 @@ impl GpuManifolds {
         })
     }
 
-    /// An array with contents, at least one element long.
+    /// An array with these elements, or with one zero.
     fn buffer<T: Pod>(&self, elements: &[T], usage: BufferUsages) -> Buffer {
         let none = [T::zeroed()];
         let elements = if elements.is_empty() { &none } else { elements };
@@ -175,7 +175,7 @@ impl GpuManifolds {
         })
     }
 
-    /// Runs everything once, and tells the counters.
+    /// Runs contact generation once, and returns the counters.
     fn attempt(
         &self,
         scene: &Scene,
@@ -231,7 +231,7 @@ impl GpuManifolds {
     }
 }
 
-/// What a run is told, on the device.
+/// The input on the device.
 struct Scene {
     step: Buffer,
     bodies_at: Buffer,
@@ -254,7 +254,7 @@ impl From<&ContactPair> for Manifold {
 
 impl From<&ContactPoint> for ManifoldPoint {
     fn from(point: &ContactPoint) -> Self {
-        // What stands for it on the device.
+        // The device has no infinity.
         let radius = |r: f32| if r >= FLAT_RADIUS { f32::INFINITY } else { r };
         Self {
             anchors: [Vec3::from(point.anchor_a), Vec3::from(point.anchor_b)],

@@ -1,4 +1,4 @@
-//! Scan and sort on their own.
+//! Scan and sort on the GPU by themselves.
 
 use crate::gpu::SHADERS;
 use crate::gpu::device::Gpu;
@@ -11,10 +11,10 @@ use crate::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-/// Scans `values` on its own: the sums before each value, and the total.
+/// The sums before each value, and the total.
 ///
 /// # Errors
-/// What the device says.
+/// The device's message.
 pub fn exclusive_scan(gpu: &Gpu, values: &[u32]) -> Result<(Vec<u32>, u32), String> {
     let run = RunOnce::new(gpu, [&scan::SUMS, &scan::SPINE, &scan::APPLY])?;
     let length = values.len() as u32;
@@ -35,10 +35,10 @@ pub fn exclusive_scan(gpu: &Gpu, values: &[u32]) -> Result<(Vec<u32>, u32), Stri
     Ok((run.read(&array, values.len())?, total))
 }
 
-/// Sorts `keys` of `bits` bits on its own; tells the sorted keys, and where each was.
+/// Sorts `keys` of `bits` bits. Returns the sorted keys, and the index that each had.
 ///
 /// # Errors
-/// What the device says.
+/// The device's message.
 pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32) -> Result<(Vec<u32>, Vec<u32>), String> {
     let run = RunOnce::new(
         gpu,
@@ -93,7 +93,7 @@ struct RunOnce<'g> {
 }
 
 impl<'g> RunOnce<'g> {
-    /// Compiles kernels that import nothing of a stage.
+    /// Compiles kernels that import no stage.
     ///
     /// # Errors
     /// The compiler's message.
@@ -104,7 +104,7 @@ impl<'g> RunOnce<'g> {
         })
     }
 
-    /// An array with contents, at least one word long.
+    /// An array with these words, or with one zero.
     fn buffer(&self, words: &[u32]) -> Buffer {
         let words = if words.is_empty() { &[0] } else { words };
         self.gpu.device.create_buffer_init(&BufferInitDescriptor {
@@ -117,7 +117,7 @@ impl<'g> RunOnce<'g> {
     /// Runs calls on these buffers.
     ///
     /// # Errors
-    /// What the device says.
+    /// The device's message.
     fn program(&self, buffers: &dyn BufferSet, add: impl FnOnce(&mut Calls)) -> Result<(), String> {
         const STAGE: Stage = Stage::BroadPhase;
         scoped(self.gpu, || {
@@ -133,7 +133,7 @@ impl<'g> RunOnce<'g> {
     /// Reads the first words of an array.
     ///
     /// # Errors
-    /// What the device says.
+    /// The device's message.
     fn read(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, String> {
         read_words(self.gpu, buffer, words)
     }

@@ -1,4 +1,4 @@
-//! The solver by itself on a device: bodies and contacts from the host, results back to it.
+//! The solver on the GPU by itself: bodies and contacts in, motions and impulses out.
 
 use crate::gpu::buffers::{TooLarge, buffers};
 use crate::gpu::device::Gpu;
@@ -22,26 +22,26 @@ use bytemuck::{Pod, cast_slice};
 use std::collections::HashMap;
 use wgpu::Buffer;
 
-/// Solves on a device what the host hands it. Bodies stay there from interval to interval, and so do the impulses that
-/// hold piles up; lists grow as needed.
+/// Solves contacts on the GPU. Bodies and saved impulses stay on the device between collision substeps. Lists grow as
+/// needed.
 pub struct GpuSolver {
     gpu: Gpu,
     kernels: Kernels,
     handed: Handed,
     lists: SolverBuffers,
-    /// Of intervals that were run with the lists as they are.
+    /// Programs for the current buffers, by iteration counts.
     programs: HashMap<Passes, Program>,
-    /// Of the last interval.
+    /// Number of dispatches in the last collision substep.
     dispatches: usize,
     bodies: u32,
-    /// Bodies of the interval before, unless all were forgotten.
+    /// Number of bodies in the last collision substep; 0 after [`GpuSolver::forget`].
     old_bodies: u32,
-    /// The host has said how they are numbered now.
+    /// The host has written the new numbers of bodies.
     remapped: bool,
 }
 
 buffers! {
-    /// What the host hands over.
+    /// Input buffers.
     Handed(SolverCapacity), |capacity| {
         solver_bodies: ARRAY layout::SolverBody, capacity.bodies, "solver bodies";
         motion_states: ARRAY layout::MotionState, capacity.bodies, "states of bodies";
@@ -56,10 +56,10 @@ buffers! {
 }
 
 impl GpuSolver {
-    /// Compiles the kernels and makes room for a small scene.
+    /// Compiles the kernels, and creates buffers for a small scene.
     ///
     /// # Errors
-    /// If the device cannot run it.
+    /// If the device cannot run them.
     pub fn new(gpu: &Gpu) -> Result<Self, StepError> {
         let capacity = SolverCapacity {
             bodies: 256,
@@ -69,10 +69,10 @@ impl GpuSolver {
         Self::with_capacity(gpu, capacity)
     }
 
-    /// With lists of this size to begin with: results do not depend on them.
+    /// With this initial capacity. Results do not depend on it.
     ///
     /// # Errors
-    /// If the device cannot run it.
+    /// If the device cannot run them.
     pub fn with_capacity(gpu: &Gpu, capacity: SolverCapacity) -> Result<Self, StepError> {
         let shaders = [&crate::gpu::SHADERS, &solver::SHADERS, &sleep::gpu::SHADERS];
         let all = shaders.into_iter().flat_map(|shaders| shaders.kernels.iter().copied());
@@ -94,21 +94,21 @@ impl GpuSolver {
         })
     }
 
-    /// What fits into the solver's own lists.
+    /// Capacity of the solver's own lists.
     pub fn capacity(&self) -> SolverCapacity {
         self.lists.capacity
     }
 
-    /// Dispatches of the last interval.
+    /// Number of dispatches in the last collision substep.
     pub fn dispatches(&self) -> usize {
         self.dispatches
     }
 
-    /// Puts bodies onto the device, poses, velocities, forces and all. Unless [`GpuSolver::renumber`] says otherwise they
-    /// are numbered as before.
+    /// Writes the bodies: properties, poses, velocities, forces and sleep states. They keep their numbers unless
+    /// [`GpuSolver::renumber`] is called.
     ///
     /// # Errors
-    /// If they do not fit or the device fails.
+    /// If they do not fit, or the device fails.
     pub fn put_bodies(&mut self, bodies: &SolverBodies) -> Result<(), StepError> {
         self.bodies = bodies.len() as u32;
         self.reserve(SolverCapacity {
@@ -128,7 +128,7 @@ impl GpuSolver {
         ])
     }
 
-    /// Tells the number that each body of the last interval has now; `u32::MAX` for those that are gone.
+    /// Sets the new number of each body of the last collision substep; `u32::MAX` for those that are gone.
     ///
     /// # Errors
     /// If the device fails.
@@ -139,10 +139,10 @@ impl GpuSolver {
         self.write(&[(&self.handed.new_numbers, cast_slice(known))])
     }
 
-    /// Puts the contact points of the next interval onto the device.
+    /// Writes the contact points of the next collision substep.
     ///
     /// # Errors
-    /// If they do not fit or the device fails.
+    /// If they do not fit, or the device fails.
     pub fn put_contacts(&mut self, manifolds: &Manifolds) -> Result<(), StepError> {
         let pairs: Vec<_> = manifolds.pairs.iter().map(upload::contact_pair).collect();
         let points: Vec<_> = manifolds.points.iter().map(upload::contact_point).collect();
@@ -165,11 +165,11 @@ impl GpuSolver {
         ])
     }
 
-    /// Moves the bodies over one collision substep. If the solver's own lists are too small for the contacts, nothing
-    /// moves; they are made larger and the interval runs again.
+    /// Moves the bodies over one collision substep. If the solver's own lists overflow, nothing moves; they are made
+    /// longer, and the collision substep is repeated.
     ///
     /// # Errors
-    /// If the device cannot hold the lists or fails.
+    /// If the device cannot hold the lists, or fails.
     pub fn run(&mut self, settings: &SolverSettings, collision_substep: &CollisionSubstep) -> Result<(), StepError> {
         if !self.remapped {
             let same: Vec<u32> = (0..self.old_bodies).collect();
@@ -192,7 +192,7 @@ impl GpuSolver {
         Ok(())
     }
 
-    /// Forgets the impulses of the last interval.
+    /// Forgets all saved impulses.
     ///
     /// # Errors
     /// If the device fails.
@@ -201,7 +201,7 @@ impl GpuSolver {
         self.write(&[(&self.lists.solver_counters, cast_slice(&[0u32; COUNTERS as usize]))])
     }
 
-    /// Where the bodies are and how they move.
+    /// Poses and velocities of the bodies.
     ///
     /// # Errors
     /// If the device fails.
@@ -210,7 +210,7 @@ impl GpuSolver {
         Ok(states.iter().map(SolverMotion::from).collect())
     }
 
-    /// Which bodies are frozen. Of what they touched the lower half of the sum is known.
+    /// Sleep states of the bodies, with the lower half of the sums of neighbours.
     ///
     /// # Errors
     /// If the device fails.
@@ -219,7 +219,7 @@ impl GpuSolver {
         Ok(states.iter().map(SleepState::from).collect())
     }
 
-    /// The normal impulse that each contact point gave over the last interval, newton seconds.
+    /// The total normal impulse of each contact point over the last collision substep, newton seconds.
     ///
     /// # Errors
     /// If the device fails.
@@ -229,7 +229,7 @@ impl GpuSolver {
         Ok(points.iter().map(|p| p.total_normal_impulse + p.normal_impulse + p.restitution_impulse).collect())
     }
 
-    /// Sends an interval off, waits, and reads the counters.
+    /// Submits a collision substep, waits for it, and returns the counters.
     fn launch(&mut self, settings: &SolverSettings, collision_substep: &CollisionSubstep) -> Result<Vec<u32>, StepError> {
         let passes = Passes::new(settings, collision_substep);
         let packed = upload::collision_substep(settings, collision_substep, [self.bodies, self.old_bodies], self.lists.capacity);
@@ -261,7 +261,7 @@ impl GpuSolver {
         self.read(&self.lists.solver_counters, COUNTERS)
     }
 
-    /// Makes the solver's lists larger where they do not suffice. What is remembered moves over.
+    /// Makes the solver's lists longer where needed. Saved impulses are copied.
     fn reserve(&mut self, needed: SolverCapacity) -> Result<(), StepError> {
         let grown = self.lists.capacity.grown(needed);
         if grown != self.lists.capacity {
@@ -292,7 +292,7 @@ impl GpuSolver {
         Ok(())
     }
 
-    /// Makes larger lists for what the host hands over. Bodies move over.
+    /// Makes longer input lists. Bodies are copied.
     fn make_inputs(&mut self, capacity: SolverCapacity) -> Result<(), StepError> {
         let Self { gpu, handed, .. } = self;
         let larger = scoped(gpu, || {
@@ -327,14 +327,14 @@ impl GpuSolver {
     }
 }
 
-/// Where a program of this solver alone keeps its calls.
+/// The stage under which the calls are recorded.
 const STAGE: Stage = Stage::Integrate;
 
 fn device<T>(result: Result<T, String>) -> Result<T, StepError> {
     result.map_err(StepError::Device)
 }
 
-/// Copies each list to the beginning of a longer one.
+/// Copies each list to the start of a longer one.
 fn copy_all<const N: usize>(gpu: &Gpu, lists: [(&Buffer, &Buffer); N]) {
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     for (short, long) in lists {

@@ -1,8 +1,8 @@
-//! TriangleTest on the GPU: a workgroup a pair, and a workgroup a body for the half-spaces.
+//! TriangleTest on the GPU: one workgroup per pair, and one per body for the half-spaces.
 //!
-//! Verdicts come with error bounds as on the CPU. What single precision cannot tell counts as touching unless a plane
-//! is found that certainly separates the two triangles: a graphics card has no double precision to ask. So nothing is
-//! missed, and faces nearer than some millionths of the bodies' size may be reported although they do not touch.
+//! Tests have error bounds, as on the CPU. Where single precision cannot decide, the triangles count as touching unless
+//! a separating plane is found, because graphics cards lack fast double precision. So no contact is missed, but faces
+//! closer than some millionths of the bodies' size may be reported although they do not touch.
 
 use super::cpu::{contact, interval_test};
 use crate::gpu::kernel::{Kernel, kernel};
@@ -10,9 +10,9 @@ use crate::gpu::layout::GROUPS_PER_PAIR;
 use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
-/// Pairs of bodies.
+/// Tests the triangles of pairs.
 const PAIRS: Kernel = kernel!("triangle_test/pairs");
-/// Bodies in half-spaces.
+/// Finds the vertices inside half-spaces.
 const PLANES: Kernel = kernel!("triangle_test/planes");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::triangle_test", {
@@ -20,7 +20,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::triangle_test",
     f32 SIGNIFICANT = contact::SIGNIFICANT;
 });
 
-/// All of them.
+/// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[
         CONSTANTS,

@@ -1,4 +1,4 @@
-//! Every buffer of contact generation, and how large it is.
+//! The buffers of contact generation, and their capacity.
 
 use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::layout::{
@@ -7,20 +7,20 @@ use crate::gpu::layout::{
 };
 use crate::gpu::scan;
 
-/// How many of each thing fit.
+/// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactCapacity {
-    /// Pairs of bodies that are looked at.
+    /// Pairs of bodies whose contact points are requested.
     pub margin_pairs: u32,
-    /// Those, and bodies times half-spaces.
+    /// The same, plus bodies times half-spaces.
     pub slots: u32,
-    /// Pairs of triangles near each other.
+    /// Pairs of triangles that are near each other.
     pub near_triangles: u32,
-    /// Features before most are left out.
+    /// Features before the reduction.
     pub features: u32,
     /// Segments in which triangles cross.
     pub segments: u32,
-    /// Points, before they are put in order.
+    /// Points in any order.
     pub staged_points: u32,
     /// Pairs with points.
     pub pairs: u32,
@@ -29,7 +29,7 @@ pub struct ContactCapacity {
 }
 
 impl ContactCapacity {
-    /// At least `needed` of each, with room to spare where these sizes do not suffice.
+    /// At least `needed` of each, with some to spare where this capacity does not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
             margin_pairs: grow(self.margin_pairs, needed.margin_pairs),
@@ -43,7 +43,7 @@ impl ContactCapacity {
         }
     }
 
-    /// What a run needed, by its counters.
+    /// The capacity that a run needed, by its counters.
     pub fn needed(counters: &[u32]) -> Self {
         let of = |counter: u32| counters[counter as usize];
         Self {
@@ -58,7 +58,7 @@ impl ContactCapacity {
         }
     }
 
-    /// What the kernels are told of them.
+    /// The limits for the kernels.
     pub fn limits(&self, bodies: u32, planes: u32) -> ContactLimits {
         ContactLimits {
             near_triangles: self.near_triangles,
@@ -74,41 +74,41 @@ impl ContactCapacity {
 }
 
 buffers! {
-    /// Every buffer of contact generation; `shaders/shared/types.wgsl` explains their elements.
+    /// The buffers of contact generation. `shaders/shared/types.wgsl` explains their elements.
     ContactBuffers(ContactCapacity), |capacity| {
-        /// How long the lists are.
+        /// Lengths of the lists.
         limits: UNIFORM ContactLimits, 1u32, "contact limits";
-        /// The host writes how many pairs there are, and zeroes the others.
+        /// The host writes the number of pairs, and zeroes the others.
         contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
-        /// Of indirect dispatches.
+        /// Arguments of indirect dispatches.
         contact_arguments: INDIRECT u32, 16u32, "contact arguments";
-        /// Pairs of bodies that are looked at, ascending.
+        /// Pairs of bodies, ascending.
         margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";
-        /// How they lie to each other.
+        /// Their relative poses.
         pair_setups: ARRAY PairSetup, capacity.margin_pairs, "setups of pairs";
-        /// Pairs of triangles near each other.
+        /// Pairs of triangles that are near each other.
         near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
-        /// What they have to say.
+        /// Their features.
         features: ARRAY Feature, capacity.features, "contact features";
-        /// Where they cross.
+        /// The segments in which they cross.
         segments: ARRAY Segment, capacity.segments, "contour segments";
-        /// How segments are joined: eight words each.
+        /// Links between segments: eight words per segment.
         contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";
-        /// Patches of a pair start where its segments do.
+        /// The patches of a pair start at the index of its first segment.
         patches: ARRAY Patch, capacity.segments, "contour patches";
         /// Points in any order.
         staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
-        /// Where each pair's, and each body's and half-space's, are among them.
+        /// The range of points of each pair, and of each body and half-space.
         slots: ARRAY ContactPair, capacity.slots, "contact slots";
-        /// Where each slot's pair goes.
+        /// Position of each slot's pair in the result.
         pair_places: ARRAY u32, capacity.slots, "places of contact pairs";
-        /// Where each slot's points go.
+        /// Position of each slot's points in the result.
         point_places: ARRAY u32, capacity.slots, "places of contact points";
-        /// Scratch of the scans.
+        /// Scratch memory of the scans.
         slot_sums: ARRAY u32, capacity.slots.div_ceil(scan::BLOCK) + 1, "contact scan sums";
-        /// Result.
+        /// Result: touching pairs.
         contact_pairs: ARRAY ContactPair, capacity.pairs, "contact pairs";
-        /// Result.
+        /// Result: their points.
         contact_points: ARRAY ContactPoint, capacity.points, "contact points";
     }
 }

@@ -1,31 +1,32 @@
-//! Contact generation on a device: the twin of [`cpu`](super::cpu), which explains every step of it, in single precision.
+//! Contact generation on the GPU: the twin of [`cpu`](super::cpu), in single precision.
 //!
-//! | kernel | one workgroup (or thread) for | what it does |
+//! | kernel | one workgroup (or thread) per | task |
 //! |---|---|---|
-//! | select | (a pair) | which pairs of a step are looked at, ascending |
-//! | arguments | all | sizes of the dispatches that follow |
-//! | place | (a pair of bodies) | how the two lie to each other |
-//! | near | a pair | pairs of triangles no farther apart than the margin, down both trees of boxes |
-//! | features | a pair | vertices over faces, edges over edges, segments in which triangles cross |
-//! | contour | a pair | segments joined into contours, and their patches |
-//! | near, features | a pair | once more, around patches, for features that overlap |
-//! | admit | a pair | which features agree with the patches |
-//! | ray | a pair | rays out of patches without an overlapping feature |
-//! | inside | a pair | one body inside the other |
-//! | reduce | a pair | at most 16 points |
-//! | planes | a body | vertices near half-spaces |
-//! | counts, scans, emit | (a slot) | the lists of pairs and points |
+//! | select | (pair) | the pairs of a step in ascending order |
+//! | arguments | all | workgroup counts |
+//! | place | (pair of bodies) | relative poses |
+//! | near | pair | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
+//! | features | pair | vertex-face and edge-edge features, segments in which triangles cross |
+//! | contour | pair | contours and patches |
+//! | near, features | pair | a second search around patches, for features that overlap |
+//! | admit | pair | features that agree with the patches |
+//! | ray | pair | rays out of patches without an overlapping feature |
+//! | inside | pair | containment |
+//! | reduce | pair | contact reduction, to at most 16 points |
+//! | planes | body | contact points on half-spaces |
+//! | counts, scans, emit | (slot) | the lists of pairs and points |
 //!
-//! The results are two compact lists, ascending by the numbers of the bodies, and counters that tell how long these are and
-//! whether a list on the way had no room: whoever reads them must look at `CONTACTS_SKIPPED` first, and the host then makes
-//! the lists as long as the counters say and runs everything again. Half-space `i` is the body `bodies + i`.
+//! The results are two lists without gaps, ascending by the numbers of the bodies, and counters. The counters hold the
+//! lengths of the results and tell whether an intermediate list overflowed. Test `CONTACTS_SKIPPED` first: if it is
+//! set, the host makes the lists as long as the counters say and repeats the run. Half-space `i` is numbered `bodies +
+//! i`.
 //!
-//! A pair's share of the lists in between lies wherever a counter had come when the pair asked, but the order within the
-//! share is that of the trees, and that of the results follows from a scan: a device gives the same bits every time.
+//! The range of a pair in the intermediate lists depends on the order of workgroups. The order within the range is that
+//! of the trees, and the order of the results follows from a scan. So a device always gives the same bits.
 //!
-//! What single precision changes: bodies that overlap by less than some millionths of their size have no contours and touch,
-//! and of places or points that are as far as each other another may be taken than on the CPU. Not done are more than 1024
-//! loose ends of contours per pair, which are not tied then, and more than 1024 components of one mesh inside another.
+//! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
+//! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
+//! loose contour ends of a pair are not tied, and only 1024 components of a mesh are tested for containment.
 
 pub mod buffers;
 pub mod record;
@@ -37,33 +38,33 @@ use super::cpu::{contour, feature, near, pair, planes, side, smooth};
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
-/// Which pairs of a step are looked at, and their second bodies.
+/// Selects pairs, keyed by their second body.
 const SELECT_KEYS: Kernel = kernel!("manifolds/select_keys");
-/// Their first bodies.
+/// Replaces the keys by the first body.
 const SELECT_ORDER: Kernel = kernel!("manifolds/select_order");
-/// The pairs, ascending.
+/// Writes the pairs in ascending order.
 const SELECT_PAIRS: Kernel = kernel!("manifolds/select_pairs");
-/// How many workgroups the others take.
+/// Computes workgroup counts.
 const ARGUMENTS: Kernel = kernel!("manifolds/arguments");
-/// How the bodies of each pair lie to each other.
+/// Computes relative poses.
 const PLACE: Kernel = kernel!("manifolds/place");
-/// Pairs of triangles that are near each other.
+/// Finds pairs of triangles that are near each other.
 const NEAR: Kernel = kernel!("manifolds/near");
-/// Features and segments.
+/// Finds features and segments.
 const FEATURES: Kernel = kernel!("manifolds/features");
-/// Contours and patches.
+/// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");
-/// Which features count.
+/// Drops features that disagree with patches.
 const ADMIT: Kernel = kernel!("manifolds/admit");
-/// Rays out of patches.
+/// Casts rays out of patches.
 const RAY: Kernel = kernel!("manifolds/ray");
-/// Bodies inside bodies.
+/// Tests for containment.
 const INSIDE: Kernel = kernel!("manifolds/inside");
-/// Bodies on half-spaces.
+/// Finds contact points on half-spaces.
 const PLANES: Kernel = kernel!("manifolds/planes");
-/// What the scans add up.
+/// Counts the pairs and points of slots.
 const COUNTS: Kernel = kernel!("manifolds/counts");
-/// The lists.
+/// Writes the lists of pairs and points.
 const EMIT: Kernel = kernel!("manifolds/emit");
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
@@ -92,7 +93,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::manifolds", {
     f32 MARGIN = planes::MARGIN;
 });
 
-/// All of them.
+/// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[
         CONSTANTS,

@@ -1,4 +1,4 @@
-//! The order in which contact generation runs.
+//! The calls of contact generation, in order.
 
 use super::*;
 use crate::broad_phase::gpu::SORT;
@@ -11,10 +11,10 @@ use crate::gpu::program::{Calls, Groups};
 use crate::gpu::radix_sort::KeysAndValues;
 use crate::gpu::scan::{Length, Scan};
 
-/// Adds the calls that select the pairs of a step that contact generation looks at. Those that the broad phase finds are in
-/// the order of its buckets.
+/// Adds the calls that select the pairs of a step, in ascending order. The broad phase finds them in the order of its
+/// buckets.
 pub fn record_select(calls: &mut Calls, capacity: &Capacity) {
-    // Those for two keys a pair are more than enough.
+    // These workgroup counts are for two keys per pair: more than enough.
     let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
         .map(|slot| Groups::Indirect("arguments", slot));
     let sort = |calls: &mut Calls, input: KeysAndValues| {
@@ -32,7 +32,7 @@ pub fn record_select(calls: &mut Calls, capacity: &Capacity) {
     calls.call(&SELECT_PAIRS, per_pair).bind("values", values);
 }
 
-/// Adds those that find points, in any order, for as many bodies as `limits` says.
+/// Adds the calls that find contact points, in any order, for the bodies in `limits`.
 pub fn record_points(calls: &mut Calls) {
     let per_pair = per(GROUPS_PER_MARGIN_PAIR);
     calls.call(&ARGUMENTS, Groups::Exactly(1));
@@ -52,7 +52,7 @@ pub fn record_points(calls: &mut Calls) {
     calls.call(&PLANES, Groups::PerBodies(1));
 }
 
-/// Adds those that put them in order.
+/// Adds the calls that write the lists of pairs and points in order.
 pub fn record_lists(calls: &mut Calls) {
     calls.call(&COUNTS, per(GROUPS_PER_64_SLOTS));
     for (values, total) in [("pair_places", CONTACT_PAIRS), ("point_places", CONTACT_POINTS)] {
@@ -72,7 +72,7 @@ pub fn record_lists(calls: &mut Calls) {
     calls.call(&EMIT, per(GROUPS_PER_64_SLOTS));
 }
 
-/// As many groups as a slot of `contact_arguments` says.
+/// The workgroup count in this slot of `contact_arguments`.
 pub const fn per(slot: u32) -> Groups {
     Groups::Indirect("contact_arguments", slot)
 }

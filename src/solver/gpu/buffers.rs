@@ -1,4 +1,4 @@
-//! The buffers that the solver works on by itself. Bodies, contacts and what others hand to it are theirs.
+//! The buffers that only the solver uses. Bodies and contacts belong to others.
 
 use super::layout::*;
 use crate::gpu::buffers::{buffers, grow};
@@ -6,19 +6,19 @@ use crate::gpu::layout::Impulse;
 use crate::gpu::radix_sort::{self, DIGITS};
 use crate::gpu::scan;
 
-/// How many of each thing fit.
+/// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolverCapacity {
-    /// Bodies, half-spaces among them.
+    /// Bodies and half-spaces.
     pub bodies: u32,
-    /// Pairs that touch.
+    /// Touching pairs.
     pub pairs: u32,
     /// Contact points.
     pub points: u32,
 }
 
 impl SolverCapacity {
-    /// At least `needed` of each, with some to spare where this does not suffice.
+    /// At least `needed` of each, with some to spare where this capacity does not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
             bodies: grow(self.bodies, needed.bodies),
@@ -27,22 +27,22 @@ impl SolverCapacity {
         }
     }
 
-    /// Two ends a pair.
+    /// Two sides per pair.
     fn sides(&self) -> u32 {
         self.pairs.saturating_mul(2)
     }
 
-    /// Bits of a body's number, or of the one after the last.
+    /// Number of bits of a body's index, or of the one after the last.
     pub(super) fn body_bits(&self) -> u32 {
         32 - self.bodies.leading_zeros()
     }
 }
 
 buffers! {
-    /// What the solver works on by itself; `shaders/solver/types.wgsl` explains the elements. `solver_counters`, `saved_pairs`
-    /// and `saved_points` are its memory and outlive an interval.
+    /// The solver's own buffers. `shaders/solver/types.wgsl` explains their elements. `solver_counters`, `saved_pairs`
+    /// and `saved_points` persist between collision substeps.
     SolverBuffers(SolverCapacity), |capacity| {
-        /// What an interval is told.
+        /// Parameters.
         collision_substep: UNIFORM CollisionSubstep, 1u32, "collision_substep";
         solver_counters: ARRAY u32, COUNTERS, "solver counters";
         body_constants: ARRAY BodyConstants, capacity.bodies, "body_constants";
@@ -57,7 +57,7 @@ buffers! {
         saved_pairs: ARRAY SavedPair, capacity.pairs, "kept pairs";
         saved_points: ARRAY SavedPoint, capacity.points, "kept points";
         side_impulses: ARRAY Impulse, capacity.sides(), "impulses at sides";
-        /// Bodies of ends, and ends; two pairs of arrays between which the sort moves them.
+        /// Keys and sides; the sort moves them between two pairs of arrays.
         side_keys: ARRAY u32, capacity.sides(), "bodies of sides";
         sides: ARRAY u32, capacity.sides(), "sides";
         other_side_keys: ARRAY u32, capacity.sides(), "bodies of sides, scratch";

@@ -1,5 +1,5 @@
-//! What passes between the solver's kernels and the host, byte for byte as in `shaders/solver/types.wgsl`, where every
-//! field is explained.
+//! Structs and constants that the solver's kernels share with the host. `shaders/solver/types.wgsl` has the same
+//! structs and explains their fields.
 
 use crate::gpu::layout::{constants, layout};
 use bytemuck::{Pod, Zeroable};
@@ -8,7 +8,7 @@ type Vec3 = [f32; 3];
 type Quat = [f32; 4];
 
 layout! {
-    /// A collision substep, and how contacts are solved in it.
+    /// Parameters of a collision substep.
     CollisionSubstep {
         gravity: Vec3, h: f32,
         bodies: u32, old_bodies: u32, pair_capacity: u32, point_capacity: u32,
@@ -17,14 +17,14 @@ layout! {
         rest_offset: f32, restitution_threshold: f32, match_distance: f32, match_normal: f32,
         dt: f32, sleep_speed: f32, sleep_time: f32, padding: u32,
     }
-    /// What a body is.
+    /// Properties of a body, constant within a step.
     SolverBody {
         inverse_inertia: Vec3, inverse_mass: f32,
         inverse_inertia_off_diagonal: Vec3, flags: u32,
         radius: f32, restitution: f32, friction: f32, gravity_scale: f32,
         linear_damping: f32, angular_damping: f32, max_linear_speed: f32, max_angular_speed: f32,
     }
-    /// Where a body is and how it moves.
+    /// Pose, velocity and sleep state of a body.
     MotionState {
         center: Vec3, asleep: u32,
         center_low: Vec3, rest_time: f32,
@@ -33,14 +33,14 @@ layout! {
         linear_velocity: Vec3, neighbours: u32,
         angular_velocity: Vec3, key: u32,
     }
-    /// What acts on a body from outside.
+    /// External forces and impulses.
     BodyForces {
         force: Vec3, padding_a: f32,
         torque: Vec3, padding_b: f32,
         impulse: Vec3, padding_c: f32,
         angular_impulse: Vec3, padding_d: f32,
     }
-    /// What about a body holds for an interval.
+    /// Properties of a body that are constant during a collision substep.
     BodyConstants {
         initial_rotation: Quat,
         local_inertia: Vec3, linear_decay: f32,
@@ -51,27 +51,27 @@ layout! {
         force: Vec3, padding_a: f32,
         torque: Vec3, padding_b: f32,
     }
-    /// The pairs of a body, and its number in the last collision substep.
+    /// The range of a body's sides among the sorted sides, and its number in the last collision substep.
     BodyAdjacency {
         first_side: u32, sides_end: u32, old_number: u32, padding: u32,
     }
-    /// How a body moves.
+    /// Velocity of a body.
     Velocity {
         linear: Vec3, padding_a: f32,
         angular: Vec3, padding_b: f32,
     }
-    /// How a body gives way.
+    /// How impulses change the velocity of a body.
     Mass {
         inverse_mass: Vec3, split_count: f32,
         inverse_inertia: Vec3, flags: u32,
         inverse_inertia_off_diagonal: Vec3, padding: f32,
     }
-    /// How far a body has come since the start of the interval.
+    /// Change of a body's pose since the start of the collision substep.
     PoseChange {
         translation: Vec3, padding: f32,
         rotation: Quat,
     }
-    /// Two bodies and what holds for all their points.
+    /// The contact constraint of two bodies.
     SolverPair {
         a: u32, b: u32, first: u32, count: u32,
         friction: f32, restitution: f32, rest_offset: f32, flags: u32,
@@ -79,7 +79,7 @@ layout! {
         center_offset: Vec3, diameter: f32,
         approach_velocity: Vec3, surface_speed: f32,
     }
-    /// What of a point stays as it is for an interval.
+    /// What is constant about a point during a collision substep.
     PointConstants {
         anchor_a: Vec3, initial_separation: f32,
         anchor_b: Vec3, contact_fraction: f32,
@@ -88,7 +88,7 @@ layout! {
         anchor_offset: Vec3, padding_c: f32,
         initial_normal: Vec3, normal_rotation: f32,
     }
-    /// What of a point changes.
+    /// The state of a point.
     PointState {
         normal: Vec3, separation: f32,
         impulse_anchor_a: Vec3, flags: u32,
@@ -97,46 +97,46 @@ layout! {
         friction_impulse: [f32; 2], normal_impulse: f32, max_normal_impulse: f32,
         restitution_friction_impulse: [f32; 2], restitution_impulse: f32, total_normal_impulse: f32,
     }
-    /// What is kept of a pair until the next interval.
+    /// A pair as it is saved for the next collision substep.
     SavedPair {
         a: u32, b: u32, first: u32, count: u32,
         separating_direction: Vec3, depenetrating: u32,
         rotation_a: Quat,
         rotation_b: Quat,
     }
-    /// What is kept of a point.
+    /// A point as it is saved for the next collision substep.
     SavedPoint {
         anchor_a: Vec3, normal_impulse: f32,
         anchor_b: Vec3, padding_a: f32,
         normal: Vec3, padding_b: f32,
         friction_impulse: Vec3, padding_c: f32,
     }
-    /// A body's place in its island.
+    /// A body in the union-find forest of islands.
     Island {
         parent: u32, neighbours: u32, disturbed: u32, padding: u32,
     }
 }
 
 constants! {
-    // Shifts of what `SolverBody::flags` holds beside kind and sensor.
+    // Shifts of the fields of `SolverBody::flags` besides kind and sensor.
     u32 RESTITUTION_RULE = 8;
     u32 FRICTION_RULE = 12;
     u32 LOCKED_AXES = 16;
 
-    /// `MotionState::asleep` of a static body that is not where it was in the step before, or not as it was.
+    /// `MotionState::asleep` of a static body that was moved or changed since the last step.
     u32 CHANGED = 2;
 
-    // Indices into `solver_counters`, which outlive an interval: they hold how much is kept for a warm start.
+    // Indices into `solver_counters`, which persist between collision substeps.
     u32 PAIRS = 0;
     u32 POINTS = 1;
     u32 ENTRIES = 2;
-    /// Not 0: nothing was solved, since a list was too small.
+    /// Not 0: a list was too short, and nothing was solved.
     u32 SKIPPED = 3;
     u32 SAVED_PAIRS = 4;
-    /// The bits of its length in seconds.
+    /// Length of a solver substep: the bits of the float.
     u32 SUBSTEP = 5;
     u32 SAVED_SUBSTEP = 6;
-    /// As many as there are, even if the lists hold fewer.
+    /// The number found, even if the list is shorter.
     u32 PAIRS_FOUND = 7;
     u32 POINTS_FOUND = 8;
     u32 COUNTERS = 16;
@@ -149,15 +149,15 @@ constants! {
     u32 GROUPS_PER_64_OLD_BODIES = 4;
     u32 SLOTS = 5;
 
-    // What a pass does beside solving: it lets overlaps push; it measures the points first.
+    // Bits of a pass: overlapping bodies get a bias velocity; points are updated first.
     u32 PASS_BIASED = 1;
     u32 PASS_UPDATES_POINTS = 2;
 
-    // What follows when bodies have taken their impulses.
+    // What follows after impulses are applied.
     u32 THEN_INTEGRATE_POSES = 1;
     u32 THEN_INTEGRATE_VELOCITIES = 2;
 
-    // What the kernels of sleep are about.
+    // What the kernels of sleep do.
     u32 WAKE = 0;
     u32 FALL_ASLEEP = 1;
 }

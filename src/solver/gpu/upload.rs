@@ -1,4 +1,4 @@
-//! From the solver's arrays on the host to those on the device, and back.
+//! Conversion of the solver's bodies and contacts between host and device.
 
 use super::layout;
 use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
@@ -11,13 +11,13 @@ use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
 use glam::{DQuat, DVec3, DVec4, Vec3};
 
-/// The square of a speed limit must be a finite number.
+/// The square of a speed limit must be finite.
 const FASTEST: f32 = 1.0e18;
 
-/// The coarse parts of rotations are multiples of this, and so are those of centres below a metre.
+/// The coarse parts of rotations, and of centres below one metre, are multiples of this.
 pub(super) const COARSE_DIGIT: f64 = 1.0 / (1 << 21) as f64;
 
-/// What holds for an interval with so many bodies, of which `old_bodies` were there before, and for lists of this room.
+/// The parameters of a collision substep. `old_bodies` is the number of bodies in the last one.
 pub fn collision_substep(
     settings: &SolverSettings,
     collision_substep: &CollisionSubstep,
@@ -52,7 +52,7 @@ pub fn collision_substep(
     }
 }
 
-/// What a body is.
+/// The properties of a body.
 pub fn body(body: &SolverBody) -> layout::SolverBody {
     let inertia = body.inverse_inertia;
     let limit = |limit: f32| if limit >= 0.0 { limit.min(FASTEST) } else { FASTEST };
@@ -86,7 +86,7 @@ fn flags(body: &SolverBody) -> u32 {
         | u32::from(body.locked_axes.bits()) << LOCKED_AXES
 }
 
-/// The place of a rule in the order in which they overrule each other.
+/// The precedence of a rule: of two rules the one with the larger number is used.
 fn rule(rule: CombineRule) -> u32 {
     match rule {
         CombineRule::Average => 0,
@@ -97,12 +97,12 @@ fn rule(rule: CombineRule) -> u32 {
     }
 }
 
-/// 0 for what is no length.
+/// The length, or 0 if it is negative or NaN.
 fn length(value: f32) -> f32 {
     if value > 0.0 { value.min(FLAT_RADIUS) } else { 0.0 }
 }
 
-/// Where a body is. `key` tells it from other bodies.
+/// Pose, velocity and sleep state of a body. `key` identifies it.
 pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::MotionState {
     let center = motion.center.as_vec3();
     let rotation = DVec4::from(motion.rotation);
@@ -116,7 +116,7 @@ pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::Mot
         angular_velocity: motion.angular_velocity.to_array(),
         asleep: u32::from(sleep.asleep),
         rest_time: sleep.rest_time,
-        // Half of a sum is the sum of halves.
+        // The sum of the lower halves is the lower half of the sum.
         neighbours: sleep.neighbours as u32,
         key,
     }
@@ -146,7 +146,7 @@ impl From<&layout::MotionState> for SleepState {
     }
 }
 
-/// What acts on a body.
+/// External forces on a body.
 pub fn forces(forces: &ExternalForces) -> layout::BodyForces {
     layout::BodyForces {
         force: forces.force.to_array(),
@@ -157,7 +157,7 @@ pub fn forces(forces: &ExternalForces) -> layout::BodyForces {
     }
 }
 
-/// A pair that touches.
+/// A touching pair.
 pub fn contact_pair(manifold: &Manifold) -> ContactPair {
     ContactPair {
         a: manifold.bodies[0],
@@ -167,7 +167,7 @@ pub fn contact_pair(manifold: &Manifold) -> ContactPair {
     }
 }
 
-/// One of its points.
+/// A contact point.
 pub fn contact_point(point: &ManifoldPoint) -> ContactPoint {
     ContactPoint {
         anchor_a: point.anchors[0].to_array(),

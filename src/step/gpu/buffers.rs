@@ -1,4 +1,4 @@
-//! What passes between contact generation and solver in a step, and what outlives it.
+//! The buffers between contact generation and the solver, and those that persist between steps.
 
 use crate::gpu::buffers::{Capacity, buffers, grow};
 use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
@@ -7,19 +7,19 @@ use crate::solver::gpu::SolverCapacity;
 use crate::solver::gpu::layout::{BodyForces, MotionState, COUNTERS, CollisionSubstep, SavedPair, SavedPoint, SLOTS, SolverBody};
 use wgpu::Buffer;
 
-/// How many of each thing fit.
+/// Capacity of the lists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepCapacity {
-    /// What contact generation makes.
+    /// Of contact generation.
     pub contacts: ContactCapacity,
     /// Bodies and half-spaces.
     pub bodies: u32,
-    /// Points of pairs that touch, in all intervals.
+    /// Points of touching pairs, in all collision substeps.
     pub touches: u32,
 }
 
 impl StepCapacity {
-    /// At least `needed` of each, with room to spare where these do not suffice.
+    /// At least `needed` of each, with some to spare where this capacity does not suffice.
     pub fn grown(self, needed: Self) -> Self {
         Self {
             contacts: self.contacts.grown(needed.contacts),
@@ -28,7 +28,7 @@ impl StepCapacity {
         }
     }
 
-    /// The same with as many pairs, slots and bodies as there can be: their lists are made on the device.
+    /// Adds the largest possible numbers of pairs, slots and bodies: the device fills these lists.
     pub fn covering(mut self, capacity: &Capacity) -> Self {
         self.contacts.margin_pairs = capacity.pairs;
         self.contacts.slots = capacity.bodies.saturating_mul(capacity.planes).saturating_add(capacity.pairs);
@@ -36,7 +36,7 @@ impl StepCapacity {
         self
     }
 
-    /// What the solver's own buffers hold.
+    /// The capacity of the solver's own buffers.
     pub fn solver(&self) -> SolverCapacity {
         SolverCapacity {
             bodies: self.bodies,
@@ -47,49 +47,49 @@ impl StepCapacity {
 }
 
 buffers! {
-    /// Buffers beside those of contact generation and of the solver.
+    /// The buffers besides those of contact generation and of the solver.
     StepBuffers(StepCapacity), |capacity| {
-        /// What counts over all intervals of a step.
+        /// Counters over all collision substeps of a step.
         tally: ARRAY u32, TALLIES, "tally of a step";
-        /// Who touched whom and where, in any order.
+        /// Points of touching pairs, in any order.
         touches: ARRAY Touch, capacity.touches, "touches";
-        /// What bodies are to the solver.
+        /// Properties of bodies.
         solver_bodies: ARRAY SolverBody, capacity.bodies, "solver bodies";
-        /// Where they are, as the host knows.
+        /// Motion states as the host knows them.
         host_states: ARRAY MotionState, capacity.bodies, "bodies as the host knows them";
-        /// Where they are while the step runs.
+        /// Motion states during the step.
         motion_states: ARRAY MotionState, capacity.bodies, "states of bodies";
-        /// What acts on them.
+        /// External forces.
         forces: ARRAY BodyForces, capacity.bodies, "forces";
-        /// What the solver is told about the first interval, and about each other one.
+        /// Parameters of the first collision substep.
         first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision_substep";
-        /// The other.
+        /// Parameters of the later ones.
         later_collision_substep: ARRAY CollisionSubstep, 1u32, "other collision_substeps";
-        /// The bodies' numbers by those they had before the first interval, and before each other one.
+        /// New numbers of bodies, by their numbers in the last step.
         first_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
-        /// The other.
+        /// The same for later collision substeps: the identity.
         later_new_numbers: ARRAY u32, capacity.bodies, "numbers of bodies";
-        /// One of the two.
+        /// The one in use.
         new_numbers: ARRAY u32, capacity.bodies, "numbers of bodies in an collision_substep";
-        /// Of the solver's indirect dispatches.
+        /// Arguments of the solver's indirect dispatches.
         solver_arguments: INDIRECT u32, 3 * SLOTS, "solver arguments";
-        /// Where the bodies were after the last step. Outlives a step, as do those that follow.
+        /// Motion states after the last step. This buffer and the following ones persist between steps.
         last_step_states: ARRAY MotionState, capacity.bodies, "last_step_states bodies";
-        /// How much the solver remembers.
+        /// The solver's counters.
         last_step_counters: ARRAY u32, COUNTERS, "stored solver counters";
-        /// Of pairs.
+        /// Saved pairs.
         last_step_pairs: ARRAY SavedPair, capacity.contacts.pairs, "pairs stored between steps";
-        /// Of points.
+        /// Saved points.
         last_step_points: ARRAY SavedPoint, capacity.contacts.points, "points stored between steps";
-        /// What contact generation found last.
+        /// The pairs of the last contact generation.
         last_step_contact_pairs: ARRAY ContactPair, capacity.contacts.pairs, "contact pairs stored between steps";
-        /// The points.
+        /// Their points.
         last_step_contact_points: ARRAY ContactPoint, capacity.contacts.points, "contact points stored between steps";
     }
 }
 
 impl StepBuffers {
-    /// What outlives a step.
+    /// The buffers that persist between steps.
     pub fn memory(&self) -> [&Buffer; 6] {
         [
             &self.last_step_states,

@@ -1,4 +1,4 @@
-//! Room on the device: for what a step needs, and for what only steps with contacts need.
+//! Creates buffers, and makes lists longer.
 
 use super::buffers::StepCapacity;
 use super::contact_programs::{ContactPrograms, START};
@@ -10,7 +10,7 @@ use crate::gpu::layout;
 use crate::gpu::readback::scoped;
 
 impl GpuStep {
-    /// Compiles what contact points are made by, makes room for it, and lets meshes come with their corners and edges.
+    /// Compiles the kernels for contact points, creates their buffers, and includes topology in the meshes.
     pub(super) fn ensure_contacts(&mut self) -> Result<(), StepError> {
         if self.contacts.is_some() {
             return Ok(());
@@ -38,7 +38,7 @@ impl GpuStep {
         Ok(())
     }
 
-    /// Whether some list does not suffice.
+    /// Whether some list is too short.
     pub(super) fn needs_growth(&self, needed: Capacity, for_contacts: Option<StepCapacity>) -> bool {
         let contact_capacity = self.contacts.as_ref().map(ContactPrograms::capacity);
         self.buffers.capacity.grown(needed) != self.buffers.capacity
@@ -47,7 +47,7 @@ impl GpuStep {
                 .is_some_and(|(capacity, needed)| capacity.grown(needed) != capacity)
     }
 
-    /// Makes lists longer where they do not suffice, and tells whether the meshes were written anew.
+    /// Makes lists longer where needed, and returns whether the meshes were written again.
     pub(super) fn reserve(&mut self, needed: Capacity, for_contacts: Option<StepCapacity>) -> Result<bool, StepError> {
         if !self.needs_growth(needed, for_contacts) {
             return Ok(false);
@@ -58,7 +58,7 @@ impl GpuStep {
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             let buffers = if longer {
                 let buffers = Buffers::new(&self.gpu, grown)?;
-                // The only thing here that outlives a step.
+                // The only buffer in this set that persists between steps.
                 let (from, to) = (&self.buffers.moved, &buffers.moved);
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
                 Some((impulse_program(&self.gpu, &self.kernels, &buffers), buffers))

@@ -1,8 +1,8 @@
 //! Buffers and calls of steps with contact points.
 //!
-//! Such a step is one submission, whatever number of collision substeps it is cut into. Bodies and the solver's memory stay on
-//! the device from step to step, in the buffers that [`StepBuffers::memory`] lists. These are written at the end of a step and
-//! not before, and only if no list was too short in any of its intervals; so such a step can run again.
+//! Such a step is one submission, whatever its number of collision substeps. Bodies and the solver's memory stay on the
+//! device from step to step, in the buffers of [`StepBuffers::memory`]. These are written only at the end of a step, if
+//! no list overflowed in any of its collision substeps. So a step can be repeated.
 
 use super::buffers::{StepBuffers, StepCapacity};
 use super::record::Recorder;
@@ -20,7 +20,7 @@ use crate::types::stage::Stage;
 use std::collections::HashMap;
 use wgpu::{Buffer, CommandEncoder};
 
-/// Lists start with room for this many things, and grow.
+/// Initial capacity. Lists grow as needed.
 pub const START: StepCapacity = StepCapacity {
     contacts: ContactCapacity {
         margin_pairs: 0,
@@ -36,7 +36,7 @@ pub const START: StepCapacity = StepCapacity {
     touches: 2048,
 };
 
-/// Calls are kept for so many ways of cutting up a step: one for each number of substeps an interval may have.
+/// Number of programs that are kept: one per combination of iteration counts.
 const MAX_PROGRAMS: usize = 16;
 
 /// Stages that find contact points.
@@ -44,31 +44,31 @@ const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::Triangle
 
 /// Buffers and calls of steps with contact points.
 pub struct ContactPrograms {
-    /// Of contact generation.
+    /// The buffers of contact generation.
     pub contacts: ContactBuffers,
-    /// Of the solver.
+    /// The solver's buffers.
     pub solver: SolverBuffers,
-    /// Between them.
+    /// The buffers between them.
     pub step: StepBuffers,
-    /// Finds contact points, and moves bodies without them: [`Response::None`].
+    /// Finds contact points, and moves bodies without a response: [`Response::None`].
     report: Program,
-    /// Finds contact points in the first interval of a step.
+    /// Finds contact points in the first collision substep.
     first: Program,
-    /// In the others.
+    /// Finds them in the later ones.
     later: Program,
-    /// Moves bodies by them, by how often everything is done.
+    /// Solves a collision substep, by iteration counts.
     solve: HashMap<Passes, Program>,
-    /// Ends an interval after which another one follows.
+    /// Ends a collision substep that is not the last.
     between: Program,
     /// Ends the step.
     last: Program,
 }
 
 impl ContactPrograms {
-    /// Makes buffers and calls. What outlives a step is empty.
+    /// Creates buffers and calls. The memory between steps is empty.
     ///
     /// # Errors
-    /// If the device cannot hold the lists.
+    /// If the lists exceed the limits of the device.
     pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, capacity: StepCapacity) -> Result<Self, TooLarge> {
         let capacity = capacity.covering(&buffers.capacity);
         let mut made = Self {
@@ -107,37 +107,37 @@ impl ContactPrograms {
         )
     }
 
-    /// What fits.
+    /// Capacity of the lists.
     pub fn capacity(&self) -> StepCapacity {
         self.step.capacity
     }
 
-    /// Bytes on the device.
+    /// Total size of the buffers, bytes.
     pub fn bytes(&self) -> u64 {
         self.contacts.bytes() + self.solver.bytes() + self.step.bytes()
     }
 
-    /// Copies what outlives a step from `old`.
+    /// Copies the memory between steps from `old`.
     pub fn copy_memory(&self, old: &Self, encoder: &mut CommandEncoder) {
         for (from, to) in old.step.memory().into_iter().zip(self.step.memory()) {
             copy_all(encoder, from, to);
         }
     }
 
-    /// Calls of all stages for one interval, with contacts.
+    /// Number of dispatches of each stage in one collision substep, with contacts.
     pub fn dispatches(&self) -> [usize; Stage::COUNT] {
         let solve = self.solve.values().next();
         Stage::ALL.map(|stage| self.first.len(stage) + solve.map_or(0, |solve| solve.len(stage)) + self.last.len(stage))
     }
 
-    /// Writes how long the lists are, for so many bodies and half-spaces.
+    /// Writes the lengths of the lists, and the numbers of bodies and half-spaces.
     pub fn write_limits(&self, gpu: &Gpu, bodies: u32, planes: u32) {
         let limits = self.contacts.capacity.limits(bodies, planes);
         gpu.queue
             .write_buffer(&self.contacts.limits, 0, bytemuck::bytes_of(&limits));
     }
 
-    /// Records a step without response, whose contact points are wanted all the same.
+    /// Records a step without response, which reports contact points.
     pub fn record_report(&self, encoder: &mut CommandEncoder, bodies: u32, timer: Option<&Timer>) {
         encoder.clear_buffer(&self.step.tally, 0, None);
         encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
@@ -147,7 +147,7 @@ impl ContactPrograms {
         }
     }
 
-    /// Makes the calls of intervals with these passes, if there are none yet.
+    /// Makes the program for these iteration counts, unless it exists.
     pub fn prepare(&mut self, gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, passes: Passes) {
         if self.solve.contains_key(&passes) {
             return;
@@ -160,7 +160,7 @@ impl ContactPrograms {
             passes: Some(passes),
             ..recorder(Response::Contacts, buffers, &capacity)
         };
-        // It is the same in each interval.
+        // It is the same in every collision substep.
         let calls = recorder.calls(&[Stage::ForceScan], Place::of(0, 1));
         let program = self.bind(gpu, kernels, buffers, &calls);
         self.solve.insert(passes, program);
@@ -206,7 +206,7 @@ impl ContactPrograms {
                 let around = timer.map(|timer| timer.around(stage, number));
                 program.record(stage, encoder, input.body_count(), around);
                 if stage == Stage::BroadPhase && place.is_first {
-                    // To draw from.
+                    // Copy for rendering.
                     copy_all(encoder, &buffers.bodies, &buffers.before);
                 }
             }
@@ -223,7 +223,7 @@ fn recorder<'s>(response: Response, buffers: &'s Buffers, capacity: &'s StepCapa
     }
 }
 
-/// Copies a buffer, or as much of it as the other one holds.
+/// Copies a buffer, or as much of it as fits.
 fn copy_all(encoder: &mut CommandEncoder, from: &Buffer, to: &Buffer) {
     encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
 }

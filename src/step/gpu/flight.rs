@@ -1,4 +1,4 @@
-//! A step whose results are on their way.
+//! A step in flight: submitted, with results that have not been read.
 
 use super::results::{Detail, Parts, Raw};
 use super::upload::Input;
@@ -8,22 +8,22 @@ use std::sync::mpsc::{Receiver, TryRecvError};
 use std::sync::{Mutex, PoisonError};
 use wgpu::{Buffer, BufferAsyncError, PollType, SubmissionIndex};
 
-/// A step that was submitted.
+/// A submitted step.
 pub(super) struct Flight {
-    /// What it was told.
+    /// Its input, in case that it has to be repeated.
     pub input: Input,
-    /// How much of it is wanted.
+    /// Which results are read.
     pub detail: Detail,
-    /// In which the results come.
+    /// Receives the results.
     pub staging: Buffer,
     parts: Parts,
     submission: SubmissionIndex,
-    /// A receiver is not `Sync`, and steps are shared with systems; nobody but [`Flight::wait`] locks it.
+    /// A receiver is not `Sync`, but steps are shared with systems. Only [`Flight::wait`] locks it.
     mapped: Mutex<Receiver<Result<(), BufferAsyncError>>>,
 }
 
 impl Flight {
-    /// After the submission that copies the results into `staging`.
+    /// Call it after the submission that copies the results to `staging`.
     pub fn new(input: Input, detail: Detail, parts: Parts, staging: Buffer, submission: SubmissionIndex) -> Self {
         let mapped = request(&staging, parts.total);
         Self {
@@ -36,7 +36,7 @@ impl Flight {
         }
     }
 
-    /// The results, for which it waits if they are not there yet; and whether it had to.
+    /// The results, and whether it had to wait for them.
     ///
     /// # Errors
     /// If the device is lost.

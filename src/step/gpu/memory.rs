@@ -1,4 +1,4 @@
-//! What outlives a step with contacts, brought to the host and back: so that a snapshot goes on to the bit.
+//! Reads and writes the memory between steps with contacts, so that a snapshot continues to the bit.
 
 use super::buffers::StepCapacity;
 use super::contact_programs::ContactPrograms;
@@ -13,7 +13,7 @@ use crate::solver::gpu::layout::{MotionState, COUNTERS, SavedPair, SavedPoint, P
 use bytemuck::cast_slice;
 use wgpu::Buffer;
 
-/// What the device remembers of its last step.
+/// The device's memory of its last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviceMemory {
     pub(crate) last_bodies: LastBodies,
@@ -27,7 +27,7 @@ pub struct DeviceMemory {
 }
 
 impl DeviceMemory {
-    /// Waits for the last step, and reads.
+    /// Waits for the last step, and reads its memory.
     ///
     /// # Errors
     /// If the device fails.
@@ -52,13 +52,13 @@ impl DeviceMemory {
         })
     }
 
-    /// How many bodies it is about, and how many pairs and points.
+    /// Number of bodies, and numbers of pairs and points.
     pub fn lengths(&self) -> (u32, [u32; 2]) {
         let of = |counter: u32| self.counters.get(counter as usize).copied().unwrap_or(0);
         (self.last_bodies.len() as u32, [of(PAIRS), of(POINTS)])
     }
 
-    /// Writes it back to lists that are long enough.
+    /// Writes it to lists that are long enough.
     ///
     /// # Errors
     /// If the device fails.
@@ -82,7 +82,7 @@ impl DeviceMemory {
 }
 
 impl GpuStep {
-    /// What the device remembers of the last step that was submitted, for which it waits; empty but with
+    /// The device's memory after the last submitted step, for which it waits. It is empty unless the response is
     /// [`Response::Contacts`](crate::types::settings::Response).
     ///
     /// # Errors
@@ -98,10 +98,10 @@ impl GpuStep {
         read.inspect_err(|_| self.fail())
     }
 
-    /// Gives up all steps in flight and lets the next one go on from `memory`.
+    /// Gives up all steps in flight, and continues from `memory` in the next one.
     ///
     /// # Errors
-    /// If the device cannot hold it, or fails. The next step goes on from nothing then.
+    /// If the device cannot hold it, or fails. The next step then has no memory.
     pub fn remember(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
         self.forget();
         if memory.last_bodies.is_empty() {

@@ -1,21 +1,21 @@
-//! Steps on the device: everything in, one submission, everything out, at once or some steps later.
+//! A step on the GPU: one submission, whose results are read at once or some steps later.
 //!
-//! A step can go on from the one before although the host has not seen its results: poses and velocities stay on the
-//! device. If a list turns out to be too short a flag on the device turns that step and all later ones into nothing;
-//! the host makes the list longer and sends them off again.
+//! A step can continue from the last one before the host has read its results, because poses and velocities stay on the
+//! device. If a list overflows, a flag on the device makes that step and all later ones do nothing. The host makes the
+//! list longer and submits them again.
 //!
-//! | file | holds |
+//! | file | contents |
 //! |---|---|
-//! | `upload`, `solver_input` | what a step is told |
-//! | `last_bodies` | which body of a step was which in the step before |
-//! | `record` | the kernels of each part of a step, in the order of `order`(crate::step::order) |
-//! | `buffers`, `contact_programs` | what only steps with contact points have |
-//! | `submit` | sends a step off |
-//! | `flight` | a step whose results are on their way |
-//! | `overflow` | lists that turn out to be too short |
-//! | `capacity` | makes buffers |
-//! | `results` | what comes of a step |
-//! | `memory` | what outlives it, for snapshots |
+//! | `upload`, `solver_input` | the input of a step |
+//! | `remap` | the numbers of bodies in the last step and in this one |
+//! | `record` | the kernels of each part of a step, in the order of [`order`](crate::step::order) |
+//! | `buffers`, `contact_programs` | buffers and calls of steps with contact points |
+//! | `submit` | submission of a step |
+//! | `flight` | a step in flight |
+//! | `overflow` | repetition of steps whose lists overflowed |
+//! | `capacity` | creation of buffers |
+//! | `results` | the results of a step |
+//! | `memory` | the memory between steps, for snapshots |
 
 pub mod buffers;
 mod capacity;
@@ -61,41 +61,41 @@ pub enum StepError {
     /// The device reports an error or is lost.
     #[error("the device says: {0}")]
     Device(String),
-    /// The device ends long loops before their time.
+    /// The device aborts long loops.
     #[error("the device left the test of a pair before its end: too many triangles of the two are near each other")]
     CutShort,
 }
 
-/// The stages on a device.
+/// The stages on a GPU.
 pub struct GpuStep {
     gpu: Gpu,
     kernels: Kernels,
     arena: Arena,
     buffers: Buffers,
     program: Program,
-    /// What finds contact points and moves bodies by them, where somebody asks for it.
+    /// Buffers and calls for contact points; created when first needed.
     contacts: Option<ContactPrograms>,
-    /// Somebody has: its kernels are compiled, and meshes come with their corners and edges.
+    /// Kernels for contact points are compiled, and meshes include their topology.
     has_features: bool,
-    /// Which body was which in the last step, if it had contacts.
+    /// The bodies of the last submitted step, if it had contacts.
     last_bodies: LastBodies,
-    /// How fast bodies moved after the last step whose results were taken.
+    /// Speeds of bodies after the last step whose results were taken.
     speeds: Speeds,
-    /// What the host told of motions in the steps since, oldest first.
+    /// Changes of speed by the host in the steps since then, oldest first.
     host_speeds: VecDeque<HostSpeeds>,
     timer: Option<Timer>,
-    /// Submitted, oldest first.
+    /// Submitted steps, oldest first.
     flights: VecDeque<Flight>,
-    /// Results that were waited for before anybody asked for them; older than all flights.
+    /// Results that were read before they were asked for; older than all steps in flight.
     finished: VecDeque<Output>,
-    /// Buffers to read from that no flight uses.
+    /// Staging buffers that are not in use.
     spare: Vec<Buffer>,
-    /// Bodies of the last step that was submitted.
+    /// Number of bodies in the last submitted step.
     bodies: u32,
     waits: u64,
 }
 
-/// Lists start with room for this many things, and grow.
+/// Initial capacity. Lists grow as needed.
 const START: Capacity = Capacity {
     bodies: 256,
     planes: 8,
@@ -107,7 +107,7 @@ const START: Capacity = Capacity {
 };
 
 impl GpuStep {
-    /// Compiles the kernels, which takes a second or so, and makes room for a small scene.
+    /// Compiles the kernels, which takes about a second, and creates buffers for a small scene.
     ///
     /// # Errors
     /// If the device cannot run the stages.
@@ -115,7 +115,7 @@ impl GpuStep {
         Self::with_capacity(gpu, START)
     }
 
-    /// With lists of these sizes to begin with: results do not depend on them.
+    /// With this initial capacity. Results do not depend on it.
     ///
     /// # Errors
     /// If the device cannot run the stages.
@@ -154,10 +154,10 @@ impl GpuStep {
         }
     }
 
-    /// Compiles what only steps with contact points need, which takes some seconds, before the first one asks for it.
+    /// Compiles the kernels for contact points, which takes some seconds, before they are needed.
     ///
     /// # Errors
-    /// If the device cannot run it.
+    /// If the device cannot run them.
     pub fn with_contacts(mut self) -> Result<Self, NoGpu> {
         match self.ensure_contacts() {
             Ok(()) => Ok(self),
@@ -168,22 +168,22 @@ impl GpuStep {
         }
     }
 
-    /// Where it runs.
+    /// The device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
-    /// What fits at present.
+    /// Current capacity of the lists.
     pub fn capacity(&self) -> Capacity {
         self.buffers.capacity
     }
 
-    /// Bytes on the device.
+    /// Total size of the buffers, bytes.
     pub fn bytes(&self) -> u64 {
         self.buffers.bytes() + self.contacts.as_ref().map_or(0, ContactPrograms::bytes)
     }
 
-    /// Dispatches of each stage, in order; of a step with contacts those of one interval, once there was one.
+    /// Number of dispatches of each stage. With contacts it is that of one collision substep, once there was one.
     pub fn dispatches(&self) -> [usize; Stage::COUNT] {
         match &self.contacts {
             Some(contacts) => contacts.dispatches(),
@@ -193,11 +193,11 @@ impl GpuStep {
 
     /// Runs all stages on `state` and waits for the results. Steps in flight are given up.
     ///
-    /// With [`Response::Contacts`] bodies of the same keys, or numbers, go on sleeping and pushing each other as they did in the
-    /// step before: call [`GpuStep::forget`] before that of another world.
+    /// With [`Response::Contacts`] sleep states and saved impulses carry over to bodies with the same keys or numbers.
+    /// Call [`GpuStep::forget`] before stepping another world.
     ///
     /// # Errors
-    /// If the device cannot hold the lists, or fails. `state` is then as it was.
+    /// If the device cannot hold the lists, or fails. `state` is then unchanged.
     pub fn run(&mut self, state: &mut StepState) -> Result<(), StepError> {
         if self.in_flight() > 0 {
             self.forget();
@@ -209,20 +209,20 @@ impl GpuStep {
         Ok(())
     }
 
-    /// Steps that were submitted and not taken.
+    /// Number of submitted steps whose results have not been taken.
     pub fn in_flight(&self) -> usize {
         self.finished.len() + self.flights.len()
     }
 
-    /// How often results were asked for before they were there.
+    /// Number of times that [`GpuStep::take`] had to wait.
     pub fn waits(&self) -> u64 {
         self.waits
     }
 
-    /// The results of the oldest step in flight; waits for them. `None` if there is no such step.
+    /// The results of the oldest step in flight, for which it waits; `None` if there is none.
     ///
     /// # Errors
-    /// If the device cannot hold the lists, or fails: all steps in flight are given up then.
+    /// If the device cannot hold the lists, or fails. All steps in flight are then given up.
     pub fn take(&mut self) -> Option<Result<Output, StepError>> {
         let result = match self.finished.pop_front() {
             Some(output) => Ok(output),
@@ -230,7 +230,7 @@ impl GpuStep {
             None => self.finish_oldest(),
         };
         match &result {
-            // Now and not when it landed, which depends on how fast the device is.
+            // Here and not when the results are read, which depends on the speed of the device.
             Ok(output) => {
                 self.speeds = output.speeds;
                 self.host_speeds.pop_front();
@@ -240,7 +240,7 @@ impl GpuStep {
         Some(result)
     }
 
-    /// Gives up all steps in flight. The next one can carry nothing over.
+    /// Gives up all steps in flight. Nothing carries over to the next one.
     pub fn forget(&mut self) {
         self.flights.clear();
         self.finished.clear();
@@ -252,11 +252,11 @@ impl GpuStep {
 
     fn fail(&mut self) {
         self.forget();
-        // Nobody knows which meshes arrived: the next step writes all of them.
+        // It is unknown which meshes were written, so the next step writes all.
         self.arena = self.empty_arena();
     }
 
-    /// Without any mesh.
+    /// An arena without meshes.
     fn empty_arena(&self) -> Arena {
         if self.has_features {
             Arena::with_features()
@@ -265,7 +265,7 @@ impl GpuStep {
         }
     }
 
-    /// Where the bodies are after the last step that was submitted, for which it waits.
+    /// Motions of all bodies after the last submitted step, for which it waits.
     ///
     /// # Errors
     /// As [`GpuStep::take`].
@@ -280,7 +280,7 @@ impl GpuStep {
         Ok(moved.iter().map(Motion::from).collect())
     }
 
-    /// The poses on the device, to draw from.
+    /// The poses on the device, for rendering.
     pub fn poses(&self) -> Poses<'_> {
         Poses {
             previous: if self.last_bodies.is_empty() {
@@ -294,14 +294,14 @@ impl GpuStep {
     }
 }
 
-/// Two poses of every body, in the order of the last step that was submitted; its results may not be known yet.
+/// Two poses of every body, in the order of the last submitted step. Its results may not be known yet.
 #[derive(Clone, Copy, Debug)]
 pub struct Poses<'a> {
-    /// Before that step: an array of `Body` of `shaders/shared/types.wgsl`, 144 bytes each, which begins with position, mesh and
-    /// rotation.
+    /// Before that step: an array of `Body` of `shaders/shared/types.wgsl`, 144 bytes each, which begins with position,
+    /// mesh and rotation.
     pub previous: &'a Buffer,
     /// After it: an array of `Moved`, 64 bytes each, which begins with position, a word of padding and rotation.
     pub current: &'a Buffer,
-    /// How many there are.
+    /// Number of bodies.
     pub bodies: u32,
 }

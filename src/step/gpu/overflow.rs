@@ -1,7 +1,8 @@
-//! Lists that turn out to be too short: they are made longer, and every step since runs again.
+//! Overflow: lists that were too short are made longer, and the steps in flight are repeated.
 //!
-//! A kernel that finds a list too short, of pairs in `broad_phase/arguments`, of others in `step/overflow_lists` and
-//! `step/overflow_touches`, says so in `status` and in the step's counters; that step and those after it then change nothing.
+//! A kernel that finds a list too short sets a flag in `status` and in the step's counters: `broad_phase/arguments`
+//! does for pairs, `step/overflow_lists` and `step/overflow_touches` for other lists. That step and all later ones then
+//! change nothing.
 
 use super::buffers::StepCapacity;
 use super::results::Output;
@@ -14,7 +15,7 @@ use crate::gpu::readback::scoped;
 use crate::manifolds::gpu::ContactCapacity;
 
 impl GpuStep {
-    /// Waits until every step in flight has landed.
+    /// Waits for all steps in flight.
     pub(super) fn finish_all(&mut self) -> Result<(), StepError> {
         while !self.flights.is_empty() {
             let output = self.finish_oldest()?;
@@ -23,7 +24,7 @@ impl GpuStep {
         Ok(())
     }
 
-    /// Waits for the oldest flight.
+    /// Waits for the oldest step in flight.
     pub(super) fn finish_oldest(&mut self) -> Result<Output, StepError> {
         while let Some(flight) = self.flights.front_mut() {
             let results = scoped(&self.gpu, || flight.wait(&self.gpu));
@@ -47,8 +48,8 @@ impl GpuStep {
         Err(StepError::Device("there is no step to wait for".into()))
     }
 
-    /// Runs all steps in flight again, with longer lists, and tells whether some list had to be longer. Nothing has moved:
-    /// the first one found a list too short, and that made the others do nothing.
+    /// Repeats all steps in flight with longer lists, and returns whether a list was too short. No body has moved since
+    /// the first of them, because its overflow made the others do nothing.
     fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
         let needed = Capacity {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),

@@ -1,4 +1,4 @@
-//! What each part of a step does on the device: its kernels, in the order of [`order`](crate::step::order).
+//! The kernels of each part of a step, in the order of [`order`](crate::step::order).
 
 use super::buffers::StepCapacity;
 use crate::gpu::buffers::{Buffers, Capacity};
@@ -14,22 +14,22 @@ use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, sleep, solver, triangle_test};
 
-/// Where bodies are as a step with contacts begins.
+/// Loads the bodies at the start of a step with contacts.
 const BEGIN: Kernel = kernel!("step/begin");
-/// The contact points of pairs about which nothing has changed.
+/// Reuses the contact points of inactive pairs.
 const REUSE_CONTACT_POINTS: Kernel = kernel!("step/reuse_contact_points");
-/// Whether the lists of contact generation, and those before, sufficed, and how much there was.
+/// Tests whether the lists of contact generation, and earlier ones, overflowed.
 const OVERFLOW_LISTS: Kernel = kernel!("step/overflow_lists");
-/// Where the bodies are as another interval begins.
+/// Moves the bodies between collision substeps.
 const MOVE_BODIES: Kernel = kernel!("step/move_bodies");
-/// Whether the list of touches sufficed.
+/// Tests whether the touch list overflowed.
 const OVERFLOW_TOUCHES: Kernel = kernel!("step/overflow_touches");
-/// Where the bodies are after the step.
+/// Writes the motions after the step.
 const FINISH: Kernel = kernel!("step/finish");
-/// What outlives it.
+/// Saves the memory for the next step.
 const REMEMBER: Kernel = kernel!("step/remember");
 
-/// All of them.
+/// The modules and kernels of the step itself.
 pub const SHADERS: Shaders = Shaders {
     modules: &[module!("step/placed")],
     kernels: &[
@@ -43,7 +43,7 @@ pub const SHADERS: Shaders = Shaders {
     ],
 };
 
-/// The kernels of a step, in the order of layers, in which a shader may import what comes before.
+/// The shaders of all stages, in the order of layers: a shader may import earlier ones.
 pub const ALL_SHADERS: [&Shaders; 10] = [
     &crate::gpu::SHADERS,
     &broad_phase::gpu::SHADERS,
@@ -57,12 +57,12 @@ pub const ALL_SHADERS: [&Shaders; 10] = [
     &SHADERS,
 ];
 
-/// Every kernel there is.
+/// All kernels.
 pub fn all_kernels() -> impl Iterator<Item = &'static Kernel> {
     ALL_SHADERS.iter().flat_map(|shaders| shaders.kernels.iter().copied())
 }
 
-/// What kernels import.
+/// All modules.
 pub fn all_modules() -> impl Iterator<Item = &'static Module> {
     ALL_SHADERS.iter().flat_map(|shaders| shaders.modules)
 }
@@ -72,16 +72,16 @@ pub fn all_modules() -> impl Iterator<Item = &'static Module> {
 pub struct Recorder<'s> {
     /// What happens to bodies that touch.
     pub response: Response,
-    /// What the lists of a step hold.
+    /// Capacity of the lists.
     pub capacity: &'s Capacity,
-    /// What those hold that only steps with contact points have.
+    /// Capacity of the lists for contact points.
     pub contact_capacity: Option<&'s StepCapacity>,
-    /// How often the solver does everything.
+    /// The solver's iteration counts.
     pub passes: Option<Passes>,
 }
 
 impl Recorder<'_> {
-    /// The calls of an interval that belong to these stages.
+    /// The calls of a collision substep that belong to these stages.
     pub fn calls(&self, stages: &[Stage], place: Place) -> Calls {
         let mut calls = Calls::new(Stage::BroadPhase);
         for part in parts(self.response, place).filter(|part| stages.contains(&part.stage())) {
@@ -126,13 +126,13 @@ impl Recorder<'_> {
             Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep()),
             // Steps with such bodies run on the CPU.
             Part::StopFastBodies => {}
-            // After the last interval the bodies are moved by what remembers them: a step that has to run again begins where they
-            // were.
+            // In the last collision substep `Part::Remember` moves the bodies, so that a step that has to be repeated
+            // starts from their old poses.
             Part::MoveBodies if place.is_last => {}
             Part::MoveBodies => {
                 calls.call(&MOVE_BODIES, per_body);
             }
-            // The host reports them. A list that is too short turns the step into nothing.
+            // The host reports them. If the touch list overflowed, the step is discarded.
             Part::ReportTouches => {
                 calls.call(&OVERFLOW_TOUCHES, Groups::Exactly(1));
             }
@@ -161,18 +161,18 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
     recorder.calls(&Stage::ALL, Place::of(0, 1))
 }
 
-/// The same, with their buffers.
+/// The same, bound to buffers.
 pub fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
     Program::new(gpu, kernels, &impulse_calls(&buffers.capacity), &[buffers])
 }
 
-/// Puts contact points in order, and finds out whether all lists so far sufficed.
+/// Compacts the lists of contact points, and tests all lists so far for overflow.
 fn list_contact_points(calls: &mut Calls) {
     manifolds::gpu::record::record_lists(calls);
     calls.call(&OVERFLOW_LISTS, Groups::Exactly(1));
 }
 
-/// Copies to where it outlives the step what the solver and contact generation know of the last interval.
+/// Saves the solver's memory and the contact points of the last collision substep.
 fn remember(calls: &mut Calls, contact_capacity: &StepCapacity) {
     let StepCapacity { contacts, .. } = contact_capacity;
     for (counter, count, bytes, from, to) in [

@@ -1,4 +1,4 @@
-//! Which body of a step was which in the step before.
+//! Body remap on the GPU: the numbers of bodies in the last submitted step and in this one, and what carries over.
 
 use crate::gpu::layout::{CARRIED_SLEEP, CONTINUES, WOKEN};
 use crate::sleep::inputs::SleepInputs;
@@ -8,7 +8,7 @@ use crate::step::remap;
 use crate::types::body::RigidBody;
 use glam::Vec3;
 
-/// State of the last submitted step whose change wakes bodies. Where the bodies are only the device knows.
+/// State of the last submitted step whose change wakes bodies. Poses are known to the device only.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LastBodies {
     /// Ascending.
@@ -18,34 +18,34 @@ pub struct LastBodies {
     gravity: Vec3,
 }
 
-/// How the bodies of a step follow from those of the step before.
+/// The numbers of bodies in two successive steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BodyRemap {
-    /// Of each body its number then, and what goes on, as `Body::carried` has it.
+    /// For each body its number in the last step, and what carries over, as in `Body::carried`.
     pub bodies: Vec<(u32, u32)>,
-    /// Of each body then, and each half-space after them, its number now; `u32::MAX` if it is gone.
+    /// For each body of the last step, followed by the half-spaces, its new number; `u32::MAX` if it is gone.
     pub new_numbers: Vec<u32>,
-    /// Whether half-spaces are others.
+    /// Whether the half-spaces differ.
     pub planes_changed: bool,
 }
 
 impl LastBodies {
-    /// Nothing goes on into the next step.
+    /// Forgets all bodies: nothing carries over to the next step.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// How many bodies there were.
+    /// Number of bodies in the last step.
     pub fn len(&self) -> usize {
         self.keys.len()
     }
 
-    /// Whether nothing goes on.
+    /// Whether nothing carries over.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty()
     }
 
-    /// How the bodies of `input` follow from those of the last call.
+    /// Matches the bodies of `input` with those of the last call, and replaces these.
     pub fn advance_to(&mut self, input: &StepInput) -> BodyRemap {
         let StepInput {
             bodies, planes, config, ..
@@ -65,7 +65,7 @@ impl LastBodies {
             remap.new_numbers[before as usize] = i as u32;
             let params = &bodies.params[i];
             let sleeps = params.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
-            // Another scale or mesh may put the centre of mass elsewhere.
+            // Another scale or mesh may move the centre of mass.
             let (now, then) = (&sleep_inputs[i], &self.sleep_inputs[before as usize]);
             let same_center = (now.center, now.scale) == (then.center, then.scale);
             let mut carried = if same_center { CONTINUES } else { 0 };

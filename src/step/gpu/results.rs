@@ -1,4 +1,4 @@
-//! What a step found, brought back into the host's arrays, in an order that does not depend on which workgroup was first.
+//! Results of a step, converted to the host's arrays in an order that does not depend on the order of workgroups.
 
 use super::contact_programs::ContactPrograms;
 use super::upload::Input;
@@ -26,42 +26,42 @@ use std::ops::Range;
 use std::time::Duration;
 use wgpu::{Buffer, CommandEncoder};
 
-/// How much of a step's results comes back to the host.
+/// Which results are read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
     /// Contacts and motions.
     #[default]
     All,
-    /// How many there are of each.
+    /// Counts only.
     Counts,
 }
 
 /// The results of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Output {
-    /// Where every body is after the step; empty with [`Detail::Counts`].
+    /// Motions of all bodies after the step; empty with [`Detail::Counts`].
     pub motions: Vec<Motion>,
-    /// Bodies whose spheres overlap, `a < b`, ascending; empty with [`Detail::Counts`].
+    /// Pairs of bodies whose bounding spheres overlap, `a < b`, ascending; empty with [`Detail::Counts`].
     pub sphere_pairs: Vec<[u32; 2]>,
-    /// What touches; empty but for the number of tests with [`Detail::Counts`].
+    /// Touching pairs; with [`Detail::Counts`] only the number of tests.
     pub contacts: Contacts,
-    /// Where bodies push each other, with [`Response::None`] and [`Response::Contacts`]; empty with [`Detail::Counts`].
+    /// Contact points, with [`Response::None`] and [`Response::Contacts`]; empty with [`Detail::Counts`].
     pub manifolds: Manifolds,
-    /// Of each body whether it sleeps; empty with [`Detail::Counts`].
+    /// For each body whether it sleeps; empty with [`Detail::Counts`].
     pub asleep: Vec<bool>,
-    /// Pairs of triangles near each other, in the interval that had most: what contact generation had to look at.
+    /// Number of pairs of nearby triangles in contact generation, in the collision substep that had most.
     pub near_triangles: usize,
-    /// Into how many collision substeps the step was cut.
+    /// Number of collision substeps.
     pub collision_substeps: u32,
-    /// How fast bodies move after the step, with [`Response::Contacts`].
+    /// Speeds of bodies after the step, with [`Response::Contacts`].
     pub speeds: Speeds,
-    /// How many there are.
+    /// Sizes of the results.
     pub counts: Counts,
-    /// How long each stage took on the device; zero where it cannot tell.
+    /// Time of each stage on the device; zero if it has no time stamps.
     pub times: [Duration; Stage::COUNT],
 }
 
-/// What lies where in the buffer in which the results come back.
+/// The ranges of the results in the staging buffer.
 pub(super) struct Parts {
     counters: Range<u64>,
     times: Range<u64>,
@@ -75,17 +75,17 @@ pub(super) struct Parts {
     contact_pairs: Range<u64>,
     contact_points: Range<u64>,
     touches: Range<u64>,
-    /// Bytes of all.
+    /// Total size, bytes.
     pub total: u64,
 }
 
 impl Parts {
-    /// Room for as much as the lists hold: how much there will be is not known when the copy is recorded.
+    /// Ranges for full lists, because the numbers of elements are unknown when the copy is recorded.
     pub fn new(capacity: &Capacity, contacts: Option<&ContactPrograms>, input: &Input, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
-            // Copies are made of words of four bytes, and these are all made of such.
+            // Copies must be multiples of four bytes; all elements are.
             total += u64::from(count) * size as u64;
             start..total
         };
@@ -122,7 +122,7 @@ impl Parts {
         }
     }
 
-    /// To be recorded after the stages.
+    /// Records the copies. Call it after the stages.
     pub fn copy(
         &self,
         buffers: &Buffers,
@@ -156,10 +156,10 @@ impl Parts {
         }
     }
 
-    /// What is there among `bytes`.
+    /// Reads the ranges from `bytes`.
     pub fn read(&self, bytes: &[u8]) -> Raw {
         let counters: Vec<u32> = list(bytes, &self.counters, COUNTERS as usize);
-        // Of a list that is too short there is nothing.
+        // After an overflow the lists are invalid.
         let skipped = counters[SKIPPED as usize] != 0;
         let count = |counter: u32| {
             if skipped {
@@ -170,7 +170,7 @@ impl Parts {
         };
         let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
         tally.resize(TALLIES as usize, 0);
-        // Of the last interval.
+        // Of the last collision substep.
         let mut found: Vec<u32> = list(bytes, &self.found, CONTACT_COUNTERS as usize);
         found.resize(CONTACT_COUNTERS as usize, 0);
         let all = |many: u32| if skipped { 0 } else { many as usize };
@@ -195,9 +195,9 @@ impl Parts {
 pub(super) struct Raw {
     /// The counters.
     pub counters: Vec<u32>,
-    /// What counts over all intervals.
+    /// Counters over all collision substeps.
     pub tally: Vec<u32>,
-    /// Contact points of the last one.
+    /// Number of contact points in the last collision substep.
     found: usize,
     contact_pairs: Vec<ContactPair>,
     contact_points: Vec<ContactPoint>,
@@ -211,7 +211,7 @@ pub(super) struct Raw {
 }
 
 impl Raw {
-    /// In order, and in the words of the input.
+    /// Sorts the results, and converts numbers to those of the input.
     pub fn sort(mut self, input: &Input, timer: Option<&Timer>) -> Output {
         let count = |counter: u32| self.counters[counter as usize] as usize;
         let mut output = Output {
@@ -249,7 +249,7 @@ impl Raw {
         }
         if input.response == Response::Contacts {
             if output.motions.is_empty() {
-                // Nobody asked who touched whom.
+                // Touching pairs were not read.
                 let now = self.tally[TOUCHING_NOW as usize] as usize;
                 output.counts.touching_pairs = output.counts.touching_pairs.max(now);
             } else {
@@ -262,14 +262,14 @@ impl Raw {
 }
 
 impl Output {
-    /// Puts everything where the CPU's stages would.
+    /// Writes everything to where the CPU's stages would.
     pub fn put(self, state: &mut StepState) {
         for (i, motion) in self.put_lists(&mut state.results).iter().enumerate() {
             state.input.bodies.set_motion(i, motion);
         }
     }
 
-    /// Puts everything but the motions there, and returns those.
+    /// The same without the motions, which it returns.
     pub fn put_lists(self, results: &mut StepResults) -> Vec<Motion> {
         results.sphere_pairs = self.sphere_pairs;
         results.near_pairs.clear();
@@ -294,7 +294,7 @@ impl From<&Moved> for Motion {
     }
 }
 
-/// The first `count` elements of a part, or as many as it holds.
+/// The first `count` elements of a range, or as many as it holds.
 fn list<T: Pod>(bytes: &[u8], range: &Range<u64>, count: usize) -> Vec<T> {
     let part = &bytes[range.start as usize..range.end as usize];
     let size = count.saturating_mul(size_of::<T>()).min(part.len());
@@ -303,7 +303,7 @@ fn list<T: Pod>(bytes: &[u8], range: &Range<u64>, count: usize) -> Vec<T> {
 
 fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touching>, hits: &[Hit]) {
     touching.sort_unstable_by_key(|t| [t.a, t.b]);
-    // Where the faces of each pair begin, by the pair's number on the device.
+    // The rank and first face of each pair, by its number on the device.
     let most = touching.iter().map(|t| t.pair as usize + 1).max().unwrap_or(0);
     let mut starts = vec![(0, 0); most];
     let mut first_face = 0;
@@ -365,7 +365,7 @@ fn put_planes(contacts: &mut Contacts, input: &Input, mut planes: Vec<PlaneConta
     }));
 }
 
-/// What a tally says of velocities.
+/// The speeds in a tally.
 fn speeds(tally: &[u32]) -> Speeds {
     let [highest, lowest] = [MAX_VELOCITY, MAX_NEGATED_VELOCITY].map(|first| {
         let axes = [0, 1, 2].map(|axis| descending(tally[(first + axis) as usize]));
@@ -374,7 +374,7 @@ fn speeds(tally: &[u32]) -> Speeds {
     Speeds::between(-lowest, highest, descending(tally[MAX_SPIN as usize]).unwrap_or(0.0))
 }
 
-/// The number that the kernels made one of, in the order of the floats; `None` for 0, which stands for none.
+/// The inverse of `ascending` in the kernels; `None` for 0, which stands for none.
 fn descending(ascending: u32) -> Option<f32> {
     let bits = if ascending >> 31 == 1 {
         ascending ^ 0x8000_0000

@@ -1,4 +1,4 @@
-//! What a step with contacts is told beside where the bodies are.
+//! The solver's input in a step with contacts.
 
 use super::buffers::StepBuffers;
 use super::remap::BodyRemap;
@@ -15,34 +15,34 @@ use crate::types::solver_settings::SolverSettings;
 use bytemuck::{bytes_of, cast_slice};
 use glam::Vec3;
 
-/// What the solver is told.
+/// The solver's input, packed for the device.
 pub struct SolverInput {
     settings: SolverSettings,
     collision_substep: CollisionSubstep,
-    /// Into how many intervals the step is cut.
+    /// Number of collision substeps.
     pub collision_substeps: u32,
     bodies: Vec<layout::SolverBody>,
     host_states: Vec<layout::MotionState>,
     forces: Vec<layout::BodyForces>,
     remap: BodyRemap,
-    /// The velocity that bodies have in common, m/s.
+    /// Common velocity of the bodies, m/s.
     pub drift: Vec3,
-    /// What it says of motions.
+    /// Changes of speed by the host.
     pub host_speeds: HostSpeeds,
 }
 
-/// What the host tells a device of motions in one step.
+/// Speeds that the host sets or changes in one step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HostSpeeds {
     /// Of bodies whose velocities it sets.
     pub speeds: Speeds,
-    /// How much faster any point of a body may get by what acts on it in the step, or is added to its velocity, m/s.
+    /// Upper bound of the change of any body's speed by impulses and added velocities, m/s.
     pub max_change: f32,
 }
 
 impl SolverInput {
-    /// Packs the bodies and half-spaces of `state`. Those that `carried` says go on with their velocities have `speeds`, but
-    /// for what they are pushed by.
+    /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, have at most
+    /// `speeds`, plus what the host adds.
     pub fn new(state: &StepInput, carried: &[Option<Carried>], speeds: Speeds, remap: BodyRemap) -> Self {
         let StepInput {
             config,
@@ -105,42 +105,42 @@ impl SolverInput {
         }
     }
 
-    /// The length of a collision substep, seconds.
+    /// Length of a collision substep, seconds.
     pub fn dt(&self) -> f32 {
         self.collision_substep.dt
     }
 
-    /// How far bodies look, as a time in which they move.
+    /// Time in which the travel of bodies adds to their margins, seconds.
     pub fn speculative_time(&self) -> f32 {
         SAFETY * self.collision_substep.dt
     }
 
-    /// Of a body its number in the step before, and what goes on beside what `carried` says.
+    /// The number of body `i` in the last step, and what carries over besides `carried`.
     pub fn source(&self, i: usize) -> (u32, u32) {
         self.remap.bodies[i]
     }
 
-    /// What the interval's calls depend on.
+    /// Iteration counts of a collision substep.
     pub fn passes(&self) -> Passes {
         Passes::new(&self.settings, &self.collision_substep)
     }
 
-    /// How many bodies and half-spaces there are.
+    /// Number of bodies and half-spaces.
     pub fn body_count(&self) -> u32 {
         self.bodies.len() as u32
     }
 
-    /// Whether half-spaces are others.
+    /// Whether the half-spaces differ from those of the last step.
     pub fn planes_changed(&self) -> bool {
         self.remap.planes_changed
     }
 
-    /// How many there were.
+    /// Number of bodies and half-spaces in the last step.
     pub fn old_bodies(&self) -> u32 {
         self.remap.new_numbers.len() as u32
     }
 
-    /// Writes everything.
+    /// Writes all buffers.
     pub fn write(&self, gpu: &Gpu, step: &StepBuffers, capacity: SolverCapacity) {
         let count = self.body_count();
         let packed = |old| upload::collision_substep(&self.settings, &self.collision_substep, [count, old], capacity);
@@ -159,7 +159,7 @@ impl SolverInput {
     }
 }
 
-/// What goes on of a body with velocities, or a part of them, that the host need not know.
+/// What carries over of a body, if its velocity does at least in part.
 fn carried_velocities(carried: &[Option<Carried>], i: usize) -> Option<Carried> {
     let carries = |carried: &Carried| carried.linear.axes.any() || carried.angular.axes.any();
     carried.get(i).copied().flatten().filter(carries)

@@ -1,4 +1,4 @@
-//! Sends a step off.
+//! Submission of a step.
 
 use super::buffers::StepCapacity;
 use super::flight::Flight;
@@ -13,11 +13,10 @@ use crate::types::settings::Response;
 use crate::types::stage::Stage;
 
 impl GpuStep {
-    /// Sends a step off. `carried` has an entry for each body of `state`, or none at all: bodies then are where `state`
-    /// says.
+    /// Submits a step. `carried` has an entry for each body of `state`; if it is empty, all bodies start as in `state`.
     ///
     /// # Errors
-    /// If the device cannot hold the bodies or meshes, or fails: all steps in flight are given up then.
+    /// If the device cannot hold the bodies or meshes, or fails. All steps in flight are then given up.
     pub fn submit(&mut self, state: &StepInput, carried: &[Option<Carried>], detail: Detail) -> Result<(), StepError> {
         let result = self.submit_within(state, carried, detail);
         if result.is_err() {
@@ -39,7 +38,7 @@ impl GpuStep {
         let mut input = Input::new(state, carried);
         if state.config.response == Response::Contacts {
             let remap = self.last_bodies.advance_to(state);
-            // What may have changed while the results are on their way: what the host told, and what falls.
+            // Changes of speed that the known results do not include: by the host, and by gravity.
             let max_change = self.host_speeds.iter().map(|host| host.max_change).sum();
             let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
             let known = self
@@ -55,7 +54,7 @@ impl GpuStep {
         }
         let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {
-            // Steps that must run again find their meshes where they were.
+            // Steps that are repeated need their meshes in place.
             self.finish_all()?;
             changes = self.arena.update(&state.meshes)?;
         }
@@ -67,7 +66,7 @@ impl GpuStep {
             ..Capacity::default()
         };
         if !wants_points && self.buffers.capacity.grown(needed) != self.buffers.capacity {
-            // Swarms of impulses need no room for contact points: it is made again when somebody wants some.
+            // The buffers for contact points are dropped with [`Response::Impulse`], and created again when needed.
             self.finish_all()?;
             self.contacts = None;
         }

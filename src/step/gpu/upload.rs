@@ -1,4 +1,4 @@
-//! From the host's arrays to the device's.
+//! The input of a step, packed for the device.
 
 use super::contact_programs::ContactPrograms;
 use super::solver_input::SolverInput;
@@ -15,32 +15,32 @@ use crate::types::settings::{Culling, Response};
 use bytemuck::cast_slice;
 use glam::{BVec3, Vec3};
 
-/// A body that goes on from where the step before left it, which only the device may know as yet.
+/// A body that continues from the last step, whose results the host may not know yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
-    /// Its number in that step.
+    /// Its number in the last step.
     pub source: u32,
-    /// What of its position goes on.
+    /// What carries over of its position.
     pub position: CarriedVector,
-    /// Whether its rotation goes on. If not, it is that of [`Bodies`].
+    /// Whether its rotation carries over. Otherwise it is that of [`Bodies`].
     pub rotation: bool,
-    /// What of its linear velocity goes on.
+    /// What carries over of its linear velocity.
     pub linear: CarriedVector,
-    /// What of its angular velocity goes on.
+    /// What carries over of its angular velocity.
     pub angular: CarriedVector,
 }
 
-/// What of a vector goes on from the step before.
+/// What carries over of a vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarriedVector {
-    /// Along which axes it does. Along the others it is that of [`Bodies`].
+    /// The axes along which it carries over. Along the others it is that of [`Bodies`].
     pub axes: BVec3,
-    /// What is added along these axes.
+    /// Added along these axes.
     pub added: Vec3,
 }
 
 impl Carried {
-    /// All of number `source` goes on, unchanged.
+    /// Everything of body `source` carries over unchanged.
     pub fn all(source: u32) -> Self {
         Self {
             source,
@@ -53,14 +53,14 @@ impl Carried {
 
     /// The bits of `Body::carried`.
     fn bits(&self) -> u32 {
-        // Each is below the next one.
+        // Powers of two, each larger than the sum of the ones before.
         u32::from(self.rotation) * CARRIED_ROTATION
             + self.position.axes.bitmask() * CARRIED_POSITION
             + self.linear.axes.bitmask() * CARRIED_LINEAR
             + self.angular.axes.bitmask() * CARRIED_ANGULAR
     }
 
-    /// Where the body is that was last at `last`, if the host says `own`.
+    /// The motion of the body, from its last motion and the host's.
     pub fn apply(&self, last: &Motion, own: &Motion) -> Motion {
         Motion {
             position: self.position.apply(last.position, own.position),
@@ -72,13 +72,14 @@ impl Carried {
 }
 
 impl CarriedVector {
-    /// The whole vector goes on, unchanged. Adding minus zero changes no bit of any number; zero would those of minus zero.
+    /// The whole vector carries over unchanged. Adding minus zero preserves the bits of every number; plus zero would
+    /// change minus zero.
     pub const ALL: Self = Self {
         axes: BVec3::TRUE,
         added: Vec3::splat(-0.0),
     };
 
-    /// What the device is told.
+    /// The value for the device.
     pub fn sent(&self, own: Vec3) -> Vec3 {
         Vec3::select(self.axes, self.added, own)
     }
@@ -88,7 +89,7 @@ impl CarriedVector {
     }
 }
 
-/// All that a step is told. It is kept until the results are there: a step whose lists were too short runs again.
+/// The input of a step. It is kept until the results are read, because a step whose lists overflowed is repeated.
 pub struct Input {
     step: layout::Step,
     bodies: Vec<layout::Body>,
@@ -101,7 +102,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Packs the bodies, planes and settings of `state`. `carried` has an entry for each body, or none at all.
+    /// Packs the bodies, half-spaces and settings of `state`. `carried` has an entry for each body, or is empty.
     pub fn new(state: &StepInput, carried: &[Option<Carried>]) -> Self {
         let StepInput {
             config, bodies, planes, ..
@@ -131,7 +132,7 @@ impl Input {
         }
     }
 
-    /// Adds what the solver is told, with [`Response::Contacts`].
+    /// Adds the solver's input, with [`Response::Contacts`].
     pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
         self.step.dt = solver.dt();
         self.step.speculative_time = solver.speculative_time();
@@ -139,7 +140,7 @@ impl Input {
         self.step.planes_changed = solver.planes_changed().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
-            // Whoever continues has the same number there.
+            // For bodies that carry over, both sources are equal.
             body.source = if carried == 0 { body.source } else { source };
             body.carried |= carried;
         }
@@ -147,17 +148,17 @@ impl Input {
         self
     }
 
-    /// How many collision substeps the step has.
+    /// Number of collision substeps.
     pub(super) fn collision_substeps(&self) -> u32 {
         self.solver.as_ref().map_or(1, |solver| solver.collision_substeps)
     }
 
-    /// How many bodies and half-spaces there were in the step before, as far as the solver knows.
+    /// Number of bodies and half-spaces in the last step.
     pub(super) fn old_bodies(&self) -> u32 {
         self.solver.as_ref().map_or(0, SolverInput::old_bodies)
     }
 
-    /// How many bodies there are.
+    /// Number of bodies.
     pub fn len(&self) -> u32 {
         self.step.bodies
     }
@@ -167,7 +168,7 @@ impl Input {
         self.step.bodies == 0
     }
 
-    /// What holds for all bodies; the sizes of lists are still missing.
+    /// Parameters of the step, without the lengths of lists.
     pub(crate) fn step(&self) -> &layout::Step {
         &self.step
     }
@@ -187,7 +188,7 @@ impl Input {
         self.meshes[self.bodies[body as usize].mesh as usize].as_ref()
     }
 
-    /// Where the centre of mass of a body was before a step without pushes, after which it is there.
+    /// The centre of mass of a body before a step without response, from its motion after it.
     pub(super) fn center_before(&self, body: u32, after: &Motion) -> Vec3 {
         let packed = &self.bodies[body as usize];
         let center = self.mesh_of(body).map_or(Vec3::ZERO, |mesh| mesh.mass.center);
@@ -198,7 +199,7 @@ impl Input {
         now - self.step.dt * after.linear_velocity
     }
 
-    /// Writes everything.
+    /// Writes all buffers.
     pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&ContactPrograms>) {
         let capacity = &buffers.capacity;
         let held = Capacity {
@@ -206,7 +207,7 @@ impl Input {
             ..*capacity
         };
         let step = layout::Step {
-            // By the bodies there are and not by the room for them: the order of pairs, and so of sums, follows the buckets.
+            // By the number of bodies, not by the capacity: the order of pairs, and so of sums, depends on the buckets.
             bucket_mask: held.buckets() - 1,
             pair_capacity: capacity.pairs,
             hit_capacity: capacity.hits,
@@ -233,8 +234,8 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     let inertia = bodies.local_inverse_inertia[i];
     let scale = bodies.scale[i];
     let mesh = &state.meshes[bodies.mesh[i]].mesh;
-    // The device places the centre of mass in single precision: the sphere grows by what that can cost. What the distance
-    // from the origin adds is for the device to say, which knows the place.
+    // The device places the centre of mass in single precision, so the sphere grows by the rounding error. The device
+    // adds the part that depends on the distance from the origin.
     let anchor = scale * mesh.mass.center;
     let radius = mesh.radius * scale.abs().max_element();
     let mut sent = bodies.motion(i);
