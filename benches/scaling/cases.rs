@@ -1,9 +1,10 @@
 //! Meshes in several resolutions, and pairs of them whose contacts do not grow with the number of triangles.
 
-use bevy_faceoff::asset::{CollisionMesh, import_file};
+use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::state::Body;
 use bevy_faceoff::step::StepState;
+use bevy_faceoff::testing::external;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DQuat, Quat, Vec3};
 
@@ -102,12 +103,7 @@ fn on_terrain(side: u32, bodies: usize) -> Scene {
 /// A nut on the thread of a bolt, whose surfaces are close to each other all around. The meshes are external files, so
 /// the case is skipped if they are not found. There is only one resolution.
 pub fn nut_on_bolt() -> Option<Case> {
-    let mesh = |name: &str| {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/meshes/isaacgym_factory_");
-        let imported = import_file(format!("{folder}{name}.obj")).ok()?;
-        Some(CollisionMesh::new(imported.mesh()))
-    };
-    let meshes = [mesh("nut_m16_loose_subdiv_3x")?, mesh("bolt_m16_loose")?];
+    let meshes = external::nut_and_bolt()?;
     let scene = move |poses: usize| {
         let mut state = StepState::default();
         let [nut, bolt] = meshes.each_ref().map(|mesh| state.input.meshes.add(mesh.clone()));

@@ -20,7 +20,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let body = bodies[values[i]];
     let center = center_of(body, meshes[body.mesh].center);
-    entries[i] = GridEntry(center, body.speculative_radius, values[i], level_of(body.speculative_radius), body.flags, 0u);
+    let radius = body.speculative_radius;
+    entries[i] = GridEntry(center, radius, values[i], level_of(radius), body.flags, 0u);
     let key = keys[i];
     if i == 0u || keys[i - 1u] != key {
         buckets[key].x = i;

@@ -50,7 +50,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let point = contact_points[pair.first + k];
         let middle = center + (point.anchor_a + point.normal * (0.5 * point.separation));
         let impulse = impulse_of(point_states[pair.first + k]);
-        touches[first + k] = t::Touch(middle, pair.a, point.normal, pair.b, point.separation, impulse, substep_number, k);
+        touches[first + k] = t::Touch(
+            middle, pair.a, point.normal, pair.b, point.separation, impulse, substep_number, k
+        );
     }
 }
 

@@ -122,7 +122,9 @@ fn reserve(index: u32, count: vec2<u32>, deep: bool) -> vec2<u32> {
     return select(vec2(t::NOTHING), first, fits);
 }
 
-fn triangle_pair(setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: vec2<u32>, deep: bool) -> f::TrianglePair {
+fn triangle_pair(
+    setup: t::PairSetup, a: sides::Side, b: sides::Side, numbers: vec2<u32>, deep: bool
+) -> f::TrianglePair {
     var pair: f::TrianglePair;
     pair.a = sides::triangle(a, numbers.x);
     pair.b = sides::triangle(b, numbers.y);

@@ -232,7 +232,8 @@ fn has_features(a: sides::Side, b: sides::Side, ca: Corners, cb: Corners, number
     let across_a = cross(offset, outward_a);
     let across_b = cross(offset, outward_b);
     let lateral = sqrt(vec2(dot(across_a, across_a), dot(across_b, across_b)));
-    let around = AROUND_ERROR * (radius(ca, middle_a) + radius(cb, middle_b)) + 8.0 * pad + 2.0 * DIRECTION_ERROR * reach;
+    let around = AROUND_ERROR * (radius(ca, middle_a) + radius(cb, middle_b)) + 8.0 * pad
+        + 2.0 * DIRECTION_ERROR * reach;
     if min(lateral.x, lateral.y) <= around {
         return true;
     }

@@ -71,7 +71,8 @@ fn pair_setup(pair: t::MarginPair) -> t::PairSetup {
     result.scale_a = a.scale * result.unit;
     result.scale_b = b.scale * result.unit;
     result.size = 2.0 * min(
-        max_component(meshes[a.mesh].box_half * abs(result.scale_a)), max_component(meshes[b.mesh].box_half * abs(result.scale_b))
+        max_component(meshes[a.mesh].box_half * abs(result.scale_a)),
+        max_component(meshes[b.mesh].box_half * abs(result.scale_b))
     );
     // NaN counts as no margin. Compared by bits, which are in the order of positive numbers, because compilers may
     // assume that NaN does not occur.
@@ -89,7 +90,8 @@ fn same_place(a: t::Body, b: t::Body, world_offset: vec3<f32>) -> bool {
     let max_distance = SAME_PLACE * min(a.radius, b.radius);
     // Single precision resolves rotations to 3e-3 radians only; the CPU requires 1e-4.
     let rotation_difference = 1.0 - abs(dot(a.rotation, b.rotation));
-    return a.mesh == b.mesh && all(a.scale == b.scale) && dot(world_offset, world_offset) < max_distance * max_distance && rotation_difference < 1.0e-6;
+    let near = dot(world_offset, world_offset) < max_distance * max_distance;
+    return a.mesh == b.mesh && all(a.scale == b.scale) && near && rotation_difference < 1.0e-6;
 }
 
 // The power of two that scales a size to between 1 and 2.

@@ -86,7 +86,8 @@ fn choose(setup: t::PairSetup, thread: u32) -> u32 {
             }
             let offset = (features[at].point_a - p) / setup.size;
             let normal_change = features[at].normal - n;
-            let distance = min(features[at].distance, dot(offset, offset) + NORMAL_WEIGHT * dot(normal_change, normal_change));
+            let squared = dot(offset, offset) + NORMAL_WEIGHT * dot(normal_change, normal_change);
+            let distance = min(features[at].distance, squared);
             features[at].distance = distance;
             if distance <= DUPLICATE {
                 continue;

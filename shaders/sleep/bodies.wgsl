@@ -22,7 +22,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             disturbed = speed != 0.0 || forced || kind != t::DYNAMIC || others;
         }
     } else {
-        let rest_time = select(0.0, motion_states[i].rest_time + collision_substep.dt, speed < collision_substep.sleep_speed);
+        let slow = speed < collision_substep.sleep_speed;
+        let rest_time = select(0.0, motion_states[i].rest_time + collision_substep.dt, slow);
         motion_states[i].rest_time = rest_time;
         let ready = asleep || (rest_time >= collision_substep.sleep_time && !forced);
         disturbed = disturbed && !ready;

@@ -2,7 +2,8 @@
 // those awake that they touch. A static body that has changed wakes those on it. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters, collision_substep, motion_states}
+#import faceoff::islands::{solver_bodies, constants, contact_pairs, contact_points, solver_counters}
+#import faceoff::islands::{collision_substep, motion_states}
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -48,7 +49,8 @@ fn will_touch(pair: t::ContactPair) -> bool {
     let fall = sqrt(dot(collision_substep.gravity, collision_substep.gravity)) * collision_substep.dt;
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
         let point = contact_points[k];
-        let approach_speed = dot(velocity_at(pair.a, point.anchor_a) - velocity_at(pair.b, point.anchor_b), point.normal);
+        let velocity = velocity_at(pair.a, point.anchor_a) - velocity_at(pair.b, point.anchor_b);
+        let approach_speed = dot(velocity, point.normal);
         if point.separation - (max(approach_speed, 0.0) + fall) * collision_substep.dt <= near {
             return true;
         }

@@ -19,7 +19,9 @@ fn main() {
     solver_counters[s::PAIRS_FOUND] = pairs;
     solver_counters[s::POINTS_FOUND] = points;
     solver_counters[s::SKIPPED] = 0u;
-    if pairs > collision_substep.pair_capacity || points > collision_substep.point_capacity || status[t::OVERFLOW] != 0u {
+    if pairs > collision_substep.pair_capacity
+        || points > collision_substep.point_capacity
+        || status[t::OVERFLOW] != 0u {
         status[t::OVERFLOW] = 1u;
         solver_counters[s::SKIPPED] = 1u;
     }

@@ -100,7 +100,9 @@ fn body_constants_of(body: s::SolverBody, state: s::MotionState, external_forces
         constants.local_inertia_off_diagonal = inertia.off_diagonal;
     }
     let size = body.inverse_inertia.x;
-    let uneven = max(max_component(abs(body.inverse_inertia - size)), max_component(abs(body.inverse_inertia_off_diagonal)));
+    let uneven = max(
+        max_component(abs(body.inverse_inertia - size)), max_component(abs(body.inverse_inertia_off_diagonal))
+    );
     if !regular || uneven <= 1.0e-5 * size {
         constants.flags |= s::ISOTROPIC;
     }

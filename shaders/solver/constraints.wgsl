@@ -36,8 +36,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         pair.first = contact.first_point;
         pair.count = contact.point_count;
     }
-    let exists = pair.a < collision_substep.bodies && pair.b < collision_substep.bodies && pair.a != pair.b && pair.count > 0u;
-    if exists {
+    let exist = max(pair.a, pair.b) < collision_substep.bodies;
+    if exist && pair.a != pair.b && pair.count > 0u {
         let first = masses[pair.a].flags;
         let second = masses[pair.b].flags;
         let solid = ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u;
@@ -62,9 +62,12 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     let smaller = 2.0 * min(solver_bodies[a].radius, solver_bodies[b].radius);
     (*pair).diameter = select(0.0, smaller, smaller > 0.0 && smaller < s::INFINITE_LENGTH);
     (*pair).rest_offset = collision_substep.rest_offset * (*pair).diameter;
-    (*pair).friction = combined(s::FRICTION_RULE, solver_bodies[a].flags, solver_bodies[b].flags, solver_bodies[a].friction, solver_bodies[b].friction);
+    let flags_a = solver_bodies[a].flags;
+    let flags_b = solver_bodies[b].flags;
+    (*pair).friction =
+        combined(s::FRICTION_RULE, flags_a, flags_b, solver_bodies[a].friction, solver_bodies[b].friction);
     (*pair).restitution = min(
-        combined(s::RESTITUTION_RULE, solver_bodies[a].flags, solver_bodies[b].flags, solver_bodies[a].restitution, solver_bodies[b].restitution),
+        combined(s::RESTITUTION_RULE, flags_a, flags_b, solver_bodies[a].restitution, solver_bodies[b].restitution),
         1.0,
     );
     let coarse = motion_states[b].center - motion_states[a].center;

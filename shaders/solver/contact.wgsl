@@ -77,14 +77,15 @@ fn inverse_effective_masses(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> vec2<f3
 fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
     var point = point_states[k];
     let constants = point_constants[k];
+    let translation = pose_changes[pair.b].translation - pose_changes[pair.a].translation;
     if (pair.flags & s::DEPENETRATING) != 0u {
-        point.separation = constants.initial_separation + dot(point.normal, pose_changes[pair.b].translation - pose_changes[pair.a].translation);
+        point.separation = constants.initial_separation + dot(point.normal, translation);
         point.impulse_anchor_a = vec3(0.0);
         point.impulse_anchor_b = vec3(0.0);
     } else {
         let displacement_a = rotation_displacement(pose_changes[pair.a].rotation, constants.curvature_center_a);
         let displacement_b = rotation_displacement(pose_changes[pair.b].rotation, constants.curvature_center_b);
-        let displacement = (pose_changes[pair.b].translation - pose_changes[pair.a].translation) + displacement_b - displacement_a;
+        let displacement = translation + displacement_b - displacement_a;
         // The normal of curved surfaces that have not touched yet rotates as that of two balls that pass each other:
         // their impulse acts along the normal at the moment of contact.
         if constants.normal_rotation > 0.0 && point.max_normal_impulse == 0.0 && point.normal_impulse == 0.0 {
@@ -108,9 +109,10 @@ fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
     let mass_a = masses[pair.a];
     let mass_b = masses[pair.b];
     let first_tangent = tangent(point.normal);
+    let second_tangent = cross(point.normal, first_tangent);
     let normal = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, point.normal));
     let one = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, first_tangent));
-    let other = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, cross(point.normal, first_tangent)));
+    let other = inverse_effective_masses(mass_a, mass_b, row(mass_a, mass_b, point, second_tangent));
     // Both tangents use the same value. Otherwise friction would not point against the sliding direction.
     let tangential = max(one, other);
     point.inverse_effective_mass = vec4(normal.x, tangential.x, normal.y, tangential.y);
@@ -119,7 +121,9 @@ fn updated_point(pair: s::SolverPair, k: u32) -> s::PointState {
 
 // The inverse effective mass of a point along the normal and along the tangents, with mass splitting.
 fn split_inverse_effective_mass(pair_velocities: ptr<function, PairVelocities>, point: s::PointState) -> vec2<f32> {
-    return (*pair_velocities).mass_a.split_count * point.inverse_effective_mass.xy + (*pair_velocities).mass_b.split_count * point.inverse_effective_mass.zw;
+    let split_a = (*pair_velocities).mass_a.split_count;
+    let split_b = (*pair_velocities).mass_b.split_count;
+    return split_a * point.inverse_effective_mass.xy + split_b * point.inverse_effective_mass.zw;
 }
 
 // Velocity of the second body relative to the first along a row. Along the normal it is positive when they separate.

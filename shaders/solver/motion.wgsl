@@ -130,7 +130,8 @@ fn rotate_freely(constants: s::BodyConstants, angular: vec3<f32>, rotation_chang
     var pose = rotation_change;
     for (var k = 0u; k < u32(rounds); k += 1u) {
         let rotation = normalize(compose(pose, constants.initial_rotation));
-        let inverse = rotated_tensor(Tensor(constants.local_inverse_inertia, constants.local_inverse_inertia_off_diagonal), rotation);
+        let local_inverse = Tensor(constants.local_inverse_inertia, constants.local_inverse_inertia_off_diagonal);
+        let inverse = rotated_tensor(local_inverse, rotation);
         let inertia = rotated_tensor(Tensor(constants.local_inertia, constants.local_inertia_off_diagonal), rotation);
         let momentum = apply_tensor(inertia, next);
         var middle = next;

@@ -39,5 +39,7 @@ fn solve(pair: s::SolverPair, k: u32, pair_velocities: ptr<function, c::PairVelo
     let impulse = max(point.restitution_impulse - velocity_error / inverse_effective_mass.x, 0.0);
     c::apply_impulse(pair_velocities, normal_row, impulse - point.restitution_impulse);
     point_states[k].restitution_impulse = impulse;
-    point_states[k].restitution_friction_impulse = apply_friction(pair_velocities, point, inverse_effective_mass.y, point.restitution_friction_impulse, 1.0, pair.friction * impulse);
+    point_states[k].restitution_friction_impulse = apply_friction(
+        pair_velocities, point, inverse_effective_mass.y, point.restitution_friction_impulse, 1.0, pair.friction * impulse
+    );
 }

@@ -17,7 +17,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
             let point = point_states[k];
             let valid = (point.flags & s::POINT_VALID) != 0u;
-            if valid && point.impact_velocity < -collision_substep.restitution_threshold && point.max_normal_impulse > 0.0 {
+            let fast = point.impact_velocity < -collision_substep.restitution_threshold;
+            if valid && fast && point.max_normal_impulse > 0.0 {
                 any_active = true;
                 point_states[k] = c::updated_point(pair, k);
                 point_states[k].flags |= s::POINT_ACTIVE;

@@ -43,32 +43,42 @@ fn solve(pair: s::SolverPair, k: u32, pair_velocities: ptr<function, c::PairVelo
     if !(inverse_effective_mass.x > 0.0) {
         return;
     }
-    let bias_and_scales = bias(pair, point.separation);
+    let bias = bias_of(pair, point.separation);
     let normal_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, point.normal);
-    let velocity_error = c::velocity_along(pair_velocities, normal_row) + bias_and_scales.x;
-    let change = -collision_substep.relaxation * bias_and_scales.y * velocity_error / inverse_effective_mass.x - bias_and_scales.z * point.normal_impulse;
+    let velocity_error = c::velocity_along(pair_velocities, normal_row) + bias.speed;
+    let change = -collision_substep.relaxation * bias.mass_scale * velocity_error / inverse_effective_mass.x
+        - bias.impulse_scale * point.normal_impulse;
     let impulse = max(point.normal_impulse + change, 0.0);
     c::apply_impulse(pair_velocities, normal_row, impulse - point.normal_impulse);
     point_states[k].normal_impulse = impulse;
     point_states[k].max_normal_impulse = max(point.max_normal_impulse, impulse);
 
     let limit = select(pair.friction * impulse, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
-    point_states[k].friction_impulse = apply_friction(pair_velocities, point, inverse_effective_mass.y, point.friction_impulse, collision_substep.relaxation, limit);
+    point_states[k].friction_impulse = apply_friction(
+        pair_velocities, point, inverse_effective_mass.y, point.friction_impulse, collision_substep.relaxation, limit
+    );
 }
 
-// Bias velocity, mass scale and impulse scale of a point.
-fn bias(pair: s::SolverPair, separation: f32) -> vec3<f32> {
+// The bias velocity of a point, and the softness of its constraint.
+struct Bias {
+    speed: f32,
+    mass_scale: f32,
+    impulse_scale: f32,
+}
+
+fn bias_of(pair: s::SolverPair, separation: f32) -> Bias {
     if separation > 0.0 {
         // Speculative contact: the gap may close by the end of the substep, and no sooner.
-        return vec3(separation / collision_substep.h, 1.0, 0.0);
+        return Bias(separation / collision_substep.h, 1.0, 0.0);
     }
     if (constants.x & s::PASS_BIASED) == 0u {
-        return vec3(0.0, 1.0, 0.0);
+        return Bias(0.0, 1.0, 0.0);
     }
+    let spring_speed = collision_substep.bias_rate * separation;
     if (pair.flags & s::DEPENETRATING) != 0u {
         // Near the surface the bias falls below the maximum, to that of the contact spring of other pairs.
-        return vec3(max(collision_substep.bias_rate * separation, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
+        return Bias(max(spring_speed, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
     }
-    let speed = max(collision_substep.bias_rate * separation, -collision_substep.max_depenetration_speed);
-    return vec3(speed, collision_substep.mass_scale, collision_substep.impulse_scale);
+    let speed = max(spring_speed, -collision_substep.max_depenetration_speed);
+    return Bias(speed, collision_substep.mass_scale, collision_substep.impulse_scale);
 }

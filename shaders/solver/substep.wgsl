@@ -32,14 +32,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if point.max_normal_impulse == 0.0 {
             point.impact_velocity = normal_velocity;
         }
-        if point.normal_impulse > 0.0 || point.separation + normal_velocity * collision_substep.h < ACTIVATION_DISTANCE * pair.rest_offset {
+        let next_separation = point.separation + normal_velocity * collision_substep.h;
+        if point.normal_impulse > 0.0 || next_separation < ACTIVATION_DISTANCE * pair.rest_offset {
             any_active = true;
             point.flags |= s::POINT_ACTIVE;
             let first_tangent = tangent(point.normal);
             c::accumulate(&pair_velocities, normal_row, point.normal_impulse);
-            c::accumulate(&pair_velocities, c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, first_tangent), point.friction_impulse.x);
+            let first_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, first_tangent);
+            c::accumulate(&pair_velocities, first_row, point.friction_impulse.x);
             let second_tangent = cross(point.normal, first_tangent);
-            c::accumulate(&pair_velocities, c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, second_tangent), point.friction_impulse.y);
+            let second_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, second_tangent);
+            c::accumulate(&pair_velocities, second_row, point.friction_impulse.y);
         } else {
             point.flags &= ~s::POINT_ACTIVE;
             point.normal_impulse = 0.0;

@@ -81,7 +81,7 @@ fn fill(pair: s::SolverPair) {
     let impulse_scale = select(1.0, min(collision_substep.h / max(substep, 1.0e-30), MAX_IMPULSE_SCALE), substep > 0.0);
     let match_distance = collision_substep.match_distance * pair.diameter;
     // One bit for each saved point that is used.
-    var taken = vec2(0u);
+    var used_points = vec2(0u);
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         let contact = contact_points[k];
         let conflicts = contact.separation < 0.0 && dot(contact.normal, pair.separating_direction) < 0.0;
@@ -101,7 +101,8 @@ fn fill(pair: s::SolverPair) {
         for (var j = 0u; j < min(saved_pair.count, MAX_MATCHED); j += 1u) {
             let saved = saved_points[saved_pair.first + j];
             let normal_cosine = o::saved_sign(pair) * dot(saved.normal, contact.normal);
-            if ((taken[j / 32u] >> (j % 32u)) & 1u) != 0u || saved.normal_impulse <= 0.0 || normal_cosine < collision_substep.match_normal {
+            let used = ((used_points[j / 32u] >> (j % 32u)) & 1u) != 0u;
+            if used || saved.normal_impulse <= 0.0 || normal_cosine < collision_substep.match_normal {
                 continue;
             }
             let first = anchor_a - select(saved.anchor_a, saved.anchor_b, swapped);
@@ -113,7 +114,7 @@ fn fill(pair: s::SolverPair) {
             }
         }
         if found != s::NOT_SAVED {
-            taken[found / 32u] |= 1u << (found % 32u);
+            used_points[found / 32u] |= 1u << (found % 32u);
             let saved = saved_points[saved_pair.first + found];
             point.normal_impulse = impulse_scale * saved.normal_impulse;
             // This impulse belongs to the last collision substep, so it does not count in this one's total.

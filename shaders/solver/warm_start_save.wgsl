@@ -37,8 +37,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         saved_point.anchor_a = point_constants[k].anchor_a;
         saved_point.anchor_b = point_constants[k].anchor_b;
         saved_point.normal = point.normal;
-        let side = tangent(point.normal);
-        saved_point.friction_impulse = side * point.friction_impulse.x + cross(point.normal, side) * point.friction_impulse.y;
+        let first_tangent = tangent(point.normal);
+        let second_tangent = cross(point.normal, first_tangent);
+        saved_point.friction_impulse =
+            first_tangent * point.friction_impulse.x + second_tangent * point.friction_impulse.y;
         // A point with restitution separates: the impulse of its impact must not be applied again.
         if (point.flags & s::POINT_VALID) != 0u && point.restitution_impulse == 0.0 {
             saved_point.normal_impulse = point.normal_impulse;

@@ -145,7 +145,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                     let start = to_world(a, pair, verdict.start);
                     let end = to_world(a, pair, verdict.end);
                     hits[at] = t::Hit(
-                        index, hit_count + rank, triangles.x, triangles.y, start.x, start.y, start.z, end.x, end.y, end.z
+                        index, hit_count + rank, triangles.x, triangles.y,
+                        start.x, start.y, start.z, end.x, end.y, end.z
                     );
                 }
                 let anchor = verdict.start - origin;

@@ -44,7 +44,7 @@ buffers! {
     /// Input buffers.
     Handed(SolverCapacity), |capacity| {
         solver_bodies: ARRAY layout::SolverBody, capacity.bodies, "solver bodies";
-        motion_states: ARRAY layout::MotionState, capacity.bodies, "states of bodies";
+        motion_states: ARRAY layout::MotionState, capacity.bodies, "motion states";
         forces: ARRAY layout::BodyForces, capacity.bodies, "forces";
         new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
         contact_pairs: ARRAY ContactPair, capacity.pairs, "contact pairs";

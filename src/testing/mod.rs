@@ -1,6 +1,7 @@
 //! Shared by tests, benchmarks and the command line, and not meant for programs: scenes, and single parts of a step
 //! that run on a device.
 
+pub mod external;
 #[cfg(feature = "gpu")]
 pub mod gpu_manifolds;
 #[cfg(feature = "gpu")]

@@ -3,8 +3,8 @@
 //! about a second, so the longer test is ignored by default.
 
 use crate::world::World;
-use bevy_faceoff::asset::{CollisionMesh, import_file};
 use bevy_faceoff::state::{Body, BodyParams};
+use bevy_faceoff::testing::external;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::material::Friction;
 use bevy_faceoff::types::solver_settings::SolverSettings;
@@ -18,23 +18,13 @@ const SPEED: f32 = -6.0;
 /// Steps in which the nut falls onto the thread and accelerates.
 const SETTLING: u32 = 16;
 
-fn mesh(name: &str) -> Option<CollisionMesh> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/meshes");
-    let path = format!("{folder}/isaacgym_factory_{name}.obj");
-    let imported = import_file(&path).ok();
-    if imported.is_none() {
-        println!("data not present, not run: {name}");
-    }
-    Some(CollisionMesh::new(imported?.mesh()))
-}
-
 /// A steel nut on the thread of a bolt that stands upright, where the two do not touch.
 fn nut_on_bolt(friction: f32, rest_offset: f32) -> Option<World> {
-    let meshes = [mesh("bolt_m16_loose")?, mesh("nut_m16_loose_subdiv_3x")?];
+    let [nut, bolt] = external::nut_and_bolt()?;
     let mut world = World::new();
     world.state.input.config.gravity = Vec3::NEG_Z * 9.81;
     world.state.input.config.solver.rest_offset = rest_offset;
-    let [bolt, nut] = meshes.map(|mesh| world.state.input.meshes.add(mesh));
+    let [bolt, nut] = [bolt, nut].map(|mesh| world.state.input.meshes.add(mesh));
     for (kind, mesh, at) in [
         (RigidBody::Static, bolt, Vec3::ZERO),
         // Five revolutions above the bottom of the thread.

@@ -13,10 +13,10 @@ pub struct Game {
 
 impl Game {
     pub fn new(backend: Backend) -> Self {
-        Self::with_reading(backend, Readback::Auto)
+        Self::with_readback(backend, Readback::Auto)
     }
 
-    pub fn with_reading(backend: Backend, readback: Readback) -> Self {
+    pub fn with_readback(backend: Backend, readback: Readback) -> Self {
         let mut app = App::new();
         let step = StepPlugin {
             backend,

@@ -35,7 +35,7 @@ pub fn walks_and_respawns_as_told_with_resident_bodies(backend: Backend) {
 }
 
 fn play(backend: Backend, readback: Readback) {
-    let mut game = Game::with_reading(backend, readback);
+    let mut game = Game::with_readback(backend, readback);
     game.app
         .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
         .add_systems(FixedUpdate, look_around);

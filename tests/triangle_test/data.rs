@@ -87,8 +87,7 @@ fn short(mesh: &Mesh) -> &str {
 /// Millimetre threads of 15,080 and 25,668 triangles in metres.
 #[test]
 fn a_nut_on_a_bolt() {
-    let nut = data::mesh("isaacgym_factory_nut_m16_loose_subdiv_3x.obj");
-    let bolt = data::mesh("isaacgym_factory_bolt_m16_loose.obj");
+    let [nut, bolt] = NUT_AND_BOLT.map(data::mesh);
     let (Some(nut), Some(bolt)) = (nut, bolt) else { return };
     let still = Body::new(&bolt, DVec3::ZERO, Quat::IDENTITY, 1.0);
     let nut_at = |height: f64| Body::new(&nut, DVec3::Z * height, Quat::from_rotation_z(0.4), 1.0);

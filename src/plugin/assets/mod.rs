@@ -3,6 +3,7 @@
 #[cfg(feature = "bevy_mesh")]
 pub mod bevy_mesh;
 mod error;
+mod hot_reload;
 pub(crate) mod jobs;
 pub mod loader;
 pub mod processor;

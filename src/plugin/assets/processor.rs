@@ -27,20 +27,18 @@
 //! )
 //! ```
 
+use super::hot_reload;
 use super::jobs::on_compute_pool;
 use super::loader::{CollisionMeshLoader, CollisionMeshSettings};
 use crate::asset::collision_mesh::CollisionMesh;
 use crate::asset::format::{self, BAKER_VERSION};
 use crate::asset::gltf::MeshPart;
 use crate::projection::BakeSettings;
-use async_channel::{Receiver, Sender};
+use async_channel::Sender;
 use bevy::asset::io::{AssetWriterError, Writer};
-use bevy::asset::processor::{AssetProcessor, Process, ProcessContext, ProcessError, ProcessorState};
-use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetPath, AssetServerMode, AsyncWriteExt, LoadState};
-use bevy::platform::collections::HashMap;
+use bevy::asset::processor::{AssetProcessor, Process, ProcessContext, ProcessError};
+use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetPath, AssetServerMode, AsyncWriteExt};
 use bevy::prelude::*;
-use bevy::tasks::block_on;
-use bevy::tasks::futures_lite::future::poll_once;
 use serde::{Deserialize, Serialize};
 
 /// Bakes `.bake.ron` files; see the [module](self).
@@ -109,64 +107,16 @@ impl Process for CollisionMeshProcessor {
     }
 }
 
-/// Registers the processor with Bevy's asset processor, if there is one, and the system that swaps new meshes in.
+/// Registers the processor with Bevy's asset processor, if there is one.
 pub(super) fn register(app: &mut App) {
     if app.world().contains_resource::<AssetProcessor>() {
-        let (baked, news) = async_channel::unbounded();
+        let baked = hot_reload::register(app);
         app.register_asset_processor(CollisionMeshProcessor { baked })
-            .set_default_asset_processor::<CollisionMeshProcessor>("bake.ron")
-            .insert_resource(Baked {
-                news,
-                meshes: HashMap::default(),
-            })
-            .add_systems(PreUpdate, swap_in);
+            .set_default_asset_processor::<CollisionMeshProcessor>("bake.ron");
     }
     if app.world().resource::<AssetServer>().mode() == AssetServerMode::Processed {
         app.add_systems(PreUpdate, explain);
     }
-}
-
-/// Meshes that were baked since the app started, and that the app may not have loaded yet.
-#[derive(Resource)]
-struct Baked {
-    news: Receiver<(AssetPath<'static>, CollisionMesh)>,
-    meshes: HashMap<AssetPath<'static>, CollisionMesh>,
-}
-
-/// Reloads assets that were loaded before they were baked again.
-///
-/// At startup these are recipes that name a changed file: Bevy checks the recipe first, finds it unchanged, and loads
-/// the old mesh.
-fn swap_in(
-    mut baked: ResMut<Baked>,
-    processor: Res<AssetProcessor>,
-    server: Res<AssetServer>,
-    loaded: Res<Assets<CollisionMesh>>,
-) {
-    let Baked { news, meshes } = &mut *baked;
-    while let Ok((path, mesh)) = news.try_recv() {
-        meshes.insert(path, mesh);
-    }
-    // Before that a load may fail to read a file that is being written. It may also deadlock in Bevy 0.19: a load locks
-    // a file twice, and a bake in between waits for the first lock and blocks the second one.
-    if block_on(poll_once(processor.get_state())) != Some(ProcessorState::Finished) {
-        return;
-    }
-    meshes.retain(|path, mesh| {
-        // Later loads get the new mesh.
-        let Some(handle) = server.get_handle::<CollisionMesh>(path) else {
-            return false;
-        };
-        match server.load_state(&handle) {
-            LoadState::Loading => return true,
-            LoadState::Loaded if loaded.get(&handle) == Some(mesh) => {}
-            _ => {
-                info!("{path} was baked again: the app uses the new mesh from now on");
-                server.reload(path);
-            }
-        }
-        false
-    });
 }
 
 /// Explains Bevy's error that a mesh is configured to be ignored, which it logs although the user did not configure

@@ -43,20 +43,20 @@ buffers! {
     /// and `saved_points` persist between collision substeps.
     SolverBuffers(SolverCapacity), |capacity| {
         /// Parameters.
-        collision_substep: UNIFORM CollisionSubstep, 1u32, "collision_substep";
+        collision_substep: UNIFORM CollisionSubstep, 1u32, "collision substep";
         solver_counters: ARRAY u32, COUNTERS, "solver counters";
-        body_constants: ARRAY BodyConstants, capacity.bodies, "body_constants";
+        body_constants: ARRAY BodyConstants, capacity.bodies, "body constants";
         velocities: ARRAY Velocity, capacity.bodies, "velocities";
         masses: ARRAY Mass, capacity.bodies, "masses";
-        pose_changes: ARRAY PoseChange, capacity.bodies, "pose_changes";
-        body_adjacency: ARRAY BodyAdjacency, capacity.bodies, "sides and old numbers by body";
+        pose_changes: ARRAY PoseChange, capacity.bodies, "pose changes";
+        body_adjacency: ARRAY BodyAdjacency, capacity.bodies, "body adjacency";
         islands: ARRAY Island, capacity.bodies, "islands of bodies";
         solver_pairs: ARRAY SolverPair, capacity.pairs, "solver pairs";
-        point_constants: ARRAY PointConstants, capacity.points, "point_constants of points";
-        point_states: ARRAY PointState, capacity.points, "states of points";
-        saved_pairs: ARRAY SavedPair, capacity.pairs, "kept pairs";
-        saved_points: ARRAY SavedPoint, capacity.points, "kept points";
-        side_impulses: ARRAY Impulse, capacity.sides(), "impulses at sides";
+        point_constants: ARRAY PointConstants, capacity.points, "point constants";
+        point_states: ARRAY PointState, capacity.points, "point states";
+        saved_pairs: ARRAY SavedPair, capacity.pairs, "saved pairs";
+        saved_points: ARRAY SavedPoint, capacity.points, "saved points";
+        side_impulses: ARRAY Impulse, capacity.sides(), "impulses by side";
         /// Keys and sides; the sort moves them between two pairs of arrays.
         side_keys: ARRAY u32, capacity.sides(), "bodies of sides";
         sides: ARRAY u32, capacity.sides(), "sides";

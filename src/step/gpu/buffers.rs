@@ -56,35 +56,35 @@ buffers! {
         /// Properties of bodies.
         solver_bodies: ARRAY SolverBody, capacity.bodies, "solver bodies";
         /// Motion states as the host knows them.
-        host_states: ARRAY MotionState, capacity.bodies, "bodies as the host knows them";
+        host_states: ARRAY MotionState, capacity.bodies, "motion states of the host";
         /// Motion states during the step.
-        motion_states: ARRAY MotionState, capacity.bodies, "states of bodies";
+        motion_states: ARRAY MotionState, capacity.bodies, "motion states";
         /// External forces.
         forces: ARRAY BodyForces, capacity.bodies, "forces";
         /// Parameters of the first collision substep.
-        first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision_substep";
+        first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision substep";
         /// Parameters of the later ones.
-        later_collision_substep: ARRAY CollisionSubstep, 1u32, "other collision_substeps";
+        later_collision_substep: ARRAY CollisionSubstep, 1u32, "later collision substeps";
         /// New numbers of bodies, by their numbers in the last step.
-        first_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
+        first_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies, first collision substep";
         /// The same for later collision substeps: the identity.
-        later_new_numbers: ARRAY u32, capacity.bodies, "numbers of bodies";
+        later_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies, later collision substeps";
         /// The one in use.
-        new_numbers: ARRAY u32, capacity.bodies, "numbers of bodies in an collision_substep";
+        new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
         /// Arguments of the solver's indirect dispatches.
         solver_arguments: INDIRECT u32, 3 * SLOTS, "solver arguments";
         /// Motion states after the last step. This buffer and the following ones persist between steps.
-        last_step_states: ARRAY MotionState, capacity.bodies, "last_step_states bodies";
+        last_step_states: ARRAY MotionState, capacity.bodies, "motion states of the last step";
         /// The solver's counters.
-        last_step_counters: ARRAY u32, COUNTERS, "stored solver counters";
+        last_step_counters: ARRAY u32, COUNTERS, "solver counters of the last step";
         /// Saved pairs.
-        last_step_pairs: ARRAY SavedPair, capacity.contacts.pairs, "pairs stored between steps";
+        last_step_pairs: ARRAY SavedPair, capacity.contacts.pairs, "saved pairs of the last step";
         /// Saved points.
-        last_step_points: ARRAY SavedPoint, capacity.contacts.points, "points stored between steps";
+        last_step_points: ARRAY SavedPoint, capacity.contacts.points, "saved points of the last step";
         /// The pairs of the last contact generation.
-        last_step_contact_pairs: ARRAY ContactPair, capacity.contacts.pairs, "contact pairs stored between steps";
+        last_step_contact_pairs: ARRAY ContactPair, capacity.contacts.pairs, "contact pairs of the last step";
         /// Their points.
-        last_step_contact_points: ARRAY ContactPoint, capacity.contacts.points, "contact points stored between steps";
+        last_step_contact_points: ARRAY ContactPoint, capacity.contacts.points, "contact points of the last step";
     }
 }
 

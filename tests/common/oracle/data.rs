@@ -1,21 +1,11 @@
 //! Optional third-party data, which is not part of the repository.
 
 use super::body::Mesh;
+pub use bevy_faceoff::testing::external::file;
 use glam::Vec3;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The file of this name, if the data lies beside the checkout; else prints what is skipped.
-pub fn file(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    println!("data not present, not run: {name}");
-    None
-}
-
-/// A mesh of that folder, if it exists.
+/// A third-party mesh, if it exists, read without the product's code.
 pub fn mesh(name: &str) -> Option<Arc<Mesh>> {
     let path = file(&format!("meshes/{name}"))?;
     let text = std::fs::read_to_string(&path).unwrap();
