@@ -217,7 +217,7 @@ layout! {
     Touch {
         point: Vec3, a: u32,
         normal: Vec3, b: u32,
-        separation: f32, impulse: f32, interval: u32, index: u32,
+        separation: f32, impulse: f32, collision_substep: u32, index: u32,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The time that each stage takes on the device, if it has time stamps.
 
 use super::device::Gpu;
+use crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 use crate::types::stage::Stage;
 use std::time::Duration;
 use wgpu::{
@@ -20,8 +21,6 @@ pub struct Timer {
 const COUNT: u32 = 2 * Stage::ALL.len() as u32;
 /// Their size, bytes.
 pub const BYTES: u32 = 8 * COUNT;
-/// Maximum number of collision substeps.
-const LAPS: u32 = crate::types::solver_settings::MAX_COLLISION_SUBSTEPS;
 
 impl Timer {
     /// `None` if the device has no time stamps.
@@ -30,11 +29,11 @@ impl Timer {
             queries: gpu.device.create_query_set(&QuerySetDescriptor {
                 label: Some("stage times"),
                 ty: QueryType::Timestamp,
-                count: LAPS * COUNT,
+                count: MAX_COLLISION_SUBSTEPS * COUNT,
             }),
             resolved: gpu.device.create_buffer(&BufferDescriptor {
                 label: Some("stage times"),
-                size: u64::from(LAPS * BYTES),
+                size: u64::from(MAX_COLLISION_SUBSTEPS * BYTES),
                 usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
                 mapped_at_creation: false,
             }),
@@ -44,8 +43,8 @@ impl Timer {
 
     /// Writes time stamps at the beginning and at the end of a stage. Every stage must be recorded in every collision
     /// substep.
-    pub fn around(&self, stage: Stage, interval: u32) -> ComputePassTimestampWrites<'_> {
-        let first = interval * COUNT + 2 * stage as u32;
+    pub fn around(&self, stage: Stage, collision_substep: u32) -> ComputePassTimestampWrites<'_> {
+        let first = collision_substep * COUNT + 2 * stage as u32;
         ComputePassTimestampWrites {
             query_set: &self.queries,
             beginning_of_pass_write_index: Some(first),
@@ -68,7 +67,7 @@ impl Timer {
         Stage::ALL.map(|stage| {
             let at = 2 * stage as usize;
             let collision_substeps = stamps.chunks_exact(COUNT as usize);
-            let ticks: u64 = collision_substeps.map(|lap| lap[at + 1].saturating_sub(lap[at])).sum();
+            let ticks: u64 = collision_substeps.map(|stamps| stamps[at + 1].saturating_sub(stamps[at])).sum();
             Duration::from_nanos((ticks as f64 * self.period) as u64)
         })
     }

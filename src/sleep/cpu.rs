@@ -20,7 +20,7 @@ pub(crate) const OVERLAP: f32 = 1.0;
 ///
 /// In every collision substep, call [`Sleeper::wake`] before [`Solver::solve`](crate::solver::Solver::solve) and
 /// [`Sleeper::settle`] after it. The manifolds must include the pairs of sleeping bodies. As these do not move, their
-/// manifolds of the last collision substep are valid (see [`Sleeper::is_still`]).
+/// manifolds of the last collision substep are valid (see [`Sleeper::is_inactive`]).
 #[derive(Clone, Debug, Default)]
 pub struct Sleeper {
     /// The parent of each body in the union-find tree of its island.
@@ -34,7 +34,7 @@ pub struct Sleeper {
 impl Sleeper {
     /// Whether the pair of bodies `a` and `b` is unchanged since the last collision substep: both are asleep, or one is
     /// asleep and the other is static.
-    pub fn is_still(bodies: &SolverBodies, a: u32, b: u32) -> bool {
+    pub fn is_inactive(bodies: &SolverBodies, a: u32, b: u32) -> bool {
         let [asleep, is_static] = [
             [a, b].map(|i| bodies.sleep[i as usize].asleep),
             [a, b].map(|i| bodies.bodies[i as usize].kind == RigidBody::Static),

@@ -45,8 +45,8 @@ fn a_stack_falls_asleep_and_stays() {
     assert_eq!(asleep(&world), ALL);
     assert_eq!(world.bodies.motions, motions);
     assert!(STACK.iter().all(|&i| world.velocity(i) == Vec3::ZERO));
-    assert!(Sleeper::is_still(&world.bodies, 1, 2) && Sleeper::is_still(&world.bodies, 0, 1));
-    assert!(!Sleeper::is_still(&world.bodies, 0, 0));
+    assert!(Sleeper::is_inactive(&world.bodies, 1, 2) && Sleeper::is_inactive(&world.bodies, 0, 1));
+    assert!(!Sleeper::is_inactive(&world.bodies, 0, 0));
 }
 
 #[test]

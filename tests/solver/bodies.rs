@@ -210,20 +210,20 @@ fn invalid_input_is_ignored() {
             pair([cube, odd], u32::MAX, u32::MAX),
             pair([cube, lost], first + 4, 0),
         ]);
-        let interval = bevy_faceoff::solver::CollisionSubstep {
+        let collision_substep = bevy_faceoff::solver::CollisionSubstep {
             dt: world.dt,
             substeps: 8,
             gravity: world.gravity,
         };
         world
             .sleeper
-            .wake(&mut world.bodies, &world.manifolds, &world.settings, &interval);
+            .wake(&mut world.bodies, &world.manifolds, &world.settings, &collision_substep);
         world.solver.solve(
             &mut world.bodies,
             &world.manifolds,
             &mut world.warm,
             &world.settings,
-            &interval,
+            &collision_substep,
         );
         world
             .sleeper
@@ -240,7 +240,7 @@ fn invalid_input_is_ignored() {
 
     let before = world.bodies.motions.clone();
     for dt in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let interval = bevy_faceoff::solver::CollisionSubstep {
+        let collision_substep = bevy_faceoff::solver::CollisionSubstep {
             dt,
             substeps: 0,
             gravity: world.gravity,
@@ -250,7 +250,7 @@ fn invalid_input_is_ignored() {
             &world.manifolds,
             &mut world.warm,
             &world.settings,
-            &interval,
+            &collision_substep,
         );
     }
     assert_eq!(format!("{before:?}"), format!("{:?}", world.bodies.motions));

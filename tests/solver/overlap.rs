@@ -94,7 +94,7 @@ fn disputed(approach: bool) -> (World, f64) {
     }
     world.motion(0).center = DVec3::ZERO;
     world.motion(1).center = DVec3::X * 0.97;
-    let interval = CollisionSubstep {
+    let collision_substep = CollisionSubstep {
         dt: world.dt,
         substeps: 8,
         gravity: Vec3::ZERO,
@@ -116,7 +116,7 @@ fn disputed(approach: bool) -> (World, f64) {
             &world.manifolds,
             &mut world.warm,
             &world.settings,
-            &interval,
+            &collision_substep,
         );
     }
     let apart = world.center(1).x - world.center(0).x;

@@ -100,26 +100,26 @@ impl World {
             let collision_substeps = self.collision_substeps.unwrap_or_else(|| {
                 Speeds::of(&self.bodies, |_| false).collision_substeps(&self.settings, &self.bodies, self.dt)
             });
-            let interval = CollisionSubstep {
+            let collision_substep = CollisionSubstep {
                 dt: self.dt / collision_substeps as f32,
                 substeps: self.settings.substeps_per_collision_substep(collision_substeps),
                 gravity: self.gravity,
             };
             for _ in 0..collision_substeps {
-                self.detect(interval.dt);
+                self.detect(collision_substep.dt);
                 self.sleeper
-                    .wake(&mut self.bodies, &self.manifolds, &self.settings, &interval);
+                    .wake(&mut self.bodies, &self.manifolds, &self.settings, &collision_substep);
                 let start = std::time::Instant::now();
                 self.solver.solve(
                     &mut self.bodies,
                     &self.manifolds,
                     &mut self.warm,
                     &self.settings,
-                    &interval,
+                    &collision_substep,
                 );
                 self.time_solving += start.elapsed();
                 self.sleeper
-                    .settle(&mut self.bodies, &self.manifolds, &self.settings, interval.dt);
+                    .settle(&mut self.bodies, &self.manifolds, &self.settings, collision_substep.dt);
             }
         }
     }

@@ -7,6 +7,7 @@ use crate::oracle::data;
 use crate::oracle::parallel;
 use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
+use bevy_faceoff::testing::external::NUT_AND_BOLT;
 use glam::{DVec3, Quat};
 use std::sync::Arc;
 use std::time::Instant;

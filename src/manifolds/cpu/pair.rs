@@ -19,9 +19,9 @@ const TOUCH: f64 = 1.0e-6;
 const ROUNDING: f64 = 1.0e-14;
 /// Length of rays, in the same unit: through all of the smaller body.
 pub(crate) const RAY_LENGTH: f64 = 1.0;
-/// A patch whose rays leave no body counts if its area is larger than this, in units of the size squared,
+/// A patch without ray hits counts if its area is larger than this, in units of the size squared.
 pub(crate) const MIN_PROBED_AREA: f64 = 1.0e-6;
-/// and its depth is at most this, in units of the size.
+/// Upper bound of the depth of such a patch, in units of the size.
 pub(crate) const SHALLOW: f64 = 0.002;
 
 /// The `place` of a point that stands for a patch without ray hits; those of rays are smaller.

@@ -7,10 +7,10 @@ use crate::manifolds::MAX_POINTS;
 pub(crate) const NORMAL_WEIGHT: f64 = 0.02;
 /// Points closer than this, by that measure, are duplicates.
 pub(crate) const DUPLICATE: f64 = 1.0e-8;
-/// A point's weight falls by a factor of e for every such part of the bodies' size by which it is shallower than the
-/// deepest,
+/// Depth over which the weight of a point falls by a factor of e, measured from the deepest, in units of the bodies'
+/// size.
 pub(crate) const DEPTH_SCALE: f64 = 0.01;
-/// but not below this.
+/// Lower bound of that weight.
 pub(crate) const MIN_WEIGHT: f64 = 0.01;
 
 /// Memory kept between pairs.

@@ -634,7 +634,7 @@ fn same_contacts(_: &Gpu) {
     }
 }
 
-/// How many intervals a step needs follows from how fast bodies are, whenever results are read.
+/// The number of collision substeps follows from the speeds of bodies, whenever results are read.
 fn kinematic_speed(_: &Gpu) {
     let collision_substeps = [Readback::Lockstep, Readback::Latent, Readback::Resident].map(|readback| {
         let mut sim = app(Backend::Gpu, readback);

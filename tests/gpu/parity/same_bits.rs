@@ -1,4 +1,4 @@
-//! The same input gives the same bits: run after run, and whatever room the lists had.
+//! The same input gives the same bits: run after run, and whatever the capacity of the lists.
 
 use super::scene::Scene;
 use super::scenes::{ANY, Kit, crowd, half_spaces};
@@ -11,7 +11,7 @@ use bevy_faceoff::step::gpu::GpuStep;
 use bevy_faceoff::types::settings::Culling;
 use glam::Vec3;
 
-/// Room for nothing: every list has to grow.
+/// The smallest capacity: every list has to grow.
 pub const TINY: Capacity = Capacity {
     bodies: 1,
     planes: 0,
@@ -22,7 +22,7 @@ pub const TINY: Capacity = Capacity {
     words: 1,
 };
 
-/// Room for all that is tried here.
+/// Enough for every scene here.
 pub const AMPLE: Capacity = Capacity {
     bodies: 5000,
     planes: 100,

@@ -107,7 +107,7 @@ pub fn impulses_are_those_that_hold_a_box(gpu: &Gpu) {
     check("newton seconds per step", sum as f64, 3.0 * 9.81 / 64.0, 0.005);
 }
 
-/// Levers turn with the body until the moment it bounces.
+/// Anchors rotate with the body until the moment of the impact.
 pub fn a_brick_tumbles_and_bounces(gpu: &Gpu) {
     let make = || {
         let mut world = World::heavy();

@@ -43,7 +43,7 @@ pub fn a_free_body_turns_the_same(gpu: &Gpu) {
     }
 }
 
-/// Several radians in an interval: nothing about rotations may rely on small angles.
+/// Several radians in a collision substep: nothing about rotations may rely on small angles.
 pub fn a_needle_that_spins_madly_stays_bounded(gpu: &Gpu) {
     let mut world = World::new();
     world.collision_substeps = Some(1);

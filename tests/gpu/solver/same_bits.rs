@@ -1,4 +1,4 @@
-//! The same input gives the same bits, whatever room the lists had; and bodies may be numbered anew.
+//! The same input gives the same bits, whatever the capacity of the lists; and bodies may be renumbered.
 
 use super::many::cloud;
 use super::shapes::Shape;
@@ -47,7 +47,7 @@ pub fn bits_do_not_depend_on_room(gpu: &Gpu) {
         twin.step(40);
         (bits(&twin), twin.solver.capacity())
     };
-    // Every list has to grow, some while impulses are remembered.
+    // Every list has to grow, some of them with saved impulses.
     let tiny = SolverCapacity {
         bodies: 1,
         pairs: 1,

@@ -56,7 +56,7 @@ impl Twin {
         }
     }
 
-    /// One interval with the manifolds as they are.
+    /// One collision substep with the present manifolds.
     pub fn solve(&mut self, collision_substep: &CollisionSubstep) {
         self.solver.put_contacts(&self.world.manifolds).unwrap();
         let start = std::time::Instant::now();
@@ -67,7 +67,7 @@ impl Twin {
     }
 }
 
-/// One interval on the CPU with the manifolds as they are.
+/// One collision substep on the CPU with the present manifolds.
 pub fn solve_on_cpu(world: &mut World, collision_substep: &CollisionSubstep) {
     world.solver.solve(
         &mut world.bodies,
