@@ -38,7 +38,12 @@ pub fn record_impulses(calls: &mut Calls, capacity: &Capacity) {
         .map(|slot| Groups::Indirect("arguments", slot));
     let per_body = Groups::PerBodies(64);
     calls.call(&ENTRIES, per_pair);
-    let [keys, values] = SORT.record(calls, layout::ENTRIES, capacity.body_bits(), [per_block, per_digit_block]);
+    let [keys, values] = SORT.record(
+        calls,
+        layout::ENTRIES,
+        capacity.body_bits(),
+        [per_block, per_digit_block],
+    );
     calls.call(&SEGMENTS, per_pair).bind("keys", keys);
     calls.call(&COUNTS, per_body);
     calls.call(&SUMS, per_body).bind("values", values);

@@ -67,7 +67,9 @@ impl Timer {
         Stage::ALL.map(|stage| {
             let at = 2 * stage as usize;
             let collision_substeps = stamps.chunks_exact(COUNT as usize);
-            let ticks: u64 = collision_substeps.map(|stamps| stamps[at + 1].saturating_sub(stamps[at])).sum();
+            let ticks: u64 = collision_substeps
+                .map(|stamps| stamps[at + 1].saturating_sub(stamps[at]))
+                .sum();
             Duration::from_nanos((ticks as f64 * self.period) as u64)
         })
     }

@@ -4,8 +4,8 @@ use super::cpu;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::program::Calls;
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
-use crate::solver::gpu::layout::{FALL_ASLEEP, WAKE};
 use crate::solver::gpu::arguments::{per_body, per_pair};
+use crate::solver::gpu::layout::{FALL_ASLEEP, WAKE};
 
 /// Makes each body an island of its own.
 const BEGIN: Kernel = kernel!("sleep/begin");

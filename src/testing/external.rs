@@ -21,7 +21,11 @@ pub const NUT_AND_BOLT: [&str; 2] = [
 
 /// Both meshes of [`NUT_AND_BOLT`].
 pub fn nut_and_bolt() -> Option<[CollisionMesh; 2]> {
-    let mesh = |name| Some(CollisionMesh::new(import_file(file(&format!("meshes/{name}"))?).ok()?.mesh()));
+    let mesh = |name| {
+        Some(CollisionMesh::new(
+            import_file(file(&format!("meshes/{name}"))?).ok()?.mesh(),
+        ))
+    };
     let [nut, bolt] = NUT_AND_BOLT.map(mesh);
     Some([nut?, bolt?])
 }

@@ -9,10 +9,10 @@ use crate::gpu::readback::{read_words, scoped};
 use crate::manifolds::Manifolds;
 use crate::sleep;
 use crate::solver::gpu as solver;
-use crate::solver::gpu::layout::{self, COUNTERS, PAIRS_FOUND, POINTS, POINTS_FOUND, SKIPPED, SLOTS};
 use crate::solver::gpu::arguments::record_arguments;
+use crate::solver::gpu::layout::{self, COUNTERS, PAIRS_FOUND, POINTS, POINTS_FOUND, SKIPPED, SLOTS};
 use crate::solver::gpu::record::record;
-use crate::solver::gpu::{Passes, SolverCapacity, SolverBuffers, upload};
+use crate::solver::gpu::{Passes, SolverBuffers, SolverCapacity, upload};
 use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverMotion};
 use crate::step::gpu::StepError;
 use crate::step::gpu::record::all_modules;
@@ -226,13 +226,25 @@ impl GpuSolver {
     pub fn impulses(&self) -> Result<Vec<f32>, StepError> {
         let counters: Vec<u32> = self.read(&self.lists.solver_counters, COUNTERS)?;
         let points: Vec<layout::PointState> = self.read(&self.lists.point_states, counters[POINTS as usize])?;
-        Ok(points.iter().map(|p| p.total_normal_impulse + p.normal_impulse + p.restitution_impulse).collect())
+        Ok(points
+            .iter()
+            .map(|p| p.total_normal_impulse + p.normal_impulse + p.restitution_impulse)
+            .collect())
     }
 
     /// Submits a collision substep, waits for it, and returns the counters.
-    fn launch(&mut self, settings: &SolverSettings, collision_substep: &CollisionSubstep) -> Result<Vec<u32>, StepError> {
+    fn launch(
+        &mut self,
+        settings: &SolverSettings,
+        collision_substep: &CollisionSubstep,
+    ) -> Result<Vec<u32>, StepError> {
         let passes = Passes::new(settings, collision_substep);
-        let packed = upload::collision_substep(settings, collision_substep, [self.bodies, self.old_bodies], self.lists.capacity);
+        let packed = upload::collision_substep(
+            settings,
+            collision_substep,
+            [self.bodies, self.old_bodies],
+            self.lists.capacity,
+        );
         let Self {
             gpu,
             kernels,
@@ -252,7 +264,8 @@ impl GpuSolver {
                 Program::new(gpu, kernels, &calls, &[handed, lists])
             });
             *dispatches = program.len(STAGE);
-            gpu.queue.write_buffer(&lists.collision_substep, 0, bytemuck::bytes_of(&packed));
+            gpu.queue
+                .write_buffer(&lists.collision_substep, 0, bytemuck::bytes_of(&packed));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
             program.record(STAGE, &mut encoder, packed.bodies, None);

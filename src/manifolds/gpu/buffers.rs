@@ -2,8 +2,8 @@
 
 use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::layout::{
-    CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint,
-    PairSetup, FEATURES, Feature, MarginPair, NEAR_TRIANGLES, Patch, SEGMENTS, STAGED_POINTS, Segment,
+    CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint, FEATURES,
+    Feature, MarginPair, NEAR_TRIANGLES, PairSetup, Patch, SEGMENTS, STAGED_POINTS, Segment,
 };
 use crate::gpu::scan;
 

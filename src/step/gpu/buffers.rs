@@ -4,7 +4,9 @@ use crate::gpu::buffers::{Capacity, buffers, grow};
 use crate::gpu::layout::{ContactPair, ContactPoint, TALLIES, Touch};
 use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::SolverCapacity;
-use crate::solver::gpu::layout::{BodyForces, MotionState, COUNTERS, CollisionSubstep, SavedPair, SavedPoint, SLOTS, SolverBody};
+use crate::solver::gpu::layout::{
+    BodyForces, COUNTERS, CollisionSubstep, MotionState, SLOTS, SavedPair, SavedPoint, SolverBody,
+};
 use wgpu::Buffer;
 
 /// Capacity of the lists.
@@ -31,7 +33,10 @@ impl StepCapacity {
     /// Adds the largest possible numbers of pairs, slots and bodies: the device fills these lists.
     pub fn covering(mut self, capacity: &Capacity) -> Self {
         self.contacts.margin_pairs = capacity.pairs;
-        self.contacts.slots = capacity.bodies.saturating_mul(capacity.planes).saturating_add(capacity.pairs);
+        self.contacts.slots = capacity
+            .bodies
+            .saturating_mul(capacity.planes)
+            .saturating_add(capacity.pairs);
         self.bodies = self.bodies.max(capacity.bodies.saturating_add(capacity.planes));
         self
     }

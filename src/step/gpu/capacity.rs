@@ -68,7 +68,8 @@ impl GpuStep {
             let contacts = match (&self.contacts, for_contacts) {
                 (Some(old), Some(needed)) => {
                     let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
-                    let contacts = ContactPrograms::new(&self.gpu, &self.kernels, buffers, old.capacity().grown(needed))?;
+                    let contacts =
+                        ContactPrograms::new(&self.gpu, &self.kernels, buffers, old.capacity().grown(needed))?;
                     contacts.copy_memory(old, &mut encoder);
                     Some(contacts)
                 }

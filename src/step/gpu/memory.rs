@@ -9,7 +9,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::gpu::readback::{read_words, scoped};
 use crate::manifolds::gpu::ContactCapacity;
-use crate::solver::gpu::layout::{MotionState, COUNTERS, SavedPair, SavedPoint, PAIRS, POINTS};
+use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SavedPair, SavedPoint};
 use bytemuck::cast_slice;
 use wgpu::Buffer;
 
@@ -31,7 +31,12 @@ impl DeviceMemory {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn read(gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms, last_bodies: &LastBodies) -> Result<Self, String> {
+    pub fn read(
+        gpu: &Gpu,
+        buffers: &Buffers,
+        contacts: &ContactPrograms,
+        last_bodies: &LastBodies,
+    ) -> Result<Self, String> {
         if last_bodies.is_empty() {
             return Ok(Self::default());
         }

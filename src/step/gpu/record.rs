@@ -8,7 +8,7 @@ use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING
 use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
 use crate::solver::gpu::Passes;
-use crate::solver::gpu::layout::{COUNTERS, SavedPair, SavedPoint, PAIRS, POINTS};
+use crate::solver::gpu::layout::{COUNTERS, PAIRS, POINTS, SavedPair, SavedPoint};
 use crate::step::order::{Part, Place, parts};
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -176,7 +176,13 @@ fn list_contact_points(calls: &mut Calls) {
 fn remember(calls: &mut Calls, contact_capacity: &StepCapacity) {
     let StepCapacity { contacts, .. } = contact_capacity;
     for (counter, count, bytes, from, to) in [
-        (NOTHING, 1, 4 * COUNTERS as usize, "solver_counters", "last_step_counters"),
+        (
+            NOTHING,
+            1,
+            4 * COUNTERS as usize,
+            "solver_counters",
+            "last_step_counters",
+        ),
         (
             PAIRS,
             contacts.pairs,

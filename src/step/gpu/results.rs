@@ -5,9 +5,9 @@ use super::upload::Input;
 use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::layout::{
-    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, MAX_VELOCITY,
-    HITS, Hit, MAX_NEGATED_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED, SPHERE_PAIRS, MAX_SPIN, TALLIES,
-    TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HITS,
+    Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED,
+    SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::timer::{self, Timer};
 use crate::manifolds::report::report_points;
@@ -98,10 +98,18 @@ impl Parts {
         let hits = part(lists(capacity.hits), size_of::<Hit>());
         let planes = part(lists(capacity.plane_contacts), size_of::<PlaneContact>());
         let contact_capacity = contacts.map(ContactPrograms::capacity);
-        let [pairs, points, touched] =
-            contact_capacity.map_or([0; 3], |capacity| [capacity.contacts.pairs, capacity.contacts.points, capacity.touches]);
+        let [pairs, points, touched] = contact_capacity.map_or([0; 3], |capacity| {
+            [capacity.contacts.pairs, capacity.contacts.points, capacity.touches]
+        });
         let tally = part(if contact_capacity.is_some() { TALLIES } else { 0 }, 4);
-        let found = part(if contact_capacity.is_some() { CONTACT_COUNTERS } else { 0 }, 4);
+        let found = part(
+            if contact_capacity.is_some() {
+                CONTACT_COUNTERS
+            } else {
+                0
+            },
+            4,
+        );
         let contact_pairs = part(lists(pairs), size_of::<ContactPair>());
         let contact_points = part(lists(points), size_of::<ContactPoint>());
         let touches = part(lists(touched), size_of::<Touch>());

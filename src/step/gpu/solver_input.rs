@@ -54,11 +54,13 @@ impl SolverInput {
         let mut keys = Vec::new();
         state.write_keys(&mut keys);
         bodies.read(placed, planes, &keys);
-        let carried_velocities = |i: usize| carried_velocities(carried, i).filter(|_| placed.kind.get(i) != Some(&RigidBody::Static));
+        let carried_velocities =
+            |i: usize| carried_velocities(carried, i).filter(|_| placed.kind.get(i) != Some(&RigidBody::Static));
         let mut seen = Speeds::of(&bodies, |i| carried_velocities(i).is_some());
         let mut added = 0.0f32;
         let mut carried_speeds = Speeds::NONE;
-        for (i, Carried { linear, angular, .. }) in (0..placed.len()).filter_map(|i| Some((i, carried_velocities(i)?))) {
+        for (i, Carried { linear, angular, .. }) in (0..placed.len()).filter_map(|i| Some((i, carried_velocities(i)?)))
+        {
             let motion = &mut bodies.motions[i];
             seen.add_along(!linear.axes, motion.linear_velocity);
             motion.linear_velocity = linear.sent(motion.linear_velocity);

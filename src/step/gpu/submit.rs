@@ -3,7 +3,7 @@
 use super::buffers::StepCapacity;
 use super::flight::Flight;
 use super::results::{Detail, Parts};
-use super::solver_input::{SolverInput, HostSpeeds};
+use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
