@@ -22,7 +22,7 @@ use rayon::ThreadPool;
 #[cfg(feature = "gpu")]
 use crate::gpu::device::{self, Gpu, NoGpu};
 #[cfg(feature = "gpu")]
-use crate::gpu::readback::outlive;
+use crate::gpu::readback::catch_lost;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 #[cfg(feature = "gpu")]
@@ -343,7 +343,7 @@ impl Source {
             let step = GpuStep::new(gpu)?;
             if contacts { step.with_contacts() } else { Ok(step) }
         };
-        outlive(make).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
+        catch_lost(make).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
     }
 
     /// Whether the device is the renderer's and is lost, so that Bevy must open another one.
