@@ -38,9 +38,10 @@ use std::path::Path;
 const LAYERS: &[&[&str]] = &[
     &["types"],
     &["geometry"],
+    &["simd"],
     &["projection"],
     &["asset"],
-    &["parallel", "simd"],
+    &["parallel"],
     &["state"],
     &["gpu"],
     &["broad_phase"],

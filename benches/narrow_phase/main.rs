@@ -9,6 +9,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::state::Body;
 use bevy_faceoff::step::StepState;
+use bevy_faceoff::testing::use_baseline_only;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 use std::time::{Duration, Instant};
@@ -21,9 +22,9 @@ fn main() {
         .expect("a thread");
     println!("{pairs} sphere pairs, one thread, medians of 5 interleaved rounds, microseconds per sphere pair\n");
     println!(
-        "| shape | plain all pairs | Angles | TriangleTest with contacts | first hit | ratio of TriangleTest | ratio of both | near pairs | touching | face pairs (plain) | triangle tests per pair |"
+        "| shape | plain all pairs | Angles | TriangleTest with contacts | baseline | first hit | baseline | ratio of TriangleTest | ratio of both | near pairs | touching | face pairs (plain) | triangle tests per pair |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, mesh) in [("torus 240", shapes::torus_240()), ("knot 1120", shapes::knot_1120())] {
         pool.install(|| run(name, &mesh, pairs));
     }
@@ -62,7 +63,9 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
     }
     let triangles: Vec<[Vec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
 
-    let [mut plain_times, mut angles, mut triangle_tests, mut first_hit] = [const { Vec::new() }; 4];
+    let [mut plain_times, mut angles] = [const { Vec::new() }; 2];
+    // With the registers that the machine has, and with those that every machine has.
+    let [mut triangle_tests, mut first_hit] = [const { [const { Vec::new() }; 2] }; 2];
     let mut plain_hits = 0;
     let mut placed = Vec::new();
     for _ in 0..5 {
@@ -77,22 +80,27 @@ fn run(name: &str, mesh: &TriMesh, count: usize) {
         }
         plain_times.push(start.elapsed());
         bevy_faceoff::step::cpu::run(Stage::Angles, &mut state);
-        bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
         angles.push(state.results.times[Stage::Angles as usize]);
-        triangle_tests.push(state.results.times[Stage::TriangleTest as usize]);
-        let start = Instant::now();
-        let touching = bevy_faceoff::step::cpu::touching(&mut state);
-        first_hit.push(start.elapsed());
-        assert!(
-            touching
-                .iter()
-                .eq(state.results.contacts.pairs.iter().map(|pair| &pair.bodies))
-        );
+        for (i, baseline_only) in [false, true].into_iter().enumerate() {
+            use_baseline_only(baseline_only);
+            bevy_faceoff::step::cpu::run(Stage::TriangleTest, &mut state);
+            triangle_tests[i].push(state.results.times[Stage::TriangleTest as usize]);
+            let start = Instant::now();
+            let touching = bevy_faceoff::step::cpu::touching(&mut state);
+            first_hit[i].push(start.elapsed());
+            assert!(
+                touching
+                    .iter()
+                    .eq(state.results.contacts.pairs.iter().map(|pair| &pair.bodies))
+            );
+        }
+        use_baseline_only(false);
     }
-    let [plain, angles, triangle_test, first_hit] =
-        [plain_times, angles, triangle_tests, first_hit].map(|times| micros(times, count));
+    let [plain, angles] = [plain_times, angles].map(|times| micros(times, count));
+    let [[triangle_test, triangle_test_baseline], [first_hit, first_hit_baseline]] =
+        [triangle_tests, first_hit].map(|times| times.map(|times| micros(times, count)));
     println!(
-        "| {name} | {plain:.1} | {angles:.2} | {triangle_test:.2} | {first_hit:.2} | {:.1} | {:.1} | {} | {} | {} ({plain_hits}) | {:.0} |",
+        "| {name} | {plain:.1} | {angles:.2} | {triangle_test:.2} | {triangle_test_baseline:.2} | {first_hit:.2} | {first_hit_baseline:.2} | {:.1} | {:.1} | {} | {} | {} ({plain_hits}) | {:.0} |",
         plain / triangle_test,
         plain / (angles + triangle_test),
         state.results.near_pairs.len(),

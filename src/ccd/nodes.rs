@@ -8,25 +8,27 @@
 //! are the axes of both bodies, along which the extents of boxes are known.
 
 use super::relative::Rounded;
-use crate::simd::lanes::{Rows, cross, dot, each, lane_of, mul, splat};
-use crate::state::mesh_arena::{BoxGroup, Points};
+use crate::simd::lanes::{
+    Points, Rows, Select, Simd, SimdBase, SimdFloat, abs, bitmask, broadcast, broadcast_point, cross, dot, f32x8,
+    load_points, mul, splat, splat_point,
+};
+use crate::state::mesh_arena::BoxGroup;
 use glam::Vec3;
-use wide::f32x8;
 
 /// Replaces zero in a denominator: a gap divided by it is longer than any collision substep.
 pub const TINY: f32 = 1.0e-30;
 
 /// Eight nodes of one tree, relative to their body's centre of mass, in the pair's unit of length.
-pub struct Nodes {
+pub struct Nodes<S: Simd> {
     /// Along the first body's axes and along the second's.
-    center: [Points; 2],
-    half: [Points; 2],
+    center: [Points<S>; 2],
+    half: [Points<S>; 2],
     /// Upper bound for the distance of any point from the axis of rotation.
-    axis_distance: f32x8,
+    axis_distance: f32x8<S>,
     /// Upper bound for the distance of any point from the centre of mass.
-    radius: f32x8,
+    radius: f32x8<S>,
     /// Half the diagonal.
-    size: f32x8,
+    size: f32x8<S>,
     /// Lanes that hold a node.
     pub lanes: u32,
 }
@@ -40,39 +42,43 @@ pub struct SafeTimes {
 }
 
 /// Transforms boxes of a body into the axes of both bodies, at one time.
-pub struct NodePlacer {
-    scale: Points,
+pub struct NodePlacer<S: Simd> {
+    scale: Points<S>,
     /// 0 for the first body, 1 for the second.
     side: usize,
     /// To the other body's axes.
-    rotation: Rows,
-    rotation_abs: Rows,
+    rotation: Rows<S>,
+    rotation_abs: Rows<S>,
     /// Axis of rotation in the body's own axes; zero if it does not rotate.
-    axis: Points,
+    axis: Points<S>,
     /// Radius of the body's bounding sphere.
-    radius: f32x8,
+    radius: f32x8<S>,
 }
 
-impl NodePlacer {
+impl<S: Simd> NodePlacer<S> {
     /// For the first body or the second. `scale` and the `radius` of the bounding sphere are in the pair's unit of
     /// length.
-    pub fn new(side: usize, scale: Vec3, radius: f32, relative: &Rounded) -> Self {
+    #[inline(always)]
+    pub fn new(simd: S, side: usize, scale: Vec3, radius: f32, relative: &Rounded) -> Self {
         let rotation = if side == 0 { relative.back } else { relative.rotation };
         Self {
-            scale: splat(scale),
+            scale: splat_point(simd, scale),
             side,
-            rotation: Rows::new(rotation),
-            rotation_abs: Rows::new(rotation.abs()),
-            axis: splat(relative.frames[side].turns[side].normalize_or_zero()),
-            radius: f32x8::splat(radius),
+            rotation: Rows::new(simd, rotation),
+            rotation_abs: Rows::new(simd, rotation.abs()),
+            axis: splat_point(simd, relative.frames[side].turns[side].normalize_or_zero()),
+            radius: splat(simd, radius),
         }
     }
 
     /// Transforms eight boxes.
-    pub fn nodes(&self, boxes: &BoxGroup) -> Nodes {
-        let lanes = boxes.half[0].simd_ge(f32x8::ZERO).to_bitmask();
-        let center = mul(boxes.center, self.scale);
-        let half = each(|i| boxes.half[i] * self.scale[i].abs());
+    #[inline(always)]
+    pub fn nodes(&self, boxes: &BoxGroup) -> Nodes<S> {
+        let simd = self.radius.simd;
+        let half = load_points(simd, &boxes.half);
+        let lanes = bitmask(half[0].simd_ge(splat(simd, 0.0)));
+        let center = mul(load_points(simd, &boxes.center), self.scale);
+        let half = mul(half, abs(self.scale));
         let own = (center, half);
         let other = (self.rotation.times(center), self.rotation_abs.times(half));
         let (first, second) = if self.side == 0 { (own, other) } else { (other, own) };
@@ -81,67 +87,72 @@ impl NodePlacer {
         Nodes {
             center: [first.0, second.0],
             half: [first.1, second.1],
-            axis_distance: (dot(from_axis, from_axis).sqrt() + size).fast_min(self.radius),
-            radius: (dot(center, center).sqrt() + size).fast_min(self.radius),
+            axis_distance: (dot(from_axis, from_axis).sqrt() + size).min(self.radius),
+            radius: (dot(center, center).sqrt() + size).min(self.radius),
             size,
             lanes,
         }
     }
 }
 
-impl Nodes {
+impl<S: Simd> Nodes<S> {
     /// The node of one lane, in all lanes.
+    #[inline(always)]
     pub fn single(&self, lane: usize) -> Self {
-        let point = |p: &Points| splat(lane_of(p, lane));
-        let value = |v: f32x8| f32x8::splat(v.as_array()[lane]);
         Self {
-            center: [point(&self.center[0]), point(&self.center[1])],
-            half: [point(&self.half[0]), point(&self.half[1])],
-            axis_distance: value(self.axis_distance),
-            radius: value(self.radius),
-            size: value(self.size),
+            center: [
+                broadcast_point(&self.center[0], lane),
+                broadcast_point(&self.center[1], lane),
+            ],
+            half: [
+                broadcast_point(&self.half[0], lane),
+                broadcast_point(&self.half[1], lane),
+            ],
+            axis_distance: broadcast(&self.axis_distance, lane),
+            radius: broadcast(&self.radius, lane),
+            size: broadcast(&self.size, lane),
             lanes: u32::MAX,
         }
     }
 }
 
 /// The safe times of nodes of the first body's tree and of the second's, lane by lane.
-pub fn safe_times(a: &Nodes, b: &Nodes, relative: &Rounded) -> SafeTimes {
-    let zero = f32x8::ZERO;
-    let (pad, speed_pad) = (f32x8::splat(relative.pad), f32x8::splat(relative.speed_pad));
-    let tiny = f32x8::splat(TINY);
+#[inline(always)]
+pub fn safe_times<S: Simd>(a: &Nodes<S>, b: &Nodes<S>, relative: &Rounded) -> SafeTimes {
+    let simd = a.size.simd;
+    let zero = splat(simd, 0.0);
+    let (pad, speed_pad) = (splat(simd, relative.pad), splat(simd, relative.speed_pad));
+    let (one, tiny) = (splat(simd, 1.0), splat(simd, TINY));
     let (mut time, mut widest) = (zero, zero);
     for (k, frame) in relative.frames.iter().enumerate() {
         let [spins_a, spins_b] = frame.spins();
         for i in 0..3 {
             let (center_a, center_b) = (a.center[k][i], b.center[k][i]);
-            let apart = f32x8::splat(frame.translation[i]) + center_b - center_a;
+            let apart = splat(simd, frame.translation[i]) + center_b - center_a;
             // 1 if the second is farther along the axis, else -1.
-            let sign = apart.simd_ge(zero).bitselect(f32x8::ONE, -f32x8::ONE);
+            let sign = apart.simd_ge(zero).select(one, -one);
             let gap = apart.abs() - a.half[k][i] - b.half[k][i] - pad;
-            let speed = sign * f32x8::splat(frame.velocity[i]) + speed_pad;
-            let spin_a = f32x8::splat(spins_a[i]) * a.axis_distance;
-            let spin_b = f32x8::splat(spins_b[i]) * b.axis_distance;
+            let speed = sign * splat(simd, frame.velocity[i]) + speed_pad;
+            let spin_a = splat(simd, spins_a[i]) * a.axis_distance;
+            let spin_b = splat(simd, spins_b[i]) * b.axis_distance;
             // A rotation of any length keeps every point on its sphere about the centre of mass.
-            let max_a = (a.radius - sign * center_a - a.half[k][i])
-                .fast_max(zero)
-                .fast_min(spin_a);
-            let max_b = (b.radius + sign * center_b - b.half[k][i])
-                .fast_max(zero)
-                .fast_min(spin_b);
-            let rotating = gap / (speed + spin_a + spin_b).fast_max(tiny);
-            let rotated = (gap - max_a - max_b) / speed.fast_max(tiny);
-            time = time.fast_max(rotating).fast_max(rotated);
-            widest = widest.fast_max(gap);
+            let max_a = a.radius - sign * center_a - a.half[k][i];
+            let max_b = b.radius + sign * center_b - b.half[k][i];
+            let (max_a, max_b) = (max_a.max(zero).min(spin_a), max_b.max(zero).min(spin_b));
+            let rotating = gap / (speed + spin_a + spin_b).max(tiny);
+            let rotated = (gap - max_a - max_b) / speed.max(tiny);
+            time = time.max(rotating).max(rotated);
+            widest = widest.max(gap);
         }
     }
     SafeTimes {
         times: rounded_down(time),
-        far: widest.simd_gt(a.size.fast_max(b.size)).to_bitmask(),
+        far: bitmask(widest.simd_gt(a.size.max(b.size))),
     }
 }
 
 /// Times, reduced by the largest rounding error of single precision.
-pub fn rounded_down(time: f32x8) -> [f32; 8] {
-    (time * f32x8::splat(1.0 - 1.0e-5)).to_array()
+#[inline(always)]
+pub fn rounded_down<S: Simd>(time: f32x8<S>) -> [f32; 8] {
+    (time * splat(time.simd, 1.0 - 1.0e-5)).into()
 }

@@ -8,15 +8,16 @@
 //! most parts of the meshes this happens a few levels below the root.
 
 use super::distance::nearest;
-use super::nodes::{self, NodePlacer};
+use super::nodes::{self, NodePlacer, Nodes};
 use super::relative::{Relative, Rounded};
 use super::triangle_pair::{TargetDistance, safe_time};
 use super::triangles::Triangles;
 use super::{Pose, Sweep};
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{bits, splat};
+use crate::simd::lanes::{Simd, bits};
+use crate::simd::level::with_simd;
 use crate::simd::rounding::unit_of;
-use crate::state::mesh_arena::{BoxGroup, MeshSlot};
+use crate::state::mesh_arena::{BoxGroup, MeshSlot, points};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -91,6 +92,11 @@ struct Entry {
 impl Search<'_> {
     /// Finds the first pair of triangles that reaches the target distance.
     pub fn run(&self, scratch: &mut Scratch) -> Outcome {
+        with_simd!(simd => self.run_with(simd, scratch))
+    }
+
+    #[inline(always)]
+    fn run_with<S: Simd>(&self, simd: S, scratch: &mut Scratch) -> Outcome {
         let queue = &mut scratch.queue;
         let [start, end] = self.span;
         let mut relative = self.relative(start);
@@ -140,9 +146,12 @@ impl Search<'_> {
                 }
                 continue;
             }
-            let placement = placement.get_or_insert_with(|| self.placement(relative));
+            let placement = match &placement {
+                Some(placement) => placement,
+                None => placement.insert(self.placement(simd, relative)),
+            };
             if entry.level == [1, 1] && !entry.far {
-                self.open_clusters(&entry, placement, &mut add);
+                self.open_clusters(simd, &entry, placement, &mut add);
             } else {
                 self.open(&entry, placement, &mut add);
             }
@@ -188,39 +197,37 @@ impl Search<'_> {
     }
 
     /// What is common to all nodes that are visited at one time.
-    fn placement(&self, relative: Relative) -> Placement {
+    #[inline(always)]
+    fn placement<S: Simd>(&self, simd: S, relative: Relative) -> Placement<S> {
         let size = self.sides[0].radius + self.sides[1].radius;
         let unit = unit_of(size as f32);
         let rounded = relative.rounded(unit, size, self.target.aim);
         Placement {
-            placers: [0, 1].map(|i| {
-                let side = &self.sides[i];
-                NodePlacer::new(i, unit * side.scale, unit * side.radius as f32, &rounded)
-            }),
+            placers: [
+                self.placer(simd, 0, unit, &rounded),
+                self.placer(simd, 1, unit, &rounded),
+            ],
             relative,
             rounded,
             unit,
         }
     }
 
+    #[inline(always)]
+    fn placer<S: Simd>(&self, simd: S, side: usize, unit: f32, rounded: &Rounded) -> NodePlacer<S> {
+        let Side { scale, radius, .. } = self.sides[side];
+        NodePlacer::new(simd, side, unit * scale, unit * radius as f32, rounded)
+    }
+
     /// Computes safe times for the children of the larger node, or again for the pair itself if it is far apart.
-    fn open(&self, entry: &Entry, placement: &Placement, add: &mut impl FnMut(Entry, f64)) {
+    #[inline(always)]
+    fn open<S: Simd>(&self, entry: &Entry, placement: &Placement<S>, add: &mut impl FnMut(Entry, f64)) {
         let [size_a, size_b] = [0, 1].map(|i| self.sides[i].size(entry.level[i]));
         let first = entry.level[1] == 1 || (entry.level[0] > 1 && size_a >= size_b);
         let opened = (!entry.far).then_some(usize::from(!first));
-        let placed = [0, 1].map(|i| {
-            let (side, placer) = (&self.sides[i], &placement.placers[i]);
-            let (level, number) = (entry.level[i], entry.number[i] as usize);
-            if opened == Some(i) {
-                placer.nodes(&side.boxes(level - 1, number))
-            } else {
-                placer
-                    .nodes(&side.boxes(level, number / CLUSTER))
-                    .single(number % CLUSTER)
-            }
-        });
-        let [a, b] = &placed;
-        let safe = nodes::safe_times(a, b, &placement.rounded);
+        let a = self.nodes(entry, placement, 0, opened == Some(0));
+        let b = self.nodes(entry, placement, 1, opened == Some(1));
+        let safe = nodes::safe_times(&a, &b, &placement.rounded);
         let lanes = if opened.is_some() { a.lanes & b.lanes } else { 1 };
         for lane in bits(lanes) {
             let mut next = Entry {
@@ -235,19 +242,30 @@ impl Search<'_> {
         }
     }
 
+    /// The children of a body's node, or the node itself in all lanes.
+    #[inline(always)]
+    fn nodes<S: Simd>(&self, entry: &Entry, placement: &Placement<S>, i: usize, opened: bool) -> Nodes<S> {
+        let (side, placer) = (&self.sides[i], &placement.placers[i]);
+        let (level, number) = (entry.level[i], entry.number[i] as usize);
+        if opened {
+            placer.nodes(&side.boxes(level - 1, number))
+        } else {
+            let group = placer.nodes(&side.boxes(level, number / CLUSTER));
+            group.single(number % CLUSTER)
+        }
+    }
+
     /// Computes safe times for all pairs of triangles of two clusters.
-    fn open_clusters(&self, entry: &Entry, placement: &Placement, add: &mut impl FnMut(Entry, f64)) {
-        let relative = &placement.relative;
-        let rotations = [DMat3::IDENTITY, relative.rotation];
-        let unit = f64::from(placement.unit);
-        let [a, b] = [0, 1].map(|i| {
-            let side = &self.sides[i];
-            let cluster = &side.slot.lanes.clusters[entry.number[i] as usize];
-            let matrix = rotations[i] * DMat3::from_diagonal(side.scale.as_dvec3() * unit);
-            let origin = matrix * side.about_center(cluster.origin);
-            let matrix: Mat3 = matrix.as_mat3();
-            Triangles::new(i, cluster, matrix, origin.as_vec3(), &placement.rounded)
-        });
+    #[inline(always)]
+    fn open_clusters<S: Simd>(
+        &self,
+        simd: S,
+        entry: &Entry,
+        placement: &Placement<S>,
+        add: &mut impl FnMut(Entry, f64),
+    ) {
+        let a = self.triangles(simd, entry, placement, 0);
+        let b = self.triangles(simd, entry, placement, 1);
         for i in bits(a.lanes) {
             let times = a.safe_times(i, &b, &placement.rounded);
             for j in bits(b.lanes) {
@@ -260,6 +278,19 @@ impl Search<'_> {
                 add(next, f64::from(times[j]));
             }
         }
+    }
+
+    /// The triangles of a body's cluster.
+    #[inline(always)]
+    fn triangles<S: Simd>(&self, simd: S, entry: &Entry, placement: &Placement<S>, i: usize) -> Triangles<S> {
+        let rotations = [DMat3::IDENTITY, placement.relative.rotation];
+        let side = &self.sides[i];
+        let cluster = &side.slot.lanes.clusters[entry.number[i] as usize];
+        let scale = side.scale.as_dvec3() * f64::from(placement.unit);
+        let matrix = rotations[i] * DMat3::from_diagonal(scale);
+        let origin = matrix * side.about_center(cluster.origin);
+        let matrix: Mat3 = matrix.as_mat3();
+        Triangles::new(simd, i, cluster, matrix, origin.as_vec3(), &placement.rounded)
     }
 
     /// The safe time of two triangles; `None` if they have reached the target distance.
@@ -285,10 +316,10 @@ impl Search<'_> {
 }
 
 /// Poses and motion of both bodies at one time.
-struct Placement {
+struct Placement<S: Simd> {
     relative: Relative,
     rounded: Rounded,
-    placers: [NodePlacer; 2],
+    placers: [NodePlacer<S>; 2],
     unit: f32,
 }
 
@@ -315,8 +346,8 @@ impl Side<'_> {
         match lanes.levels.get(usize::from(level) - 1) {
             Some(level) => level[group],
             None => BoxGroup {
-                center: splat(lanes.aabb.center()),
-                half: splat(lanes.aabb.half_size()),
+                center: points(|_| lanes.aabb.center()),
+                half: points(|_| lanes.aabb.half_size()),
             },
         }
     }

@@ -3,7 +3,7 @@
 mod points;
 mod slab;
 
-pub use points::{Points, points};
+pub use points::{Stored, StoredPoints, points};
 pub use slab::SlabGroup;
 
 use super::cluster::{CLUSTER, compact_order};
@@ -17,7 +17,7 @@ pub struct MeshLanes {
     /// The triangles, in clusters of eight.
     pub clusters: Vec<Cluster>,
     /// The vertices of [`MeshFeatures`] in groups of eight, in their order, each with one bit per lane in use.
-    pub vertices: Vec<(Points, u32)>,
+    pub vertices: Vec<(StoredPoints, u32)>,
     /// The box hierarchy above the groups of vertices, in the layout of `levels`.
     pub vertex_levels: Vec<Vec<BoxGroup>>,
     /// One vertex of each connected component of the mesh, in a spatially compact order.
@@ -43,7 +43,7 @@ pub struct Cluster {
     /// One of the corners, in mesh space.
     pub origin: Vec3,
     /// The first, second and third corners, relative to `origin`.
-    pub corners: [Points; 3],
+    pub corners: [StoredPoints; 3],
     /// One bit per lane that holds a triangle. The other lanes repeat the last triangle.
     pub lanes: u32,
 }
@@ -53,9 +53,9 @@ pub struct Cluster {
 #[derive(Clone, Copy)]
 pub struct BoxGroup {
     /// Centres.
-    pub center: Points,
+    pub center: StoredPoints,
     /// Half sizes.
-    pub half: Points,
+    pub half: StoredPoints,
 }
 
 impl MeshLanes {
@@ -165,7 +165,7 @@ mod tests {
             let lanes = MeshLanes::new(&mesh, &features, center);
             let held = lanes.vertices.iter().flat_map(|(points, lanes)| {
                 let held = (0..CLUSTER).filter(move |lane| lanes >> lane & 1 == 1);
-                held.map(move |lane| Vec3::from_array(points.each_ref().map(|x| x.as_array()[lane])))
+                held.map(move |lane| Vec3::from_array(points.each_ref().map(|x| x.0[lane])))
             });
             assert!(held.eq(features.vertices.iter().map(|p| *p - center)));
         }

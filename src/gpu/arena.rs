@@ -5,7 +5,7 @@ use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID};
 use super::mesh_features;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
-use crate::state::mesh_arena::{MeshArena, MeshSlot, Points};
+use crate::state::mesh_arena::{MeshArena, MeshSlot, StoredPoints};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -292,8 +292,8 @@ impl Packed {
     }
 }
 
-fn lane_of(points: &Points, lane: usize) -> Vec3 {
-    Vec3::from_array(points.each_ref().map(|x| x.as_array()[lane]))
+fn lane_of(points: &StoredPoints, lane: usize) -> Vec3 {
+    Vec3::from_array(points.each_ref().map(|x| x.0[lane]))
 }
 
 #[cfg(test)]

@@ -23,11 +23,11 @@
 //!   Otherwise all triangles are drawn from both sides.
 
 use super::facing::{self, Facing};
-use super::spans::{Pixel, SpanHeights, Spans};
+use super::spans::{Four, Pixel, SpanHeights, Spans, four, splat};
 use crate::geometry::TriMesh;
 use crate::projection::BakeSettings;
+use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3, Vec3};
-use wide::f32x4;
 
 /// The height of background pixels. Drawn heights are at least 1.
 pub(super) const BACKGROUND: f32 = 0.0;
@@ -70,8 +70,8 @@ pub struct Scratch {
 
 /// The affine map from `Raster::points` to pixels; each column is one SIMD vector.
 struct View {
-    columns: [f32x4; 3],
-    origin: f32x4,
+    columns: [Four; 3],
+    origin: Four,
     axes: [Vec3; 3],
 }
 
@@ -175,7 +175,7 @@ impl Raster {
         let middle = f64::from(self.size) * 0.5 - 0.5;
         let column = |v: DVec3| {
             let v = (v * self.scale).as_vec3();
-            f32x4::new([v.x, v.y, v.z, 0.0])
+            four([v.x, v.y, v.z, 0.0])
         };
         View {
             columns: [
@@ -184,7 +184,7 @@ impl Raster {
                 column(rotation.z_axis),
             ],
             // The lowest point of the bounding sphere is at height 2, above the background.
-            origin: f32x4::new([middle as f32, middle as f32, (self.scale + 2.0) as f32, 0.0]),
+            origin: four([middle as f32, middle as f32, (self.scale + 2.0) as f32, 0.0]),
             axes: [0, 1, 2].map(|i| rotation.row(i).as_vec3()),
         }
     }
@@ -193,9 +193,9 @@ impl Raster {
         let [x, y, z] = view.columns;
         projected.clear();
         projected.extend(
-            self.points.iter().map(|p| {
-                (x * f32x4::splat(p.x) + y * f32x4::splat(p.y) + z * f32x4::splat(p.z) + view.origin).to_array()
-            }),
+            self.points
+                .iter()
+                .map(|p| Pixel::from(x * splat(p.x) + y * splat(p.y) + z * splat(p.z) + view.origin)),
         );
     }
 
@@ -238,11 +238,12 @@ impl Raster {
 /// Clears the part of the depth image that drawing and sampling can reach.
 fn clear(depth: &mut Vec<f32>, projected: &[Pixel], stride: usize, size: usize) {
     depth.resize(stride * size, BACKGROUND);
-    let (low, high) = projected.iter().fold(
-        (f32x4::splat(f32::INFINITY), f32x4::splat(f32::NEG_INFINITY)),
-        |(low, high), &p| (low.fast_min(f32x4::new(p)), high.fast_max(f32x4::new(p))),
-    );
-    let (low, high) = (low.to_array(), high.to_array());
+    let (low, high) = projected
+        .iter()
+        .fold((splat(f32::INFINITY), splat(f32::NEG_INFINITY)), |(low, high), &p| {
+            (low.min(four(p)), high.max(four(p)))
+        });
+    let (low, high): (Pixel, Pixel) = (low.into(), high.into());
     // Samples read one pixel beyond the centres. Blocks extend further, but write only background there.
     let (x0, x1) = (low[0] as usize, (high[0] as usize + 2).min(stride));
     for y in low[1] as usize..(high[1] as usize + 2).min(size) {
@@ -267,12 +268,12 @@ fn raise(depth: &mut [f32], stride: usize, spans: &Spans) -> bool {
             let width = last - first;
             let start = (y as usize + k) * stride + first as usize;
             let mut heights = SpanHeights::new(rows.height[k], spans.x_slope);
-            let width = f32x4::splat(width as f32);
+            let width = splat(width as f32);
             for block in blocks_mut(depth, start, last - first) {
                 for pixels in block.as_chunks_mut::<4>().0 {
                     let (height, i) = heights.next();
-                    let height = height & i.simd_le(width);
-                    *pixels = f32x4::new(*pixels).fast_max(height).to_array();
+                    let height = i.simd_le(width).select(height, splat(0.0));
+                    *pixels = four(*pixels).max(height).into();
                 }
             }
         }
@@ -298,14 +299,14 @@ fn is_highest_somewhere(depth: &[f32], stride: usize, spans: &Spans) -> bool {
             let width = last - first;
             let start = (y as usize + k) * stride + first as usize;
             let mut heights = SpanHeights::new(rows.height[k], spans.x_slope);
-            let width = f32x4::splat(width as f32);
+            let width = splat(width as f32);
             blocks(depth, start, last - first).iter().any(|block| {
-                let mut highest = f32x4::splat(0.0);
+                let mut highest = splat(0.0).simd_lt(splat(0.0));
                 for &pixels in block.as_chunks::<4>().0 {
                     let (height, i) = heights.next();
-                    highest |= height.simd_ge(f32x4::new(pixels)) & i.simd_le(width);
+                    highest |= height.simd_ge(four(pixels)) & i.simd_le(width);
                 }
-                highest.any()
+                highest.any_true()
             })
         })
     })

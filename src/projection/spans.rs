@@ -10,7 +10,29 @@
 //! The loops are written for SSE2, the baseline of x86-64. They convert to integers, because `floor` and `ceil` are
 //! function calls there, and they need one division per edge instead of one per row.
 
-use wide::f32x4;
+use crate::simd::level::{Baseline, baseline};
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x4, i32x4};
+
+/// Four numbers in a register.
+pub(super) type Four = f32x4<Baseline>;
+
+/// `value` in every lane.
+#[inline(always)]
+pub(super) fn splat(value: f32) -> Four {
+    f32x4::splat(baseline(), value)
+}
+
+#[inline(always)]
+pub(super) fn four(values: [f32; 4]) -> Four {
+    f32x4::simd_from(baseline(), values)
+}
+
+/// Numbers in the range of `i32`, rounded toward zero.
+#[inline(always)]
+fn truncated(values: Four) -> i32x4<Baseline> {
+    i32x4::truncate_from(values)
+}
 
 /// A point in pixels: x to the right, y up, height. Pixel centres have integer coordinates. The fourth lane is unused.
 pub(super) type Pixel = [f32; 4];
@@ -25,8 +47,8 @@ struct Bound {
 
 impl Bound {
     #[inline]
-    fn at(self, rows: f32x4) -> f32x4 {
-        f32x4::splat(self.x) + f32x4::splat(self.slope) * (rows - f32x4::splat(self.y))
+    fn at(self, rows: Four) -> Four {
+        splat(self.x) + splat(self.slope) * (rows - splat(self.y))
     }
 }
 
@@ -121,59 +143,57 @@ impl Spans {
     /// Rows `y..y + 4`. Values for rows outside `self.rows` are meaningless.
     #[inline]
     pub fn four(&self, y: i32) -> FourRows {
-        let rows = f32x4::splat(y as f32) + f32x4::new([0.0, 1.0, 2.0, 3.0]);
-        let one = f32x4::splat(1.0);
+        let rows = splat(y as f32) + four([0.0, 1.0, 2.0, 3.0]);
+        let one = splat(1.0);
         // Clamped to the range of i32, so that `first > last` still holds if the left bound is right of the right
         // bound.
         let left = self.left[0]
             .at(rows)
-            .fast_max(self.left[1].at(rows))
-            .fast_max(f32x4::splat(self.x_range.0))
-            .fast_min(f32x4::splat(self.x_range.1) + one);
+            .max(self.left[1].at(rows))
+            .max(splat(self.x_range.0))
+            .min(splat(self.x_range.1) + one);
         let right = self.right[0]
             .at(rows)
-            .fast_min(self.right[1].at(rows))
-            .fast_min(f32x4::splat(self.x_range.1))
-            .fast_max(f32x4::splat(-1.0));
-        let cut = f32x4::from_i32x4(left.fast_trunc_int());
-        let first = cut + (cut.simd_lt(left) & one);
-        let height = f32x4::splat(self.anchor[2])
-            + f32x4::splat(self.x_slope) * (first - f32x4::splat(self.anchor[0]))
-            + f32x4::splat(self.y_slope) * (rows - f32x4::splat(self.anchor[1]));
+            .min(self.right[1].at(rows))
+            .min(splat(self.x_range.1))
+            .max(splat(-1.0));
+        let cut = f32x4::float_from(truncated(left));
+        let first = cut + cut.simd_lt(left).select(one, splat(0.0));
+        let height = splat(self.anchor[2])
+            + splat(self.x_slope) * (first - splat(self.anchor[0]))
+            + splat(self.y_slope) * (rows - splat(self.anchor[1]));
         // For a triangle almost edge-on the slopes are huge and the terms cancel badly. The corners bound the result.
-        let height = height
-            .fast_max(f32x4::splat(self.z_range.0))
-            .fast_min(f32x4::splat(self.z_range.1));
+        let height = height.max(splat(self.z_range.0)).min(splat(self.z_range.1));
         FourRows {
-            first: first.fast_trunc_int().to_array(),
-            last: right.fast_trunc_int().to_array(),
-            height: height.to_array(),
+            first: truncated(first).into(),
+            last: truncated(right).into(),
+            height: height.into(),
         }
     }
 }
 
 /// The heights along a span, four pixels at a time: `first + x_slope * i` for `i` = 0, 1, 2, ..., together with `i`.
 pub(super) struct SpanHeights {
-    first: f32x4,
-    x_slope: f32x4,
+    first: Four,
+    x_slope: Four,
     /// Small integers, so the increments are exact.
-    i: f32x4,
+    i: Four,
 }
 
 impl SpanHeights {
     #[inline]
     pub fn new(first: f32, x_slope: f32) -> Self {
         Self {
-            first: f32x4::splat(first),
-            x_slope: f32x4::splat(x_slope),
-            i: f32x4::new([0.0, 1.0, 2.0, 3.0]),
+            first: splat(first),
+            x_slope: splat(x_slope),
+            i: four([0.0, 1.0, 2.0, 3.0]),
         }
     }
 
     #[inline]
-    pub fn next(&mut self) -> (f32x4, f32x4) {
+    pub fn next(&mut self) -> (Four, Four) {
         let i = self.i;
-        self.i = i + f32x4::splat(4.0);
+        self.i = i + splat(4.0);
         (self.first + self.x_slope * i, i)
     }
 }

@@ -4,7 +4,8 @@ use crate::asset::CollisionMesh;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::manifolds::cpu::PlacedMesh;
-use crate::simd::lanes::{Rows, each, splat};
+use crate::simd::lanes::{Rows, SimdBase, add, bitmask, load_points, splat, splat_point, sub, widen};
+use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::Frame;
@@ -13,7 +14,6 @@ use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::BoxGroup;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::cell::Cell;
-use wide::f32x8;
 
 /// A baked mesh that is scaled, then rotated, then translated.
 ///
@@ -88,19 +88,23 @@ impl<'a> Placed<'a> {
         let (matrix, lanes) = (rotation * DMat3::from_diagonal(scale), self.mesh.lanes());
         // Boxes of triangles that cannot enlarge the bounding box are skipped, in single precision relative to the
         // centre of mass.
-        let (rotate, spread) = (Rows::new(matrix.as_mat3()), Rows::new(matrix.as_mat3().abs()));
-        let pad = f32x8::splat(2.0 * PAD * self.radius);
+        let simd = baseline();
+        let rotate = Rows::new(simd, matrix.as_mat3());
+        let spread = Rows::new(simd, matrix.as_mat3().abs());
+        let pad = splat(simd, 2.0 * PAD * self.radius);
         let found = Cell::new([DVec3::INFINITY, DVec3::NEG_INFINITY]);
         let grows = |group: &BoxGroup| {
-            let [low, high] = found.get().map(|p| splat((p - self.frame.center).as_vec3()));
-            let (center, half) = (rotate.times(group.center), spread.times(group.half));
-            let beyond = each(|i| {
-                let half = half[i] + pad;
-                (center[i] + half).simd_gt(high[i]) | (center[i] - half).simd_lt(low[i])
-            });
+            let [low, high] = found
+                .get()
+                .map(|p| splat_point(simd, (p - self.frame.center).as_vec3()));
+            let stored = load_points(simd, &group.half);
+            let center = rotate.times(load_points(simd, &group.center));
+            let half = widen(spread.times(stored), pad);
+            let (top, bottom) = (add(center, half), sub(center, half));
+            let beyond = |i: usize| top[i].simd_gt(high[i]) | bottom[i].simd_lt(low[i]);
             // Unused lanes have a half size of minus infinity.
-            let held = f32x8::ZERO.simd_le(group.half[0]);
-            ((beyond[0] | beyond[1] | beyond[2]) & held).to_bitmask()
+            let held = splat(simd, 0.0).simd_le(stored[0]);
+            bitmask((beyond(0) | beyond(1) | beyond(2)) & held)
         };
         visit(&lanes.levels, &grows, &mut |cluster| {
             let first = cluster as usize * CLUSTER;

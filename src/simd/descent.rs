@@ -4,7 +4,7 @@
 //! of the first tree, a list of the nodes of the second tree that may touch it. The number of visited nodes grows with
 //! the size of the contact and with the height of the trees.
 
-use super::lanes::bits;
+use super::lanes::{Simd, bits};
 use super::tree::{Group, Node, Tree};
 
 /// The result of a traversal. It is reused from pair to pair to avoid allocations.
@@ -38,7 +38,8 @@ const NONE: u32 = u32::MAX;
 
 impl Descent {
     /// Traverses both trees. Returns the number of tests of one node against eight others.
-    pub fn run(&mut self, a: &Tree, b: &Tree) -> u64 {
+    #[inline(always)]
+    pub fn run<S: Simd>(&mut self, a: &Tree<S>, b: &Tree<S>) -> u64 {
         self.entries.clear();
         self.entries.push(Entry {
             node: a.root(),
@@ -82,14 +83,18 @@ impl Descent {
         self.nodes.iter().map(|node| node.number)
     }
 
-    fn open_first(&mut self, tree: &Tree, level: usize) {
+    #[inline(always)]
+    fn open_first<S: Simd>(&mut self, tree: &Tree<S>, level: usize) {
         for entry in &self.entries {
             let list = &self.list[entry.first as usize..entry.end as usize];
             let group = tree.children(level, entry.node.number);
             self.masks.clear();
-            self.masks
-                .extend(list.iter().map(|&at| self.nodes[at as usize].meets(&group)));
-            let any = self.masks.iter().fold(0, |any, mask| any | mask);
+            let mut any = 0;
+            for &at in list {
+                let mask = tree.met_by(&self.nodes[at as usize], &group);
+                self.masks.push(mask);
+                any |= mask;
+            }
             for lane in bits(any) {
                 let first = self.next_list.len() as u32;
                 let met = list.iter().zip(&self.masks).filter(|(_, mask)| *mask >> lane & 1 == 1);
@@ -103,7 +108,8 @@ impl Descent {
         }
     }
 
-    fn open_second(&mut self, tree: &Tree, level: usize) {
+    #[inline(always)]
+    fn open_second<S: Simd>(&mut self, tree: &Tree<S>, level: usize) {
         self.next_nodes.clear();
         self.groups.clear();
         self.group_of_node.clear();
@@ -118,7 +124,7 @@ impl Descent {
                     self.groups.push((tree.children(level, number), [NONE; 8]));
                 }
                 let (group, children) = &mut self.groups[*index as usize];
-                for lane in bits(entry.node.meets(group)) {
+                for lane in bits(tree.met_by(&entry.node, group)) {
                     let child = &mut children[lane];
                     if *child == NONE {
                         *child = self.next_nodes.len() as u32;
@@ -141,6 +147,7 @@ impl Descent {
 
 #[cfg(test)]
 mod tests {
+    use super::super::level::baseline;
     use super::super::tree::RelativePose;
     use super::*;
     use crate::asset::CollisionMesh;
@@ -167,7 +174,7 @@ mod tests {
                         axis: Vec3::ZERO,
                         min_height: 0.0,
                     };
-                    Tree::new(lanes, second, Vec3::ONE, relative, 4.0e-6, slabs)
+                    Tree::new(baseline(), lanes, second, Vec3::ONE, relative, 4.0e-6, slabs)
                 });
             cost[0] += descent.run(&a, &b);
             cost[1] += descent.pairs().map(|(_, others)| others.len() as u64).sum::<u64>();

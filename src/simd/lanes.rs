@@ -1,38 +1,95 @@
 //! Vector arithmetic on eight points at a time.
+//!
+//! An [`f32x8`] is in a register: two of SSE2 and NEON, one of AVX2. [`Stored`] is in memory. [`level`](super::level)
+//! tells where the token `S` comes from, and why everything here is inlined.
+//!
+//! `a.min(b)` and `a.max(b)` are the instructions of x86 there: `b` where one of both is NaN, or where both are zero.
 
-use crate::geometry::lanes::Points;
+pub use fearless_simd::prelude::{Select, Simd, SimdBase, SimdFloat, SimdFrom, SimdMask};
+pub use fearless_simd::{f32x8, mask32x8};
+
+use crate::geometry::lanes::{Stored, StoredPoints};
 use glam::{Mat3, Vec3};
-use wide::f32x8;
 
-/// `[f(0), f(1), f(2)]`. An array's `map` is not always inlined, and SIMD vectors pass through memory in a call. That
-/// took a third of the triangle test's time.
+/// The x, y and z coordinates of eight points, one point per lane.
+pub type Points<S> = [f32x8<S>; 3];
+
+/// `[f(0), f(1), f(2)]`. An array's `map` is not always inlined.
 #[inline(always)]
 pub fn each<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
+/// `value` in every lane.
 #[inline(always)]
-pub fn splat(v: Vec3) -> Points {
-    each(|i| f32x8::splat(v[i]))
+pub fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
+    f32x8::splat(simd, value)
+}
+
+/// `v` in every lane.
+#[inline(always)]
+pub fn splat_point<S: Simd>(simd: S, v: Vec3) -> Points<S> {
+    [splat(simd, v.x), splat(simd, v.y), splat(simd, v.z)]
 }
 
 #[inline(always)]
-pub fn sub(a: Points, b: Points) -> Points {
+pub fn load<S: Simd>(simd: S, from: &Stored) -> f32x8<S> {
+    f32x8::simd_from(simd, from.0)
+}
+
+#[inline(always)]
+pub fn load_points<S: Simd>(simd: S, [x, y, z]: &StoredPoints) -> Points<S> {
+    [load(simd, x), load(simd, y), load(simd, z)]
+}
+
+#[inline(always)]
+pub fn store<S: Simd>(from: f32x8<S>) -> Stored {
+    Stored(from.into())
+}
+
+#[inline(always)]
+pub fn store_points<S: Simd>([x, y, z]: Points<S>) -> StoredPoints {
+    [store(x), store(y), store(z)]
+}
+
+#[inline(always)]
+pub fn add<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+#[inline(always)]
+pub fn sub<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline(always)]
-pub fn mul(a: Points, b: Points) -> Points {
+pub fn mul<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
 #[inline(always)]
-pub fn dot(a: Points, b: Points) -> f32x8 {
+pub fn scale<S: Simd>(a: Points<S>, by: f32x8<S>) -> Points<S> {
+    [a[0] * by, a[1] * by, a[2] * by]
+}
+
+/// Adds the same number to all coordinates of a point.
+#[inline(always)]
+pub fn widen<S: Simd>(a: Points<S>, by: f32x8<S>) -> Points<S> {
+    [a[0] + by, a[1] + by, a[2] + by]
+}
+
+#[inline(always)]
+pub fn abs<S: Simd>(a: Points<S>) -> Points<S> {
+    [a[0].abs(), a[1].abs(), a[2].abs()]
+}
+
+#[inline(always)]
+pub fn dot<S: Simd>(a: Points<S>, b: Points<S>) -> f32x8<S> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-pub fn cross(a: Points, b: Points) -> Points {
+pub fn cross<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -42,58 +99,110 @@ pub fn cross(a: Points, b: Points) -> Points {
 
 /// The sum of the absolute coordinates.
 #[inline(always)]
-pub fn norm1(a: Points) -> f32x8 {
+pub fn norm1<S: Simd>(a: Points<S>) -> f32x8<S> {
     a[0].abs() + a[1].abs() + a[2].abs()
 }
 
 #[inline(always)]
-pub fn min(a: Points, b: Points) -> Points {
-    [a[0].fast_min(b[0]), a[1].fast_min(b[1]), a[2].fast_min(b[2])]
+pub fn min<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2])]
 }
 
 #[inline(always)]
-pub fn max(a: Points, b: Points) -> Points {
-    [a[0].fast_max(b[0]), a[1].fast_max(b[1]), a[2].fast_max(b[2])]
+pub fn max<S: Simd>(a: Points<S>, b: Points<S>) -> Points<S> {
+    [a[0].max(b[0]), a[1].max(b[1]), a[2].max(b[2])]
+}
+
+/// The least of three numbers.
+#[inline(always)]
+pub fn least<S: Simd>([a, b, c]: [f32x8<S>; 3]) -> f32x8<S> {
+    a.min(b).min(c)
+}
+
+/// The largest of three numbers.
+#[inline(always)]
+pub fn largest<S: Simd>([a, b, c]: [f32x8<S>; 3]) -> f32x8<S> {
+    a.max(b).max(c)
+}
+
+/// Heights of corners over the plane through `origin`, times the length of its normal.
+#[inline(always)]
+pub fn heights<S: Simd>([p, q, r]: &[Points<S>; 3], origin: Points<S>, normal: Points<S>) -> [f32x8<S>; 3] {
+    [
+        dot(sub(*p, origin), normal),
+        dot(sub(*q, origin), normal),
+        dot(sub(*r, origin), normal),
+    ]
 }
 
 /// In each lane, `a` where the mask is set, else `b`.
 #[inline(always)]
-pub fn pick(mask: f32x8, a: Points, b: Points) -> Points {
+pub fn pick<S: Simd>(mask: mask32x8<S>, a: Points<S>, b: Points<S>) -> Points<S> {
     [
-        mask.bitselect(a[0], b[0]),
-        mask.bitselect(a[1], b[1]),
-        mask.bitselect(a[2], b[2]),
+        mask.select(a[0], b[0]),
+        mask.select(a[1], b[1]),
+        mask.select(a[2], b[2]),
     ]
 }
 
 /// The rows of a matrix, with each entry broadcast to all lanes.
-pub struct Rows([Points; 3]);
+#[derive(Clone, Copy)]
+pub struct Rows<S: Simd>([Points<S>; 3]);
 
-impl Rows {
-    pub fn new(m: Mat3) -> Self {
-        Self(each(|i| splat(m.row(i))))
+impl<S: Simd> Rows<S> {
+    #[inline(always)]
+    pub fn new(simd: S, m: Mat3) -> Self {
+        Self([
+            splat_point(simd, m.row(0)),
+            splat_point(simd, m.row(1)),
+            splat_point(simd, m.row(2)),
+        ])
     }
 
     #[inline(always)]
-    pub fn times(&self, p: Points) -> Points {
-        each(|i| dot(self.0[i], p))
+    pub fn times(&self, p: Points<S>) -> Points<S> {
+        [dot(self.0[0], p), dot(self.0[1], p), dot(self.0[2], p)]
     }
 }
 
-/// A mask of the lanes in which the box `min_a..max_a` overlaps the box `min_b..max_b`.
+/// The lanes in which no coordinate of `a` is greater than that of `b`.
 #[inline(always)]
-pub fn boxes_meet(min_a: Points, max_a: Points, min_b: Points, max_b: Points) -> f32x8 {
-    let meet = |i: usize| min_a[i].simd_le(max_b[i]) & min_b[i].simd_le(max_a[i]);
-    meet(0) & meet(1) & meet(2)
+pub fn all_le<S: Simd>(a: Points<S>, b: Points<S>) -> mask32x8<S> {
+    a[0].simd_le(b[0]) & a[1].simd_le(b[1]) & a[2].simd_le(b[2])
+}
+
+/// The lanes in which the box `min_a..max_a` overlaps the box `min_b..max_b`.
+#[inline(always)]
+pub fn boxes_meet<S: Simd>(min_a: Points<S>, max_a: Points<S>, min_b: Points<S>, max_b: Points<S>) -> mask32x8<S> {
+    all_le(min_a, max_b) & all_le(min_b, max_a)
+}
+
+/// One bit per lane.
+#[inline(always)]
+pub fn bitmask<S: Simd>(mask: mask32x8<S>) -> u32 {
+    mask.to_bitmask() as u32
 }
 
 /// The point in one lane.
 #[inline(always)]
-pub fn lane_of(p: &Points, lane: usize) -> Vec3 {
-    Vec3::new(p[0].as_array()[lane], p[1].as_array()[lane], p[2].as_array()[lane])
+pub fn lane_of(p: &StoredPoints, lane: usize) -> Vec3 {
+    Vec3::new(p[0].0[lane], p[1].0[lane], p[2].0[lane])
+}
+
+/// The number of one lane in every lane.
+#[inline(always)]
+pub fn broadcast<S: Simd>(values: &f32x8<S>, lane: usize) -> f32x8<S> {
+    splat(values.simd, values[lane])
+}
+
+/// The point of one lane in every lane.
+#[inline(always)]
+pub fn broadcast_point<S: Simd>([x, y, z]: &Points<S>, lane: usize) -> Points<S> {
+    [broadcast(x, lane), broadcast(y, lane), broadcast(z, lane)]
 }
 
 /// The indices of the set bits, in ascending order.
+#[inline(always)]
 pub fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {

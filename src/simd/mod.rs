@@ -2,6 +2,7 @@
 
 pub mod descent;
 pub mod lanes;
+pub mod level;
 pub mod levels;
 pub mod rounding;
 pub mod tree;

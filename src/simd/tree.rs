@@ -1,16 +1,18 @@
 //! The box trees of the two meshes of a pair, and the test whether two nodes may touch.
 
-use super::lanes::{Rows, dot, each, lane_of, mul, splat, sub};
-use crate::geometry::lanes::{MeshLanes, Points, SlabGroup};
+use super::lanes::{
+    Points, Rows, Simd, SimdBase, SimdFloat, abs, add, all_le, bitmask, dot, f32x8, lane_of, load, load_points,
+    mask32x8, mul, scale, splat, splat_point, store, store_points, sub, widen,
+};
+use crate::geometry::lanes::{MeshLanes, SlabGroup, Stored, StoredPoints, points};
 use glam::{Mat3, Vec3};
-use wide::f32x8;
 
 /// Eight nodes of one of the trees: their boxes in the axes of the first body and in those of the second, and their
 /// slabs in the axes of the first. All is in the pair's unit of length and relative to the first body's centre, except
 /// that boxes in the second body's axes are relative to the second body's centre.
 pub struct Group {
-    center: [Points; 2],
-    half: [Points; 2],
+    center: [StoredPoints; 2],
+    half: [StoredPoints; 2],
     slabs: Option<SlabGroup>,
     /// One bit per lane whose box passes the support-axis cull.
     lanes: u32,
@@ -49,49 +51,60 @@ pub struct RelativePose {
 }
 
 /// The tree of one body of a pair.
-pub struct Tree<'a> {
+pub struct Tree<'a, S: Simd> {
+    simd: S,
     lanes: &'a MeshLanes,
     second: bool,
-    scale: Points,
-    scale_abs: Points,
+    scale: Points<S>,
+    scale_abs: Points<S>,
     largest: f32,
     /// The inverse scale times `smallest`; it transforms normals.
-    inverse: Points,
+    inverse: Points<S>,
     smallest: f32,
     /// From the body's own axes to the other's.
-    rotation: Rows,
-    rotation_abs: Rows,
-    translation: Points,
+    rotation: Rows<S>,
+    rotation_abs: Rows<S>,
+    translation: Points<S>,
     /// The support axis in the body's own axes, pointing to the other body.
-    axis: Points,
-    axis_abs: Points,
-    min_height: f32x8,
+    axis: Points<S>,
+    axis_abs: Points<S>,
+    min_height: f32x8<S>,
     pad: f32,
     /// Whether slabs are tested as well as boxes.
     slabs: bool,
 }
 
-impl<'a> Tree<'a> {
+impl<'a, S: Simd> Tree<'a, S> {
     /// The tree of `lanes` scaled by `scale`, in the pair's unit of length.
     ///
     /// `second` says whether it belongs to the pair's second body. `pad` is the rounding allowance of a test of two
     /// nodes. `slabs` says whether to test slabs and must be the same for both trees.
-    pub fn new(lanes: &'a MeshLanes, second: bool, scale: Vec3, relative: RelativePose, pad: f32, slabs: bool) -> Self {
+    #[inline(always)]
+    pub fn new(
+        simd: S,
+        lanes: &'a MeshLanes,
+        second: bool,
+        scale: Vec3,
+        relative: RelativePose,
+        pad: f32,
+        slabs: bool,
+    ) -> Self {
         let smallest = scale.abs().min_element();
         Self {
+            simd,
             lanes,
             second,
-            scale: splat(scale),
-            scale_abs: splat(scale.abs()),
+            scale: splat_point(simd, scale),
+            scale_abs: splat_point(simd, scale.abs()),
             largest: scale.abs().max_element(),
-            inverse: splat(smallest / scale),
+            inverse: splat_point(simd, smallest / scale),
             smallest,
-            rotation: Rows::new(relative.rotation),
-            rotation_abs: Rows::new(relative.rotation.abs()),
-            translation: splat(relative.translation),
-            axis: splat(relative.axis),
-            axis_abs: splat(relative.axis.abs()),
-            min_height: f32x8::splat(relative.min_height - pad),
+            rotation: Rows::new(simd, relative.rotation),
+            rotation_abs: Rows::new(simd, relative.rotation.abs()),
+            translation: splat_point(simd, relative.translation),
+            axis: splat_point(simd, relative.axis),
+            axis_abs: splat_point(simd, relative.axis.abs()),
+            min_height: splat(simd, relative.min_height - pad),
             slabs,
             // Each of the two nodes of a test contributes half.
             pad: 0.5 * pad,
@@ -118,48 +131,52 @@ impl<'a> Tree<'a> {
     }
 
     /// The root node, which contains the whole mesh.
+    #[inline(always)]
     pub fn root(&self) -> Node {
         let (center, half) = (self.lanes.aabb.center(), self.lanes.aabb.half_size());
         // A slab with a zero normal contains everything.
-        let everything = || SlabGroup {
-            center: splat(center),
-            normal: splat(Vec3::ZERO),
-            half_thickness: f32x8::ZERO,
-            radius: f32x8::splat(half.length()),
+        let everything = SlabGroup {
+            center: points(|_| center),
+            normal: StoredPoints::default(),
+            half_thickness: Stored::default(),
+            radius: Stored([half.length(); 8]),
         };
-        let group = Group {
-            slabs: self.slabs.then(|| self.placed(&everything())),
-            ..self.boxes(splat(center), splat(half))
+        let slabs = if self.slabs {
+            Some(self.placed(&everything))
+        } else {
+            None
         };
-        group.node(0, 0)
+        self.group(&points(|_| center), &points(|_| half), slabs).node(0, 0)
     }
 
     /// The children, on `level`, of node `number` of the level above.
-    #[inline]
+    #[inline(always)]
     pub fn children(&self, level: usize, number: u32) -> Group {
         let boxes = &self.lanes.levels[level][number as usize];
-        Group {
-            slabs: self
-                .slabs
-                .then(|| self.placed(&self.lanes.slabs[level][number as usize])),
-            ..self.boxes(boxes.center, boxes.half)
-        }
+        let slabs = if self.slabs {
+            Some(self.placed(&self.lanes.slabs[level][number as usize]))
+        } else {
+            None
+        };
+        self.group(&boxes.center, &boxes.half, slabs)
     }
 
+    /// A group with these boxes, which are transformed, and with these slabs.
     #[inline(always)]
-    fn boxes(&self, center: Points, half: Points) -> Group {
-        let pad = f32x8::splat(self.pad);
-        let (center, half) = (mul(center, self.scale), mul(half, self.scale_abs));
+    fn group(&self, center: &StoredPoints, half: &StoredPoints, slabs: Option<SlabGroup>) -> Group {
+        let pad = splat(self.simd, self.pad);
+        let center = mul(load_points(self.simd, center), self.scale);
+        let half = mul(load_points(self.simd, half), self.scale_abs);
         let around = self.rotation_abs.times(half);
         let height = dot(center, self.axis) + dot(half, self.axis_abs);
-        let own = (center, each(|i| half[i] + pad));
-        let other = (self.to_other(center), each(|i| around[i] + pad));
+        let own = (store_points(center), store_points(widen(half, pad)));
+        let other = (store_points(self.to_other(center)), store_points(widen(around, pad)));
         let (first, second) = if self.second { (other, own) } else { (own, other) };
         Group {
             center: [first.0, second.0],
             half: [first.1, second.1],
-            slabs: None,
-            lanes: height.simd_ge(self.min_height).to_bitmask(),
+            slabs,
+            lanes: bitmask(height.simd_ge(self.min_height)),
         }
     }
 
@@ -167,29 +184,59 @@ impl<'a> Tree<'a> {
     /// inverse.
     #[inline(always)]
     fn placed(&self, slab: &SlabGroup) -> SlabGroup {
-        let normal = mul(slab.normal, self.inverse);
-        let length = dot(normal, normal).sqrt().fast_max(f32x8::splat(1.0e-9));
-        let shrink = f32x8::ONE / length;
-        let normal = each(|i| normal[i] * shrink);
-        let center = mul(slab.center, self.scale);
+        let simd = self.simd;
+        let normal = mul(load_points(simd, &slab.normal), self.inverse);
+        let length = dot(normal, normal).sqrt().max(splat(simd, 1.0e-9));
+        let shrink = splat(simd, 1.0) / length;
+        let normal = scale(normal, shrink);
+        let center = mul(load_points(simd, &slab.center), self.scale);
         let (center, normal) = if self.second {
             (self.to_other(center), self.rotation.times(normal))
         } else {
             (center, normal)
         };
+        let half_thickness = load(simd, &slab.half_thickness) * shrink * splat(simd, self.smallest);
         SlabGroup {
-            center,
-            normal,
-            half_thickness: slab.half_thickness * shrink * f32x8::splat(self.smallest) + f32x8::splat(self.pad),
-            radius: slab.radius * f32x8::splat(self.largest),
+            center: store_points(center),
+            normal: store_points(normal),
+            half_thickness: store(half_thickness + splat(simd, self.pad)),
+            radius: store(load(simd, &slab.radius) * splat(simd, self.largest)),
         }
     }
 
     /// Transforms points from the body's own axes to the other's.
     #[inline(always)]
-    fn to_other(&self, p: Points) -> Points {
-        let p = self.rotation.times(p);
-        each(|i| p[i] + self.translation[i])
+    fn to_other(&self, p: Points<S>) -> Points<S> {
+        add(self.rotation.times(p), self.translation)
+    }
+
+    /// The lanes of a group of this tree that a node of the other may touch, as bits.
+    #[inline(always)]
+    pub fn met_by(&self, node: &Node, group: &Group) -> u32 {
+        let boxes = self.boxes_met(node, group, 0) & self.boxes_met(node, group, 1);
+        let boxes = bitmask(boxes) & group.lanes;
+        match &group.slabs {
+            Some(slabs) if boxes != 0 => boxes & bitmask(node.slab.meets(self.simd, slabs)),
+            _ => boxes,
+        }
+    }
+
+    /// The lanes whose boxes meet that of the node, in the axes of one body.
+    #[inline(always)]
+    fn boxes_met(&self, node: &Node, group: &Group, axes: usize) -> mask32x8<S> {
+        let simd = self.simd;
+        let center = splat_point(simd, node.center[axes]);
+        let half = splat_point(simd, node.half[axes]);
+        let apart = sub(center, load_points(simd, &group.center[axes]));
+        all_le(abs(apart), add(half, load_points(simd, &group.half[axes])))
+    }
+
+    /// The squared distances between the centres of a node's box and of the group's boxes.
+    #[inline(always)]
+    pub fn distances(&self, node: &Node, group: &Group) -> [f32; 8] {
+        let center = load_points(self.simd, &group.center[0]);
+        let apart = sub(splat_point(self.simd, node.center[0]), center);
+        dot(apart, apart).to_array()
     }
 }
 
@@ -200,8 +247,8 @@ impl Group {
         let slab = |slabs: &SlabGroup| Slab {
             center: lane_of(&slabs.center, lane),
             normal: lane_of(&slabs.normal, lane),
-            half_thickness: slabs.half_thickness.as_array()[lane],
-            radius: slabs.radius.as_array()[lane],
+            half_thickness: slabs.half_thickness.0[lane],
+            radius: slabs.radius.0[lane],
         };
         Node {
             number: 8 * parent + lane as u32,
@@ -212,31 +259,6 @@ impl Group {
     }
 }
 
-impl Node {
-    /// The lanes of a group of the other tree that this node may touch, as bits.
-    #[inline]
-    pub fn meets(&self, group: &Group) -> u32 {
-        let meet = |axes: usize| {
-            let (center, half) = (splat(self.center[axes]), splat(self.half[axes]));
-            let apart = sub(center, group.center[axes]);
-            let ok = |i: usize| apart[i].abs().simd_le(half[i] + group.half[axes][i]);
-            ok(0) & ok(1) & ok(2)
-        };
-        let boxes = (meet(0) & meet(1)).to_bitmask() & group.lanes;
-        match &group.slabs {
-            Some(slabs) if boxes != 0 => boxes & self.slab.meets(slabs).to_bitmask(),
-            _ => boxes,
-        }
-    }
-
-    /// The squared distances between the centres of this node's box and of the group's boxes.
-    #[inline]
-    pub fn distances(&self, group: &Group) -> [f32; 8] {
-        let apart = sub(splat(self.center[0]), group.center[0]);
-        dot(apart, apart).to_array()
-    }
-}
-
 impl Slab {
     /// A mask of the slabs that may have a point in common with this one.
     ///
@@ -244,19 +266,16 @@ impl Slab {
     /// most the half thickness of the first. And `n . (x - t) = m . (x - t) + (n - m) . (x - t)` is at most the half
     /// thickness of the second plus its radius times `|n - m|`. The same holds with `-m`, because a slab is symmetric.
     /// So `|n . (s - t)|` is at most the sum of both bounds, and likewise for `m`.
-    #[inline]
-    fn meets(&self, other: &SlabGroup) -> f32x8 {
-        let normal = splat(self.normal);
-        let (less, more) = (sub(normal, other.normal), each(|i| normal[i] + other.normal[i]));
-        let normal_difference = dot(less, less).fast_min(dot(more, more)).sqrt();
-        let offset = sub(splat(self.center), other.center);
-        let thickness = f32x8::splat(self.half_thickness) + other.half_thickness;
-        let along_own = dot(offset, normal)
-            .abs()
-            .simd_le(thickness + normal_difference * other.radius);
-        let along_other = dot(offset, other.normal)
-            .abs()
-            .simd_le(thickness + normal_difference * f32x8::splat(self.radius));
-        along_own & along_other
+    #[inline(always)]
+    fn meets<S: Simd>(&self, simd: S, other: &SlabGroup) -> mask32x8<S> {
+        let (own_normal, other_normal) = (splat_point(simd, self.normal), load_points(simd, &other.normal));
+        let (less, more) = (sub(own_normal, other_normal), add(own_normal, other_normal));
+        let normal_difference = dot(less, less).min(dot(more, more)).sqrt();
+        let offset = sub(splat_point(simd, self.center), load_points(simd, &other.center));
+        let thickness = splat(simd, self.half_thickness) + load(simd, &other.half_thickness);
+        let along_own = dot(offset, own_normal).abs();
+        let along_other = dot(offset, other_normal).abs();
+        along_own.simd_le(thickness + normal_difference * load(simd, &other.radius))
+            & along_other.simd_le(thickness + normal_difference * splat(simd, self.radius))
     }
 }

@@ -1,6 +1,6 @@
 //! The mesh arena: the meshes in use, by slot.
 
-pub use crate::geometry::lanes::{BoxGroup, Cluster, MeshLanes, Points, SlabGroup, points};
+pub use crate::geometry::lanes::{BoxGroup, Cluster, MeshLanes, SlabGroup, Stored, StoredPoints, points};
 
 use crate::asset::CollisionMesh;
 use crate::geometry::features::MeshFeatures;

@@ -9,3 +9,5 @@ pub mod gpu_primitives;
 #[cfg(feature = "gpu")]
 pub mod gpu_solver;
 pub mod scenes;
+
+pub use crate::simd::level::use_baseline_only;

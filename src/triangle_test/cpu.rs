@@ -12,6 +12,8 @@ pub(crate) mod placed;
 mod planes;
 
 use crate::parallel::per_thread::PerThread;
+use crate::simd::lanes::Simd;
+use crate::simd::level::with_simd;
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
@@ -84,7 +86,7 @@ pub(crate) fn run(
             task.found.clear();
             let mut worker = workers.lock();
             for pair in pairs.iter().filter(|pair| !is_known(pair.bodies)) {
-                test_pair(bodies, meshes, pair, &mut worker, &mut task.found);
+                with_simd!(simd => test_pair(simd, bodies, meshes, pair, &mut worker, &mut task.found));
             }
         });
 
@@ -132,18 +134,21 @@ pub(crate) fn touching(
         .for_each(|(task, pairs)| {
             task.touching.clear();
             let mut worker = workers.lock();
-            let touching = pairs.iter().filter(|pair| touch(bodies, meshes, pair, &mut worker));
+            let touching = pairs
+                .iter()
+                .filter(|pair| with_simd!(simd => touch(simd, bodies, meshes, pair, &mut worker)));
             task.touching.extend(touching.map(|pair| pair.bodies));
         });
     tasks.iter().flat_map(|task| &task.touching).copied().collect()
 }
 
-fn touch(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker) -> bool {
+#[inline(always)]
+fn touch<S: Simd>(simd: S, bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker) -> bool {
     let [a, b] = pair.bodies.map(|i| i as usize);
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh.mesh);
     let size = bodies.radius[a] + bodies.radius[b];
     let pair_frame = contact::PairFrame::new(&bodies.frame[a], &bodies.frame[b], size);
-    let setup = PairSetup::new(bodies, meshes, pair, &pair_frame, &mut worker.masks);
+    let setup = PairSetup::new(simd, bodies, meshes, pair, &pair_frame, &mut worker.masks);
     let intersect = |&[ta, tb]: &[u32; 2]| {
         pair_frame
             .intersect(mesh_a.corners(ta as usize), mesh_b.corners(tb as usize))
@@ -152,7 +157,15 @@ fn touch(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Work
     worker.search.any(&setup, intersect) || containment::either_inside(bodies, meshes, pair)
 }
 
-fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker, found: &mut Contacts) {
+#[inline(always)]
+fn test_pair<S: Simd>(
+    simd: S,
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pair: &NearPair,
+    worker: &mut Worker,
+    found: &mut Contacts,
+) {
     if pair.is_apart() {
         return;
     }
@@ -160,13 +173,13 @@ fn test_pair(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut 
     let [a, b] = pair.bodies.map(|i| i as usize);
     let size = bodies.radius[a] + bodies.radius[b];
     let pair_frame = contact::PairFrame::new(&bodies.frame[a], &bodies.frame[b], size);
-    let setup = PairSetup::new(bodies, meshes, pair, &pair_frame, masks);
+    let setup = PairSetup::new(simd, bodies, meshes, pair, &pair_frame, masks);
     found.triangle_tests += candidates.find(&setup);
 
     let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
-    candidates.decide(&setup.pair_scale, |decided| {
+    candidates.decide(simd, &setup.pair_scale, |decided| {
         let [ta, tb] = decided.triangles;
         let hit = match decided.segment {
             Some([start, end]) => Some(contact::Segment::across(start, end)),

@@ -6,6 +6,7 @@ mod chain;
 mod cloud;
 mod elastic;
 mod incline;
+mod instruction_sets;
 mod meshes;
 mod motion;
 mod planes;

@@ -5,10 +5,11 @@
 //! neighbours in memory.
 
 use super::counting_sort::CountingSort;
+use crate::simd::lanes::{SimdBase, SimdFrom, bitmask, f32x8, splat};
+use crate::simd::level::baseline;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
-use wide::f32x8;
 
 /// Minimum number of bodies per thread.
 const MIN_BODIES: usize = 2048;
@@ -317,17 +318,18 @@ impl Grid {
     /// Calls `found` with each body of `others` whose sphere overlaps this one.
     #[inline(always)]
     pub fn overlaps(&self, sphere: [f32; 4], others: Range<usize>, mut found: impl FnMut(usize)) {
-        let [x, y, z, r] = sphere.map(f32x8::splat);
+        let simd = baseline();
+        let [x, y, z, r] = sphere.map(|value| splat(simd, value));
         for first in others.clone().step_by(LANES) {
             let some = |numbers: &Vec<f32>| {
                 let some: [f32; LANES] = numbers[first..first + LANES].try_into().expect("as many");
-                f32x8::new(some)
+                f32x8::simd_from(simd, some)
             };
             let [p, q, o, other] = self.spheres.each_ref().map(some);
             let [dx, dy, dz] = [x - p, y - q, z - o];
             let reach = r + other;
-            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * f32x8::splat(SPHERE_SLACK));
-            let mut hits = overlap.to_bitmask();
+            let overlap = (dx * dx + dy * dy + dz * dz).simd_le(reach * reach * splat(simd, SPHERE_SLACK));
+            let mut hits = bitmask(overlap);
             while hits != 0 {
                 let i = first + hits.trailing_zeros() as usize;
                 if i < others.end {

@@ -1,18 +1,23 @@
-//! Eight points in SIMD registers.
+//! Eight numbers or points in memory.
 
 use crate::geometry::cluster::CLUSTER;
 use glam::Vec3;
-use wide::f32x8;
 
-/// The x, y and z coordinates of eight points, one point per lane.
-pub type Points = [f32x8; 3];
+/// Eight numbers in memory, aligned for SIMD.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(32))]
+pub struct Stored(pub [f32; CLUSTER]);
+
+/// The x, y and z coordinates of eight points in memory, one point per lane.
+pub type StoredPoints = [Stored; 3];
 
 /// Gathers eight points; `at` gives the point of a lane.
 #[inline(always)]
-pub fn points(at: impl Fn(usize) -> Vec3) -> Points {
-    let (mut x, mut y, mut z) = ([0.0; CLUSTER], [0.0; CLUSTER], [0.0; CLUSTER]);
-    for (lane, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
-        [*x, *y, *z] = at(lane).to_array();
+pub fn points(at: impl Fn(usize) -> Vec3) -> StoredPoints {
+    let mut points = StoredPoints::default();
+    for lane in 0..CLUSTER {
+        let [x, y, z] = at(lane).to_array();
+        (points[0].0[lane], points[1].0[lane], points[2].0[lane]) = (x, y, z);
     }
-    [x, y, z].map(f32x8::new)
+    points
 }

@@ -4,23 +4,22 @@
 //! about `s` thick unless the patch is parallel to the axes. Where two bodies touch, boxes therefore overlap far around
 //! the contact, and the finer the meshes, the more boxes do. Slabs separate as soon as the surfaces do.
 
-use super::points::{Points, points};
+use super::points::{Stored, StoredPoints, points};
 use crate::geometry::cluster::CLUSTER;
 use glam::{DVec3, Vec3};
-use wide::f32x8;
 
 /// Eight slabs, each around the triangles of a node. For each point `x` of the triangles, `|normal . (x - center)|` is
 /// at most `half_thickness` and `|x - center|` is at most `radius`.
 #[derive(Clone, Copy)]
 pub struct SlabGroup {
     /// A point in the middle plane.
-    pub center: Points,
+    pub center: StoredPoints,
     /// The normal, of about unit length, or zero.
-    pub normal: Points,
+    pub normal: StoredPoints,
     /// Half the thickness, times the length of `normal`.
-    pub half_thickness: f32x8,
+    pub half_thickness: Stored,
     /// The radius of a sphere about `center` that contains the triangles.
-    pub radius: f32x8,
+    pub radius: Stored,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -94,7 +93,7 @@ impl SlabGroup {
     fn new(slabs: &[Slab]) -> Self {
         // The default is fine for unused lanes: their boxes overlap nothing.
         let slab = |lane: usize| slabs.get(lane).copied().unwrap_or_default();
-        let lanes = |of: fn(Slab) -> f32| f32x8::new(std::array::from_fn(|lane| of(slab(lane))));
+        let lanes = |of: fn(Slab) -> f32| Stored(std::array::from_fn(|lane| of(slab(lane))));
         Self {
             center: points(|lane| slab(lane).center),
             normal: points(|lane| slab(lane).normal),

@@ -3,14 +3,14 @@
 use super::feature::{Feature, Origin};
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{mul, splat, sub};
+use crate::simd::lanes::{SimdBase, abs, bitmask, dot, load_points, max, mul, splat, splat_point, sub};
+use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::BoxGroup;
 use crate::triangle_test::cpu::containment::contains;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::cell::Cell;
-use wide::f32x8;
 
 /// The contact of two bodies whose surfaces do not intersect, if one is solid and contains a connected component of the
 /// other. It leads from the nearest point of the outer surface to the far end of the contained part, on the line
@@ -90,17 +90,19 @@ fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
     // Distances are measured in the scaled mesh, in its own axes.
     let scale = side.scale.as_dvec3();
     let center = side.mesh.mass.center.as_dvec3();
-    let from = splat(((local - center) * scale).as_vec3());
-    let (scales, sizes) = (splat(side.scale), splat(side.scale.abs()));
-    let pad = f32x8::splat(PAD * ((lanes.aabb.max - lanes.aabb.min) * side.scale).length());
+    let simd = baseline();
+    let from = splat_point(simd, ((local - center) * scale).as_vec3());
+    let (scales, sizes) = (splat_point(simd, side.scale), splat_point(simd, side.scale.abs()));
+    let pad = PAD * ((lanes.aabb.max - lanes.aabb.min) * side.scale).length();
+    let pads = splat_point(simd, Vec3::splat(pad));
     let best = Cell::new((f64::INFINITY, side.vertex(0), 0));
     let met = |group: &BoxGroup| {
-        let apart = sub(mul(group.center, scales), from);
-        let half = mul(group.half, sizes);
-        let outside = |i: usize| (apart[i].abs() - half[i] - pad).fast_max(f32x8::ZERO);
-        let (x, y, z) = (outside(0), outside(1), outside(2));
-        let near = (x * x + y * y + z * z).simd_le(f32x8::splat(best.get().0 as f32 * 1.000_01));
-        (near & f32x8::ZERO.simd_le(group.half[0])).to_bitmask()
+        let apart = sub(mul(load_points(simd, &group.center), scales), from);
+        let half = load_points(simd, &group.half);
+        let outside = sub(sub(abs(apart), mul(half, sizes)), pads);
+        let outside = max(outside, splat_point(simd, Vec3::ZERO));
+        let near = dot(outside, outside).simd_le(splat(simd, best.get().0 as f32 * 1.000_01));
+        bitmask(near & splat(simd, 0.0).simd_le(half[0]))
     };
     visit(&lanes.levels, &met, &mut |cluster| {
         let first = cluster as usize * CLUSTER;

@@ -9,12 +9,15 @@ use super::side::{Side, Triangle};
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
-use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
+use crate::simd::lanes::{
+    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, boxes_meet, cross, dot, f32x8, heights, lane_of,
+    largest, least, load, load_points, mask32x8, max, min, norm1, scale, splat, splat_point, store, store_points, sub,
+};
+use crate::simd::level::with_simd;
 use crate::simd::rounding::{PAD, unit_of};
 use crate::simd::tree::{RelativePose, Tree};
-use crate::state::mesh_arena::Points;
+use crate::state::mesh_arena::{Stored, StoredPoints};
 use glam::{Mat3, Vec3};
-use wide::f32x8;
 
 /// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
 /// pay off.
@@ -53,6 +56,11 @@ pub struct NearTriangles {
 impl NearTriangles {
     /// Finds all pairs of triangles in the window that may be no farther apart than `reach`; some are slightly farther.
     pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, reach: f32, window: Option<&Window>) {
+        with_simd!(simd => self.run_with(simd, sides, pose, reach, window));
+    }
+
+    #[inline(always)]
+    fn run_with<S: Simd>(&mut self, simd: S, sides: &[Side; 2], pose: &PairPose, reach: f32, window: Option<&Window>) {
         let Self {
             descent,
             seconds,
@@ -65,14 +73,15 @@ impl NearTriangles {
         seconds.clear();
         let pad = PAD * pose.size;
         let reach = reach + pad;
-        let [tree_a, tree_b] = trees(sides, pose, reach);
+        let [tree_a, tree_b] = trees(simd, sides, pose, reach);
         descent.run(&tree_a, &tree_b);
-        let transforms = sides.each_ref().map(ClusterTransform::new);
-        seconds.extend(
-            descent
-                .second()
-                .map(|cluster| PlacedCluster::new(&sides[1], &transforms[1], cluster, window)),
-        );
+        let transforms = [
+            ClusterTransform::new(simd, &sides[0]),
+            ClusterTransform::new(simd, &sides[1]),
+        ];
+        for cluster in descent.second() {
+            seconds.push(PlacedCluster::new(&sides[1], &transforms[1], cluster, window));
+        }
         for (cluster, others) in descent.pairs() {
             let mut a = PlacedCluster::new(&sides[0], &transforms[0], cluster, window);
             if a.lanes == 0 {
@@ -81,7 +90,7 @@ impl NearTriangles {
             for &other in others {
                 let b = &mut seconds[other as usize];
                 for i in bits(a.lanes) {
-                    let near = a.near(i, b, reach, pad);
+                    let near = a.near(simd, i, b, reach, pad);
                     if near != 0 {
                         let first = a.triangle_index(&sides[0], i, firsts_near);
                         pairs.extend(bits(near).map(|j| [first, b.triangle_index(&sides[1], j, seconds_near)]));
@@ -101,24 +110,24 @@ impl NearTriangles {
 /// Eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near pairs are
 /// computed in double precision.
 struct PlacedCluster {
-    corners: [Points; 3],
+    corners: [StoredPoints; 3],
     /// Cross products of two edges, and their lengths.
-    normal: Points,
-    length: f32x8,
+    normal: StoredPoints,
+    length: Stored,
     /// Outward unit normal; zero where single precision does not determine it.
-    direction: Points,
+    direction: StoredPoints,
     /// Error bound of a height over the plane per distance to the corner, times the normal's length.
-    slack: f32x8,
+    slack: Stored,
     /// Centre and radius of a sphere around the corners.
-    middle: Points,
-    around: f32x8,
+    middle: StoredPoints,
+    around: Stored,
     /// Largest angle between the triangle's normal and a contact normal at an edge that it owns, radians.
-    edge_rotation: f32x8,
-    min: Points,
-    max: Points,
+    edge_rotation: Stored,
+    min: StoredPoints,
+    max: StoredPoints,
     /// Extent along [`Window::direction`].
-    min_along: f32x8,
-    max_along: f32x8,
+    min_along: Stored,
+    max_along: Stored,
     /// Lanes that take part.
     lanes: u32,
     /// Index of the triangle in lane 0.
@@ -130,16 +139,19 @@ struct PlacedCluster {
 const NOT_LISTED: u32 = u32::MAX;
 
 /// Places a body's triangles.
-struct ClusterTransform {
-    rows: Rows,
+struct ClusterTransform<S: Simd> {
+    simd: S,
+    rows: Rows<S>,
     /// 1 if placed corners run counter-clockwise seen from outside, else -1.
     outward: f32,
 }
 
-impl ClusterTransform {
-    fn new(side: &Side) -> Self {
+impl<S: Simd> ClusterTransform<S> {
+    #[inline(always)]
+    fn new(simd: S, side: &Side) -> Self {
         Self {
-            rows: Rows::new(side.matrix().as_mat3()),
+            simd,
+            rows: Rows::new(simd, side.matrix().as_mat3()),
             outward: side.winding(),
         }
     }
@@ -154,121 +166,139 @@ pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
 pub(crate) const AROUND_ERROR: f32 = 1.001;
 
 impl PlacedCluster {
-    fn new(side: &Side, transform: &ClusterTransform, cluster: u32, window: Option<&Window>) -> Self {
+    #[inline(always)]
+    fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, window: Option<&Window>) -> Self {
+        let ClusterTransform { simd, rows, outward } = transform;
+        let simd = *simd;
         let own = &side.mesh.lanes().clusters[cluster as usize];
-        let at = splat(side.place(own.origin).as_vec3());
-        let [p, q, r] = each(|k| transform.rows.times(own.corners[k]));
+        let at = splat_point(simd, side.place(own.origin).as_vec3());
+        let p = rows.times(load_points(simd, &own.corners[0]));
+        let q = rows.times(load_points(simd, &own.corners[1]));
+        let r = rows.times(load_points(simd, &own.corners[2]));
         let (u, v) = (sub(q, p), sub(r, p));
         let normal = cross(u, v);
-        let [p, q, r] = each(|k| each(|i| [p, q, r][k][i] + at[i]));
+        let (p, q, r) = (add(p, at), add(q, at), add(r, at));
         let length = dot(normal, normal).sqrt();
-        let slack = f32x8::splat(ERROR) * norm1(u) * norm1(v);
+        let slack = splat(simd, ERROR) * norm1(u) * norm1(v);
         // Also false for NaN.
-        let known = slack.simd_lt(f32x8::splat(DIRECTION_ERROR) * length);
-        let inverse = known.bitselect(f32x8::splat(transform.outward) / length, f32x8::ZERO);
-        let middle = each(|i| (p[i] + q[i] + r[i]) * f32x8::splat(1.0 / 3.0));
-        let square = |corner: Points| {
-            let way = sub(corner, middle);
-            dot(way, way)
-        };
+        let known = slack.simd_lt(splat(simd, DIRECTION_ERROR) * length);
+        let inverse = known.select(splat(simd, *outward) / length, splat(simd, 0.0));
+        let middle = scale(add(add(p, q), r), splat(simd, 1.0 / 3.0));
+        let (from_p, from_q, from_r) = (sub(p, middle), sub(q, middle), sub(r, middle));
+        let squares = [dot(from_p, from_p), dot(from_q, from_q), dot(from_r, from_r)];
+        let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
         let first = cluster * CLUSTER as u32;
         let mut placed = Self {
-            corners: [p, q, r],
-            normal,
-            length,
-            direction: each(|i| normal[i] * inverse),
-            slack,
-            middle,
-            around: square(p).fast_max(square(q)).fast_max(square(r)).sqrt(),
+            corners: [store_points(p), store_points(q), store_points(r)],
+            normal: store_points(normal),
+            length: store(length),
+            direction: store_points(scale(normal, inverse)),
+            slack: store(slack),
+            middle: store_points(middle),
+            around: store(largest(squares).sqrt()),
             edge_rotation: side.edge_normal_rotations(first),
-            min: min(p, min(q, r)),
-            max: max(p, max(q, r)),
-            min_along: f32x8::ZERO,
-            max_along: f32x8::ZERO,
+            min: store_points(low),
+            max: store_points(high),
+            min_along: Stored::default(),
+            max_along: Stored::default(),
             lanes: own.lanes,
             first,
             triangle_index: [NOT_LISTED; CLUSTER],
         };
         if let Some(Window { around, direction }) = window {
-            let meet = boxes_meet(placed.min, placed.max, splat(around.min), splat(around.max));
-            placed.lanes &= meet.to_bitmask();
-            let along = each(|k| dot(splat(*direction), placed.corners[k]));
-            placed.min_along = along[0].fast_min(along[1]).fast_min(along[2]);
-            placed.max_along = along[0].fast_max(along[1]).fast_max(along[2]);
+            let (min, max) = (splat_point(simd, around.min), splat_point(simd, around.max));
+            placed.lanes &= bitmask(boxes_meet(low, high, min, max));
+            let direction = splat_point(simd, *direction);
+            let along = [dot(direction, p), dot(direction, q), dot(direction, r)];
+            placed.min_along = store(least(along));
+            placed.max_along = store(largest(along));
         }
         placed
     }
 
     /// Lanes of `other` whose triangles are near the triangle in lane `i`: neither their boxes nor one of their planes
     /// separate them by more than `reach`, and they are in the window. `pad` is the rounding allowance.
-    #[inline]
-    fn near(&self, i: usize, other: &Self, reach: f32, pad: f32) -> u32 {
-        let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
-        let last = f32x8::splat(self.max_along.as_array()[i] + pad);
-        let boxes = boxes_meet(splat(low - reach), splat(high + reach), other.min, other.max);
-        let boxes = (boxes & other.min_along.simd_le(last)).to_bitmask();
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, reach: f32, pad: f32) -> u32 {
+        let last = splat(simd, self.max_along.0[i] + pad);
+        let boxes = bitmask(self.boxes_meet(simd, i, other, reach) & load(simd, &other.min_along).simd_le(last));
         if boxes & other.lanes == 0 {
             return 0;
         }
         // Upper bound of the distance between any two points of two triangles whose boxes are near.
-        let spread = f32x8::splat((high - low).element_sum() + reach)
-            + (other.max[0] - other.min[0])
-            + (other.max[1] - other.min[1])
-            + (other.max[2] - other.min[2]);
-        let reaches = f32x8::splat(reach);
-        let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
-        let normal = splat(lane_of(&self.normal, i));
-        let corner = each(|k| splat(lane_of(&self.corners[k], i)));
-        let beyond = |heights: [f32x8; 3], most: f32x8| {
-            let low = heights[0].fast_min(heights[1]).fast_min(heights[2]);
-            let high = heights[0].fast_max(heights[1]).fast_max(heights[2]);
-            low.simd_gt(most) | high.simd_lt(-most)
+        let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
+        let size = sub(load_points(simd, &other.max), load_points(simd, &other.min));
+        let spread = splat(simd, (high - low).element_sum() + reach) + size[0] + size[1] + size[2];
+        let normal = splat_point(simd, lane_of(&self.normal, i));
+        let corners = [
+            splat_point(simd, lane_of(&self.corners[0], i)),
+            splat_point(simd, lane_of(&self.corners[1], i)),
+            splat_point(simd, lane_of(&self.corners[2], i)),
+        ];
+        let other_corners = [
+            load_points(simd, &other.corners[0]),
+            load_points(simd, &other.corners[1]),
+            load_points(simd, &other.corners[2]),
+        ];
+        let over_own = Heights {
+            heights: heights(&other_corners, corners[0], normal),
+            length: splat(simd, self.length.0[i]),
+            slack: spread * splat(simd, self.slack.0[i]),
         };
-        let over_own = each(|k| dot(normal, sub(other.corners[k], corner[0])));
-        let over_other = each(|k| dot(other.normal, sub(corner[k], other.corners[0])));
-        let apart = |most: f32x8| {
-            beyond(over_own, most * at(self.length) + spread * at(self.slack))
-                | beyond(over_other, most * other.length + spread * other.slack)
+        let over_other = Heights {
+            heights: heights(&corners, other_corners[0], load_points(simd, &other.normal)),
+            length: load(simd, &other.length),
+            slack: spread * load(simd, &other.slack),
         };
-        let near = boxes & other.lanes & !apart(reaches).to_bitmask();
+        let reaches = splat(simd, reach);
+        let near = boxes & other.lanes & !bitmask(over_own.beyond(reaches) | over_other.beyond(reaches));
         if near == 0 {
             return 0;
         }
-        let pads = f32x8::splat(pad);
-        let meet = boxes_meet(splat(low - pad), splat(high + pad), other.min, other.max) & !apart(pads);
-        near & (meet | self.has_features(i, other, reach, pad)).to_bitmask()
+        let pads = splat(simd, pad);
+        let meet = self.boxes_meet(simd, i, other, pad) & !(over_own.beyond(pads) | over_other.beyond(pads));
+        near & bitmask(meet | self.has_features(simd, i, other, reach, pad))
+    }
+
+    /// Lanes of `other` whose boxes are no farther from that in lane `i` than `reach`.
+    #[inline(always)]
+    fn boxes_meet<S: Simd>(&self, simd: S, i: usize, other: &Self, reach: f32) -> mask32x8<S> {
+        let low = splat_point(simd, lane_of(&self.min, i) - reach);
+        let high = splat_point(simd, lane_of(&self.max, i) + reach);
+        boxes_meet(low, high, load_points(simd, &other.min), load_points(simd, &other.max))
     }
 
     /// Lanes of `other` whose triangles may have a feature of separation up to `reach` with the triangle in lane `i`.
     /// The points of a feature lie on a line along its normal, which is a face's, or within
     /// [`PlacedCluster::edge_rotation`] of the normals of the faces at both edges.
-    #[inline]
-    fn has_features(&self, i: usize, other: &Self, reach: f32, pad: f32) -> f32x8 {
-        let at = |values: f32x8| f32x8::splat(values.as_array()[i]);
-        let direction = splat(lane_of(&self.direction, i));
-        let way = sub(other.middle, splat(lane_of(&self.middle, i)));
+    #[inline(always)]
+    fn has_features<S: Simd>(&self, simd: S, i: usize, other: &Self, reach: f32, pad: f32) -> mask32x8<S> {
+        let own_direction = splat_point(simd, lane_of(&self.direction, i));
+        let other_direction = load_points(simd, &other.direction);
+        let way = sub(
+            load_points(simd, &other.middle),
+            splat_point(simd, lane_of(&self.middle, i)),
+        );
         // Squared lateral distance of the centres, perpendicular to the normal of either. It is zero if the normal is
         // unknown.
-        let lateral = |direction: Points| {
-            let across = cross(way, direction);
-            dot(across, across)
-        };
-        let (lateral_own, lateral_other) = (lateral(direction), lateral(other.direction));
-        let slack = f32x8::splat(8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
-        let around = (at(self.around) + other.around) * f32x8::splat(AROUND_ERROR) + slack;
+        let (across_own, across_other) = (cross(way, own_direction), cross(way, other_direction));
+        let lateral_own = dot(across_own, across_own);
+        let lateral_other = dot(across_other, across_other);
+        let slack = splat(simd, 8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
+        let radii = splat(simd, self.around.0[i]) + load(simd, &other.around);
+        let around = radii * splat(simd, AROUND_ERROR) + slack;
         let square = around * around;
         let vertices = lateral_own.simd_le(square) | lateral_other.simd_le(square);
 
-        let rotation = at(self.edge_rotation) + other.edge_rotation;
-        let sum = each(|k| direction[k] + other.direction[k]);
+        let own_rotation = splat(simd, self.edge_rotation.0[i]);
+        let other_rotation = load(simd, &other.edge_rotation);
+        let rotation = own_rotation + other_rotation;
+        let sum = add(own_direction, other_direction);
         let facing = dot(sum, sum).simd_le(rotation * rotation);
-        let edge_distance = |rotation: f32x8| {
-            let most = around + f32x8::splat(reach) * rotation.fast_min(f32x8::ONE);
-            most * most
-        };
-        let edges = facing
-            & lateral_own.simd_le(edge_distance(at(self.edge_rotation)))
-            & lateral_other.simd_le(edge_distance(other.edge_rotation));
+        let (reach, one) = (splat(simd, reach), splat(simd, 1.0));
+        let most_own = around + reach * own_rotation.min(one);
+        let most_other = around + reach * other_rotation.min(one);
+        let edges = facing & lateral_own.simd_le(most_own * most_own) & lateral_other.simd_le(most_other * most_other);
         vertices | edges
     }
 
@@ -283,31 +313,49 @@ impl PlacedCluster {
     }
 }
 
+/// Heights of the corners of triangles over planes.
+struct Heights<S: Simd> {
+    /// Times the length of the plane's normal.
+    heights: [f32x8<S>; 3],
+    length: f32x8<S>,
+    /// Error bound, times the length.
+    slack: f32x8<S>,
+}
+
+impl<S: Simd> Heights<S> {
+    /// Lanes whose corners are all farther from the plane than `most`, on one side.
+    #[inline(always)]
+    fn beyond(&self, most: f32x8<S>) -> mask32x8<S> {
+        let most = most * self.length + self.slack;
+        least(self.heights).simd_gt(most) | largest(self.heights).simd_lt(-most)
+    }
+}
+
 /// Both trees. Nodes that are no farther apart than `reach` count as touching.
-fn trees<'a>(sides: &[Side<'a>; 2], pose: &PairPose, reach: f32) -> [Tree<'a>; 2] {
+#[inline(always)]
+fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f32) -> [Tree<'a, S>; 2] {
     let unit = unit_of(pose.size);
     let clusters = sides.each_ref().map(|side| side.mesh.lanes().clusters.len());
     let slabs = clusters[0].max(clusters[1]) > MAX_COARSE_CLUSTERS;
     let back = pose.rotation.transpose();
-    let poses = [(back, -(back * pose.translation)), (pose.rotation, pose.translation)];
-    [0, 1].map(|i| {
-        let (rotation, translation) = poses[i];
-        let relative = RelativePose {
-            rotation,
-            translation: unit * translation,
-            // No support axis is used here.
-            axis: Vec3::ZERO,
-            min_height: f32::NEG_INFINITY,
-        };
-        Tree::new(
-            sides[i].mesh.lanes(),
-            i == 1,
-            unit * sides[i].scale,
-            relative,
-            unit * reach,
-            slabs,
-        )
-    })
+    let relative = |rotation: Mat3, translation: Vec3| RelativePose {
+        rotation,
+        translation: unit * translation,
+        // No support axis is used here.
+        axis: Vec3::ZERO,
+        min_height: f32::NEG_INFINITY,
+    };
+    let (a, b) = (
+        relative(back, -(back * pose.translation)),
+        relative(pose.rotation, pose.translation),
+    );
+    let lanes = sides.each_ref().map(|side| side.mesh.lanes());
+    let scales = sides.each_ref().map(|side| unit * side.scale);
+    let pad = unit * reach;
+    [
+        Tree::new(simd, lanes[0], false, scales[0], a, pad, slabs),
+        Tree::new(simd, lanes[1], true, scales[1], b, pad, slabs),
+    ]
 }
 
 #[cfg(test)]

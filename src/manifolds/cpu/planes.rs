@@ -6,7 +6,8 @@ use crate::geometry::cluster::CLUSTER;
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds};
 use crate::parallel::in_order::InOrder;
 use crate::parallel::per_thread::PerThread;
-use crate::simd::lanes::{bits, dot, splat};
+use crate::simd::lanes::{SimdBase, bitmask, bits, dot, lane_of, load_points, splat, splat_point};
+use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::margins::SAFETY;
@@ -14,7 +15,6 @@ use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig};
 use crate::types::body::RigidBody;
 use glam::Vec3;
-use wide::f32x8;
 
 /// Maximum number of points of a body and a plane.
 pub const MAX_POINTS: usize = 8;
@@ -110,24 +110,26 @@ fn manifold(
         return None;
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
-    let direction = splat(local.as_vec3());
-    let size = splat(local.as_vec3().abs());
-    let limit = f32x8::splat(PAD * radius + margin - height);
+    let simd = baseline();
+    let direction = splat_point(simd, local.as_vec3());
+    let size = splat_point(simd, local.as_vec3().abs());
+    let limit = splat(simd, PAD * radius + margin - height);
     let reaches = |group: &BoxGroup| {
-        let lowest = dot(group.center, direction) - dot(group.half, size);
-        lowest.simd_lt(limit).to_bitmask()
+        let (center, half) = (load_points(simd, &group.center), load_points(simd, &group.half));
+        let lowest = dot(center, direction) - dot(half, size);
+        bitmask(lowest.simd_lt(limit))
     };
     let lanes = &meshes[bodies.mesh[body]].lanes;
     vertices.clear();
     visit(&lanes.vertex_levels, &reaches, &mut |group| {
         let (eight, held) = &lanes.vertices[group as usize];
-        let heights = dot(*eight, direction);
+        let heights = dot(load_points(simd, eight), direction);
         for lane in bits(*held) {
-            let separation = heights.as_array()[lane] + height;
+            let separation = heights[lane] + height;
             if separation < margin {
                 vertices.push(LowVertex {
                     separation,
-                    position: Vec3::from_array(eight.each_ref().map(|x| x.as_array()[lane])),
+                    position: lane_of(eight, lane),
                     number: group * CLUSTER as u32 + lane as u32,
                 });
             }

@@ -2,13 +2,15 @@
 
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{bits, cross, dot, each, norm1, splat, sub};
+use crate::simd::lanes::{
+    SimdBase, all_le, bitmask, bits, cross, dot, each, load_points, norm1, splat, splat_point, sub,
+};
+use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, Cluster};
 use glam::DVec3;
 use std::cell::Cell;
-use wide::f32x8;
 
 /// Tolerance of a hit in barycentric coordinates, so that no ray slips through an edge.
 const SLACK: f64 = 1.0e-9;
@@ -22,28 +24,31 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     // Boxes are tested in single precision, relative to the centre of mass, with the normalised direction.
     let length = way.length();
     let center = side.mesh.mass.center.as_dvec3();
-    let local = splat((from - center).as_vec3());
+    let simd = baseline();
+    let local = splat_point(simd, (from - center).as_vec3());
     let inverse = (way / length).to_array().map(|d| {
         // Keeps the reciprocal finite.
         let d = if d.abs() < 1.0e-12 { 1.0e-12 } else { d };
-        f32x8::splat(d.recip() as f32)
+        splat(simd, d.recip() as f32)
     });
-    let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
+    let pad = splat(simd, PAD * (lanes.aabb.max - lanes.aabb.min).length());
     let nearest = Cell::new((most, None));
     let met = |group: &BoxGroup| {
-        let (mut enter, mut leave) = (f32x8::ZERO, f32x8::splat((nearest.get().0 * length * 1.000_001) as f32));
-        let apart = sub(group.center, local);
-        let mut held = f32x8::splat(0.0).simd_le(group.half[0]);
+        let longest = (nearest.get().0 * length * 1.000_001) as f32;
+        let (mut enter, mut leave) = (splat(simd, 0.0), splat(simd, longest));
+        let apart = sub(load_points(simd, &group.center), local);
+        let half = load_points(simd, &group.half);
+        let mut held = splat(simd, 0.0).simd_le(half[0]);
         for i in 0..3 {
-            let half = group.half[i] + pad;
+            let half = half[i] + pad;
             let (s, t) = ((apart[i] - half) * inverse[i], (apart[i] + half) * inverse[i]);
-            enter = enter.fast_max(s.fast_min(t));
-            leave = leave.fast_min(s.fast_max(t));
+            enter = enter.max(s.min(t));
+            leave = leave.min(s.max(t));
         }
         // Rounding allowance of the products.
-        let slack = (enter.abs() + leave.abs()) * f32x8::splat(1.0e-6) + pad;
+        let slack = (enter.abs() + leave.abs()) * splat(simd, 1.0e-6) + pad;
         held &= enter.simd_le(leave + slack);
-        held.to_bitmask()
+        bitmask(held)
     };
     visit(&lanes.levels, &met, &mut |cluster| {
         let first = cluster as usize * CLUSTER;
@@ -67,15 +72,14 @@ const ERROR: f32 = 4.0e-6;
 /// Lanes whose triangles the line through `from` along the unit vector `way` may meet: its triple products with all
 /// three edges have the same sign.
 fn may_meet(cluster: &Cluster, from: DVec3, way: DVec3) -> u32 {
-    let from = splat((from - cluster.origin.as_dvec3()).as_vec3());
-    let way = splat(way.as_vec3());
-    let corners = each(|k| sub(cluster.corners[k], from));
+    let simd = baseline();
+    let from = splat_point(simd, (from - cluster.origin.as_dvec3()).as_vec3());
+    let way = splat_point(simd, way.as_vec3());
+    let corners = each(|k| sub(load_points(simd, &cluster.corners[k]), from));
     let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
-    let errors = each(|k| norm1(corners[k]) * norm1(corners[(k + 1) % 3]) * f32x8::splat(ERROR));
-    let left = |k: usize| volumes[k].simd_ge(-errors[k]);
-    let right = |k: usize| volumes[k].simd_le(errors[k]);
-    let same = (left(0) & left(1) & left(2)) | (right(0) & right(1) & right(2));
-    same.to_bitmask() & cluster.lanes
+    let errors = each(|k| norm1(corners[k]) * norm1(corners[(k + 1) % 3]) * splat(simd, ERROR));
+    let (left, right) = (all_le(each(|k| -errors[k]), volumes), all_le(volumes, errors));
+    bitmask(left | right) & cluster.lanes
 }
 
 /// Distance along `way` at which the ray from the origin hits the triangle.

@@ -5,9 +5,9 @@ use crate::asset::CollisionMesh;
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::simd::lanes::each;
 use crate::state::Frame;
+use crate::state::mesh_arena::Stored;
 use crate::state::pairs::DEFAULT_DIRECTION;
 use glam::{DMat3, DVec3, Vec3};
-use wide::f32x8;
 
 /// A mesh placed in the world.
 pub struct PlacedMesh<'a> {
@@ -160,13 +160,13 @@ impl Side<'_> {
 
     /// For eight triangles from `first` on, the largest angle between a triangle's normal and a contact normal at an
     /// edge that it owns, radians.
-    pub fn edge_normal_rotations(&self, first: u32) -> f32x8 {
+    pub fn edge_normal_rotations(&self, first: u32) -> Stored {
         // Non-uniform scales change angles.
         let scale = self.scale.abs();
         let is_uniform = scale.max_element() <= scale.min_element() * (1.0 + 1.0e-6);
         let rotations = &self.features.edge_normal_rotations[first as usize..];
         let slack = ARC_SLACK as f32 * ARC as f32;
-        f32x8::new(std::array::from_fn(|lane| match rotations.get(lane) {
+        Stored(std::array::from_fn(|lane| match rotations.get(lane) {
             Some(rotation) if is_uniform && rotation + slack < ANY_NORMAL => rotation + slack,
             _ => ANY_NORMAL,
         }))

@@ -7,7 +7,7 @@ use super::candidates::any_triangles_hit;
 use super::pair_setup::PairSetup;
 use super::placed::{PlacedCluster, PlacedClusters};
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::bits;
+use crate::simd::lanes::{Simd, bits};
 use crate::simd::tree::{Group, Tree};
 
 /// Memory kept between pairs.
@@ -56,7 +56,8 @@ struct Opened {
 impl Search {
     /// Whether two triangles intersect. Pairs that single precision cannot decide are passed to `sure`, until it
     /// returns true.
-    pub fn any(&mut self, setup: &PairSetup, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
+    #[inline(always)]
+    pub fn any<S: Simd>(&mut self, setup: &PairSetup<S>, sure: impl FnMut(&[u32; 2]) -> bool) -> bool {
         let trees = setup.trees();
         let [a, b] = &mut self.ends;
         a.start(&trees[0], setup.a.lanes.clusters.len());
@@ -80,7 +81,8 @@ impl Search {
         self.unsure.iter().any(sure)
     }
 
-    fn open(&mut self, trees: &[Tree; 2], at: [At; 2]) {
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, trees: &[Tree<S>; 2], at: [At; 2]) {
         let larger = trees[0].size(at[0].level.into()) >= trees[1].size(at[1].level.into());
         let end = usize::from(at[1].level > 0 && (at[0].level == 0 || !larger));
         let other = match self.ends[1 - end].groups.get(at[1 - end].group as usize) {
@@ -89,11 +91,11 @@ impl Search {
         };
         let group = self.ends[end].children(&trees[end], at[end]);
         let opened = &self.ends[end].groups[group as usize].group;
-        let meet = other.meets(opened);
+        let meet = trees[end].met_by(&other, opened);
         if meet == 0 {
             return;
         }
-        let distances = other.distances(opened);
+        let distances = trees[end].distances(&other, opened);
         let mut nearest = [(f32::INFINITY, 0); CLUSTER];
         let mut count = 0;
         for lane in bits(meet) {
@@ -118,20 +120,23 @@ impl Search {
     }
 
     /// Whether triangles of two clusters certainly intersect. Undecided pairs are kept.
-    fn any_clusters_hit(&mut self, setup: &PairSetup, at: [At; 2]) -> bool {
+    #[inline(always)]
+    fn any_clusters_hit<S: Simd>(&mut self, setup: &PairSetup<S>, at: [At; 2]) -> bool {
         let [a, b] = &mut self.ends;
-        let a = a.cluster(at[0], |placed, cluster| {
-            setup.place_a(placed, cluster, setup.a.filter.lanes(cluster));
-        });
-        let b = b.cluster(at[1], |placed, cluster| {
-            setup.place_b(placed, cluster, setup.b.filter.lanes(cluster));
-        });
-        any_triangles_hit(a, b, &setup.pair_scale, &mut self.unsure)
+        let (a, new) = a.cluster(at[0]);
+        if let Some(cluster) = new {
+            setup.place_a(a, cluster, setup.a.filter.lanes(cluster));
+        }
+        let (b, new) = b.cluster(at[1]);
+        if let Some(cluster) = new {
+            setup.place_b(b, cluster, setup.b.filter.lanes(cluster));
+        }
+        any_triangles_hit(setup.simd, [a, b], &setup.pair_scale, &mut self.unsure)
     }
 }
 
 impl End {
-    fn start(&mut self, tree: &Tree, clusters: usize) {
+    fn start<S: Simd>(&mut self, tree: &Tree<S>, clusters: usize) {
         self.groups.clear();
         self.placed.clear();
         self.below.clear();
@@ -154,7 +159,8 @@ impl End {
     }
 
     /// Index of a node's children in `groups`.
-    fn children(&mut self, tree: &Tree, at: At) -> u32 {
+    #[inline(always)]
+    fn children<S: Simd>(&mut self, tree: &Tree<S>, at: At) -> u32 {
         let (number, level) = (self.number(at), usize::from(at.level) - 1);
         let id = self.below[level] + number;
         let place = &mut self.group_at[id as usize];
@@ -169,19 +175,17 @@ impl End {
         *place
     }
 
-    /// A placed cluster. `place` is called if it has not been placed yet.
-    fn cluster(&mut self, at: At, place: impl FnOnce(&mut PlacedCluster, u32)) -> &PlacedCluster {
+    /// The slot of a placed cluster, and the cluster's number if it has not been placed yet.
+    fn cluster(&mut self, at: At) -> (&mut PlacedCluster, Option<u32>) {
         let number = self.number(at);
         let known = &mut self.cluster_at[number as usize];
         let first = number * CLUSTER as u32;
-        if self
-            .placed
-            .get(*known as usize)
-            .is_none_or(|placed| placed.first != first)
-        {
+        let placed = self.placed.get(*known as usize);
+        if placed.is_none_or(|placed| placed.first != first) {
             *known = self.placed.len() as u32;
-            place(self.placed.push(), number);
+            (self.placed.push(), Some(number))
+        } else {
+            (&mut self.placed[*known as usize], None)
         }
-        &self.placed[*known as usize]
     }
 }

@@ -6,13 +6,13 @@
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{Rows, each, splat, sub};
+use crate::simd::lanes::{Rows, SimdBase, abs, add, all_le, bitmask, load_points, splat, splat_point, sub, widen};
+use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, MeshArena, MeshSlot};
 use crate::state::{Bodies, Frame, NearPair};
 use glam::{DVec3, Mat3, Vec3};
-use wide::f32x8;
 
 /// Whether either body of the pair is solid and contains a component of the other.
 pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
@@ -43,15 +43,16 @@ impl End<'_> {
             return false;
         }
         let matrix = rotation * Mat3::from_diagonal(self.scale);
-        let (turn, spread) = (Rows::new(matrix), Rows::new(matrix.abs()));
+        let simd = baseline();
+        let (turn, spread) = (Rows::new(simd, matrix), Rows::new(simd, matrix.abs()));
         let aabb = outer.slot.lanes.aabb;
-        let middle = splat(translation - aabb.center() * outer.scale);
-        let outer_half = splat(aabb.half_size() * outer.scale.abs() + pad);
+        let middle = splat_point(simd, translation - aabb.center() * outer.scale);
+        let outer_half = splat_point(simd, aabb.half_size() * outer.scale.abs() + pad);
         // The box test only saves work, so the boxes may be slightly too large.
         let boxed = |group: &BoxGroup| {
-            let (center, half) = (turn.times(group.center), spread.times(group.half));
-            let near = |i: usize| (center[i] + middle[i]).abs().simd_le(half[i] + outer_half[i]);
-            (near(0) & near(1) & near(2)).to_bitmask()
+            let center = turn.times(load_points(simd, &group.center));
+            let half = spread.times(load_points(simd, &group.half));
+            bitmask(all_le(abs(add(center, middle)), add(half, outer_half)))
         };
         let (mesh, lanes) = (&self.slot.mesh.mesh, &self.slot.lanes);
         let to_outer = outer.frame.rotation.transpose();
@@ -77,14 +78,15 @@ impl End<'_> {
 pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
     let (mesh, lanes) = (&baked.mesh, baked.lanes());
     let from = (p - baked.mass.center.as_dvec3()).as_vec3();
-    let start = splat(from);
+    let simd = baseline();
+    let start = splat_point(simd, from);
     // The rounding errors of boxes and start point are below a millionth of the mesh, which is also about how far
     // outside the start can be.
-    let pad = f32x8::splat(PAD * (lanes.aabb.max - lanes.aabb.min).length());
+    let pad = splat(simd, PAD * (lanes.aabb.max - lanes.aabb.min).length());
     let met = |group: &BoxGroup| {
-        let [x, y, z] = sub(group.center, start);
-        let half = each(|i| group.half[i] + pad);
-        (x.abs().simd_le(half[0]) & y.abs().simd_le(half[1]) & z.simd_ge(-half[2])).to_bitmask()
+        let [x, y, z] = sub(load_points(simd, &group.center), start);
+        let half = widen(load_points(simd, &group.half), pad);
+        bitmask(x.abs().simd_le(half[0]) & y.abs().simd_le(half[1]) & z.simd_ge(-half[2]))
     };
     let mut winding = 0i32;
     let mut crossings = 0u32;

@@ -1,10 +1,12 @@
 //! Cluster culling: the clusters of one body that may touch the other body.
 
 use crate::geometry::Aabb;
-use crate::simd::lanes::{Rows, bits, dot, each, mul, splat};
-use crate::state::mesh_arena::{BoxGroup, MeshLanes, Points};
+use crate::simd::lanes::{
+    Points, Rows, Simd, SimdBase, abs, add, all_le, bitmask, bits, dot, f32x8, load_points, max, mul, splat,
+    splat_point, sub,
+};
+use crate::state::mesh_arena::{BoxGroup, MeshLanes};
 use glam::{Mat3, Vec3};
-use wide::f32x8;
 
 /// The bounds of the other body against which a body's clusters are culled. All are in the culled body's scaled axes
 /// about its centre of mass, unless said otherwise.
@@ -27,26 +29,35 @@ pub struct Other {
     pub pad: f32,
 }
 
-struct Test {
-    scale: Points,
-    scale_abs: Points,
-    own_center: Points,
-    own_half: Points,
-    rotation: Rows,
-    rotation_abs: Rows,
-    translation: Points,
-    other_half: Points,
-    sphere_center: Points,
-    sphere_square: f32x8,
-    axis: Points,
-    axis_abs: Points,
-    min_height: f32x8,
+struct Test<S: Simd> {
+    simd: S,
+    scale: Points<S>,
+    scale_abs: Points<S>,
+    own_center: Points<S>,
+    own_half: Points<S>,
+    rotation: Rows<S>,
+    rotation_abs: Rows<S>,
+    translation: Points<S>,
+    other_half: Points<S>,
+    sphere_center: Points<S>,
+    sphere_square: f32x8<S>,
+    axis: Points<S>,
+    axis_abs: Points<S>,
+    min_height: f32x8<S>,
 }
 
 /// Writes into `clusters`, in ascending order, those clusters of `mesh` (scaled by `scale`) that may touch the other
 /// body.
-pub fn clusters(mesh: &MeshLanes, scale: Vec3, other: &Other, nodes: &mut Vec<u32>, clusters: &mut Vec<u32>) {
-    let test = Test::new(scale, other);
+#[inline(always)]
+pub fn clusters<S: Simd>(
+    simd: S,
+    mesh: &MeshLanes,
+    scale: Vec3,
+    other: &Other,
+    nodes: &mut Vec<u32>,
+    clusters: &mut Vec<u32>,
+) {
+    let test = Test::new(simd, scale, other);
     // Traverses the implicit tree level by level: child `8 g + lane` of group `g` is the group of that number one level
     // below, or a cluster at the bottom.
     clusters.clear();
@@ -60,51 +71,47 @@ pub fn clusters(mesh: &MeshLanes, scale: Vec3, other: &Other, nodes: &mut Vec<u3
     }
 }
 
-impl Test {
-    fn new(scale: Vec3, other: &Other) -> Self {
+impl<S: Simd> Test<S> {
+    #[inline(always)]
+    fn new(simd: S, scale: Vec3, other: &Other) -> Self {
         let Other { rotation, pad, .. } = *other;
         let (center, half) = (other.aabb.center(), other.aabb.half_size());
         let to_own = rotation.transpose();
         Self {
-            scale: splat(scale),
-            scale_abs: splat(scale.abs()),
-            own_center: splat(to_own * (center - other.translation)),
-            own_half: splat(to_own.abs() * half + pad),
-            rotation: Rows::new(rotation),
-            rotation_abs: Rows::new(rotation.abs()),
-            translation: splat(other.translation - center),
-            other_half: splat(half + pad),
-            sphere_center: splat(other.center),
-            sphere_square: f32x8::splat((other.radius + pad) * (other.radius + pad)),
-            axis: splat(other.axis),
-            axis_abs: splat(other.axis.abs()),
-            min_height: f32x8::splat(other.min_height - pad),
+            simd,
+            scale: splat_point(simd, scale),
+            scale_abs: splat_point(simd, scale.abs()),
+            own_center: splat_point(simd, to_own * (center - other.translation)),
+            own_half: splat_point(simd, to_own.abs() * half + pad),
+            rotation: Rows::new(simd, rotation),
+            rotation_abs: Rows::new(simd, rotation.abs()),
+            translation: splat_point(simd, other.translation - center),
+            other_half: splat_point(simd, half + pad),
+            sphere_center: splat_point(simd, other.center),
+            sphere_square: splat(simd, (other.radius + pad) * (other.radius + pad)),
+            axis: splat_point(simd, other.axis),
+            axis_abs: splat_point(simd, other.axis.abs()),
+            min_height: splat(simd, other.min_height - pad),
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn survivors(&self, group: &BoxGroup) -> u32 {
-        let center = mul(group.center, self.scale);
-        let half = mul(group.half, self.scale_abs);
+        let center = mul(load_points(self.simd, &group.center), self.scale);
+        let half = mul(load_points(self.simd, &group.half), self.scale_abs);
 
-        let distance = each(|i| (center[i] - self.own_center[i]).abs());
-        let mut alive = within(distance, half, self.own_half);
+        let distance = abs(sub(center, self.own_center));
+        let mut alive = all_le(distance, add(half, self.own_half));
 
         let reach = dot(center, self.axis) + dot(half, self.axis_abs);
         alive &= reach.simd_ge(self.min_height);
 
-        let nearest = each(|i| ((center[i] - self.sphere_center[i]).abs() - half[i]).fast_max(f32x8::ZERO));
+        let nearest = sub(abs(sub(center, self.sphere_center)), half);
+        let nearest = max(nearest, splat_point(self.simd, Vec3::ZERO));
         alive &= dot(nearest, nearest).simd_le(self.sphere_square);
 
-        let turned = self.rotation.times(center);
-        let distance = each(|i| (turned[i] + self.translation[i]).abs());
-        alive &= within(distance, self.rotation_abs.times(half), self.other_half);
-        alive.to_bitmask()
+        let distance = abs(add(self.rotation.times(center), self.translation));
+        alive &= all_le(distance, add(self.rotation_abs.times(half), self.other_half));
+        bitmask(alive)
     }
-}
-
-#[inline(always)]
-fn within(distance: Points, half_a: Points, half_b: Points) -> f32x8 {
-    let ok = |i: usize| distance[i].simd_le(half_a[i] + half_b[i]);
-    ok(0) & ok(1) & ok(2)
 }

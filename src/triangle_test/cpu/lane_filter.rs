@@ -1,17 +1,16 @@
 //! View culling: the lanes of each cluster that a [`View`] leaves in the test.
 
 use crate::asset::BakedMesh;
-use crate::simd::lanes::{dot, splat};
+use crate::simd::lanes::{Points, Simd, SimdBase, bitmask, dot, splat, splat_point};
 use crate::state::View;
-use crate::state::mesh_arena::Points;
-use wide::f32x8;
+use glam::Vec3;
 
 /// A [`View`], prepared for tests cluster by cluster.
 pub enum LaneFilter<'a> {
     All,
     /// Lane masks, a byte per cluster.
     Masks(&'a [u8]),
-    Facing(Points),
+    Facing(Vec3),
 }
 
 impl<'a> LaneFilter<'a> {
@@ -19,7 +18,7 @@ impl<'a> LaneFilter<'a> {
     pub fn new(view: View, mesh: &'a BakedMesh, scratch: &'a mut Vec<u8>) -> Self {
         match (view, &mesh.faces) {
             (View::Group(id), Some(table)) => Self::Masks(table.distinct(id).lane_masks(scratch)),
-            (View::Facing(direction), _) => Self::Facing(splat(direction)),
+            (View::Facing(direction), _) => Self::Facing(direction),
             (View::All | View::Group(_), _) => Self::All,
         }
     }
@@ -35,9 +34,12 @@ impl<'a> LaneFilter<'a> {
 
     /// Lanes of a placed cluster that are in view, by its normals; `None` if all are.
     #[inline(always)]
-    pub fn facing(&self, normals: Points) -> Option<f32x8> {
+    pub fn facing<S: Simd>(&self, simd: S, normals: Points<S>) -> Option<u32> {
         match self {
-            Self::Facing(direction) => Some(dot(normals, *direction).simd_gt(f32x8::ZERO)),
+            Self::Facing(direction) => {
+                let along = dot(normals, splat_point(simd, *direction));
+                Some(bitmask(along.simd_gt(splat(simd, 0.0))))
+            }
             Self::All | Self::Masks(_) => None,
         }
     }

@@ -6,6 +6,7 @@ use super::cull::Other;
 use super::lane_filter::LaneFilter;
 use super::placed::{ClusterTransform, PairScale, PlacedCluster};
 use crate::geometry::Aabb;
+use crate::simd::lanes::Simd;
 use crate::simd::rounding::{PAD, unit_of};
 use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::{MeshArena, MeshLanes};
@@ -17,9 +18,10 @@ use glam::{DVec3, Mat3, Vec3};
 const MAX_COARSE_CLUSTERS: usize = 300;
 
 /// A pair to be tested.
-pub struct PairSetup<'a> {
-    pub a: Side<'a>,
-    pub b: Side<'a>,
+pub struct PairSetup<'a, S: Simd> {
+    pub simd: S,
+    pub a: Side<'a, S>,
+    pub b: Side<'a, S>,
     /// Rounding allowance, metres.
     pub pad: f32,
     pub pair_scale: PairScale,
@@ -29,17 +31,19 @@ pub struct PairSetup<'a> {
 }
 
 /// One body of a pair.
-pub struct Side<'a> {
+pub struct Side<'a, S: Simd> {
     pub lanes: &'a MeshLanes,
     pub filter: LaneFilter<'a>,
     pub scale: Vec3,
     pub radius: f32,
-    transform: ClusterTransform,
+    transform: ClusterTransform<S>,
 }
 
-impl<'a> PairSetup<'a> {
+impl<'a, S: Simd> PairSetup<'a, S> {
     /// Prepares a pair. `masks` may be overwritten.
+    #[inline(always)]
     pub fn new(
+        simd: S,
         bodies: &Bodies,
         meshes: &'a MeshArena,
         near: &'a NearPair,
@@ -50,21 +54,25 @@ impl<'a> PairSetup<'a> {
         let [ia, ib] = near.bodies.map(|i| i as usize);
         let size = bodies.radius[ia] + bodies.radius[ib];
         let (unit, pad) = (unit_of(size), PAD * size);
-        let side = |i: usize, view, masks, rotation: Mat3| {
-            let slot = &meshes[bodies.mesh[i]];
-            let scale = bodies.scale[i];
-            Side {
-                lanes: &slot.lanes,
-                filter: LaneFilter::new(view, &slot.mesh, masks),
-                scale,
-                radius: bodies.radius[i],
-                transform: ClusterTransform::new(rotation * Mat3::from_diagonal(unit * scale)),
-            }
+        let slots = [ia, ib].map(|i| &meshes[bodies.mesh[i]]);
+        let [scale_a, scale_b] = [ia, ib].map(|i| bodies.scale[i]);
+        let a = Side {
+            lanes: &slots[0].lanes,
+            filter: LaneFilter::new(near.views[0], &slots[0].mesh, masks_a),
+            scale: scale_a,
+            radius: bodies.radius[ia],
+            transform: ClusterTransform::new(simd, Mat3::from_diagonal(unit * scale_a)),
         };
-        let a = side(ia, near.views[0], masks_a, Mat3::IDENTITY);
-        let b = side(ib, near.views[1], masks_b, near.rotation);
-        let longest_side = |side: &Side| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();
+        let b = Side {
+            lanes: &slots[1].lanes,
+            filter: LaneFilter::new(near.views[1], &slots[1].mesh, masks_b),
+            scale: scale_b,
+            radius: bodies.radius[ib],
+            transform: ClusterTransform::new(simd, near.rotation * Mat3::from_diagonal(unit * scale_b)),
+        };
+        let longest_side = |side: &Side<S>| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();
         Self {
+            simd,
             pad,
             pair_scale: PairScale {
                 unit,
@@ -81,14 +89,14 @@ impl<'a> PairSetup<'a> {
     }
 
     /// Places `lanes` of a cluster of the first body, without those that are not in view.
-    #[inline]
+    #[inline(always)]
     pub fn place_a(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
         let origin = self.pair_frame.place_a(self.a.lanes.clusters[cluster as usize].origin);
         self.a.place(placed, cluster, lanes, origin, &self.pair_scale);
     }
 
     /// Places `lanes` of a cluster of the second body, without those that are not in view.
-    #[inline]
+    #[inline(always)]
     pub fn place_b(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32) {
         let origin = self.pair_frame.place_b(self.b.lanes.clusters[cluster as usize].origin);
         self.b.place(placed, cluster, lanes, origin, &self.pair_scale);
@@ -123,31 +131,30 @@ impl<'a> PairSetup<'a> {
     }
 
     /// The bounding-volume trees of both bodies.
-    pub fn trees(&self) -> [Tree<'a>; 2] {
+    #[inline(always)]
+    pub fn trees(&self) -> [Tree<'a, S>; 2] {
         let PairScale { unit, pad, .. } = self.pair_scale;
         let slabs = self.a.lanes.clusters.len().max(self.b.lanes.clusters.len()) > MAX_COARSE_CLUSTERS;
-        let tree = |side: &Side<'a>, second, other: Other| {
-            let relative = RelativePose {
-                rotation: other.rotation,
-                translation: unit * other.translation,
-                axis: other.axis,
-                min_height: unit * other.min_height,
-            };
-            Tree::new(side.lanes, second, unit * side.scale, relative, pad, slabs)
+        let relative = |other: Other| RelativePose {
+            rotation: other.rotation,
+            translation: unit * other.translation,
+            axis: other.axis,
+            min_height: unit * other.min_height,
         };
+        let (a, b) = (relative(self.a_from_b()), relative(self.b_from_a()));
         [
-            tree(&self.a, false, self.a_from_b()),
-            tree(&self.b, true, self.b_from_a()),
+            Tree::new(self.simd, self.a.lanes, false, unit * self.a.scale, a, pad, slabs),
+            Tree::new(self.simd, self.b.lanes, true, unit * self.b.scale, b, pad, slabs),
         ]
     }
 }
 
-impl Side<'_> {
+impl<S: Simd> Side<'_, S> {
     #[inline(always)]
     fn place(&self, placed: &mut PlacedCluster, cluster: u32, lanes: u32, origin: DVec3, pair_scale: &PairScale) {
         self.transform
             .place(placed, self.lanes, cluster, lanes, origin, pair_scale);
-        placed.keep_visible(&self.filter);
+        placed.keep_visible(self.transform.simd(), &self.filter);
     }
 }
 

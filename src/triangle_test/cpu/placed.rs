@@ -8,11 +8,13 @@ use super::interval_test::Eight;
 use super::lane_filter::LaneFilter;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{Rows, bits, boxes_meet, cross, dot, each, lane_of, max, min, norm1, splat, sub};
-use crate::state::mesh_arena::{Cluster, MeshLanes, Points, points};
+use crate::simd::lanes::{
+    Rows, Simd, SimdBase, add, bitmask, bits, boxes_meet, cross, dot, lane_of, largest, load, load_points, max, min,
+    norm1, splat, splat_point, store, store_points, sub,
+};
+use crate::state::mesh_arena::{Cluster, MeshLanes, Stored, StoredPoints, points};
 use glam::{DVec3, Mat3, Vec3};
 use std::ops::{Deref, DerefMut};
-use wide::f32x8;
 
 /// A list of placed clusters that keeps its memory. Clusters are placed at their final address: they are large, and
 /// moving them costs as much as placing them.
@@ -69,12 +71,12 @@ pub struct PlacedCluster {
     pub origin: DVec3,
     /// The origin in single precision.
     pub at: Vec3,
-    pub corners: [Points; 3],
-    pub min: Points,
-    pub max: Points,
-    pub normal: Points,
+    pub corners: [StoredPoints; 3],
+    pub min: StoredPoints,
+    pub max: StoredPoints,
+    pub normal: StoredPoints,
     /// Error of a height over the triangle's plane, times the normal's length, per error of a coordinate.
-    pub height_error: f32x8,
+    pub height_error: Stored,
     /// Lanes that remain in the test.
     pub lanes: u32,
     /// Bounding box of those lanes.
@@ -110,16 +112,25 @@ impl PairScale {
 }
 
 /// Transforms the clusters of a mesh into the axes and unit of the pair.
-pub struct ClusterTransform {
-    matrix: Rows,
+pub struct ClusterTransform<S: Simd> {
+    simd: S,
+    matrix: Rows<S>,
 }
 
-impl ClusterTransform {
+impl<S: Simd> ClusterTransform<S> {
     /// `matrix` maps the mesh's axes.
-    pub fn new(matrix: Mat3) -> Self {
+    #[inline(always)]
+    pub fn new(simd: S, matrix: Mat3) -> Self {
         Self {
-            matrix: Rows::new(matrix),
+            simd,
+            matrix: Rows::new(simd, matrix),
         }
+    }
+
+    /// The instruction set.
+    #[inline(always)]
+    pub fn simd(&self) -> S {
+        self.simd
     }
 
     /// Places `lanes` of a cluster. `origin` is the placed position of its origin, metres.
@@ -136,22 +147,25 @@ impl ClusterTransform {
         let Cluster {
             corners, lanes: all, ..
         } = &mesh.clusters[cluster as usize];
-        let [p, q, r] = each(|k| self.matrix.times(corners[k]));
+        let simd = self.simd;
+        let p = self.matrix.times(load_points(simd, &corners[0]));
+        let q = self.matrix.times(load_points(simd, &corners[1]));
+        let r = self.matrix.times(load_points(simd, &corners[2]));
         let (u, v) = (sub(q, p), sub(r, p));
         let normal = cross(u, v);
         placed.first = cluster * CLUSTER as u32;
         placed.origin = origin * f64::from(pair_scale.unit);
         placed.at = placed.origin.as_vec3();
-        placed.corners = [p, q, r];
-        placed.normal = normal;
+        placed.corners = [store_points(p), store_points(q), store_points(r)];
+        placed.normal = store_points(normal);
         // The height n . (x - p) errs by the errors of x and p along n, and by the error of n along x - p, which is at
         // most as long as both triangles together if their boxes overlap.
-        placed.height_error =
-            f32x8::splat(3.0) * (norm1(normal) + (norm1(u) + norm1(v)) * f32x8::splat(pair_scale.longest_sides));
-        let pad = splat(Vec3::splat(0.5 * pair_scale.pad));
+        let spread = (norm1(u) + norm1(v)) * splat(simd, pair_scale.longest_sides);
+        placed.height_error = store(splat(simd, 3.0) * (norm1(normal) + spread));
+        let pad = splat_point(simd, Vec3::splat(0.5 * pair_scale.pad));
         let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
-        placed.min = sub(low, pad);
-        placed.max = each(|i| high[i] + pad[i]);
+        placed.min = store_points(sub(low, pad));
+        placed.max = store_points(add(high, pad));
         placed.lanes = *all;
         placed.fit();
         placed.extent = placed.aabb.min.abs().max(placed.aabb.max.abs()).max_element();
@@ -163,9 +177,9 @@ impl ClusterTransform {
 }
 
 impl PlacedCluster {
-    #[inline]
-    fn keep(&mut self, mask: f32x8) {
-        let lanes = self.lanes & mask.to_bitmask();
+    #[inline(always)]
+    fn keep(&mut self, lanes: u32) {
+        let lanes = self.lanes & lanes;
         if lanes != self.lanes {
             self.lanes = lanes;
             self.fit();
@@ -173,30 +187,38 @@ impl PlacedCluster {
     }
 
     /// Keeps the lanes in view.
-    #[inline]
-    pub fn keep_visible(&mut self, filter: &LaneFilter) {
-        if let Some(facing) = filter.facing(self.normal) {
+    #[inline(always)]
+    pub fn keep_visible<S: Simd>(&mut self, simd: S, filter: &LaneFilter) {
+        if let Some(facing) = filter.facing(simd, load_points(simd, &self.normal)) {
             self.keep(facing);
         }
     }
 
     /// Keeps the lanes that extend to at least `min_height` along an axis.
-    #[inline]
-    pub fn keep_beyond(&mut self, axis: Vec3, min_height: f32) {
-        let along = each(|k| dot(self.corners[k], splat(axis)));
-        let min_height = f32x8::splat(min_height - self.at.dot(axis));
-        self.keep(along[0].fast_max(along[1]).fast_max(along[2]).simd_ge(min_height));
+    #[inline(always)]
+    pub fn keep_beyond<S: Simd>(&mut self, simd: S, axis: Vec3, min_height: f32) {
+        let along = splat_point(simd, axis);
+        let [p, q, r] = &self.corners;
+        let heights = [
+            dot(load_points(simd, p), along),
+            dot(load_points(simd, q), along),
+            dot(load_points(simd, r), along),
+        ];
+        let min_height = splat(simd, min_height - self.at.dot(axis));
+        self.keep(bitmask(largest(heights).simd_ge(min_height)));
     }
 
     /// Keeps the lanes that meet a box given relative to the first body's centre of mass.
-    #[inline]
-    pub fn keep_inside(&mut self, aabb: Aabb) {
-        self.keep(boxes_meet(
-            self.min,
-            self.max,
-            splat(aabb.min - self.at),
-            splat(aabb.max - self.at),
-        ));
+    #[inline(always)]
+    pub fn keep_inside<S: Simd>(&mut self, simd: S, aabb: Aabb) {
+        let (min, max) = (load_points(simd, &self.min), load_points(simd, &self.max));
+        let (low, high) = (aabb.min - self.at, aabb.max - self.at);
+        self.keep(bitmask(boxes_meet(
+            min,
+            max,
+            splat_point(simd, low),
+            splat_point(simd, high),
+        )));
     }
 
     /// The bounding box relative to the first body's centre of mass.
@@ -232,33 +254,45 @@ pub struct Candidate {
 
 /// Gathers eight candidates: the triangles of the first body, and those of the second in the coordinates of the first.
 #[inline(always)]
-pub fn gather(a: &[PlacedCluster], b: &[PlacedCluster], pairs: &[Candidate; CLUSTER]) -> [Eight; 2] {
-    let error = f32x8::new(pairs.each_ref().map(|pair| pair.error));
-    let offset = points(|lane| pairs[lane].offset);
-    let mut of_b = eight(b, pairs, 1, error);
-    of_b.corners = each(|k| each(|i| of_b.corners[k][i] + offset[i]));
-    [eight(a, pairs, 0, error), of_b]
+pub fn gather<S: Simd>(
+    simd: S,
+    a: &[PlacedCluster],
+    b: &[PlacedCluster],
+    pairs: &[Candidate; CLUSTER],
+) -> [Eight<S>; 2] {
+    let offset = load_points(simd, &points(|lane| pairs[lane].offset));
+    let mut of_b = eight(simd, b, pairs, 1);
+    let [p, q, r] = of_b.corners;
+    of_b.corners = [add(p, offset), add(q, offset), add(r, offset)];
+    [eight(simd, a, pairs, 0), of_b]
 }
 
 #[inline(always)]
-fn eight(placed: &[PlacedCluster], pairs: &[Candidate; CLUSTER], end: usize, error: f32x8) -> Eight {
-    let mut rows = [[0f32; CLUSTER]; 13];
+fn eight<S: Simd>(simd: S, placed: &[PlacedCluster], pairs: &[Candidate; CLUSTER], end: usize) -> Eight<S> {
+    let mut error = Stored::default();
+    let mut rows = [Stored::default(); 13];
     for (lane, pair) in pairs.iter().enumerate() {
         let at = pair.lanes[end] as usize;
         let (from, i) = (&placed[at / CLUSTER], at % CLUSTER);
         for axis in 0..3 {
             for k in 0..3 {
-                rows[3 * k + axis][lane] = from.corners[k][axis].as_array()[i];
+                rows[3 * k + axis].0[lane] = from.corners[k][axis].0[i];
             }
-            rows[9 + axis][lane] = from.normal[axis].as_array()[i];
+            rows[9 + axis].0[lane] = from.normal[axis].0[i];
         }
-        rows[12][lane] = from.height_error.as_array()[i];
+        rows[12].0[lane] = from.height_error.0[i];
+        error.0[lane] = pair.error;
     }
-    let at = |row: usize| each(|i| f32x8::new(rows[row + i]));
+    let [a, b, c, d, e, f, g, h, i, x, y, z, height_error] = rows;
+    let error = load(simd, &error);
     Eight {
-        corners: [at(0), at(3), at(6)],
-        normal: at(9),
-        tolerance: error * f32x8::new(rows[12]),
+        corners: [
+            load_points(simd, &[a, b, c]),
+            load_points(simd, &[d, e, f]),
+            load_points(simd, &[g, h, i]),
+        ],
+        normal: load_points(simd, &[x, y, z]),
+        tolerance: error * load(simd, &height_error),
         error,
     }
 }

@@ -1,14 +1,14 @@
 //! Contacts of bodies that penetrate half-spaces.
 
 use crate::parallel::in_order::InOrder;
-use crate::simd::lanes::{bits, dot, splat};
+use crate::simd::lanes::{SimdBase, bitmask, bits, dot, lane_of, load_points, splat, splat_point};
+use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, PlaneContact};
 use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};
-use wide::f32x8;
 
 /// Memory kept between steps.
 pub type Scratch = InOrder<PlaneContact>;
@@ -44,26 +44,28 @@ fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: 
         return None;
     }
     let local = frame.scale * (frame.rotation.transpose() * normal);
-    let direction = splat(local.as_vec3());
+    let simd = baseline();
+    let direction = splat_point(simd, local.as_vec3());
     // Depth-weighted mean of the penetrating vertices: a body that lies flat is supported over its whole face, one on
     // its corner there. Each vertex counts once, however many triangles share it, so a cube that lands flat does not
     // start to rotate.
     let (mut deepest, mut weight, mut sum) = (0f32, 0f32, Vec3::ZERO);
     let lanes = &meshes[bodies.mesh[body]].lanes;
     // Only penetrating vertices contribute, so skipping the others changes no bit of the sums.
-    let size = splat(local.as_vec3().abs());
-    let limit = f32x8::splat(PAD * bodies.radius[body] - height);
+    let size = splat_point(simd, local.as_vec3().abs());
+    let limit = splat(simd, PAD * bodies.radius[body] - height);
     let reaches = |group: &BoxGroup| {
-        let lowest = dot(group.center, direction) - dot(group.half, size);
-        lowest.simd_lt(limit).to_bitmask()
+        let (center, half) = (load_points(simd, &group.center), load_points(simd, &group.half));
+        let lowest = dot(center, direction) - dot(half, size);
+        bitmask(lowest.simd_lt(limit))
     };
     visit(&lanes.vertex_levels, &reaches, &mut |group| {
         let (vertices, lanes) = &lanes.vertices[group as usize];
-        let heights = dot(*vertices, direction);
+        let heights = dot(load_points(simd, vertices), direction);
         for lane in bits(*lanes) {
-            let depth = -(heights.as_array()[lane] + height);
+            let depth = -(heights[lane] + height);
             if depth > 0.0 {
-                let p = Vec3::from_array(vertices.each_ref().map(|x| x.as_array()[lane]));
+                let p = lane_of(vertices, lane);
                 deepest = deepest.max(depth);
                 weight += depth;
                 sum += depth * p;
