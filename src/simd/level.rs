@@ -141,7 +141,7 @@ mod tests {
     use glam::{Mat3, Vec3};
 
     /// Numbers at the ends of the range, and where operations change their behaviour.
-    const EDGES: [f32; 16] = [
+    const EDGE_CASES: [f32; 16] = [
         0.0,
         -0.0,
         1.0,
@@ -200,7 +200,7 @@ mod tests {
         for round in 0..20_000 {
             let numbers = [(); 4].map(|()| {
                 Stored([(); 8].map(|()| match round % 3 {
-                    0 => EDGES[random.usize(..EDGES.len())],
+                    0 => EDGE_CASES[random.usize(..EDGE_CASES.len())],
                     1 => f32::from_bits(random.u32(..)),
                     _ => 2.0 * random.f32() - 1.0,
                 }))
