@@ -1,7 +1,6 @@
 //! Geometry of triangle meshes: validation, connectivity, triangle-triangle tests, mass properties, clusters.
 //!
-//! This module depends only on `glam` for vectors and on `wide` for SIMD. It does not use the ECS, the asset system or
-//! the GPU.
+//! This module uses `glam` for vectors, and neither the ECS nor the asset system nor the GPU.
 
 mod aabb;
 pub mod cluster;
