@@ -103,7 +103,7 @@ pub fn wider() -> Option<Wider> {
 
 static BASELINE_ONLY: AtomicBool = AtomicBool::new(false);
 
-/// Makes [`with_simd!`] use the baseline, or again the widest instruction set. Tests and benches compare the two.
+/// Makes `with_simd!` use the baseline, or again the widest instruction set. Tests and benches compare the two.
 pub fn use_baseline_only(only: bool) {
     BASELINE_ONLY.store(only, Ordering::Relaxed);
 }

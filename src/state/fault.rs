@@ -39,13 +39,13 @@ pub enum BodyFault {
     #[error("its mass {0} is not positive or vanishingly small: set a mass of at least 1e-38, or a positive density")]
     Mass(f32),
     /// Its inertia is not finite, not symmetric or not positive definite.
-    #[error("its angular inertia is not symmetric and positive definite: set positive principal moments")]
+    #[error("its AngularInertia is not symmetric and positive definite: use AngularInertia::principal")]
     Inertia,
     /// It is faster than [`MAX_SPEED`].
     #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
     TooFast(f32),
     /// The normal of a plane is zero or not finite.
-    #[error("the normal {0} of the plane has no direction: set a vector of non-zero, finite length")]
+    #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
     /// It is a child of another entity.
     #[error(
@@ -61,7 +61,7 @@ pub enum BodyFault {
     #[error("it has both a MeshCollider and a PlaneCollider: put the plane on an entity of its own")]
     PlaneOnBody,
     /// The distance of a plane is NaN or infinite.
-    #[error("the distance {0} of the plane is not finite: set it to a finite number")]
+    #[error("the distance {0} of its PlaneCollider is not finite: set it to a finite number")]
     PlaneDistance(f32),
     /// Its mesh could not be loaded.
     #[error(
