@@ -8,12 +8,13 @@ use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
 
-/// Bodies touch if the gap between their surfaces is at most this many rest offsets. At rest it is one.
-pub(crate) const TOUCH: f32 = 2.0;
+/// Bodies touch if the gap between their surfaces is at most this many rest offsets. At rest it is at most
+/// one.
+pub(crate) const TOUCH: f32 = 4.0;
 
 /// Bodies that overlap by more than this many rest offsets are not at rest, however slow they are: the solver is still
 /// pushing them apart.
-pub(crate) const OVERLAP: f32 = 1.0;
+pub(crate) const OVERLAP: f32 = 4.0;
 
 /// Puts islands of bodies to sleep and wakes them. It holds only scratch memory: the sleep state of the bodies is in
 /// [`SolverBodies::sleep`].

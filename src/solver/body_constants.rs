@@ -1,7 +1,8 @@
 //! Properties of a body that are constant during a collision substep, and the free rotation that follows from them.
 
 use super::bodies::SolverBody;
-use crate::types::body::LockedAxes;
+use super::islands::Mobility;
+use crate::types::body::{ExternalForces, LockedAxes};
 use glam::{Mat3, Quat, Vec3, Vec3A};
 
 /// Free rotation is integrated in angles of at most this many radians...
@@ -17,13 +18,24 @@ pub(super) struct BodyConstants {
     local_inertia: Mat3,
     local_inverse_inertia: Mat3,
     /// The inertia is the same about all axes, so it does not rotate with the body and there is no gyroscopic torque.
-    pub isotropic: bool,
+    isotropic: bool,
+    locked: LockedAxes,
     /// Not static, not asleep, and with finite motion.
     pub moves: bool,
-    pub locked: LockedAxes,
+    /// Gyroscopic torque changes the axis about which it rotates.
+    pub rotates_freely: bool,
+    /// Its inertia tensor depends on its rotation.
+    pub inertia_rotates: bool,
+    /// The change of velocity by gravity in each substep.
+    pub gravity: Vec3A,
+    /// The impulses of external forces in each substep.
+    pub impulse: Vec3A,
+    pub angular_impulse: Vec3A,
     /// Factors that damping applies to the velocities in each substep.
     pub linear_decay: f32,
     pub angular_decay: f32,
+    pub max_linear_speed: f32,
+    pub max_angular_speed: f32,
 }
 
 impl BodyConstants {
@@ -33,14 +45,29 @@ impl BodyConstants {
         local_inertia: Mat3::ZERO,
         local_inverse_inertia: Mat3::ZERO,
         isotropic: true,
-        moves: false,
         locked: LockedAxes::NONE,
+        moves: false,
+        rotates_freely: false,
+        inertia_rotates: false,
+        gravity: Vec3A::ZERO,
+        impulse: Vec3A::ZERO,
+        angular_impulse: Vec3A::ZERO,
         linear_decay: 1.0,
         angular_decay: 1.0,
+        max_linear_speed: f32::INFINITY,
+        max_angular_speed: f32::INFINITY,
     };
 
-    /// `movable` tells whether impulses change its velocity; `h` is the length of a substep, seconds.
-    pub fn new(body: &SolverBody, rotation: Quat, moves: bool, movable: bool, h: f32) -> Self {
+    /// `h` is the length of a substep, seconds.
+    pub fn new(
+        body: &SolverBody,
+        forces: &ExternalForces,
+        rotation: Quat,
+        mobility: Mobility,
+        gravity: Vec3,
+        h: f32,
+    ) -> Self {
+        let movable = mobility == Mobility::Movable;
         let inverse = if movable { body.inverse_inertia } else { Mat3::ZERO };
         let inertia = inverse.inverse();
         // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates as if isotropic.
@@ -48,16 +75,25 @@ impl BodyConstants {
         let size = inverse.x_axis.x;
         let isotropic =
             !regular || (inverse - Mat3::from_diagonal(Vec3::splat(size))).abs_diff_eq(Mat3::ZERO, 1e-5 * size);
+        let locked = if movable { body.locked_axes } else { LockedAxes::NONE };
+        let free = locked.free_rotation() == Vec3::ONE;
         let decay = |rate: f32| if rate > 0.0 { (-rate * h).exp() } else { 1.0 };
         Self {
             initial_rotation: rotation,
             local_inertia: if regular { inertia } else { Mat3::ZERO },
             local_inverse_inertia: inverse,
             isotropic,
-            moves,
-            locked: if movable { body.locked_axes } else { LockedAxes::NONE },
+            locked,
+            moves: mobility != Mobility::Fixed,
+            rotates_freely: movable && free && !isotropic,
+            inertia_rotates: movable && !(free && isotropic),
+            gravity: (gravity * (body.gravity_scale * h) * body.locked_axes.free_translation()).into(),
+            impulse: (forces.force * h).into(),
+            angular_impulse: (forces.torque * h).into(),
             linear_decay: decay(body.linear_damping),
             angular_decay: decay(body.angular_damping),
+            max_linear_speed: body.max_linear_speed,
+            max_angular_speed: body.max_angular_speed,
         }
     }
 

@@ -1,25 +1,38 @@
-//! All contact constraints of a collision substep in flat lists, and the parallel loop over them.
+//! All contact constraints of a collision substep in flat lists, and the parallel loop over their islands.
 
 use super::bodies::SolverBodies;
-use super::contact::{Impulse, Pair, Point};
-use super::motion::BodyStates;
-use super::prepare::Source;
-use super::restitution;
-use super::solve::{self, Pass};
-use super::warm_start::WarmStart;
+use super::contact::{Pair, Point};
+use super::islands::{Island, Islands, Mobility};
+use super::motion::{BodyStates, StatesMut};
 use crate::state::Manifolds;
-use crate::types::solver_settings::SolverSettings;
+use glam::Vec3;
 
-/// Largest number of pairs per task.
-const GRAIN: usize = 128;
+/// Islands with fewer points and bodies are solved by one task.
+const GRAIN: usize = 512;
 
-/// All constraints of a collision substep.
+/// How many bodies cost as much as a pair.
+const PAIR_WEIGHT: usize = 8;
+
+/// All constraints of a collision substep, and the bodies on which they act.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Constraints {
+    pub islands: Islands,
+    pub states: BodyStates,
+    /// First the pairs of the islands, in their order; then those that are not solved.
     pairs: Vec<Pair>,
     points: Vec<Point>,
-    /// The impulses of each pair on its two bodies in the last pass.
-    impulses: Vec<[Impulse; 2]>,
+    /// The bodies of each manifold; `None` if it is not solved.
+    solved: Vec<Option<[u32; 2]>>,
+    /// For each point of the manifolds its number among `points`.
+    numbers: Vec<u32>,
+}
+
+/// One or more islands with their bodies, pairs and points.
+pub(super) struct IslandsMut<'a> {
+    islands: &'a [Island],
+    pub states: StatesMut<'a>,
+    pub pairs: &'a mut [Pair],
+    pub points: &'a mut [Point],
 }
 
 impl Constraints {
@@ -31,122 +44,198 @@ impl Constraints {
         &self.points
     }
 
-    pub fn impulses(&self) -> &[[Impulse; 2]] {
-        &self.impulses
+    /// The point that was made from a point of the manifolds.
+    fn point(&self, index: usize) -> Option<&Point> {
+        self.points.get(*self.numbers.get(index)? as usize)
     }
 
     /// The total normal impulse of a point over the collision substep.
     pub fn impulse_of(&self, index: usize) -> f32 {
-        self.points.get(index).map_or(0.0, |p| {
-            p.total_normal_impulse + p.normal_impulse + p.restitution_impulse
-        })
+        self.point(index)
+            .map_or(0.0, |p| p.total_normal_impulse + p.normal_impulse)
     }
 
     /// Whether a point has an impulse. Points of frozen pairs have the impulse of their last solved substep.
     pub fn pushes(&self, index: usize) -> bool {
-        let point = self.points.get(index);
-        point.is_some_and(|p| {
-            p.normal_impulse > 0.0 || p.total_normal_impulse + p.normal_impulse + p.restitution_impulse > 0.0
-        })
+        self.point(index)
+            .is_some_and(|p| p.normal_impulse > 0.0 || p.total_normal_impulse + p.normal_impulse > 0.0)
     }
 
-    /// Makes a constraint for every manifold, and warm starts it.
-    pub fn prepare(
-        &mut self,
-        bodies: &SolverBodies,
-        states: &BodyStates,
-        manifolds: &Manifolds,
-        warm: &WarmStart,
-        settings: &SolverSettings,
-        h: f32,
-        dt: f32,
-    ) {
+    /// Sorts bodies and manifolds into islands, and makes room for the constraints.
+    pub fn begin(&mut self, bodies: &SolverBodies, mobility: &[Mobility], manifolds: &Manifolds) {
+        let count = bodies.len();
+        let is_solved = |pair: [u32; 2]| {
+            let [a, b] = pair.map(|body| body as usize);
+            a < count
+                && b < count
+                && a != b
+                && [a, b]
+                    .iter()
+                    .all(|&body| bodies.bodies[body].solid && bodies.motions[body].is_finite())
+                && [a, b].iter().any(|&body| mobility[body] == Mobility::Movable)
+        };
+        let mut end = 0;
+        self.solved.clear();
+        self.solved.extend(manifolds.pairs.iter().map(|manifold| {
+            // A manifold whose points overlap those of an earlier one, or exceed the list, is not solved.
+            let range = manifold.first_point as usize..manifold.first_point as usize + manifold.point_count as usize;
+            let fits = range.start >= end && range.end <= manifolds.points.len();
+            end = if fits { range.end } else { end };
+            (fits && !range.is_empty() && is_solved(manifold.bodies)).then_some(manifold.bodies)
+        }));
+        self.islands.build(mobility, &self.solved);
+        self.states.resize(self.islands.bodies.len());
+        self.add_pairs(manifolds);
+    }
+
+    fn add_pairs(&mut self, manifolds: &Manifolds) {
         self.pairs.clear();
         self.points.clear();
-        self.impulses.clear();
-        for manifold in &manifolds.pairs {
-            // Points keep their indices. A manifold whose range overlaps an earlier one or exceeds the list gets no
-            // points.
-            let range = manifold.first_point as u64..manifold.first_point as u64 + manifold.point_count as u64;
-            let fits = range.start >= self.points.len() as u64 && range.end <= manifolds.points.len() as u64;
-            if fits {
-                self.points.resize(range.end as usize, Point::NONE);
-            }
+        self.numbers.clear();
+        self.numbers.resize(manifolds.points.len(), u32::MAX);
+        let mut end = 0;
+        let mut add = |number: usize, slots: [u32; 2], frozen: bool| {
+            let manifold = &manifolds.pairs[number];
             self.pairs.push(Pair {
                 bodies: manifold.bodies,
-                first: if fits {
-                    manifold.first_point
-                } else {
-                    self.points.len() as u32
-                },
-                count: if fits { manifold.point_count } else { 0 },
+                slots,
+                source: manifold.first_point,
+                first: end,
+                count: manifold.point_count,
+                frozen,
                 ..Pair::default()
             });
-        }
-        self.impulses.resize(self.pairs.len(), [Impulse::default(); 2]);
-        let source = Source {
-            bodies,
-            states,
-            manifolds,
-            warm,
-            settings,
-            impulse_scale: warm.impulse_scale(h),
-            dt,
+            for i in 0..manifold.point_count {
+                self.numbers[(manifold.first_point + i) as usize] = end + i;
+            }
+            end += manifold.point_count;
         };
-        self.for_each(|pair, points, _| source.fill(pair, points));
+        for pair in &self.islands.pairs {
+            add(pair.number as usize, pair.slots, false);
+        }
+        for (number, solved) in self.solved.iter().enumerate() {
+            let manifold = &manifolds.pairs[number];
+            let exists = manifold.first_point as usize + manifold.point_count as usize <= manifolds.points.len();
+            if solved.is_none() && exists {
+                add(number, [0; 2], true);
+            }
+        }
+        self.points.resize(end as usize, Point::NONE);
     }
 
-    pub fn begin_substep(&mut self, states: &BodyStates, pass: &Pass) {
-        self.for_each(|pair, points, out| *out = solve::begin_substep(pair, points, states, pass));
+    /// Writes the new poses and velocities to `bodies`, and clears the external impulses that were applied.
+    pub fn write_back(&self, bodies: &mut SolverBodies, mobility: &[Mobility]) {
+        for (forces, sleep) in bodies.forces.iter_mut().zip(&bodies.sleep) {
+            if !sleep.asleep {
+                forces.impulse = Vec3::ZERO;
+                forces.angular_impulse = Vec3::ZERO;
+            }
+        }
+        for (slot, &body) in self.islands.bodies.iter().enumerate() {
+            let is_own = match mobility[body as usize] {
+                Mobility::Fixed => false,
+                Mobility::Moving => slot >= self.islands.first_free,
+                Mobility::Movable => true,
+            };
+            if is_own {
+                self.states.write_back(slot, &mut bodies.motions[body as usize]);
+            }
+        }
     }
 
-    pub fn solve(&mut self, states: &BodyStates, pass: &Pass) {
-        self.for_each(|pair, points, out| *out = solve::solve(pair, points, states, pass));
+    /// The pairs that are not solved, and their points.
+    pub fn frozen_mut(&mut self) -> (&mut [Pair], &mut [Point]) {
+        let (first_pair, first_point) = self.first_frozen();
+        (&mut self.pairs[first_pair..], &mut self.points[first_point..])
     }
 
-    pub fn update_points(&mut self, states: &BodyStates) {
-        self.for_each(|pair, points, _| solve::update_points(pair, points, states));
+    /// Calls `f` with every island and the bodies of its slots, in parallel.
+    pub fn for_each_island(&mut self, f: impl Fn(&[u32], &mut IslandsMut) + Sync) {
+        let (first_pair, first_point) = self.first_frozen();
+        let all = IslandsMut {
+            islands: &self.islands.list,
+            states: self.states.resize(self.islands.bodies.len()),
+            pairs: &mut self.pairs[..first_pair],
+            points: &mut self.points[..first_point],
+        };
+        let bodies = &self.islands.bodies;
+        all.for_each(&|island, data| f(&bodies[island.slots.clone()], data));
     }
 
-    /// Makes only the pairs active that need restitution, and returns whether there are any.
-    pub fn begin_restitution(&mut self, threshold: f32) -> bool {
-        self.for_each(|pair, points, _| restitution::begin_restitution(pair, points, threshold));
-        self.pairs.iter().any(|pair| pair.active)
-    }
-
-    pub fn apply_restitution(&mut self, states: &BodyStates) {
-        self.for_each(|pair, points, out| *out = restitution::apply_restitution(pair, points, states));
-    }
-
-    /// Calls `f` with every pair, its points and its impulses, in parallel.
-    fn for_each(&mut self, f: impl Fn(&mut Pair, &mut [Point], &mut [Impulse; 2]) + Sync) {
-        halve(&mut self.pairs, &mut self.points, 0, &mut self.impulses, &f);
+    fn first_frozen(&self) -> (usize, usize) {
+        let pair = self.islands.pairs.len();
+        (
+            pair,
+            self.pairs
+                .get(pair)
+                .map_or(self.points.len(), |pair| pair.first as usize),
+        )
     }
 }
 
-/// Splits the pairs in half until they are few enough for one task. `first` is the number of the first of `points`.
-fn halve<F: Fn(&mut Pair, &mut [Point], &mut [Impulse; 2]) + Sync>(
-    pairs: &mut [Pair],
-    points: &mut [Point],
-    first: usize,
-    impulses: &mut [[Impulse; 2]],
-    f: &F,
-) {
-    if pairs.len() <= GRAIN {
-        for (pair, out) in pairs.iter_mut().zip(impulses) {
-            let start = pair.first as usize - first;
-            let points = &mut points[start..start + pair.count as usize];
-            f(pair, points, out);
+impl IslandsMut<'_> {
+    /// Calls `f` with every pair, its points and the states of all bodies, in order.
+    pub fn for_each_pair(&mut self, mut f: impl FnMut(&mut Pair, &mut [Point], &mut StatesMut)) {
+        let mut points = &mut self.points[..];
+        for pair in self.pairs.iter_mut() {
+            let (own, others) = points.split_at_mut(pair.count as usize);
+            points = others;
+            f(pair, own, &mut self.states);
         }
-        return;
     }
-    let middle = pairs.len() / 2;
-    let split = pairs[middle].first as usize;
-    let (pairs, more_pairs) = pairs.split_at_mut(middle);
-    let (points, more_points) = points.split_at_mut(split - first);
-    let (impulses, more_impulses) = impulses.split_at_mut(middle);
-    rayon::join(
-        || halve(pairs, points, first, impulses, f),
-        || halve(more_pairs, more_points, split, more_impulses, f),
-    );
+
+    /// Splits the islands in half until they are few enough for one task, and calls `f` with each.
+    fn for_each<F: Fn(&Island, &mut IslandsMut) + Sync>(self, f: &F) {
+        let count = self.islands.len();
+        if count == 0 {
+            return;
+        }
+        if count == 1 {
+            let island = &self.islands[0];
+            f(island, &mut { self });
+            return;
+        }
+        let is_small = self.points.len() + self.states.velocities.len() <= GRAIN;
+        let (first, second) = self.split();
+        if is_small {
+            first.for_each(f);
+            second.for_each(f);
+        } else {
+            rayon::join(|| first.for_each(f), || second.for_each(f));
+        }
+    }
+
+    /// Two halves of about equal cost.
+    fn split(self) -> (Self, Self) {
+        let size = |island: &Island| island.slots.end + PAIR_WEIGHT * island.pairs.end;
+        let (first, last) = (&self.islands[0], &self.islands[self.islands.len() - 1]);
+        let half = (first.slots.start + PAIR_WEIGHT * first.pairs.start + size(last)) / 2;
+        let middle = self.islands.partition_point(|island| size(island) <= half);
+        let middle = middle.clamp(1, self.islands.len() - 1);
+        let (first, second) = self.islands.split_at(middle);
+        let slots = first[middle - 1].slots.end - first[0].slots.start;
+        let pairs = first[middle - 1].pairs.end - first[0].pairs.start;
+        let first_point = self.pairs.first().map_or(0, |pair| pair.first);
+        let points = self
+            .pairs
+            .get(pairs)
+            .map_or(self.points.len(), |pair| (pair.first - first_point) as usize);
+        let (states, more_states) = self.states.split_at(slots);
+        let (pairs, more_pairs) = self.pairs.split_at_mut(pairs);
+        let (points, more_points) = self.points.split_at_mut(points);
+        (
+            Self {
+                islands: first,
+                states,
+                pairs,
+                points,
+            },
+            Self {
+                islands: second,
+                states: more_states,
+                pairs: more_pairs,
+                points: more_points,
+            },
+        )
+    }
 }

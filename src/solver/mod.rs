@@ -2,40 +2,44 @@
 //!
 //! Contacts are soft constraints on velocities, solved over small substeps ("soft step": Catto, "Solver2D", 2024). Each
 //! substep integrates velocities, warm starts, runs bias passes that push overlapping bodies apart, integrates poses,
-//! and runs relax passes that remove the velocity the bias added. Restitution follows the last substep.
+//! runs relax passes that remove the velocity the bias added, and resolves impacts.
 //!
-//! Within a pass the pairs are independent: all start from the same velocities (Gauss-Seidel over a pair's own points,
-//! Jacobi across pairs), and each writes one impulse for each of its two bodies. Then every body sums the impulses of
-//! its pairs, in the order of pairs. Both halves are plain loops over flat `f32` data whose iterations are independent,
-//! so the result has the same bits for any number of threads.
+//! Bodies that contacts connect form an island. On the CPU a pass is projected Gauss-Seidel over the pairs of an island
+//! with an extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent,
+//! so the result has the same bits for any number of threads. A single large island is solved by one thread: its passes
+//! are so short that threads would wait for each other longer than they compute.
 //!
-//! A body with `n` active pairs is split into `n` bodies of `1/n` its mass, one for each pair (mass splitting: Tonge,
-//! "Mass Splitting for Jitter-Free Parallel Rigid Body Simulation", 2012). Without mass splitting the sum of the
-//! impulses diverges.
+//! On the GPU the pairs of a pass are independent: all start from the same velocities (Gauss-Seidel over a pair's own
+//! points, Jacobi across pairs), and each body sums the impulses of its pairs, in the order of pairs. A body with `n`
+//! active pairs is split into `n` bodies of `1/n` its mass, one for each pair (mass splitting: Tonge, "Mass Splitting
+//! for Jitter-Free Parallel Rigid Body Simulation", 2012). It converges more slowly: tall towers, rows that are pushed,
+//! and large mass ratios give way where they hold on the CPU.
 //!
 //! | file | contents |
 //! |---|---|
 //! | `adapter` | conversion between the step's bodies and the solver's |
 //! | [`bodies`] | the solver's bodies: properties, motion, forces |
 //! | [`speeds`] | bounds on relative speeds, and the number of collision substeps |
+//! | `islands` | sets of bodies that contacts connect |
 //! | `motion` | velocities and poses of bodies during a collision substep, and their integration |
 //! | `body_constants` | properties of a body that are constant during a collision substep; free rotation |
 //! | `contact` | the contact constraint of one pair |
-//! | `constraints` | all constraints, and the parallel loop over them |
+//! | `constraints` | all constraints, and the parallel loop over their islands |
 //! | `prepare` | how constraints are made from manifolds |
-//! | `solve` | one pass over one pair: warm start and normal impulses |
+//! | `patch` | where friction acts between flat surfaces |
+//! | `load` | how many substeps an island needs |
+//! | `substep` | a collision substep of one island |
+//! | `solve` | one pass over one pair |
 //! | `friction` | friction impulses |
-//! | `restitution` | restitution impulses |
+//! | `restitution` | impacts |
 //! | `softness` | the contact spring |
-//! | `adjacency` | the pairs of each body |
 //! | `overlap` | deep penetration, and contact points with opposed normals |
 //! | [`warm_start`] | impulses saved for the next collision substep |
-//! | `gpu` | the same solver on a GPU, with the feature `gpu` |
+//! | `gpu` | the solver on a GPU, with the feature `gpu` |
 //!
 //! [`SolverSettings`] has the parameters. Half-spaces take part as static bodies.
 
 mod adapter;
-mod adjacency;
 pub mod bodies;
 mod body_constants;
 mod constraints;
@@ -43,13 +47,17 @@ mod contact;
 mod friction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod islands;
+mod load;
 mod motion;
 mod overlap;
+mod patch;
 mod prepare;
 mod restitution;
 pub(crate) mod softness;
 mod solve;
 pub mod speeds;
+mod substep;
 pub mod warm_start;
 
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
@@ -57,11 +65,10 @@ pub use warm_start::WarmStart;
 
 use crate::state::{Manifolds, StepConfig};
 use crate::types::solver_settings::SolverSettings;
-use adjacency::PairAdjacency;
 use constraints::Constraints;
 use glam::Vec3;
-use motion::BodyStates;
-use solve::Pass;
+use islands::Mobility;
+use prepare::Source;
 
 /// A collision substep: the part of a step that is solved with one set of contact points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,9 +95,9 @@ impl CollisionSubstep {
 /// Solves contacts and moves bodies. It holds only scratch memory, so one solver can serve several worlds in turn.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
-    states: BodyStates,
     constraints: Constraints,
-    adjacency: PairAdjacency,
+    /// Of each body.
+    mobility: Vec<Mobility>,
 }
 
 impl Solver {
@@ -117,42 +124,26 @@ impl Solver {
         if !(h > 0.0 && h.is_finite() && gravity.is_finite()) {
             return;
         }
-        let Self {
-            states,
-            constraints,
-            adjacency,
-        } = self;
-        states.begin(bodies, h);
-        constraints.prepare(bodies, states, manifolds, warm, settings, h, dt);
-        adjacency.build(constraints.pairs(), states);
-
-        let pass = Pass::new(settings, h);
-        for _ in 0..substeps {
-            states.integrate_velocities(bodies, gravity, h);
-            constraints.begin_substep(states, &pass);
-            states.split_masses(constraints.pairs(), adjacency);
-            states.apply_impulses(constraints.impulses(), adjacency);
-            for _ in 0..settings.bias_iterations {
-                constraints.solve(states, &pass);
-                states.apply_impulses(constraints.impulses(), adjacency);
-            }
-            states.integrate_poses(bodies, h);
-            constraints.update_points(states);
-            let pass = pass.relaxing();
-            for _ in 0..settings.relax_iterations {
-                constraints.solve(states, &pass);
-                states.apply_impulses(constraints.impulses(), adjacency);
-            }
-        }
-        if constraints.begin_restitution(settings.restitution_threshold) {
-            states.split_masses(constraints.pairs(), adjacency);
-            for _ in 0..settings.restitution_iterations {
-                constraints.apply_restitution(states);
-                states.apply_impulses(constraints.impulses(), adjacency);
-            }
-        }
-        states.write_back(bodies);
-        warm.save(constraints, states, bodies, h);
+        let Self { constraints, mobility } = self;
+        mobility.clear();
+        mobility.extend((0..bodies.len()).map(|body| motion::mobility(bodies, body)));
+        constraints.begin(bodies, mobility, manifolds);
+        let source = Source {
+            bodies,
+            mobility,
+            manifolds,
+            warm,
+            settings,
+            impulse_scale: warm.impulse_scale(h),
+            dt,
+            substeps,
+            h,
+            gravity,
+        };
+        source.fill_frozen(constraints.frozen_mut());
+        constraints.for_each_island(|members, island| island.run(&source, members));
+        warm.save(constraints, bodies, h);
+        constraints.write_back(bodies, mobility);
     }
 
     /// The total normal impulse of point `index` of the last call's [`Manifolds::points`] over the collision substep,

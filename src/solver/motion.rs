@@ -1,14 +1,9 @@
 //! Velocities and poses of bodies during a collision substep: they are integrated, and impulses change them.
 
-use super::adjacency::PairAdjacency;
-use super::bodies::{SolverBodies, SolverBody};
+use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use super::body_constants::{BodyConstants, rotated};
-use super::contact::{Impulse, Pair};
+use super::islands::Mobility;
 use glam::{DQuat, Mat3A, Quat, Vec3, Vec3A};
-use rayon::prelude::*;
-
-/// Smallest number of bodies per task: smaller tasks cost more to schedule than to run.
-const GRAIN: usize = 1024;
 
 /// Velocity of a body in world axes, m/s and rad/s.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,8 +19,6 @@ pub(super) struct Mass {
     pub inverse_mass: Vec3A,
     /// In world axes, 1/(kg m^2).
     pub inverse_inertia: Mat3A,
-    /// Into how many bodies it is split in this substep: its number of active pairs, at least 1.
-    pub split_count: f32,
 }
 
 /// Change of a body's pose since the start of the collision substep. It is separate from the pose because small numbers
@@ -37,208 +30,170 @@ pub(super) struct PoseChange {
     pub rotation: Quat,
 }
 
-/// The states of all bodies.
+/// The states of bodies, one for each slot of the [`Islands`](super::islands::Islands).
 #[derive(Clone, Debug, Default)]
 pub(super) struct BodyStates {
-    pub velocities: Vec<Velocity>,
-    pub masses: Vec<Mass>,
-    pub pose_changes: Vec<PoseChange>,
+    velocities: Vec<Velocity>,
+    initial_velocities: Vec<Velocity>,
+    masses: Vec<Mass>,
+    pose_changes: Vec<PoseChange>,
     constants: Vec<BodyConstants>,
 }
 
+/// The states of the bodies of one or more islands.
+pub(super) struct StatesMut<'a> {
+    pub velocities: &'a mut [Velocity],
+    /// Those before the impulses of the substep.
+    pub initial_velocities: &'a mut [Velocity],
+    pub masses: &'a mut [Mass],
+    pub pose_changes: &'a mut [PoseChange],
+    constants: &'a mut [BodyConstants],
+}
+
 impl BodyStates {
-    pub fn len(&self) -> usize {
-        self.velocities.len()
-    }
-
-    /// Whether impulses change the body's velocity.
-    pub fn has_mass(&self, body: usize) -> bool {
-        let mass = &self.masses[body];
-        mass.inverse_mass != Vec3A::ZERO || mass.inverse_inertia != Mat3A::ZERO
-    }
-
-    /// From a body's axes to the world's at the start of the collision substep.
-    pub fn initial_rotation(&self, body: usize) -> Quat {
-        self.constants[body].initial_rotation
-    }
-
-    /// Loads poses and velocities, and applies external impulses. `h` is the length of a substep, seconds.
-    pub fn begin(&mut self, bodies: &mut SolverBodies, h: f32) {
-        let count = bodies.len();
+    /// States without meaning for `count` slots.
+    pub fn resize(&mut self, count: usize) -> StatesMut<'_> {
         self.velocities.resize(count, Velocity::default());
+        self.initial_velocities.resize(count, Velocity::default());
         self.masses.resize(count, Mass::NONE);
         self.pose_changes.resize(count, PoseChange::NONE);
         self.constants.resize(count, BodyConstants::NONE);
-        let states = (
-            &mut self.velocities,
-            &mut self.masses,
-            &mut self.pose_changes,
-            &mut self.constants,
-        );
-        let inputs = (&bodies.bodies, &bodies.motions, &bodies.sleep, &mut bodies.forces);
-        (states.into_par_iter(), inputs.into_par_iter())
-            .into_par_iter()
-            .with_min_len(GRAIN)
-            .for_each(
-                |((velocity, mass, pose_change, constants), (body, motion, sleep, forces))| {
-                    let moves = body.moves() && motion.is_finite() && !sleep.asleep;
-                    let movable = moves && body.has_mass();
-                    *constants = BodyConstants::new(body, unit(motion.rotation), moves, movable, h);
-                    *pose_change = PoseChange::NONE;
-                    *mass = Mass::NONE;
-                    *velocity = Velocity::default();
-                    if moves {
-                        velocity.linear = motion.linear_velocity.into();
-                        velocity.angular = motion.angular_velocity.into();
-                    }
-                    if movable {
-                        mass.inverse_mass = (body.inverse_mass * body.locked_axes.free_translation()).into();
-                        mass.inverse_inertia = constants.inverse_inertia(constants.initial_rotation).into();
-                        let mut next = *velocity;
-                        next.apply_impulse(mass, Impulse::new(forces.impulse, forces.angular_impulse));
-                        next.linear *= Vec3A::from(body.locked_axes.free_translation());
-                        next.angular *= Vec3A::from(body.locked_axes.free_rotation());
-                        if next.is_finite() {
-                            *velocity = next;
-                        }
-                    }
-                    if !sleep.asleep {
-                        forces.impulse = Vec3::ZERO;
-                        forces.angular_impulse = Vec3::ZERO;
-                    }
-                },
-            );
+        StatesMut {
+            velocities: &mut self.velocities,
+            initial_velocities: &mut self.initial_velocities,
+            masses: &mut self.masses,
+            pose_changes: &mut self.pose_changes,
+            constants: &mut self.constants,
+        }
+    }
+
+    /// Writes the new pose and velocity of the body of a slot.
+    pub fn write_back(&self, slot: usize, motion: &mut SolverMotion) {
+        let (velocity, change) = (&self.velocities[slot], &self.pose_changes[slot]);
+        motion.center += Vec3::from(change.translation).as_dvec3();
+        motion.rotation = (change.rotation.as_dquat() * motion.rotation).normalize();
+        if !motion.rotation.is_finite() {
+            motion.rotation = DQuat::IDENTITY;
+        }
+        motion.linear_velocity = velocity.linear.into();
+        motion.angular_velocity = velocity.angular.into();
+    }
+}
+
+impl<'a> StatesMut<'a> {
+    /// The first `slots` states, and the rest.
+    pub fn split_at(self, slots: usize) -> (Self, Self) {
+        let (velocities, more_velocities) = self.velocities.split_at_mut(slots);
+        let (initial_velocities, more_initial_velocities) = self.initial_velocities.split_at_mut(slots);
+        let (masses, more_masses) = self.masses.split_at_mut(slots);
+        let (pose_changes, more_pose_changes) = self.pose_changes.split_at_mut(slots);
+        let (constants, more_constants) = self.constants.split_at_mut(slots);
+        let first = Self {
+            velocities,
+            initial_velocities,
+            masses,
+            pose_changes,
+            constants,
+        };
+        let rest = Self {
+            velocities: more_velocities,
+            initial_velocities: more_initial_velocities,
+            masses: more_masses,
+            pose_changes: more_pose_changes,
+            constants: more_constants,
+        };
+        (first, rest)
+    }
+
+    /// Loads pose, velocity and mass of a body, and applies its external impulses. `h` is the length of a substep,
+    /// seconds.
+    pub fn load(&mut self, slot: usize, bodies: &SolverBodies, body: usize, mobility: Mobility, gravity: Vec3, h: f32) {
+        let (properties, motion, forces) = (&bodies.bodies[body], &bodies.motions[body], &bodies.forces[body]);
+        let constants = BodyConstants::new(properties, forces, unit(motion.rotation), mobility, gravity, h);
+        let (mut velocity, mut mass) = (Velocity::default(), Mass::NONE);
+        if mobility != Mobility::Fixed {
+            velocity.linear = motion.linear_velocity.into();
+            velocity.angular = motion.angular_velocity.into();
+        }
+        if properties.has_mass() {
+            let [linear, angular] = [
+                properties.locked_axes.free_translation(),
+                properties.locked_axes.free_rotation(),
+            ];
+            if mobility == Mobility::Movable {
+                mass.inverse_mass = (properties.inverse_mass * linear).into();
+                mass.inverse_inertia = constants.inverse_inertia(constants.initial_rotation).into();
+            }
+            let mut next = velocity;
+            next.apply_impulse(&mass, forces.impulse.into(), forces.angular_impulse.into());
+            next.linear *= Vec3A::from(linear);
+            next.angular *= Vec3A::from(angular);
+            if next.is_finite() {
+                velocity = next;
+            }
+        }
+        self.velocities[slot] = velocity;
+        self.masses[slot] = mass;
+        self.pose_changes[slot] = PoseChange::NONE;
+        self.constants[slot] = constants;
     }
 
     /// Applies gravity, external forces, damping and speed limits over one substep.
-    pub fn integrate_velocities(&mut self, bodies: &SolverBodies, gravity: Vec3, h: f32) {
-        (
-            &mut self.velocities,
-            &self.masses,
-            &self.constants,
-            &bodies.bodies,
-            &bodies.forces,
-        )
-            .into_par_iter()
-            .with_min_len(GRAIN)
-            .for_each(|(velocity, mass, constants, body, forces)| {
-                if mass.inverse_mass == Vec3A::ZERO && mass.inverse_inertia == Mat3A::ZERO {
-                    return;
-                }
-                let gravity = gravity * (body.gravity_scale * h) * body.locked_axes.free_translation();
-                let mut next = *velocity;
-                next.apply_impulse(mass, Impulse::new(forces.force * h, forces.torque * h));
-                next.linear = (next.linear + Vec3A::from(gravity)) * constants.linear_decay;
-                next.angular *= constants.angular_decay;
-                if next.is_finite() {
-                    *velocity = next;
-                }
-                velocity.limit(body);
-            });
+    pub fn integrate_velocities(&mut self) {
+        for ((velocity, mass), constants) in self.velocities.iter_mut().zip(&*self.masses).zip(&*self.constants) {
+            if mass.is_immovable() {
+                continue;
+            }
+            let mut next = *velocity;
+            next.apply_impulse(mass, constants.impulse, constants.angular_impulse);
+            next.linear = (next.linear + constants.gravity) * constants.linear_decay;
+            next.angular *= constants.angular_decay;
+            if next.is_finite() {
+                *velocity = next;
+            }
+            velocity.limit(constants);
+        }
     }
 
-    /// Splits the mass of each body among its active pairs.
-    pub fn split_masses(&mut self, pairs: &[Pair], adjacency: &PairAdjacency) {
-        self.masses
-            .par_iter_mut()
-            .with_min_len(GRAIN)
-            .enumerate()
-            .for_each(|(i, mass)| {
-                let sides = adjacency.sides_of(i).iter();
-                let active = sides.filter(|&&side| pairs[side as usize / 2].active);
-                mass.split_count = active.count().max(1) as f32;
-            });
+    /// Moves and rotates the bodies over one substep of `h` seconds.
+    pub fn integrate_poses(&mut self, h: f32) {
+        let states = self
+            .velocities
+            .iter_mut()
+            .zip(&mut *self.masses)
+            .zip(&mut *self.pose_changes);
+        for (((velocity, mass), pose_change), constants) in states.zip(&*self.constants) {
+            if !constants.moves {
+                continue;
+            }
+            velocity.limit(constants);
+            pose_change.translation += velocity.linear * h;
+            if velocity.angular == Vec3A::ZERO {
+                continue;
+            }
+            if constants.rotates_freely && mass.inverse_inertia != Mat3A::ZERO {
+                let rotation_change = &mut pose_change.rotation;
+                velocity.angular = constants
+                    .rotate_freely(velocity.angular.into(), rotation_change, h)
+                    .into();
+            } else {
+                pose_change.rotation = rotated(pose_change.rotation, (velocity.angular * h).into());
+            }
+            if constants.inertia_rotates && mass.inverse_inertia != Mat3A::ZERO {
+                mass.inverse_inertia = constants
+                    .inverse_inertia(pose_change.rotation * constants.initial_rotation)
+                    .into();
+            }
+        }
     }
 
-    /// Applies to each body the sum of the impulses of its pairs.
-    pub fn apply_impulses(&mut self, impulses: &[[Impulse; 2]], adjacency: &PairAdjacency) {
-        (&mut self.velocities, &self.masses)
-            .into_par_iter()
-            .with_min_len(GRAIN)
-            .enumerate()
-            .for_each(|(i, (velocity, mass))| {
-                let sides = adjacency.sides_of(i);
-                if sides.is_empty() {
-                    return;
-                }
-                let sum = sides.iter().fold(Impulse::default(), |sum, &side| {
-                    let impulse = &impulses[side as usize / 2][side as usize % 2];
-                    Impulse {
-                        linear: sum.linear + impulse.linear,
-                        angular: sum.angular + impulse.angular,
-                    }
-                });
-                let mut next = *velocity;
-                next.apply_impulse(mass, sum);
-                if next.is_finite() {
-                    *velocity = next;
-                }
-            });
-    }
-
-    /// Moves and rotates the bodies over one substep.
-    pub fn integrate_poses(&mut self, bodies: &SolverBodies, h: f32) {
-        (
-            &mut self.velocities,
-            &mut self.masses,
-            &mut self.pose_changes,
-            &self.constants,
-            &bodies.bodies,
-        )
-            .into_par_iter()
-            .with_min_len(GRAIN)
-            .for_each(|(velocity, mass, pose_change, constants, body)| {
-                if !constants.moves {
-                    return;
-                }
-                velocity.limit(body);
-                pose_change.translation += velocity.linear * h;
-                if velocity.angular == Vec3A::ZERO {
-                    return;
-                }
-                if mass.inverse_inertia == Mat3A::ZERO
-                    || constants.isotropic
-                    || constants.locked.free_rotation() != Vec3::ONE
-                {
-                    pose_change.rotation = rotated(pose_change.rotation, (velocity.angular * h).into());
-                } else {
-                    let rotation_change = &mut pose_change.rotation;
-                    velocity.angular = constants
-                        .rotate_freely(velocity.angular.into(), rotation_change, h)
-                        .into();
-                }
-                if mass.inverse_inertia != Mat3A::ZERO {
-                    mass.inverse_inertia = constants
-                        .inverse_inertia(pose_change.rotation * constants.initial_rotation)
-                        .into();
-                }
-            });
-    }
-
-    /// Writes the new poses and velocities to `bodies`.
-    pub fn write_back(&mut self, bodies: &mut SolverBodies) {
-        (
-            &mut bodies.motions,
-            &bodies.bodies,
-            &mut self.velocities,
-            &self.pose_changes,
-            &self.constants,
-        )
-            .into_par_iter()
-            .with_min_len(GRAIN)
-            .for_each(|(motion, body, velocity, pose_change, constants)| {
-                if !constants.moves {
-                    return;
-                }
-                velocity.limit(body);
-                motion.center += Vec3::from(pose_change.translation).as_dvec3();
-                motion.rotation = (pose_change.rotation.as_dquat() * motion.rotation).normalize();
-                if !motion.rotation.is_finite() {
-                    motion.rotation = DQuat::IDENTITY;
-                }
-                motion.linear_velocity = velocity.linear.into();
-                motion.angular_velocity = velocity.angular.into();
-            });
+    /// Limits the speeds that contacts caused in the last substep.
+    pub fn limit_speeds(&mut self) {
+        for (velocity, constants) in self.velocities.iter_mut().zip(&*self.constants) {
+            if constants.moves {
+                velocity.limit(constants);
+            }
+        }
     }
 }
 
@@ -247,8 +202,12 @@ impl Mass {
     const NONE: Self = Self {
         inverse_mass: Vec3A::ZERO,
         inverse_inertia: Mat3A::ZERO,
-        split_count: 1.0,
     };
+
+    /// Whether no impulse changes its velocity.
+    pub fn is_immovable(&self) -> bool {
+        self.inverse_mass == Vec3A::ZERO && self.inverse_inertia == Mat3A::ZERO
+    }
 }
 
 impl PoseChange {
@@ -259,18 +218,18 @@ impl PoseChange {
 }
 
 impl Velocity {
-    fn apply_impulse(&mut self, mass: &Mass, impulse: Impulse) {
-        self.linear += mass.inverse_mass * impulse.linear;
-        self.angular += mass.inverse_inertia * impulse.angular;
+    fn apply_impulse(&mut self, mass: &Mass, linear: Vec3A, angular: Vec3A) {
+        self.linear += mass.inverse_mass * linear;
+        self.angular += mass.inverse_inertia * angular;
     }
 
-    fn is_finite(&self) -> bool {
+    pub fn is_finite(&self) -> bool {
         self.linear.is_finite() && self.angular.is_finite()
     }
 
-    fn limit(&mut self, body: &SolverBody) {
-        self.linear = limited(self.linear, body.max_linear_speed);
-        self.angular = limited(self.angular, body.max_angular_speed);
+    fn limit(&mut self, constants: &BodyConstants) {
+        self.linear = limited(self.linear, constants.max_linear_speed);
+        self.angular = limited(self.angular, constants.max_angular_speed);
     }
 }
 
@@ -285,11 +244,30 @@ fn limited(v: Vec3A, limit: f32) -> Vec3A {
 }
 
 /// `rotation` in single precision and of unit length; the identity if its length is zero or not finite.
-fn unit(rotation: DQuat) -> Quat {
+pub(super) fn unit(rotation: DQuat) -> Quat {
     let length = rotation.length();
     if length > 1.0e-6 && length.is_finite() {
         (rotation / length).as_quat().normalize()
     } else {
         Quat::IDENTITY
     }
+}
+
+/// What can change the velocity and the pose of each body.
+pub(super) fn mobility(bodies: &SolverBodies, body: usize) -> Mobility {
+    let properties: &SolverBody = &bodies.bodies[body];
+    if !properties.moves() || !bodies.motions[body].is_finite() || bodies.sleep[body].asleep {
+        Mobility::Fixed
+    } else if properties.has_mass() && has_freedom(properties) {
+        Mobility::Movable
+    } else {
+        Mobility::Moving
+    }
+}
+
+/// Whether some impulse changes its velocity: not if all axes are locked.
+fn has_freedom(body: &SolverBody) -> bool {
+    let free = body.locked_axes;
+    free.free_translation() != Vec3::ZERO
+        || (free.free_rotation() != Vec3::ZERO && body.inverse_inertia != glam::Mat3::ZERO)
 }

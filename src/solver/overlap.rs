@@ -12,7 +12,7 @@ pub(super) const OPPOSED: f32 = -0.5;
 /// Only points deeper than this fraction of D start a conflict.
 pub(super) const CONFLICT_DEPTH: f32 = 0.01;
 /// A conflict lasts until no point is deeper than this fraction of D.
-pub(super) const RESOLVED_DEPTH: f32 = 0.005;
+pub(super) const RESOLVED_DEPTH: f32 = 0.0;
 /// Vectors shorter than this fraction of D do not give a direction.
 pub(super) const MIN_DIRECTION_LENGTH: f32 = 1.0e-4;
 

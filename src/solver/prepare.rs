@@ -2,8 +2,10 @@
 
 use super::bodies::SolverBodies;
 use super::contact::{Pair, Point, Row};
-use super::motion::BodyStates;
+use super::islands::Mobility;
+use super::motion::unit;
 use super::overlap::{self, Overlap};
+use super::patch;
 use super::warm_start::{PointMatcher, WarmStart};
 use crate::state::{ManifoldPoint, Manifolds};
 use crate::types::material::CombineRule;
@@ -13,7 +15,7 @@ use glam::{DVec3, Vec3, Vec3A};
 /// Input for the constraints of a collision substep.
 pub(super) struct Source<'a> {
     pub bodies: &'a SolverBodies,
-    pub states: &'a BodyStates,
+    pub mobility: &'a [Mobility],
     pub manifolds: &'a Manifolds,
     pub warm: &'a WarmStart,
     pub settings: &'a SolverSettings,
@@ -21,42 +23,58 @@ pub(super) struct Source<'a> {
     pub impulse_scale: f32,
     /// Length of the collision substep, seconds.
     pub dt: f32,
+    /// The substeps of an island with ordinary loads, and their length, seconds.
+    pub substeps: u32,
+    pub h: f32,
+    pub gravity: Vec3,
 }
 
 impl Source<'_> {
-    /// Makes the constraint of one pair. Invalid pairs stay frozen, and invalid points have no effect.
+    /// Makes the constraints of pairs that are not solved, so that their impulses are kept. An invalid pair gets none.
+    pub fn fill_frozen(&self, (pairs, mut points): (&mut [Pair], &mut [Point])) {
+        let is_valid = |body: u32| {
+            let body = body as usize;
+            body < self.bodies.len() && self.bodies.bodies[body].solid && self.bodies.motions[body].is_finite()
+        };
+        for pair in pairs {
+            let (own, others) = points.split_at_mut(pair.count as usize);
+            points = others;
+            let [a, b] = pair.bodies;
+            if a != b && is_valid(a) && is_valid(b) {
+                self.fill(pair, own);
+            }
+        }
+    }
+
+    /// Makes the constraint of one pair. Invalid points have no effect.
     pub fn fill(&self, pair: &mut Pair, points: &mut [Point]) {
         let [a, b] = pair.bodies.map(|i| i as usize);
-        let (count, settings) = (self.bodies.len(), self.settings);
-        pair.frozen = true;
-        if a >= count || b >= count || a == b || points.is_empty() {
-            return;
-        }
+        let settings = self.settings;
         let bodies = [&self.bodies.bodies[a], &self.bodies.bodies[b]];
         let motions = [&self.bodies.motions[a], &self.bodies.motions[b]];
-        if !motions.iter().all(|m| m.is_finite()) || !bodies.iter().all(|body| body.solid) {
-            return;
-        }
-        let movable = self.states.has_mass(a) || self.states.has_mass(b);
-        pair.frozen = !movable;
+        let has_mass = [a, b].map(|i| self.mobility[i] == Mobility::Movable);
+        let movable = !pair.frozen;
         let diameter = diameter(bodies[0].radius, bodies[1].radius);
         pair.rest_offset = settings.rest_offset * diameter;
+        pair.diameter = diameter;
+        pair.mass_ratio = mass_ratio(bodies.map(|body| body.inverse_mass), has_mass);
         pair.friction = CombineRule::combine(bodies.map(|e| e.friction_combine), bodies.map(|e| e.friction));
         pair.restitution =
             CombineRule::combine(bodies.map(|e| e.restitution_combine), bodies.map(|e| e.restitution)).min(1.0);
 
         let center_offset = motions[1].center - motions[0].center;
         let surface_speeds = [0, 1].map(|side| motions[side].angular_velocity.length() * bodies[side].radius);
-        let first = pair.first as usize;
+        let first = pair.source as usize;
         let manifold = &self.manifolds.points[first..first + points.len()];
         let last = self.warm.find([self.bodies.keys[a], self.bodies.keys[b]]);
         let motion = overlap::RelativeMotion {
             center_offset: center_offset.as_vec3(),
             approach: (motions[0].linear_velocity - motions[1].linear_velocity) * self.dt,
             angular_travel: (surface_speeds[0] + surface_speeds[1]) * self.dt,
-            has_mass: [a, b].map(|i| self.states.has_mass(i)),
+            has_mass,
         };
         let overlap = overlap::classify(manifold, last.as_ref(), diameter, &motion, settings);
+        pair.known = last.is_some();
         pair.depenetrating = false;
         pair.separating_direction = Vec3::ZERO;
         match overlap {
@@ -72,7 +90,7 @@ impl Source<'_> {
         }
         let mut matcher = PointMatcher::new(
             last.as_ref(),
-            [a, b].map(|i| self.states.initial_rotation(i)),
+            motions.map(|motion| unit(motion.rotation)),
             settings,
             diameter,
             self.impulse_scale,
@@ -84,10 +102,16 @@ impl Source<'_> {
             } else {
                 contact_point(manifold, center_offset, pair.rest_offset)
             };
+        }
+        if pair.friction > 0.0 {
+            patch::spread_friction(points, diameter);
+        }
+        for (point, manifold) in points.iter_mut().zip(manifold) {
             if point.valid
                 && let Some((impulse, friction)) = matcher.find(manifold)
             {
                 point.normal_impulse = impulse;
+                point.touched = impulse > 0.0;
                 // This impulse belongs to the last collision substep, so it does not count in this one's total.
                 point.total_normal_impulse = -impulse;
                 point.friction_impulse = [1, 2].map(|i| point.rows[i].direction.dot(friction.into()));
@@ -154,6 +178,16 @@ fn contact_fraction([a, b]: [f32; 2]) -> f32 {
         0.0
     } else {
         0.5
+    }
+}
+
+/// The mass of the heavier body over that of the lighter one.
+fn mass_ratio([a, b]: [f32; 2], has_mass: [bool; 2]) -> f32 {
+    let ratio = (a / b).max(b / a);
+    if has_mass == [true; 2] && ratio.is_finite() {
+        ratio
+    } else {
+        1.0
     }
 }
 

@@ -1,54 +1,46 @@
-//! Restitution: impulses after the last substep that reverse the impact velocity (Newton's law of restitution).
+//! Restitution: impacts reverse the normal velocity (Newton's law of restitution).
+//!
+//! Impacts are resolved in the substep in which they occur, with all contacts of the island at once: no point's total
+//! impulse is negative, and its velocity is at least the reversed one. Such a solution keeps the energy of elastic
+//! bodies, however many points meet at once.
 
-use super::contact::{Impulse, Pair, Point};
-use super::friction::friction_impulse;
-use super::motion::BodyStates;
+use super::contact::{Pair, Point};
+use super::motion::StatesMut;
 use super::solve::PairVelocities;
 
-/// Gauss-Seidel sweeps over the points of a pair in one restitution pass. Restitution runs once per collision substep
-/// and no later pass corrects it, so it needs more sweeps than a substep.
-pub(super) const RESTITUTION_SWEEPS: u32 = 6;
+/// Passes end when no normal velocity changes by more than this fraction of the speed of the fastest impact.
+pub(super) const TOLERANCE: f32 = 1.0e-5;
 
-/// Makes a pair active if some of its points met faster than `threshold`, m/s.
-pub(super) fn begin_restitution(pair: &mut Pair, points: &mut [Point], threshold: f32) {
-    pair.active = false;
-    if pair.frozen || pair.depenetrating || pair.restitution <= 0.0 {
-        return;
+/// Marks the points of a pair that have an impact faster than `threshold`, m/s, in this substep, and returns the speed
+/// of the fastest one that needs restitution; 0 if there is none.
+pub(super) fn find_impacts(pair: &Pair, points: &mut [Point], states: &StatesMut, threshold: f32) -> f32 {
+    if !pair.active || pair.depenetrating || pair.restitution <= 0.0 {
+        return 0.0;
     }
-    for point in points {
-        point.active = point.valid && point.impact_velocity < -threshold && point.max_normal_impulse > 0.0;
-        pair.active |= point.active;
-    }
-}
-
-/// One restitution pass over a pair's active points, with the friction that follows from the additional normal impulse.
-pub(super) fn apply_restitution(pair: &Pair, points: &mut [Point], states: &BodyStates) -> [Impulse; 2] {
-    if !pair.active {
-        return [Impulse::default(); 2];
-    }
-    let mut velocities = PairVelocities::new(pair, states);
-    for _ in 0..RESTITUTION_SWEEPS {
-        for point in points.iter_mut().filter(|p| p.active) {
-            let Some([k_normal, k_tangent]) = velocities.inverse_effective_mass(point) else {
-                continue;
-            };
-            let velocity_error = velocities.along(&point.rows[0]) + pair.restitution * point.impact_velocity;
-            let impulse = (point.restitution_impulse - velocity_error / k_normal).max(0.0);
-            velocities.apply(&point.rows[0], impulse - point.restitution_impulse);
-            point.restitution_impulse = impulse;
-
-            let friction = friction_impulse(
-                &velocities,
-                point,
-                k_tangent,
-                point.restitution_friction_impulse,
-                1.0,
-                pair.friction * impulse,
-            );
-            velocities.apply(&point.rows[1], friction[0] - point.restitution_friction_impulse[0]);
-            velocities.apply(&point.rows[2], friction[1] - point.restitution_friction_impulse[1]);
-            point.restitution_friction_impulse = friction;
+    let velocities = PairVelocities::before(pair, states);
+    let mut fastest = 0.0f32;
+    for point in points.iter_mut().filter(|point| point.active) {
+        point.impact_velocity = velocities.along(&point.rows[0]);
+        point.has_impact = point.may_impact && point.normal_impulse > 0.0 && point.impact_velocity < -threshold;
+        // With a point that separates, an impact elsewhere may reverse its velocity too. If its velocity only fell to
+        // zero, the impulse would add energy.
+        point.rebounds = point.has_impact || point.impact_velocity > 0.0;
+        if point.has_impact {
+            fastest = fastest.max(-point.impact_velocity);
         }
     }
-    velocities.impulses()
+    fastest
+}
+
+/// Ends the impacts of a pair: the bodies separate, so the impulses must not be applied again.
+pub(super) fn end_impacts(pair: &Pair, points: &mut [Point]) {
+    if !pair.active {
+        return;
+    }
+    for point in points.iter_mut().filter(|point| point.has_impact) {
+        point.total_normal_impulse += point.normal_impulse;
+        point.normal_impulse = 0.0;
+        point.friction_impulse = [0.0; 2];
+        point.bounced = true;
+    }
 }

@@ -1,55 +1,87 @@
-//! One pass over one pair: from the velocities of its two bodies to an impulse for each.
+//! One pass over one pair: impulses that change the velocities of its two bodies.
 
 use super::body_constants::rotation_displacement;
-use super::contact::{Impulse, Pair, Point, Row};
+use super::contact::{Pair, Point, Row};
 use super::friction::friction_impulse;
-use super::motion::{BodyStates, Mass, Velocity};
+use super::motion::{Mass, StatesMut, Velocity};
 use super::softness::Softness;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3A;
 
-/// A point is active in a substep if the gap beyond the rest offset will be less than this fraction of the rest offset.
-pub(super) const ACTIVATION_DISTANCE: f32 = 0.5;
+/// A point is active in a substep if the gap beyond the rest offset will be less than this many rest offsets.
+pub(super) const ACTIVATION_DISTANCE: f32 = 5.0;
+/// An error is too large if it moves a body by this fraction of D within a substep, however slow that is.
+const MAX_STEP_ERROR: f32 = 1.0e-4;
 
-/// Parameters of a pass, the same for all pairs.
+/// What a pass is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    /// Overlapping bodies get a bias velocity that pushes them apart.
+    Bias,
+    /// Removes the velocity that the bias added.
+    Relax,
+    /// Points with an impact separate as Newton's law of restitution tells.
+    Restitution,
+}
+
+/// Parameters of a pass, the same for all pairs of an island.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pass {
     /// Length of the substep, seconds.
     h: f32,
     softness: Softness,
-    /// Fraction of a correction that one sweep applies.
-    relaxation: f32,
-    sweeps: u32,
     max_depenetration_speed: f32,
     deep_depenetration_speed: f32,
-    /// Overlapping bodies get a bias velocity that pushes them apart.
-    biased: bool,
+    purpose: Purpose,
+    /// See [`SolverSettings::convergence_speed`].
+    convergence_speed: f32,
 }
 
 impl Pass {
+    /// A pass with bias velocity in a substep of `h` seconds.
     pub fn new(settings: &SolverSettings, h: f32) -> Self {
         Self {
             h,
             softness: Softness::new(settings, h),
-            relaxation: settings.relaxation,
-            sweeps: settings.sweeps,
             max_depenetration_speed: settings.max_depenetration_speed,
             deep_depenetration_speed: settings.deep_depenetration_speed,
-            biased: true,
+            purpose: Purpose::Bias,
+            convergence_speed: settings.convergence_speed,
         }
     }
 
     /// The same pass without bias velocity.
     pub fn relaxing(self) -> Self {
-        Self { biased: false, ..self }
+        Self {
+            purpose: Purpose::Relax,
+            ..self
+        }
+    }
+
+    /// The same pass with restitution, until no velocity changes by more than `convergence_speed`.
+    pub fn with_restitution(self, convergence_speed: f32) -> Self {
+        Self {
+            convergence_speed,
+            purpose: Purpose::Restitution,
+            ..self
+        }
+    }
+
+    /// The change of a normal velocity below which a pair has converged, m/s. A light body passes on only a small part
+    /// of what a heavy one needs, so it must be more exact.
+    fn convergence_speed(&self, pair: &Pair) -> f32 {
+        self.convergence_speed.min(MAX_STEP_ERROR * pair.diameter / self.h) / pair.mass_ratio
     }
 
     /// Bias velocity, mass scale and impulse scale of a point.
-    fn bias(&self, pair: &Pair, separation: f32) -> (f32, f32, f32) {
-        if separation > 0.0 {
+    fn bias(&self, pair: &Pair, point: &Point) -> (f32, f32, f32) {
+        let separation = point.separation;
+        if self.purpose == Purpose::Restitution && point.rebounds {
+            (pair.restitution * point.impact_velocity, 1.0, 0.0)
+        } else if separation > 0.0 {
             // Speculative contact: the gap may close by the end of the substep, and no sooner.
             (separation / self.h, 1.0, 0.0)
-        } else if !self.biased {
+        } else if self.purpose != Purpose::Bias {
             (0.0, 1.0, 0.0)
         } else if pair.depenetrating {
             // Near the surface the bias falls below the maximum, to that of the contact spring of other pairs.
@@ -62,13 +94,37 @@ impl Pass {
     }
 }
 
-/// Updates separations, anchors and effective masses of a pair's points to the present poses.
-pub(super) fn update_points(pair: &Pair, points: &mut [Point], states: &BodyStates) {
-    if pair.frozen {
-        return;
+/// Updates separations, anchors and effective masses of a pair's points to the present poses, and decides which of them
+/// are active in this substep.
+pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], states: &StatesMut, pass: &Pass) {
+    update_points(pair, points, states);
+    pair.active = false;
+    let velocities = PairVelocities::new(pair, states);
+    let spins = pair.slots.map(|slot| states.velocities[slot as usize].angular);
+    for point in points.iter_mut().filter(|p| p.valid) {
+        point.set_drift(spins, pass.h);
+        // All points are judged by the velocities before the warm start.
+        let normal_velocity = velocities.along(&point.rows[0]);
+        point.total_normal_impulse += point.normal_impulse;
+        point.may_impact = point.normal_impulse == 0.0;
+        point.has_impact = false;
+        point.rebounds = false;
+        point.touched |= point.normal_impulse > 0.0;
+        point.active = point.normal_impulse > 0.0
+            || point.separation + normal_velocity * pass.h < ACTIVATION_DISTANCE * pair.rest_offset;
+        if !point.active {
+            point.friction_impulse = [0.0; 2];
+        }
+        pair.active |= point.active;
     }
-    let [a, b] = pair.bodies.map(|i| states.pose_changes[i as usize]);
-    let masses = pair.bodies.map(|i| states.masses[i as usize]);
+}
+
+/// Updates separations, anchors and effective masses of a pair's points to the present poses.
+///
+/// Runs again after the bodies have moved: impulses at outdated positions would not conserve angular momentum.
+pub(super) fn update_points(pair: &Pair, points: &mut [Point], states: &StatesMut) {
+    let [a, b] = pair.slots.map(|slot| states.pose_changes[slot as usize]);
+    let masses = pair.slots.map(|slot| states.masses[slot as usize]);
     let translation = b.translation - a.translation;
     for point in points.iter_mut().filter(|p| p.valid) {
         let mut anchors = [Vec3A::ZERO; 2];
@@ -89,122 +145,122 @@ pub(super) fn update_points(pair: &Pair, points: &mut [Point], states: &BodyStat
                 point.anchors[1] + changes[1] - (1.0 - point.contact_fraction) * offset,
             ];
         }
-        let mut inverse_effective_mass = [[0.0; 3]; 2];
-        for (i, row) in point.rows.iter_mut().enumerate() {
-            let d = row.direction;
-            row.moments = anchors.map(|anchor| anchor.cross(d));
-            row.angular_responses = [0, 1].map(|side| masses[side].inverse_inertia * row.moments[side]);
-            for (side, k) in inverse_effective_mass.iter_mut().enumerate() {
-                k[i] = (masses[side].inverse_mass * d).dot(d) + row.moments[side].dot(row.angular_responses[side]);
-            }
-        }
-        // Both tangents use the same value. Otherwise friction would not point against the sliding direction.
-        point.inverse_effective_mass = inverse_effective_mass.map(|[normal, t, u]| [normal, t.max(u)]);
+        point.set_anchors(anchors, masses);
     }
 }
 
-/// Updates the points, decides which of them are active in this substep, and warm starts these with the impulses of the
-/// last substep.
-pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], states: &BodyStates, pass: &Pass) -> [Impulse; 2] {
-    pair.active = false;
-    if pair.frozen {
-        return [Impulse::default(); 2];
+/// Applies the impulses of a pair's points, times `factor`.
+pub(super) fn apply_impulses(pair: &Pair, points: &[Point], states: &mut StatesMut, factor: f32) {
+    if !pair.active {
+        return;
     }
-    update_points(pair, points, states);
     let mut velocities = PairVelocities::new(pair, states);
-    for point in points.iter_mut().filter(|p| p.valid) {
-        // All points are judged by the velocities before the warm start: its impulses change them only after this pass.
-        let normal_velocity = velocities.along(&point.rows[0]);
-        point.total_normal_impulse += point.normal_impulse;
-        if point.max_normal_impulse == 0.0 {
-            point.impact_velocity = normal_velocity;
-        }
-        point.active = point.normal_impulse > 0.0
-            || point.separation + normal_velocity * pass.h < ACTIVATION_DISTANCE * pair.rest_offset;
-        if !point.active {
-            point.normal_impulse = 0.0;
-            point.friction_impulse = [0.0; 2];
+    for point in points.iter().filter(|p| p.active) {
+        velocities.apply(&point.rows[0], factor * point.normal_impulse);
+        velocities.apply(&point.rows[1], factor * point.friction_impulse[0]);
+        velocities.apply(&point.rows[2], factor * point.friction_impulse[1]);
+    }
+    velocities.store(pair, states);
+}
+
+/// How far a pass changed the impulses.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Residual {
+    /// The largest change of a normal velocity, over that below which its pair has converged.
+    velocity: f32,
+    /// The sum of the squared changes of impulses, each over its effective mass, joules.
+    pub energy: f32,
+}
+
+impl Residual {
+    pub fn has_converged(&self) -> bool {
+        self.velocity <= 1.0
+    }
+}
+
+/// One pass over a pair's active points: first the normals, then friction.
+pub(super) fn solve(pair: &Pair, points: &mut [Point], states: &mut StatesMut, pass: &Pass, residual: &mut Residual) {
+    if !pair.active {
+        return;
+    }
+    let mut velocities = PairVelocities::new(pair, states);
+    let mut largest_change = 0.0f32;
+    for point in points.iter_mut().filter(|p| p.active) {
+        let [k, _] = point.inverse_effective_mass;
+        if k <= 0.0 {
             continue;
         }
-        pair.active = true;
-        velocities.accumulate(&point.rows[0], point.normal_impulse);
-        velocities.accumulate(&point.rows[1], point.friction_impulse[0]);
-        velocities.accumulate(&point.rows[2], point.friction_impulse[1]);
+        let (bias, mass_scale, impulse_scale) = pass.bias(pair, point);
+        let velocity_error = velocities.along(&point.rows[0]) + bias;
+        let change = -mass_scale * velocity_error / k - impulse_scale * point.normal_impulse;
+        let impulse = (point.normal_impulse + change).max(0.0);
+        let change = impulse - point.normal_impulse;
+        velocities.apply(&point.rows[0], change);
+        largest_change = largest_change.max((change * k).abs());
+        residual.energy += change * change * k;
+        point.change[0] = change;
+        point.normal_impulse = impulse;
+        point.touched |= impulse > 0.0;
     }
-    velocities.impulses()
+    let friction = if pair.depenetrating { 0.0 } else { pair.friction };
+    let keeps_place = pass.purpose == Purpose::Bias;
+    for point in points.iter_mut().filter(|p| p.active) {
+        let [_, k] = point.inverse_effective_mass;
+        let impulses = friction_impulse(&velocities, point, friction * point.normal_impulse, keeps_place);
+        for (i, impulse) in impulses.into_iter().enumerate() {
+            let change = impulse - point.friction_impulse[i];
+            velocities.apply(&point.rows[i + 1], change);
+            residual.energy += change * change * k;
+            point.change[i + 1] = change;
+        }
+        point.friction_impulse = impulses;
+    }
+    residual.velocity = residual.velocity.max(largest_change / pass.convergence_speed(pair));
+    velocities.store(pair, states);
 }
 
-/// One pass over a pair's active points.
-pub(super) fn solve(pair: &Pair, points: &mut [Point], states: &BodyStates, pass: &Pass) -> [Impulse; 2] {
+/// Moves the impulses on along the search direction. `keep` is the part of the last direction that the new one keeps.
+pub(super) fn extrapolate(pair: &Pair, points: &mut [Point], states: &mut StatesMut, keep: f32) {
     if !pair.active {
-        return [Impulse::default(); 2];
+        return;
     }
     let mut velocities = PairVelocities::new(pair, states);
-    for _ in 0..pass.sweeps {
-        for point in points.iter_mut().filter(|p| p.active) {
-            let Some([k_normal, k_tangent]) = velocities.inverse_effective_mass(point) else {
-                continue;
-            };
-            let (bias, mass_scale, impulse_scale) = pass.bias(pair, point.separation);
-            let velocity_error = velocities.along(&point.rows[0]) + bias;
-            let change =
-                -pass.relaxation * mass_scale * velocity_error / k_normal - impulse_scale * point.normal_impulse;
-            let impulse = (point.normal_impulse + change).max(0.0);
-            velocities.apply(&point.rows[0], impulse - point.normal_impulse);
-            point.normal_impulse = impulse;
-            point.max_normal_impulse = point.max_normal_impulse.max(impulse);
-
-            let limit = if pair.depenetrating {
-                0.0
-            } else {
-                pair.friction * impulse
-            };
-            let friction = friction_impulse(
-                &velocities,
-                point,
-                k_tangent,
-                point.friction_impulse,
-                pass.relaxation,
-                limit,
-            );
-            velocities.apply(&point.rows[1], friction[0] - point.friction_impulse[0]);
-            velocities.apply(&point.rows[2], friction[1] - point.friction_impulse[1]);
-            point.friction_impulse = friction;
-        }
+    for point in points.iter_mut().filter(|p| p.active) {
+        let [normal, t, u] = point.search.map(|direction| keep * direction);
+        let impulse = (point.normal_impulse + normal).max(0.0);
+        velocities.apply(&point.rows[0], impulse - point.normal_impulse);
+        velocities.apply(&point.rows[1], t);
+        velocities.apply(&point.rows[2], u);
+        point.normal_impulse = impulse;
+        point.friction_impulse[0] += t;
+        point.friction_impulse[1] += u;
+        point.search = [normal + point.change[0], t + point.change[1], u + point.change[2]];
     }
-    velocities.impulses()
+    velocities.store(pair, states);
 }
 
-/// The velocities of a pair's bodies during a pass, and the impulses it has applied so far. Each body has only this
-/// pair's part of its mass.
+/// The velocities of a pair's bodies during a pass.
 pub(super) struct PairVelocities {
     velocities: [Velocity; 2],
-    /// Of the part of the mass that belongs to this pair.
     inverse_masses: [Vec3A; 2],
-    split_counts: [f32; 2],
-    /// Linear impulse on the second body; the first body gets the opposite.
-    linear: Vec3A,
-    angular: [Vec3A; 2],
 }
 
 impl PairVelocities {
-    pub fn new(pair: &Pair, states: &BodyStates) -> Self {
-        let masses: [&Mass; 2] = pair.bodies.map(|i| &states.masses[i as usize]);
-        Self {
-            velocities: pair.bodies.map(|i| states.velocities[i as usize]),
-            inverse_masses: masses.map(|m| m.split_count * m.inverse_mass),
-            split_counts: masses.map(|m| m.split_count),
-            linear: Vec3A::ZERO,
-            angular: [Vec3A::ZERO; 2],
-        }
+    pub fn new(pair: &Pair, states: &StatesMut) -> Self {
+        Self::at(pair, states, states.velocities)
     }
 
-    /// The inverse effective mass of a point along the normal and along the tangents; `None` if no impulse can change
-    /// the normal velocity.
-    pub fn inverse_effective_mass(&self, point: &Point) -> Option<[f32; 2]> {
-        let [a, b] = self.split_counts;
-        let k = [0, 1].map(|d| a * point.inverse_effective_mass[0][d] + b * point.inverse_effective_mass[1][d]);
-        (k[0] > 0.0).then_some(k)
+    /// Those before the impulses of this substep.
+    pub fn before(pair: &Pair, states: &StatesMut) -> Self {
+        Self::at(pair, states, states.initial_velocities)
+    }
+
+    fn at(pair: &Pair, states: &StatesMut, velocities: &[Velocity]) -> Self {
+        let masses: [&Mass; 2] = pair.slots.map(|slot| &states.masses[slot as usize]);
+        Self {
+            velocities: pair.slots.map(|slot| velocities[slot as usize]),
+            inverse_masses: masses.map(|mass| mass.inverse_mass),
+        }
     }
 
     /// Velocity of the second body relative to the first along a row's direction. Along the normal it is positive when
@@ -215,37 +271,22 @@ impl PairVelocities {
         sum.element_sum()
     }
 
-    /// Adds an impulse on the second body, and its opposite on the first, to the pair's impulses. Velocities stay the
-    /// same.
-    fn accumulate(&mut self, row: &Row, impulse: f32) {
-        self.linear += row.direction * impulse;
-        self.angular[0] -= row.moments[0] * impulse;
-        self.angular[1] += row.moments[1] * impulse;
-    }
-
     /// Applies an impulse to the second body, and its opposite to the first.
     pub fn apply(&mut self, row: &Row, impulse: f32) {
-        self.accumulate(row, impulse);
         let linear = row.direction * impulse;
         let [a, b] = &mut self.velocities;
         a.linear -= self.inverse_masses[0] * linear;
-        a.angular -= row.angular_responses[0] * (self.split_counts[0] * impulse);
+        a.angular -= row.angular_responses[0] * impulse;
         b.linear += self.inverse_masses[1] * linear;
-        b.angular += row.angular_responses[1] * (self.split_counts[1] * impulse);
+        b.angular += row.angular_responses[1] * impulse;
     }
 
-    /// The sum of all impulses on each body.
-    pub fn impulses(&self) -> [Impulse; 2] {
-        let [first, second] = self.angular;
-        [
-            Impulse {
-                linear: -self.linear,
-                angular: first,
-            },
-            Impulse {
-                linear: self.linear,
-                angular: second,
-            },
-        ]
+    /// Stores the velocities of the bodies. Numbers that are not finite are dropped.
+    pub fn store(&self, pair: &Pair, states: &mut StatesMut) {
+        for (&slot, velocity) in pair.slots.iter().zip(&self.velocities) {
+            if velocity.is_finite() {
+                states.velocities[slot as usize] = *velocity;
+            }
+        }
     }
 }

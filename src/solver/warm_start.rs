@@ -3,7 +3,7 @@
 use super::bodies::SolverBodies;
 use super::constraints::Constraints;
 use super::contact::Point;
-use super::motion::BodyStates;
+use super::motion::unit;
 use crate::state::ManifoldPoint;
 use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
@@ -95,7 +95,7 @@ impl WarmStart {
     }
 
     /// Saves the impulses at the end of a collision substep whose solver substeps have `h` seconds.
-    pub(super) fn save(&mut self, constraints: &Constraints, states: &BodyStates, bodies: &SolverBodies, h: f32) {
+    pub(super) fn save(&mut self, constraints: &Constraints, bodies: &SolverBodies, h: f32) {
         self.substep = h;
         self.points.resize(constraints.points().len(), SavedPoint::default());
         (&mut self.points, constraints.points())
@@ -116,7 +116,7 @@ impl WarmStart {
                 flipped: sorted(keys) != keys,
                 depenetrating: pair.depenetrating,
                 separating_direction: pair.separating_direction,
-                rotations: [a, b].map(|i| states.initial_rotation(i)),
+                rotations: pair.bodies.map(|body| unit(bodies.motions[body as usize].rotation)),
             });
         }
         self.pairs.par_sort_unstable_by_key(|pair| (pair.keys, pair.first));
@@ -130,7 +130,7 @@ fn sorted([a, b]: [u64; 2]) -> [u64; 2] {
 impl SavedPoint {
     fn new(point: &Point) -> Self {
         // A point with restitution separates: the impulse of its impact must not be applied again.
-        let persists = point.valid && point.restitution_impulse == 0.0;
+        let persists = point.valid && !point.bounced;
         Self {
             anchors: point.anchors.map(Vec3::from),
             normal: point.normal().into(),

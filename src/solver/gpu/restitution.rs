@@ -4,15 +4,17 @@ use super::arguments::per_pair;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::program::Calls;
 use crate::gpu::shader::{Module, shared_constants};
-use crate::solver::restitution;
 
 /// Makes only the pairs active that need restitution.
 pub(super) const RESTITUTION_BEGIN: Kernel = kernel!("solver/restitution_begin");
 /// One restitution pass.
 pub(super) const RESTITUTION: Kernel = kernel!("solver/restitution");
 
+/// Sweeps over the points of a pair in a pass. A pair that nothing else touches is exact after one pass.
+const SWEEPS: u32 = 6;
+
 pub(super) const CONSTANTS: Module = shared_constants!("faceoff::constants::restitution", {
-    u32 RESTITUTION_SWEEPS = restitution::RESTITUTION_SWEEPS;
+    u32 RESTITUTION_SWEEPS = SWEEPS;
 });
 
 /// Adds the restitution passes. `apply_impulses` adds the call that applies the impulses of a pass; its argument tells

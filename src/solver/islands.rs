@@ -1,0 +1,212 @@
+//! Islands: sets of bodies that contacts connect. No two islands share a body that impulses move, so each is solved on
+//! its own.
+//!
+//! Pairs with a body that impulses do not move come last in an island: what is solved last is satisfied best, and nothing
+//! may be pressed through what is static.
+
+use std::ops::Range;
+
+/// In place of an island, a slot or a pair that does not exist.
+const NONE: u32 = u32::MAX;
+/// Marks the pairs of an island that come last.
+const LAST: u32 = 1 << 31;
+/// Bodies without contacts per island.
+const FREE_BODIES: usize = 256;
+
+/// A part of the lists of [`Islands`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Island {
+    pub slots: Range<usize>,
+    pub pairs: Range<usize>,
+}
+
+/// A pair of an island.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct IslandPair {
+    /// Its number in the list of pairs from which the islands were built.
+    pub number: u32,
+    /// Numbers of its bodies within the island.
+    pub slots: [u32; 2],
+}
+
+/// What can change the velocity and the pose of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mobility {
+    /// It does not move.
+    Fixed,
+    /// It moves with its own velocity, which impulses do not change.
+    Moving,
+    /// Impulses change its velocity.
+    Movable,
+}
+
+/// All islands. Bodies without contacts form islands without pairs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Islands {
+    pub list: Vec<Island>,
+    /// The body of each slot. Each island has its own slot for a body that impulses do not move.
+    pub bodies: Vec<u32>,
+    /// The first slot of bodies without contacts. Every body that moves without impulses has one there.
+    pub first_free: usize,
+    /// The pairs of all islands, in the order in which they are solved.
+    pub pairs: Vec<IslandPair>,
+    trees: Trees,
+    /// The slot of each body, from the first slot of all.
+    slots: Vec<u32>,
+    /// Bodies, and pairs, sorted by island: the island in the upper half. The highest bit of the lower half marks pairs
+    /// that come last.
+    sorted_bodies: Vec<u64>,
+    sorted_pairs: Vec<u64>,
+}
+
+impl Islands {
+    /// Sorts bodies and pairs into islands. `pairs` has the two bodies of every pair that is to be solved, and `None`
+    /// for others. At least one of the two must be movable.
+    pub fn build(&mut self, mobility: &[Mobility], pairs: &[Option<[u32; 2]>]) {
+        let is_movable = |body: u32| mobility[body as usize] == Mobility::Movable;
+        let numbered = || {
+            (0u32..)
+                .zip(pairs)
+                .filter_map(|(number, pair)| Some((number, (*pair)?)))
+        };
+        self.trees
+            .join(mobility.len(), numbered().map(|(_, pair)| pair), is_movable);
+        self.sorted_pairs.clear();
+        for (number, [a, b]) in numbered() {
+            let island = self.trees.number(if is_movable(a) { a } else { b });
+            let last = if is_movable(a) && is_movable(b) { 0 } else { LAST };
+            self.sorted_pairs
+                .push(u64::from(island) << 32 | u64::from(number | last));
+        }
+        self.sorted_pairs.sort_unstable();
+        self.sorted_bodies.clear();
+        for body in (0..mobility.len() as u32).filter(|&body| is_movable(body)) {
+            let island = self.trees.number_if_any(body);
+            self.sorted_bodies
+                .extend(island.map(|island| u64::from(island) << 32 | u64::from(body)));
+        }
+        self.sorted_bodies.sort_unstable();
+
+        self.list.clear();
+        self.bodies.clear();
+        self.pairs.clear();
+        self.slots.clear();
+        self.slots.resize(mobility.len(), NONE);
+        let mut bodies = 0;
+        let mut first = 0;
+        while first < self.sorted_pairs.len() {
+            let island = self.sorted_pairs[first] >> 32;
+            let start = self.start();
+            while let Some(&body) = self.sorted_bodies.get(bodies).filter(|&body| body >> 32 == island) {
+                self.slot(body as u32, start.slots.start);
+                bodies += 1;
+            }
+            while let Some(&member) = self.sorted_pairs.get(first).filter(|&pair| pair >> 32 == island) {
+                let number = member as u32 & !LAST;
+                let pair = pairs[number as usize].expect("only pairs that exist are sorted");
+                let slots = pair.map(|body| self.slot(body, start.slots.start));
+                self.pairs.push(IslandPair { number, slots });
+                first += 1;
+            }
+            self.list.push(start.ending_at(self.bodies.len(), self.pairs.len()));
+        }
+        self.add_free_bodies(mobility);
+    }
+
+    /// An island that begins after all others.
+    fn start(&self) -> Island {
+        Island {
+            slots: self.bodies.len()..self.bodies.len(),
+            pairs: self.pairs.len()..self.pairs.len(),
+        }
+    }
+
+    /// The slot of a body within the island whose slots begin at `first`. The body gets one when it is first met.
+    fn slot(&mut self, body: u32, first: usize) -> u32 {
+        let slot = self.slots[body as usize];
+        // A body that impulses do not move may have slots in earlier islands.
+        let known = slot != NONE && slot as usize >= first;
+        if !known {
+            self.slots[body as usize] = self.bodies.len() as u32;
+            self.bodies.push(body);
+        }
+        self.slots[body as usize] - first as u32
+    }
+
+    /// Adds islands without pairs for the bodies that move and are in no other island.
+    fn add_free_bodies(&mut self, mobility: &[Mobility]) {
+        let first = self.bodies.len();
+        self.first_free = first;
+        let slots = &self.slots;
+        // A body that impulses do not move has copies in the islands it touches. This slot is its own.
+        let is_free = |body: &u32| match mobility[*body as usize] {
+            Mobility::Fixed => false,
+            Mobility::Moving => true,
+            Mobility::Movable => slots[*body as usize] == NONE,
+        };
+        self.bodies.extend((0..mobility.len() as u32).filter(is_free));
+        let (end, pairs) = (self.bodies.len(), self.pairs.len());
+        self.list.extend((first..end).step_by(FREE_BODIES).map(|start| Island {
+            slots: start..end.min(start + FREE_BODIES),
+            pairs: pairs..pairs,
+        }));
+    }
+}
+
+impl Island {
+    fn ending_at(mut self, slot: usize, pair: usize) -> Self {
+        (self.slots.end, self.pairs.end) = (slot, pair);
+        self
+    }
+}
+
+/// Union-find over the bodies.
+#[derive(Clone, Debug, Default)]
+struct Trees {
+    /// The parent of each body in the tree of its island.
+    parents: Vec<u32>,
+    /// For the root of each tree with pairs, the number of the island.
+    numbers: Vec<u32>,
+}
+
+impl Trees {
+    /// Joins the movable bodies of each pair, and numbers the trees in the order of pairs.
+    fn join(&mut self, bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone, is_movable: impl Fn(u32) -> bool) {
+        self.parents.clear();
+        self.parents.extend(0..bodies as u32);
+        self.numbers.clear();
+        self.numbers.resize(bodies, NONE);
+        for [a, b] in pairs.clone().filter(|pair| pair.iter().all(|&body| is_movable(body))) {
+            let (a, b) = (self.root(a), self.root(b));
+            self.parents[a.max(b) as usize] = a.min(b);
+        }
+        let mut next = 0;
+        for [a, b] in pairs {
+            let root = self.root(if is_movable(a) { a } else { b });
+            if self.numbers[root as usize] == NONE {
+                self.numbers[root as usize] = next;
+                next += 1;
+            }
+        }
+    }
+
+    fn root(&mut self, mut body: u32) -> u32 {
+        while self.parents[body as usize] != body {
+            // Halves the path for the next search.
+            let parent = self.parents[body as usize];
+            self.parents[body as usize] = self.parents[parent as usize];
+            body = parent;
+        }
+        body
+    }
+
+    /// The island of a movable body that has pairs.
+    fn number(&mut self, body: u32) -> u32 {
+        let root = self.root(body);
+        self.numbers[root as usize]
+    }
+
+    fn number_if_any(&mut self, body: u32) -> Option<u32> {
+        Some(self.number(body)).filter(|&number| number != NONE)
+    }
+}

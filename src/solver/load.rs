@@ -1,0 +1,52 @@
+//! How many substeps an island needs so that its contact springs hold their loads.
+//!
+//! A contact gives way by a distance that is proportional to its load, and to the square of the length of a substep. A
+//! heavy body on a light one would press it flat; with shorter substeps the springs are stiffer.
+
+use super::constraints::IslandsMut;
+use super::prepare::Source;
+use std::f32::consts::TAU;
+
+/// A contact at rest may give way by this fraction of D: a little more than the gap that it keeps.
+const MAX_COMPRESSION: f32 = 0.0007;
+/// Largest factor on the number of substeps.
+const MAX_FACTOR: f32 = 16.0;
+/// Points times factor of an island.
+const POINT_BUDGET: f32 = 2000.0;
+
+/// Factor on the number of substeps of an island. The points have the impulses of the last collision substep.
+pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source) -> u32 {
+    let h = source.h;
+    let stiffness = (TAU * source.settings.frequency / h).powi(2);
+    let gravity = source.gravity.into();
+    let mut compression = 0.0f32;
+    island.for_each_pair(|pair, points, states| {
+        if pair.depenetrating {
+            return;
+        }
+        let inverse_masses = pair
+            .slots
+            .map(|slot| states.masses[slot as usize].inverse_mass.max_element());
+        for point in points.iter().filter(|point| point.valid) {
+            // Acceleration of the bodies by the load.
+            let load = if point.normal_impulse > 0.0 {
+                point.normal_impulse * point.inverse_effective_mass[0] / h
+            } else if !pair.known && point.separation <= pair.rest_offset {
+                // The load is not known yet. The upper body rests on the lower one with at least its own weight.
+                let down = -point.normal().dot(gravity);
+                let upper = usize::from(down > 0.0);
+                let weight = down.abs() / inverse_masses[upper];
+                if weight.is_finite() {
+                    weight * (inverse_masses[0] + inverse_masses[1])
+                } else {
+                    0.0
+                }
+            } else {
+                0.0
+            };
+            compression = compression.max(load / (stiffness * MAX_COMPRESSION * pair.diameter));
+        }
+    });
+    let most = (POINT_BUDGET / island.points.len() as f32).clamp(1.0, MAX_FACTOR);
+    compression.sqrt().clamp(1.0, most).ceil() as u32
+}
