@@ -174,4 +174,4 @@ pub fn any_turn(random: &mut fastrand::Rng) -> Quat {
 }
 
 /// The gap that a resting cube of edge 1 keeps.
-pub const GAP: f32 = 0.00866;
+pub const GAP: f32 = 0.000866;

@@ -86,7 +86,7 @@ fn a_pyramid_of_fifty_five_cubes_stands() {
 /// Five rings that lie on each other, each shifted by `shift` relative to the one below, alternately to both sides.
 pub fn rings(shift: f32, seconds_to_settle: u32, seconds: usize) -> Moved {
     // The gap at rest of a ring of diameter 1.
-    let mut world = World::of(&scenes::rings(shift, 0.005));
+    let mut world = World::of(&scenes::rings(shift, 0.0005));
     world.seconds(seconds_to_settle);
     watch(&mut world, seconds)
 }

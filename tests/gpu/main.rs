@@ -27,6 +27,7 @@ fn main() {
             ("parity", parity::TESTS),
             ("manifolds", manifolds::TESTS),
             ("solver", solver::TESTS),
+            ("solver", solver::PHYSICAL_TESTS),
             ("dynamics", dynamics::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::backend", apps::backend::TESTS),

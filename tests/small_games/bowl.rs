@@ -64,5 +64,6 @@ fn swing(backend: Backend, speed: f32) {
         }
     }
     check("highest after the first swing, m", highest, 0.55..=0.601);
-    check("lowest, m", lowest, 0.098..=if speed == 0.0 { 0.11 } else { 0.5 });
+    // The ball is a polyhedron: its faces are nearer to the centre than its corners.
+    check("lowest, m", lowest, 0.097..=if speed == 0.0 { 0.11 } else { 0.5 });
 }

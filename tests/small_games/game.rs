@@ -5,7 +5,7 @@ use bevy_faceoff::prelude::*;
 use std::ops::RangeInclusive;
 
 /// Distance between the surfaces of bodies at rest, in bounding diameters: the default of `SolverSettings::rest_offset`.
-pub const GAP: f32 = 0.005;
+pub const GAP: f32 = 0.0005;
 
 pub struct Game {
     pub app: App,

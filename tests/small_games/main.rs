@@ -1,29 +1,28 @@
 //! Small games: a few bodies, default settings, 64 steps per second, as somebody writes them who starts with this crate. What
 //! must come out is known from theory.
 //!
-//! Some do not come out yet. They hold the true assertion and are ignored; the reason tells what comes out instead.
-//! `cargo test --release --test small_games -- --ignored` runs them.
+//! Some do not come out yet, most of them on a device, whose solver is simpler. They hold the true assertion and are ignored;
+//! the reason tells what comes out instead. `cargo test --release --test small_games -- --ignored` runs them.
 //!
-//! | game | theory | today |
+//! | game | theory | holds |
 //! |---|---|---|
-//! | balls that meet balls, restitution 1 | energy is kept within 1 % | kept, on a device too; see also `tests/dynamics/elastic.rs` |
-//! | 10 times the mass on a cube | sinks less than 1 % of an edge | 0.13 % |
-//! | 100, 500, 1000 times the mass | the same | 1.2 %, 6.1 %, falls off |
-//! | ten cubes, 1:100 in turn | stand | topple |
-//! | 10,000 times the mass, on a half-space | nothing sinks into it | the light cube is 1.02 m deep |
-//! | a cube of 1 m on one of 0.1 m | the same | the small one is 2.2 cm too low |
-//! | a lift starts at 5 m/s under five cubes | 5 m/s each, none rises from it | up to 8.14 m/s, 0.51 m |
-//! | a mass of 1000 hits a row of five | all at 4.98 m/s | up to 8.03 m/s |
-//! | towers of cubes of 1 m and 100 m | stand, asleep | stand, asleep |
-//! | towers of cubes of 5 mm to 2 cm | the same | fall over, or are pressed together and stay awake |
-//! | a cube bounces in any pose | energy is kept within 1 %, never more | 0.98 to 1.12 |
-//! | a cube in a closed room for 30 s | the same | 1.8 |
-//! | a coin spins on a half-space | slows down by 4/3 mu g / R | 0.36 and 1.51 of that: it depends on the triangles |
-//! | a player looks around, another respawns | turning changes no velocity | so it is, in each `Readback`; see also `tests/gpu/apps/writes.rs` |
-//! | a bullet flies past sleepers | they sleep on | on the CPU; on a device it wakes them |
-//! | a ball in a bowl without friction | gains no energy | gains none |
-//! | a box on a turntable | rests | 7.6 mm in 10 s |
-//! | an open sheet on a ball | comes to rest | rocks |
+//! | balls that meet balls, restitution 1 | energy is kept within 1 % | on both; see also `tests/dynamics/elastic.rs` |
+//! | 10 times the mass on a cube | sinks less than 1 % of an edge | on both |
+//! | 100, 500, 1000 times the mass | the same | on the CPU |
+//! | ten cubes, 1:100 in turn | stand | on the CPU |
+//! | 10,000 times the mass, on a half-space | nothing sinks into it | on the CPU |
+//! | a cube of 1 m on one of 0.1 m | the same | on the CPU |
+//! | a lift starts at 5 m/s under five cubes | 5 m/s each, none rises from it | on the CPU |
+//! | a mass of 1000 hits a row of five | all at 4.98 m/s | on the CPU |
+//! | towers of cubes of 5 mm to 100 m | stand, asleep | on the CPU |
+//! | a cube bounces in any pose | energy is kept within 1 %, never more | on the CPU |
+//! | a cube in a closed room for 30 s | the same | on the CPU |
+//! | a coin spins on a half-space | slows down by 4/3 mu g / R | on the CPU |
+//! | a player looks around, another respawns | turning changes no velocity | on both, in each `Readback`; see also `tests/gpu/apps/writes.rs` |
+//! | a bullet flies past sleepers | they sleep on | on the CPU |
+//! | a ball in a bowl without friction | gains no energy | on the CPU |
+//! | a box on a turntable | rests | on the CPU |
+//! | an open sheet on a ball | comes to rest | on neither: it rocks |
 //!
 //! Other tests play these, and they are not here again:
 //!
@@ -80,32 +79,32 @@ fn plays() -> Vec<Play> {
         Cpu balls::two_that_meet_head_on_exchange_their_velocities;
         Cpu balls::turned_balls_at_forty_metres_per_second_keep_their_energy;
         Cpu heavy_on_light::ten_times_the_mass_sinks_less_than_a_hundredth;
-        Cpu heavy_on_light::a_hundred_times_the_mass_sinks_less_than_a_hundredth, "sinks 1.2 % of an edge";
-        Cpu heavy_on_light::five_hundred_times_the_mass_sinks_less_than_a_hundredth, "sinks 6.1 % of an edge";
-        Cpu heavy_on_light::a_thousand_times_the_mass_sinks_less_than_a_hundredth, "falls off within 30 s";
-        Cpu heavy_on_light::ten_cubes_one_to_hundred_in_turn_stand, "topple within 30 s";
-        Cpu heavy_on_light::ten_thousand_times_the_mass_presses_nothing_through_a_plane, "presses it 1.02 m deep";
-        Cpu heavy_on_light::a_large_cube_does_not_press_a_small_one_through_a_mesh, "its centre is at 0.29 edges and not 0.51";
-        Cpu driven_stack::a_stack_rises_with_its_lift, "5.43, 6.48, 7.33, 7.91, 8.14 m/s for 5; rises 0.51 m";
-        Cpu driven_stack::a_row_leaves_with_what_hits_it, "5.25, 5.77, 6.43, 7.52, 8.03 m/s for 4.98";
-        Cpu dice_tower::three_of_a_centimetre_stand, "pressed together to 0.984 edges, awake";
-        Cpu dice_tower::five_of_a_centimetre_stand, "fall over";
-        Cpu dice_tower::three_of_five_millimetres_stand, "pressed together to 0.960 edges, awake";
-        Cpu dice_tower::five_of_five_millimetres_stand, "fall over";
-        Cpu dice_tower::five_of_two_centimetres_stand, "fall over on a mesh; pressed together on a plane";
+        Cpu heavy_on_light::a_hundred_times_the_mass_sinks_less_than_a_hundredth;
+        Cpu heavy_on_light::five_hundred_times_the_mass_sinks_less_than_a_hundredth;
+        Cpu heavy_on_light::a_thousand_times_the_mass_sinks_less_than_a_hundredth;
+        Cpu heavy_on_light::ten_cubes_one_to_hundred_in_turn_stand;
+        Cpu heavy_on_light::ten_thousand_times_the_mass_presses_nothing_through_a_plane;
+        Cpu heavy_on_light::a_large_cube_does_not_press_a_small_one_through_a_mesh;
+        Cpu driven_stack::a_stack_rises_with_its_lift;
+        Cpu driven_stack::a_row_leaves_with_what_hits_it;
+        Cpu dice_tower::three_of_a_centimetre_stand;
+        Cpu dice_tower::five_of_a_centimetre_stand;
+        Cpu dice_tower::three_of_five_millimetres_stand;
+        Cpu dice_tower::five_of_five_millimetres_stand;
+        Cpu dice_tower::five_of_two_centimetres_stand;
         Cpu dice_tower::five_of_a_metre_stand;
         Cpu dice_tower::five_of_a_hundred_metres_stand;
-        Cpu elastic_box::one_bounce_on_a_plane_keeps_the_energy, "0.984 to 1.117 of it, 1.033 in the median";
-        Cpu elastic_box::one_bounce_on_a_mesh_keeps_the_energy, "0.984 to 1.117 of it";
-        Cpu elastic_box::a_cube_between_six_planes_keeps_its_energy, "1.79 of it after 30 s";
-        Cpu elastic_box::a_cube_between_six_walls_keeps_its_energy, "1.80 of it after 30 s";
-        Cpu spinning_coin::with_a_vertex_in_the_middle_slows_down_by_theory, "0.36 of theory's deceleration";
-        Cpu spinning_coin::without_a_vertex_in_the_middle_slows_down_by_theory, "1.51 of theory's deceleration";
+        Cpu elastic_box::one_bounce_on_a_plane_keeps_the_energy;
+        Cpu elastic_box::one_bounce_on_a_mesh_keeps_the_energy;
+        Cpu elastic_box::a_cube_between_six_planes_keeps_its_energy;
+        Cpu elastic_box::a_cube_between_six_walls_keeps_its_energy;
+        Cpu spinning_coin::with_a_vertex_in_the_middle_slows_down_by_theory;
+        Cpu spinning_coin::without_a_vertex_in_the_middle_slows_down_by_theory;
         Cpu player::walks_and_respawns_as_told;
         Cpu bullets::sleepers_sleep_on_beside_a_bullet;
         Cpu bowl::a_ball_in_a_bowl_gains_no_energy;
-        Cpu turntable::a_box_rests_on_a_turntable, "creeps 7.6 mm in 10 s";
-        Cpu sheet::an_open_sheet_on_a_ball_comes_to_rest, "turns at 0.41 rad/s after 20 s, awake";
+        Cpu turntable::a_box_rests_on_a_turntable;
+        Cpu sheet::an_open_sheet_on_a_ball_comes_to_rest, "turns at 0.34 rad/s after 20 s, awake";
 
         Gpu balls::two_dropped_on_each_other_keep_their_energy;
         Gpu balls::offset_impacts_keep_their_energy;

@@ -24,8 +24,7 @@ pub fn cloud(restitution: f32) -> World {
     world
 }
 
-#[test]
-fn a_cloud_of_balls_keeps_momentum_and_gains_no_energy() {
+pub fn a_cloud_of_balls_keeps_momentum_and_gains_no_energy() {
     for restitution in [0.0, 0.5, 1.0] {
         let mut world = cloud(restitution);
         let before = world.measure();
@@ -55,8 +54,7 @@ fn a_cloud_of_balls_keeps_momentum_and_gains_no_energy() {
     }
 }
 
-#[test]
-fn boxes_that_tumble_into_each_other_keep_momentum() {
+pub fn boxes_that_tumble_into_each_other_keep_momentum() {
     let mut world = World::new();
     let mut random = fastrand::Rng::with_seed(5);
     let mut number = move || random.f64() - 0.5;
@@ -83,4 +81,24 @@ fn boxes_that_tumble_into_each_other_keep_momentum() {
         1.0e-4,
     );
     check_below("kinetic energy at most, of the first", kinetic, 1.01);
+}
+
+/// Three hundred balls and boxes that fall onto a floor.
+pub fn heap() -> World {
+    let mut world = World::heavy();
+    world.settings.sleeping = true;
+    world.floor(0.0);
+    let mut random = fastrand::Rng::with_seed(4);
+    for i in 0..300 {
+        let at = DVec3::new((i % 6) as f64, 1.0 + (i / 36) as f64, (i / 6 % 6) as f64) * 1.05;
+        let at = at + DVec3::new(random.f64(), random.f64(), random.f64()) * 0.1;
+        let shape = if i % 3 == 0 {
+            Shape::Box(DVec3::splat(0.4))
+        } else {
+            Shape::Sphere(0.5)
+        };
+        let body = world.dynamic(shape, 1.0, at);
+        world.bodies.bodies[body].restitution = 0.3;
+    }
+    world
 }

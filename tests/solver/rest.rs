@@ -5,14 +5,13 @@ use super::world::{World, check, check_below};
 use glam::{DQuat, DVec3, Vec3};
 
 /// The rest offset of unit cubes.
-const GAP: f64 = 0.005 * 1.7320508;
+const GAP: f64 = 0.0005 * 1.7320508;
 
 fn cube() -> Shape {
     Shape::Box(DVec3::splat(0.5))
 }
 
-#[test]
-fn a_box_stays_on_the_floor_for_a_minute() {
+pub fn a_box_stays_on_the_floor_for_a_minute() {
     let mut world = World::heavy();
     world.floor(0.0);
     let body = world.dynamic(cube(), 1.0, DVec3::Y * (0.5 + GAP));
@@ -27,8 +26,7 @@ fn a_box_stays_on_the_floor_for_a_minute() {
     check_below("speed, m/s", end.linear_velocity.length() as f64, 1.0e-3);
 }
 
-#[test]
-fn a_box_far_from_the_origin_stays_too() {
+pub fn a_box_far_from_the_origin_stays_too() {
     let mut world = World::heavy();
     world.floor(0.0);
     let at = DVec3::new(5.0e4, 0.0, -5.0e4);
@@ -42,8 +40,7 @@ fn a_box_far_from_the_origin_stays_too() {
     );
 }
 
-#[test]
-fn a_stack_of_ten_boxes_stands_for_half_a_minute() {
+pub fn a_stack_of_ten_boxes_stands_for_half_a_minute() {
     let mut world = World::heavy();
     world.floor(0.0);
     let height = |i: usize| 0.5 + GAP + i as f64 * (1.0 + GAP);
@@ -68,8 +65,7 @@ fn a_stack_of_ten_boxes_stands_for_half_a_minute() {
     );
 }
 
-#[test]
-fn a_pyramid_stands() {
+pub fn a_pyramid_stands() {
     let mut world = World::heavy();
     world.floor(0.0);
     let mut boxes = Vec::new();
@@ -85,8 +81,7 @@ fn a_pyramid_stands() {
     check_below("moved at most, metres", moved.fold(0.0, f64::max), 0.005);
 }
 
-#[test]
-fn a_heavy_box_rests_on_a_light_one() {
+pub fn a_heavy_box_rests_on_a_light_one() {
     for ratio in [10.0f32, 100.0] {
         let mut world = World::heavy();
         world.floor(0.0);
@@ -114,8 +109,7 @@ fn a_heavy_box_rests_on_a_light_one() {
     }
 }
 
-#[test]
-fn a_dropped_stack_comes_to_rest() {
+pub fn a_dropped_stack_comes_to_rest() {
     let mut world = World::heavy();
     world.floor(0.0);
     let boxes: Vec<usize> = (0..5)
@@ -135,23 +129,18 @@ fn a_dropped_stack_comes_to_rest() {
     check_below("deepest overlap, metres", world.deepest() as f64, 0.002);
 }
 
-#[test]
-fn the_impulse_that_supports_a_box_is_its_weight() {
+pub fn the_impulse_that_supports_a_box_is_its_weight() {
     let mut world = World::heavy();
     world.collision_substeps = Some(1);
     world.floor(0.0);
     world.dynamic(cube(), 3.0, DVec3::Y * (0.5 + GAP));
     world.seconds(2.0);
-    let sum: f32 = (0..world.manifolds.points.len())
-        .map(|i| world.solver.impulse_of(i))
-        .sum();
+    let sum: f32 = world.solver.impulses(world.manifolds.points.len()).iter().sum();
     check("newton seconds per step", sum as f64, 3.0 * 9.81 / 64.0, 0.005);
-    assert_eq!(world.solver.impulse_of(usize::MAX), 0.0);
     assert_eq!(world.velocity(0), Vec3::ZERO);
 }
 
-#[test]
-fn a_stack_stands_while_the_step_changes() {
+pub fn a_stack_stands_while_the_step_changes() {
     let mut world = World::heavy();
     world.floor(0.0);
     let height = |i: usize| 0.5 + GAP + i as f64 * (1.0 + GAP);

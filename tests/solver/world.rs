@@ -8,14 +8,85 @@ use bevy_faceoff::solver::*;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use glam::{DQuat, DVec3, Vec3};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// The solver under test, with its memory. It wakes bodies, moves them over a collision substep, and puts them to sleep.
+pub trait ContactSolver: Send {
+    fn solve(
+        &mut self,
+        bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        collision_substep: &CollisionSubstep,
+    );
+
+    /// Forgets the impulses of the last collision substep.
+    fn forget(&mut self);
+
+    /// Number of pairs whose impulses it remembers, if it tells.
+    fn saved_pairs(&self) -> Option<usize> {
+        None
+    }
+
+    /// The impulse of each contact point over the last collision substep, newton seconds.
+    fn impulses(&self, points: usize) -> Vec<f32>;
+}
+
+/// The solver on the CPU.
+#[derive(Default)]
+pub struct OnCpu {
+    pub solver: Solver,
+    pub warm: WarmStart,
+    pub sleeper: Sleeper,
+}
+
+impl ContactSolver for OnCpu {
+    fn solve(
+        &mut self,
+        bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        collision_substep: &CollisionSubstep,
+    ) {
+        let Self { solver, warm, sleeper } = self;
+        sleeper.wake(bodies, manifolds, settings, collision_substep);
+        solver.solve(bodies, manifolds, warm, settings, collision_substep);
+        sleeper.settle(bodies, manifolds, settings, collision_substep.dt);
+    }
+
+    fn forget(&mut self) {
+        self.warm.clear();
+    }
+
+    fn saved_pairs(&self) -> Option<usize> {
+        Some(self.warm.pairs())
+    }
+
+    fn impulses(&self, points: usize) -> Vec<f32> {
+        (0..points).map(|point| self.solver.impulse_of(point)).collect()
+    }
+}
+
+type MakeSolver = Rc<dyn Fn() -> Box<dyn ContactSolver>>;
+
+thread_local! {
+    static MAKE_SOLVER: RefCell<MakeSolver> = RefCell::new(Rc::new(|| Box::new(OnCpu::default())));
+}
+
+/// Runs a test whose worlds have this solver.
+#[allow(dead_code, reason = "the tests on a device call it")]
+pub fn with_solver(make: impl Fn() -> Box<dyn ContactSolver> + 'static, test: impl FnOnce()) {
+    let before = MAKE_SOLVER.replace(Rc::new(make));
+    test();
+    MAKE_SOLVER.set(before);
+}
 
 pub struct World {
     pub bodies: SolverBodies,
     pub shapes: Vec<Shape>,
     pub manifolds: Manifolds,
-    pub solver: Solver,
-    pub warm: WarmStart,
-    pub sleeper: Sleeper,
+    pub solver: Box<dyn ContactSolver>,
     pub settings: SolverSettings,
     pub gravity: Vec3,
     pub dt: f32,
@@ -31,9 +102,7 @@ impl World {
             bodies: SolverBodies::default(),
             shapes: Vec::new(),
             manifolds: Manifolds::default(),
-            solver: Solver::default(),
-            warm: WarmStart::default(),
-            sleeper: Sleeper::default(),
+            solver: MAKE_SOLVER.with_borrow(|make| make()),
             settings: SolverSettings {
                 sleeping: false,
                 ..SolverSettings::default()
@@ -107,21 +176,17 @@ impl World {
             };
             for _ in 0..collision_substeps {
                 self.detect(collision_substep.dt);
-                self.sleeper
-                    .wake(&mut self.bodies, &self.manifolds, &self.settings, &collision_substep);
-                let start = std::time::Instant::now();
-                self.solver.solve(
-                    &mut self.bodies,
-                    &self.manifolds,
-                    &mut self.warm,
-                    &self.settings,
-                    &collision_substep,
-                );
-                self.time_solving += start.elapsed();
-                self.sleeper
-                    .settle(&mut self.bodies, &self.manifolds, &self.settings, collision_substep.dt);
+                self.solve(&collision_substep);
             }
         }
+    }
+
+    /// One collision substep with the present manifolds.
+    pub fn solve(&mut self, collision_substep: &CollisionSubstep) {
+        let start = std::time::Instant::now();
+        self.solver
+            .solve(&mut self.bodies, &self.manifolds, &self.settings, collision_substep);
+        self.time_solving += start.elapsed();
     }
 
     pub fn seconds(&mut self, seconds: f32) {

@@ -89,7 +89,7 @@ pub fn bad_input_is_left_out(gpu: &Gpu) {
         twin.solve(&collision_substep);
     }
     let world = &twin.world;
-    check("the cube rests", world.center(cube).y, 0.5 + 0.00866, 0.005);
+    check("the cube rests", world.center(cube).y, 0.5 + 0.000866, 0.005);
     assert_eq!(world.center(lost), DVec3::Y * 3.0);
     assert_eq!(
         world.center(weightless),

@@ -1,7 +1,7 @@
 //! Single bodies that touch nothing.
 
 use super::shapes::Shape;
-use super::twin::{Apart, Twin, all, both, solve_on_cpu};
+use super::twin::{Apart, Twin, all, both};
 use super::world::{World, check};
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::solver::CollisionSubstep;
@@ -139,7 +139,7 @@ pub fn kinematic_and_static_bodies(gpu: &Gpu) {
             substeps: 8,
             gravity: cpu.gravity,
         };
-        solve_on_cpu(&mut cpu, &collision_substep);
+        cpu.solve(&collision_substep);
         twin.solve(&collision_substep);
     }
     Apart::of(&cpu, &twin.world).check("kinematic, static, asleep", all(1.0e-5));

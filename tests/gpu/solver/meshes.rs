@@ -1,12 +1,11 @@
 //! Contact points of meshes, as the solver will get them.
 
-use super::twin::{Apart, all};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::manifolds::cpu::planes;
 use bevy_faceoff::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair, cpu};
-use bevy_faceoff::solver::{CollisionSubstep, Solver, SolverBodies, WarmStart};
+use bevy_faceoff::solver::{CollisionSubstep, SolverBodies};
 use bevy_faceoff::state::{Body, Plane, StepConfig, StepInput};
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::gpu_solver::GpuSolver;
@@ -103,36 +102,27 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
         sleeping: false,
         ..SolverSettings::default()
     };
-    let (mut one, mut other) = (pile(), pile());
-    let (mut solver, mut warm) = (Solver::default(), WarmStart::default());
+    let mut pile = pile();
     let mut on_device = GpuSolver::new(gpu).unwrap();
-    on_device.put_bodies(&other.bodies).unwrap();
+    on_device.put_bodies(&pile.bodies).unwrap();
     let collision_substep = CollisionSubstep {
-        dt: one.state.input.config.dt,
+        dt: pile.state.input.config.dt,
         substeps: settings.substeps,
-        gravity: one.state.input.config.gravity,
+        gravity: pile.state.input.config.gravity,
     };
     let mut most = 0;
-    for step in 0..128 {
-        let manifolds = one.manifolds();
-        solver.solve(&mut one.bodies, &manifolds, &mut warm, &settings, &collision_substep);
-        one.place();
-
-        let manifolds = other.manifolds();
+    for _ in 0..128 {
+        let manifolds = pile.manifolds();
         most = most.max(manifolds.points.len());
         on_device.put_contacts(&manifolds).unwrap();
         on_device.run(&settings, &collision_substep).unwrap();
-        other.bodies.motions = on_device.motions().unwrap();
-        other.place();
-        if step == 31 {
-            // The lower ones have met, and nothing has had time to grow.
-            Apart::between(&one.bodies, &other.bodies).check("half a second", all(1.0e-4));
-        }
+        pile.bodies.motions = on_device.motions().unwrap();
+        pile.place();
     }
-    let motions = &other.bodies.motions;
+    let motions = &pile.bodies.motions;
     assert!(most > 40, "{most} points");
     assert!(motions.iter().all(|m| m.center.is_finite() && m.center.y > -0.01));
-    let deepest = other
+    let deepest = pile
         .manifolds()
         .points
         .iter()
@@ -140,6 +130,4 @@ pub fn a_pile_of_meshes(gpu: &Gpu) {
         .fold(f32::MIN, f32::max);
     println!("at most {most} points, in the end {deepest} m deep");
     assert!(deepest < 0.02, "{deepest}");
-    let speed = |bodies: &SolverBodies| bodies.motions.iter().map(|m| m.linear_velocity.length()).sum::<f32>();
-    println!("sums of speeds {} and {} m/s", speed(&one.bodies), speed(&other.bodies));
 }

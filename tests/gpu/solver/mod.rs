@@ -1,19 +1,43 @@
-//! The solver on a device against the solver on the CPU: the same contact points, made from spheres, boxes and planes, and
-//! the same motion.
+//! The solver on a device. Its method is not that of the CPU, so both are held to the same physical tests, those of
+//! `tests/solver`. What has no contacts must move as on the CPU.
 
+#[macro_use]
+#[path = "../../solver/physical.rs"]
+mod physical;
+
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/bodies.rs"]
+mod bodies;
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/cloud.rs"]
+mod cloud;
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/friction.rs"]
+mod friction;
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/overlap.rs"]
+mod overlap;
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/rest.rs"]
+mod rest;
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/restitution.rs"]
+mod restitution;
 #[path = "../../solver/shapes.rs"]
 mod shapes;
+#[allow(dead_code, reason = "some tests are of the CPU alone")]
+#[path = "../../solver/warm_start.rs"]
+mod warm_start;
 #[allow(dead_code, reason = "shared with tests that need more of it")]
 #[path = "../../solver/world.rs"]
 mod world;
 
 mod bad;
-mod contacts;
+mod device;
 mod far;
 mod free;
 mod many;
 mod meshes;
-mod overlap;
 mod same_bits;
 mod sleeping;
 mod twin;
@@ -32,35 +56,12 @@ pub const TESTS: &[Test] = &[
     ("slow_motion_far_from_the_origin", far::slow_motion_far_from_the_origin),
     ("slow_turns_are_not_lost", far::slow_turns_are_not_lost),
     ("a_box_on_a_floor_far_away", far::a_box_on_a_floor_far_away),
-    ("a_cube_on_a_half_space", contacts::a_cube_on_a_half_space),
-    ("a_ball_rolls", contacts::a_ball_rolls),
-    ("a_box_slides_down_a_slope", contacts::a_box_slides_down_a_slope),
-    ("balls_bounce", contacts::balls_bounce),
-    ("balls_meet_off_their_centres", contacts::balls_meet_off_their_centres),
-    ("a_brick_tumbles_and_bounces", contacts::a_brick_tumbles_and_bounces),
-    ("bodies_of_all_kinds_touch", contacts::bodies_of_all_kinds_touch),
-    ("substeps_of_changing_length", contacts::substeps_of_changing_length),
-    ("overlapping_balls_part", overlap::overlapping_balls_part),
-    (
-        "a_box_sunk_into_the_floor_comes_up",
-        overlap::a_box_sunk_into_the_floor_comes_up,
-    ),
-    ("points_that_disagree", overlap::points_that_disagree),
-    (
-        "impulses_are_those_that_hold_a_box",
-        contacts::impulses_are_those_that_hold_a_box,
-    ),
-    ("a_stack_of_ten_boxes", many::a_stack_of_ten_boxes),
     ("a_cloud_of_balls", many::a_cloud_of_balls),
     ("a_pile_of_meshes", meshes::a_pile_of_meshes),
     ("a_block_of_balls", many::a_block_of_balls),
     ("a_heap_in_one_place_comes_apart", many::a_heap_in_one_place_comes_apart),
     ("the_same_bits_again", same_bits::the_same_bits_again),
     ("bits_do_not_depend_on_room", same_bits::bits_do_not_depend_on_room),
-    (
-        "new_numbers_keep_the_impulses",
-        same_bits::new_numbers_keep_the_impulses,
-    ),
     (
         "a_stack_falls_asleep_as_on_the_cpu",
         sleeping::a_stack_falls_asleep_as_on_the_cpu,
@@ -81,3 +82,12 @@ pub const TESTS: &[Test] = &[
     ("too_much_is_an_error", bad::too_much_is_an_error),
     ("lists_that_lie", bad::lists_that_lie),
 ];
+
+macro_rules! on_device {
+    ($($module:ident { $($test:ident,)* })*) => {
+        &[$($((concat!(stringify!($module), "::", stringify!($test)), |gpu| device::run(gpu, $module::$test)),)*)*]
+    };
+}
+
+/// The physical tests on the device.
+pub const PHYSICAL_TESTS: &[Test] = physical_tests!(on_device);

@@ -67,17 +67,6 @@ impl Twin {
     }
 }
 
-/// One collision substep on the CPU with the present manifolds.
-pub fn solve_on_cpu(world: &mut World, collision_substep: &CollisionSubstep) {
-    world.solver.solve(
-        &mut world.bodies,
-        &world.manifolds,
-        &mut world.warm,
-        &world.settings,
-        collision_substep,
-    );
-}
-
 /// The same world twice, after `seconds` on the CPU and on the device.
 pub fn both(gpu: &Gpu, make: impl Fn() -> World, seconds: f32) -> (World, Twin) {
     let mut cpu = make();
