@@ -17,6 +17,10 @@ const fn game(name: &'static str, steps: usize, spawn: fn(&mut World)) -> Game {
 
 /// All scenes.
 pub const GAMES: &[Game] = &[
+    game("one body in flight", 128, |world| {
+        let cube = mesh(world, &shapes::cube(1.0));
+        world.spawn((RigidBody::Dynamic, cube, Transform::default(), LinearVelocity(Vec3::X)));
+    }),
     game("one cube on the ground", 128, |world| boxes(world, 1)),
     game("ten cubes on the ground", 128, |world| boxes(world, 10)),
     game("formation of balls at rest", 64, |world| formation(world, &ball(), 0.0)),
@@ -46,15 +50,16 @@ pub const GAMES: &[Game] = &[
     game("pile of tori, awake", 256, pile),
     game("pile of tori, awake, and a far bullet", 256, |world| {
         pile(world);
-        let mesh = mesh(world, &shapes::ball(0.025, 2));
-        let place = Transform::from_xyz(1000.0, 50.0, 0.0);
-        world.spawn((
-            RigidBody::Dynamic,
-            mesh,
-            place,
-            GravityScale(0.0),
-            LinearVelocity(Vec3::X * 100.0),
-        ));
+        far_bullet(world);
+    }),
+    game("pile of tori, awake, and a far plate that turns", 256, |world| {
+        pile(world);
+        far_plate(world);
+    }),
+    game("pile of tori, asleep after a while", 1500, sleeping_pile),
+    game("pile of tori, asleep after a while, and a far bullet", 1500, |world| {
+        sleeping_pile(world);
+        far_bullet(world);
     }),
     game("ball in a room", 256, |world| {
         let room = shapes::cube(4.0);
@@ -124,8 +129,33 @@ fn block(world: &mut World, shape: &TriMesh, height: f32, velocity: LinearVeloci
     }
 }
 
+/// A ball of 5 cm in flight at 100 m/s, far from everything else.
+fn far_bullet(world: &mut World) {
+    let mesh = mesh(world, &shapes::ball(0.025, 2));
+    let place = Transform::from_xyz(0.0, 1000.0, 0.0);
+    let velocity = LinearVelocity(Vec3::Y * 100.0);
+    world.spawn((RigidBody::Dynamic, mesh, place, GravityScale(0.0), velocity));
+}
+
+/// A plate of 1 cm thickness that turns in flight, far from everything else.
+fn far_plate(world: &mut World) {
+    let mesh = mesh(world, &shapes::cube(1.0));
+    let place = Transform::from_xyz(0.0, 1000.0, 0.0).with_scale(Vec3::new(1.0, 0.01, 1.0));
+    let spin = AngularVelocity(Vec3::X * 10.0);
+    world.spawn((RigidBody::Dynamic, mesh, place, GravityScale(0.0), spin));
+}
+
 /// 108 tori that fall into a pile and rest there, awake.
 fn pile(world: &mut World) {
+    pile_of(world, SleepingDisabled);
+}
+
+/// The same, asleep after some seconds.
+fn sleeping_pile(world: &mut World) {
+    pile_of(world, ());
+}
+
+fn pile_of(world: &mut World, sleeping: impl Bundle + Copy) {
     world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
         world.spawn(PlaneCollider::through(-1.2 * normal, normal));
@@ -136,7 +166,7 @@ fn pile(world: &mut World) {
         let at =
             Vec3::new((i % 3) as f32 - 1.0, 0.5 + 0.6 * layer, (i / 3 % 3) as f32 - 1.0) * Vec3::new(0.7, 1.0, 0.7);
         let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_x(i as f32));
-        world.spawn((RigidBody::Dynamic, mesh.clone(), place, SleepingDisabled));
+        world.spawn((RigidBody::Dynamic, mesh.clone(), place, sleeping));
     }
 }
 

@@ -16,8 +16,11 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 
 fn main() {
     let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
-    println!("| game | bodies | steps | median ms | worst ms | most pairs | most points | most collision_substeps |");
-    println!("|---|---|---|---|---|---|---|---|");
+    println!(
+        "| game | bodies | steps | median ms | worst ms | median outside of the stages, us | most parallel stages | most pairs | \
+         most points | most collision substeps | asleep at the end |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for game in GAMES {
         if only.as_ref().is_none_or(|only| game.name.contains(only.as_str())) {
             play(game);
@@ -40,24 +43,30 @@ fn play(game: &Game) {
     // In Bevy's first update no time has passed, so it runs no step.
     app.update();
 
-    let mut times = Vec::new();
+    let (mut times, mut rest) = (Vec::new(), Vec::new());
+    let (mut parallel_stages, mut asleep) = (0, 0);
     let (mut bodies, mut pairs, mut points, mut collision_substeps) = (0, 0, 0, 0);
     for _ in 0..game.steps {
         app.update();
         let report = app.world().resource::<StepReport>();
         times.push(report.total);
+        rest.push(report.total.saturating_sub(report.stages.iter().sum()));
+        parallel_stages = parallel_stages.max(report.parallel_stages);
         bodies = report.bodies;
+        asleep = report.sleeping;
         pairs = pairs.max(report.sphere_pairs);
         points = points.max(report.contact_points);
         collision_substeps = collision_substeps.max(report.collision_substeps);
     }
     times.sort();
+    rest.sort();
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     println!(
-        "| {} | {bodies} | {} | {:.2} | {:.1} | {pairs} | {points} | {collision_substeps} |",
+        "| {} | {bodies} | {} | {:.3} | {:.2} | {:.0} | {parallel_stages} | {pairs} | {points} | {collision_substeps} | {asleep} |",
         game.name,
         game.steps,
         ms(times[times.len() / 2]),
         ms(times[times.len() - 1]),
+        1e3 * ms(rest[rest.len() / 2]),
     );
 }

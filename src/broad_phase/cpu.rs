@@ -3,6 +3,7 @@
 mod counting_sort;
 pub(super) mod grid;
 
+use crate::parallel::loops;
 use crate::state::Bodies;
 use crate::types::body::RigidBody;
 use counting_sort::CountingSort;
@@ -74,7 +75,7 @@ pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec
         found.resize_with(tasks + static_tasks, Finder::default);
     }
     let found = &mut found[..tasks + static_tasks];
-    found.par_iter_mut().enumerate().for_each(|(task, finder)| {
+    loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
         let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
         finder.found.clear();
         if task < tasks {
@@ -92,10 +93,8 @@ pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec
     firsts.clear();
     firsts.extend(unsorted.iter().map(|pair| pair[0]));
     sort.sort(bodies.center.len(), firsts);
-    sphere_pairs.clear();
-    sphere_pairs.par_extend(sort.order().with_min_len(TASK).map(|at| unsorted[at as usize]));
-    let runs = sphere_pairs.par_chunk_by_mut(|p, q| p[0] == q[0]);
-    runs.for_each(|run| run.sort_unstable());
+    loops::collect(sort.order().map(|at| unsorted[at as usize]), TASK, sphere_pairs);
+    loops::sort_runs(sphere_pairs, |pair| pair[0]);
 }
 
 /// Finds the pairs of a range of bodies.

@@ -4,6 +4,7 @@
 use super::search::Outcome;
 use super::time_of_impact::{advance, rounded_down};
 use super::{Pose, Scratch, Sweep};
+use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Plane};
@@ -76,7 +77,7 @@ const MAX_HALVINGS: u32 = 12;
 /// missing entries count as not continuous. `pairs` must include all pairs whose bounding spheres overlap anywhere on
 /// their paths. `target_distance` is how near each pair may come, metres. Bodies that are carried keep to their
 /// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`. Runs on rayon's current thread
-/// pool; the same input gives the same bits with any number of threads.
+/// pool, outside of a pool on the calling thread; the same input gives the same bits with any number of threads.
 ///
 /// Guarantee: no pair with a continuous body comes nearer than `target_distance`, except pairs whose bodies are
 /// squeezed or have `LockedAxes`. Limit: sweeps are straight, so a body that a contact deflects within the collision
@@ -126,17 +127,14 @@ pub fn find_impacts(
         let exist = pair.iter().all(|&i| (i as usize) < count);
         !(exist && pair.iter().any(|&i| is_continuous(i)))
     }));
-    pairs
-        .par_iter()
-        .zip(&*ignored)
-        .map(|(&pair, &ignored)| {
-            if ignored {
-                f64::INFINITY
-            } else {
-                time_of_impact(pair, pair.map(|i| &sweeps[i as usize]))
-            }
-        })
-        .collect_into_vec(times);
+    let first_times = pairs.par_iter().zip(&*ignored).map(|(&pair, &ignored)| {
+        if ignored {
+            f64::INFINITY
+        } else {
+            time_of_impact(pair, pair.map(|i| &sweeps[i as usize]))
+        }
+    });
+    loops::collect(first_times, 1, times);
     if !times.iter().any(|&time| time < 1.0) {
         return;
     }
@@ -198,14 +196,12 @@ pub fn find_impacts(
                 && (motions[a].has_changed || motions[b].has_changed)
                 && motions[a].group != motions[b].group
         }));
-        outdated
-            .par_iter()
-            .map(|&at| {
-                let pair = pairs[at as usize];
-                let [a, b] = pair.map(|i| motions[i as usize].after(time));
-                time + (1.0 - time) * time_of_impact(pair, [&a, &b])
-            })
-            .collect_into_vec(new_times);
+        let next_times = outdated.par_iter().map(|&at| {
+            let pair = pairs[at as usize];
+            let [a, b] = pair.map(|i| motions[i as usize].after(time));
+            time + (1.0 - time) * time_of_impact(pair, [&a, &b])
+        });
+        loops::collect(next_times, 1, new_times);
         for (&at, &time) in outdated.iter().zip(&*new_times) {
             times[at as usize] = time;
         }

@@ -1,6 +1,7 @@
 //! Which sensors touch bodies with continuous collision detection during a collision substep.
 
 use super::{Impact, Scratch, Sweep, first_touch};
+use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Contact};
@@ -14,7 +15,7 @@ pub struct SensorScratch {
 
 /// Writes into `found`, for each of `pairs`, where its bodies first touch on their paths; `None` if they do not touch,
 /// or touch at the start. Bodies with an impact in `impacts` leave their sweep at its time. Runs on rayon's current
-/// thread pool; the same input gives the same bits with any number of threads.
+/// thread pool, outside of a pool on the calling thread; the same input gives the same bits with any number of threads.
 pub fn find_sensor_touches(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -29,21 +30,19 @@ pub fn find_sensor_touches(
         let at = impacts.binary_search_by_key(&i, |impact| impact.body);
         at.ok().map(|at| &impacts[at])
     };
-    pairs
-        .par_iter()
-        .map(|&pair| {
-            let [a, b] = pair.map(impact_of);
-            // The velocities of both bodies are constant between two of these times.
-            let [one, other] = [a, b].map(|impact| impact.map_or(0.0, |impact| f64::from(impact.fraction)));
-            let times = [0.0, one.min(other), one.max(other), 1.0];
-            let mut worker = workers.lock();
-            times.windows(2).filter(|span| span[0] < span[1]).find_map(|span| {
-                let [a, b] = [(pair[0], a), (pair[1], b)]
-                    .map(|(i, impact)| motion(&sweeps[i as usize], impact, span[0], span[1]));
-                first_touch(bodies, meshes, pair, [&a, &b], &mut worker)
-            })
+    let touches = pairs.par_iter().map(|&pair| {
+        let [a, b] = pair.map(impact_of);
+        // The velocities of both bodies are constant between two of these times.
+        let [one, other] = [a, b].map(|impact| impact.map_or(0.0, |impact| f64::from(impact.fraction)));
+        let times = [0.0, one.min(other), one.max(other), 1.0];
+        let mut worker = workers.lock();
+        times.windows(2).filter(|span| span[0] < span[1]).find_map(|span| {
+            let [a, b] =
+                [(pair[0], a), (pair[1], b)].map(|(i, impact)| motion(&sweeps[i as usize], impact, span[0], span[1]));
+            first_touch(bodies, meshes, pair, [&a, &b], &mut worker)
         })
-        .collect_into_vec(found);
+    });
+    loops::collect(touches, 1, found);
 }
 
 /// The motion of a body between two times, without an impact between them.

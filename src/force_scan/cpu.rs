@@ -2,6 +2,7 @@
 
 use super::impulse::{count_contacts, pair_closes, pair_impulses, plane_impulse, plane_pushes};
 use crate::parallel::in_order::InOrder;
+use crate::parallel::loops;
 use crate::sleep::cpu::{Sleeper, wake_on_changed_static};
 use crate::solver::{CollisionSubstep, Solver, SolverBodies, WarmStart};
 use crate::state::inactive::InactiveBodies;
@@ -9,7 +10,6 @@ use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::solver_settings::SolverSettings;
-use rayon::prelude::*;
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -75,7 +75,7 @@ pub(crate) fn sum_impulses(
         }
     });
     // Each body's entries are in the order of contacts, so the sum does not depend on the number of threads.
-    entries.par_sort_unstable_by_key(|entry| (entry.body, entry.contact));
+    loops::sort_unstable_by_key(entries, |entry| (entry.body, entry.contact));
 
     // One segment per body; the first entry of a segment is its start.
     starts.clear();

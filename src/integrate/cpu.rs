@@ -2,6 +2,7 @@
 
 use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
+use crate::parallel::loops;
 use crate::solver::SolverBodies;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Impulse, Manifolds, Plane, StepConfig};
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 /// Moves every body by one step, with the sum of its impulses. Data derived from poses is stale afterwards.
 pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: &[Impulse], bodies: &mut Bodies) {
     let dt = config.dt;
-    (
+    let items = (
         &mut bodies.position,
         &mut bodies.rotation,
         &mut bodies.linear_velocity,
@@ -22,29 +23,29 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
         &bodies.frame,
         &bodies.mesh,
         impulses,
-    )
-        .into_par_iter()
-        .with_min_len(256)
-        .for_each(
-            |(position, rotation, velocity, spin, &kind, &gravity_scale, frame, &mesh, impulse)| {
-                if kind == RigidBody::Static {
-                    return;
-                }
-                if kind == RigidBody::Dynamic {
-                    *velocity += config.gravity * (gravity_scale * dt) + impulse.linear;
-                    *spin += impulse.angular;
-                }
-                // The centre of mass moves along a line, and the mesh rotates about it.
-                let center = frame.center + (*velocity * dt).as_dvec3();
-                let rotated = DQuat::from_scaled_axis((*spin * dt).as_dvec3()) * rotation.as_dquat();
-                let rotated = rotated.normalize();
-                if *spin != Vec3::ZERO {
-                    *rotation = rotated.as_quat();
-                }
-                let local_center = frame.scale * meshes[mesh].mesh.mass.center.as_dvec3();
-                *position = (center - rotated * local_center).as_vec3();
-            },
-        );
+    );
+    loops::for_each(
+        items.into_par_iter(),
+        256,
+        |(position, rotation, velocity, spin, &kind, &gravity_scale, frame, &mesh, impulse)| {
+            if kind == RigidBody::Static {
+                return;
+            }
+            if kind == RigidBody::Dynamic {
+                *velocity += config.gravity * (gravity_scale * dt) + impulse.linear;
+                *spin += impulse.angular;
+            }
+            // The centre of mass moves along a line, and the mesh rotates about it.
+            let center = frame.center + (*velocity * dt).as_dvec3();
+            let rotated = DQuat::from_scaled_axis((*spin * dt).as_dvec3()) * rotation.as_dquat();
+            let rotated = rotated.normalize();
+            if *spin != Vec3::ZERO {
+                *rotation = rotated.as_quat();
+            }
+            let local_center = frame.scale * meshes[mesh].mesh.mass.center.as_dvec3();
+            *position = (center - rotated * local_center).as_vec3();
+        },
+    );
 }
 
 /// Stops bodies with continuous collision detection at their first impact, and records the sensors on their paths.

@@ -18,6 +18,7 @@ pub(crate) use pair::{Pair, Worker};
 pub(crate) use side::PlacedMesh;
 
 use super::MarginPair;
+use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, ManifoldPoint, Manifolds};
@@ -35,7 +36,7 @@ pub struct Scratch {
 const TASK: usize = 16;
 
 /// Writes the manifolds of `pairs`, in their order, into `manifolds`; pairs without points have none. Runs on rayon's
-/// current thread pool. The same input gives the same bits, whatever the number of threads.
+/// current thread pool, outside of a pool on the calling thread. The same input gives the same bits, whatever the number of threads.
 ///
 /// `pairs` must hold every pair whose surfaces may overlap or be closer than its margin, each once, ascending. The
 /// earlier stages must use the same margin: the broad phase with radii enlarged by half of the largest margin of each
@@ -54,18 +55,16 @@ pub fn run(
     }
     let Scratch { tasks, workers } = scratch;
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
-    tasks
-        .par_iter_mut()
-        .zip(pairs.par_chunks(TASK))
-        .for_each(|(task, pairs)| {
-            task.clear();
-            let mut worker = workers.lock();
-            for pair in pairs {
-                let first = task.points.len();
-                add_points(bodies, meshes, pair, &mut worker, &mut task.points);
-                task.end_pair(pair.bodies, first);
-            }
-        });
+    let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK));
+    loops::for_each(parts, 1, |(task, pairs)| {
+        task.clear();
+        let mut worker = workers.lock();
+        for pair in pairs {
+            let first = task.points.len();
+            add_points(bodies, meshes, pair, &mut worker, &mut task.points);
+            task.end_pair(pair.bodies, first);
+        }
+    });
     manifolds.clear();
     for task in tasks.iter() {
         for pair in &task.pairs {

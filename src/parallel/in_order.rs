@@ -1,5 +1,6 @@
 //! Parallel appending to a list, in the order of the items.
 
+use super::loops;
 use rayon::prelude::*;
 
 /// One list per task. The lists are reused, so that a step similar to the last one allocates nothing. (rayon's
@@ -29,16 +30,13 @@ impl<T: Copy + Send> InOrder<T> {
             self.lists.resize_with(tasks, Vec::new);
         }
         let lists = &mut self.lists[..tasks];
-        lists
-            .par_iter_mut()
-            .zip(items.par_chunks(task))
-            .enumerate()
-            .for_each(|(number, (list, items))| {
-                list.clear();
-                for (i, item) in items.iter().enumerate() {
-                    add(number * task + i, item, list);
-                }
-            });
+        let tasks = lists.par_iter_mut().zip(items.par_chunks(task)).enumerate();
+        loops::for_each(tasks, 1, |(number, (list, items))| {
+            list.clear();
+            for (i, item) in items.iter().enumerate() {
+                add(number * task + i, item, list);
+            }
+        });
         for list in lists {
             all.extend_from_slice(list);
         }

@@ -1,8 +1,9 @@
 //! Scratch memory for each thread of a pool.
 
+use super::loops;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// One value per thread of the rayon pool. One per task would take much more memory than the caches hold.
+/// One value per thread of the thread pool. One per task would take much more memory than the caches hold.
 pub(crate) struct PerThread<T> {
     all: Vec<Mutex<T>>,
 }
@@ -16,7 +17,7 @@ impl<T> Default for PerThread<T> {
 impl<T: Default> PerThread<T> {
     /// Makes sure that there is one value for each thread of the current pool.
     pub fn ready(&mut self) -> &Self {
-        let threads = rayon::current_num_threads();
+        let threads = loops::threads();
         if self.all.len() < threads {
             self.all.resize_with(threads, Mutex::default);
         }

@@ -107,6 +107,8 @@ pub(crate) struct Engine {
     /// Threads of the CPU stages. Rayon's global pool runs jobs from other threads last, so a bake on it would delay
     /// every step.
     pub pool: ThreadPool,
+    /// Number of stages of the last step that used the pool.
+    parallel_stages: u32,
     backend: Backend,
     #[cfg(feature = "gpu")]
     readback: Readback,
@@ -148,6 +150,7 @@ impl Engine {
         let _ = readback;
         Ok(Self {
             pool,
+            parallel_stages: 0,
             backend,
             #[cfg(feature = "gpu")]
             readback,
@@ -293,6 +296,9 @@ impl Engine {
     /// If the device fails, no body has moved. The same step runs again on a new device or on the CPU. It does not run
     /// if the renderer's new device is still to come.
     pub fn run(&mut self, stage: Stage, state: &mut StepState) {
+        if stage == Stage::BroadPhase {
+            self.parallel_stages = 0;
+        }
         #[cfg(feature = "gpu")]
         while let Some(gpu) = self.gpu.as_mut().filter(|_| !self.on_cpu) {
             if stage != Stage::BroadPhase {
@@ -304,7 +310,7 @@ impl Engine {
             }
         }
         if self.runs() {
-            self.pool.install(|| crate::step::cpu::run(stage, state));
+            self.parallel_stages += u32::from(crate::step::cpu::run_on(&self.pool, stage, state));
         }
     }
 
@@ -315,6 +321,11 @@ impl Engine {
             return (gpu.in_flight(), gpu.waits());
         }
         (0, 0)
+    }
+
+    /// Number of stages of the last step that used the thread pool.
+    pub fn parallel_stages(&self) -> u32 {
+        self.parallel_stages
     }
 
     /// Whether there was a failure since the last call of [`Engine::take_failure`].
@@ -421,6 +432,7 @@ impl Engine {
         detail: Detail,
         latency: usize,
     ) -> Option<Option<Output>> {
+        self.parallel_stages = 0;
         let gpu = self.gpu.as_mut()?;
         let result = gpu.submit(state, carried, detail).and_then(|()| {
             if gpu.in_flight() > latency {

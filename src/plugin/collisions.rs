@@ -203,6 +203,9 @@ pub struct StepReport {
     pub triangle_tests: u64,
     /// Number of pairs of intersecting faces.
     pub face_pairs: usize,
+    /// Number of stages that ran on the thread pool. On the CPU a small stage runs on the thread of the schedule and
+    /// wakes no other. 0 on a GPU.
+    pub parallel_stages: u32,
     /// Number of steps on the GPU whose results are not published yet; see
     /// [`Readback`](crate::plugin::settings::Readback).
     pub in_flight: usize,
@@ -235,6 +238,7 @@ impl fmt::Debug for StepReport {
             sleeping,
             triangle_tests,
             face_pairs,
+            parallel_stages,
             in_flight,
             waits,
         } = self;
@@ -256,6 +260,7 @@ impl fmt::Debug for StepReport {
             .field("sleeping", sleeping)
             .field("triangle_tests", triangle_tests)
             .field("face_pairs", face_pairs)
+            .field("parallel_stages", parallel_stages)
             .field("in_flight", in_flight)
             .field("waits", waits)
             .finish()

@@ -4,6 +4,7 @@ use super::bodies::SolverBodies;
 use super::contact::{Pair, Point};
 use super::islands::{Island, Islands, Mobility};
 use super::motion::{BodyStates, StatesMut};
+use crate::parallel::loops;
 use crate::state::Manifolds;
 use glam::Vec3;
 
@@ -201,7 +202,7 @@ impl IslandsMut<'_> {
             first.for_each(f);
             second.for_each(f);
         } else {
-            rayon::join(|| first.for_each(f), || second.for_each(f));
+            loops::join(|| first.for_each(f), || second.for_each(f));
         }
     }
 

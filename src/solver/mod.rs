@@ -101,7 +101,8 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// Moves `bodies` over one collision substep, on rayon's current thread pool.
+    /// Moves `bodies` over one collision substep, on rayon's current thread pool, outside of a pool on the
+    /// calling thread.
     ///
     /// `manifolds` are the contact points at its start. `warm` has the impulses of the last collision substep and
     /// receives those of this one; an empty one is valid, but bodies at rest sink a little. Impulses in

@@ -4,6 +4,7 @@ use super::bodies::SolverBodies;
 use super::constraints::Constraints;
 use super::contact::Point;
 use super::motion::unit;
+use crate::parallel::loops;
 use crate::state::ManifoldPoint;
 use crate::types::solver_settings::SolverSettings;
 use glam::{Quat, Vec3};
@@ -98,10 +99,8 @@ impl WarmStart {
     pub(super) fn save(&mut self, constraints: &Constraints, bodies: &SolverBodies, h: f32) {
         self.substep = h;
         self.points.resize(constraints.points().len(), SavedPoint::default());
-        (&mut self.points, constraints.points())
-            .into_par_iter()
-            .with_min_len(1024)
-            .for_each(|(saved, point)| *saved = SavedPoint::new(point));
+        let points = (&mut self.points, constraints.points()).into_par_iter();
+        loops::for_each(points, 1024, |(saved, point)| *saved = SavedPoint::new(point));
         self.pairs.clear();
         for pair in constraints.pairs() {
             let [a, b] = pair.bodies.map(|i| i as usize);
@@ -119,7 +118,7 @@ impl WarmStart {
                 rotations: pair.bodies.map(|body| unit(bodies.motions[body as usize].rotation)),
             });
         }
-        self.pairs.par_sort_unstable_by_key(|pair| (pair.keys, pair.first));
+        loops::sort_unstable_by_key(&mut self.pairs, |pair| (pair.keys, pair.first));
     }
 }
 

@@ -1,13 +1,17 @@
-//! The step on the CPU, on rayon's current thread pool.
+//! The step on the CPU.
+//!
+//! Large stages run on a thread pool. Small ones run on the calling thread, because waking others would take longer.
 
 use super::StepState;
 use super::begin::begin;
+use super::cost::is_small;
 use super::order::{Part, Place, parts_of};
 use crate::manifolds::report::report_points;
 use crate::solver::CollisionSubstep;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, triangle_test};
+use rayon::ThreadPool;
 use std::time::Instant;
 
 /// Runs a whole step.
@@ -17,11 +21,35 @@ pub fn run_all(step: &mut StepState) {
     }
 }
 
-/// Runs a stage of the first collision substep and records its time.
+/// Runs a stage of the first collision substep on rayon's current thread pool, or the global one, and records its time.
 ///
 /// The last stage also runs all stages of the other collision substeps, if there are any. So a step is complete when
 /// all stages have run once, in order.
 pub fn run(stage: Stage, step: &mut StepState) {
+    in_pool(stage, step, |step| run_here(stage, step));
+}
+
+/// Calls `f` in rayon's current thread pool, or in the global one if `stage` is not small.
+fn in_pool<R: Send>(stage: Stage, step: &mut StepState, f: impl FnOnce(&mut StepState) -> R + Send) -> R {
+    if rayon::current_thread_index().is_some() || is_small(stage, step) {
+        f(step)
+    } else {
+        rayon::scope(|_| f(step))
+    }
+}
+
+/// [`run`] on `pool`. Returns whether the stage needed it.
+pub fn run_on(pool: &ThreadPool, stage: Stage, step: &mut StepState) -> bool {
+    let needs_pool = pool.current_num_threads() > 1 && !is_small(stage, step);
+    if needs_pool {
+        pool.install(|| run_here(stage, step));
+    } else {
+        run_here(stage, step);
+    }
+    needs_pool
+}
+
+fn run_here(stage: Stage, step: &mut StepState) {
     step.results.times[stage as usize] = Default::default();
     run_stage(stage, 0, step);
     if stage == Stage::Integrate {
@@ -36,18 +64,20 @@ pub fn run(stage: Stage, step: &mut StepState) {
 /// Returns which near pairs touch, without faces and contacts: the test of a pair ends at its first hit. It replaces
 /// the triangle test and runs after the stages before it.
 pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
-    let StepState {
-        input,
-        results,
-        scratch,
-        ..
-    } = step;
-    triangle_test::cpu::touching(
-        &input.bodies,
-        &input.meshes,
-        &results.near_pairs,
-        &mut scratch.triangle_test,
-    )
+    in_pool(Stage::TriangleTest, step, |step| {
+        let StepState {
+            input,
+            results,
+            scratch,
+            ..
+        } = step;
+        triangle_test::cpu::touching(
+            &input.bodies,
+            &input.meshes,
+            &results.near_pairs,
+            &mut scratch.triangle_test,
+        )
+    })
 }
 
 /// Runs the parts of a stage in collision substep `number` and adds their time.

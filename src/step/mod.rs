@@ -49,6 +49,7 @@
 //! [`ccd`]: crate::ccd
 
 mod begin;
+mod cost;
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;

@@ -11,6 +11,7 @@ mod pair_setup;
 pub(crate) mod placed;
 mod planes;
 
+use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
 use crate::simd::lanes::Simd;
 use crate::simd::level::with_simd;
@@ -79,16 +80,14 @@ pub(crate) fn run(
         inactive.is_inactive(pair) && bodies.push_each_other(pair) && overlapping.binary_search(&pair).is_err()
     };
     let (tasks, workers) = scratch.ready(near_pairs.len());
-    tasks
-        .par_iter_mut()
-        .zip(near_pairs.par_chunks(TASK))
-        .for_each(|(task, pairs)| {
-            task.found.clear();
-            let mut worker = workers.lock();
-            for pair in pairs.iter().filter(|pair| !is_known(pair.bodies)) {
-                with_simd!(simd => test_pair(simd, bodies, meshes, pair, &mut worker, &mut task.found));
-            }
-        });
+    let parts = tasks.par_iter_mut().zip(near_pairs.par_chunks(TASK));
+    loops::for_each(parts, 1, |(task, pairs)| {
+        task.found.clear();
+        let mut worker = workers.lock();
+        for pair in pairs.iter().filter(|pair| !is_known(pair.bodies)) {
+            with_simd!(simd => test_pair(simd, bodies, meshes, pair, &mut worker, &mut task.found));
+        }
+    });
 
     contacts.clear();
     for Task { found, .. } in tasks.iter() {
@@ -128,17 +127,15 @@ pub(crate) fn touching(
     scratch: &mut Scratch,
 ) -> Vec<[u32; 2]> {
     let (tasks, workers) = scratch.ready(near_pairs.len());
-    tasks
-        .par_iter_mut()
-        .zip(near_pairs.par_chunks(TASK))
-        .for_each(|(task, pairs)| {
-            task.touching.clear();
-            let mut worker = workers.lock();
-            let touching = pairs
-                .iter()
-                .filter(|pair| with_simd!(simd => touch(simd, bodies, meshes, pair, &mut worker)));
-            task.touching.extend(touching.map(|pair| pair.bodies));
-        });
+    let parts = tasks.par_iter_mut().zip(near_pairs.par_chunks(TASK));
+    loops::for_each(parts, 1, |(task, pairs)| {
+        task.touching.clear();
+        let mut worker = workers.lock();
+        let touching = pairs
+            .iter()
+            .filter(|pair| with_simd!(simd => touch(simd, bodies, meshes, pair, &mut worker)));
+        task.touching.extend(touching.map(|pair| pair.bodies));
+    });
     tasks.iter().flat_map(|task| &task.touching).copied().collect()
 }
 

@@ -325,3 +325,39 @@ fn a_report_names_its_stages() {
     assert!(text.contains("TriangleTest: 3ms"), "{text}");
     assert!(text.contains("waits: 0"), "{text}");
 }
+
+/// Most stages on the thread pool, and most pairs, of any of 64 steps with two threads.
+fn most_parallel_stages(spawn: impl Fn(&mut Sim)) -> (u32, usize) {
+    let mut sim = Sim::with_threads(2);
+    spawn(&mut sim);
+    let (mut stages, mut pairs) = (0, 0);
+    for _ in 0..64 {
+        sim.step(1);
+        stages = stages.max(sim.report().parallel_stages);
+        pairs = pairs.max(sim.report().sphere_pairs);
+    }
+    (stages, pairs)
+}
+
+#[test]
+fn small_steps_wake_no_thread() {
+    let cubes = |count: usize| {
+        move |sim: &mut Sim| {
+            sim.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
+            let cube = sim.mesh(&shapes::cube(1.0));
+            for i in 0..count {
+                sim.spawn(resting(&cube, Vec3::new(0.0, 0.6 + 1.1 * i as f32, 0.0)));
+            }
+        }
+    };
+    assert_eq!(most_parallel_stages(cubes(1)), (0, 0));
+    assert_eq!(most_parallel_stages(cubes(10)), (0, 9));
+    let (stages, pairs) = most_parallel_stages(|sim| {
+        let torus = sim.mesh(&shapes::torus_240());
+        for i in 0..125 {
+            let at = Vec3::new((i % 5) as f32, (i / 25) as f32, (i / 5 % 5) as f32);
+            sim.spawn(resting(&torus, 0.5 * at));
+        }
+    });
+    assert!(stages > 0, "{pairs} pairs");
+}

@@ -1,5 +1,6 @@
 //! A parallel counting sort.
 
+use crate::parallel::loops;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -21,15 +22,12 @@ impl CountingSort {
     pub fn sort(&mut self, limit: usize, keys: &[u32]) {
         // Clears the counts of the previous sort, whose size may differ.
         self.starts.truncate(limit + 1);
-        self.starts
-            .par_iter_mut()
-            .with_min_len(8 * MIN_ITEMS)
-            .for_each(|start| *start.get_mut() = 0);
+        loops::for_each(self.starts.par_iter_mut(), 8 * MIN_ITEMS, |start| *start.get_mut() = 0);
         self.starts.resize_with(limit + 1, AtomicU32::default);
         self.order.truncate(keys.len());
         self.order.resize_with(keys.len(), AtomicU32::default);
         let (starts, order) = (&self.starts, &self.order);
-        keys.par_iter().with_min_len(MIN_ITEMS).for_each(|&key| {
+        loops::for_each(keys.par_iter(), MIN_ITEMS, |&key| {
             starts[key as usize + 1].fetch_add(1, Relaxed);
         });
         // Counts are shifted by one: once all items are placed, each entry has advanced to the start of the next key.
@@ -39,13 +37,11 @@ impl CountingSort {
             sum += count;
         }
         let starts = &self.starts;
-        keys.par_iter()
-            .zip(0u32..keys.len() as u32)
-            .with_min_len(MIN_ITEMS)
-            .for_each(|(&key, item)| {
-                let at = starts[key as usize + 1].fetch_add(1, Relaxed);
-                order[at as usize].store(item, Relaxed);
-            });
+        let items = keys.par_iter().zip(0u32..keys.len() as u32);
+        loops::for_each(items, MIN_ITEMS, |(&key, item)| {
+            let at = starts[key as usize + 1].fetch_add(1, Relaxed);
+            order[at as usize].store(item, Relaxed);
+        });
     }
 
     /// The items in sorted order.

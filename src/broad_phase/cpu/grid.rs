@@ -5,6 +5,7 @@
 //! neighbours in memory.
 
 use super::counting_sort::CountingSort;
+use crate::parallel::loops;
 use crate::simd::lanes::{SimdBase, SimdFrom, bitmask, f32x8, splat};
 use crate::simd::level::baseline;
 use glam::{DVec3, Vec3};
@@ -102,7 +103,8 @@ fn census(radii: &[f32], members: &[u32]) -> Census {
         }
         census
     };
-    members.par_chunks(1 << 14).map(count).reduce(
+    loops::reduce(
+        members.par_chunks(1 << 14).map(count),
         || [(0, 0.0); LEVEL_COUNT],
         |mut one, other| {
             for ((count, largest), (more, radius)) in one.iter_mut().zip(other) {
@@ -167,13 +169,14 @@ impl Grid {
     ) -> bool {
         let [x, y, z, r] = &self.spheres;
         self.ids.len() == count
-            && (&self.ids, x, y, z, r)
-                .into_par_iter()
-                .with_min_len(MIN_BODIES)
-                .all(|(&i, &x, &y, &z, &r)| {
+            && loops::all(
+                (&self.ids, x, y, z, r).into_par_iter(),
+                MIN_BODIES,
+                |(&i, &x, &y, &z, &r)| {
                     let i = i as usize;
                     i < centers.len() && is_member(i) && centers[i].to_array() == [x, y, z] && radii[i] == r
-                })
+                },
+            )
     }
 
     /// Fills the grid with the bodies `members`. Returns whether cell sizes should change; the next call uses the new
@@ -207,25 +210,23 @@ impl Grid {
             bodies += count;
         }
         let levels = &self.levels;
-        self.keys.clear();
-        self.keys
-            .par_extend(members.par_iter().with_min_len(MIN_BODIES).map(|&i| {
-                let level = &levels[places[level_of(radii[i as usize])]];
-                let [x, y, z] = level.cell(centers[i as usize].as_dvec3());
-                level.row([x >> BLOCK_BITS[0], y, z]) + (x as u32 & ROW_END)
-            }));
+        let keys = members.par_iter().map(|&i| {
+            let level = &levels[places[level_of(radii[i as usize])]];
+            let [x, y, z] = level.cell(centers[i as usize].as_dvec3());
+            level.row([x >> BLOCK_BITS[0], y, z]) + (x as u32 & ROW_END)
+        });
+        loops::collect(keys, MIN_BODIES, &mut self.keys);
         self.buckets.sort(buckets as usize, &self.keys);
-        self.ids.clear();
-        let order = self.buckets.order().with_min_len(MIN_BODIES);
-        self.ids.par_extend(order.map(|at| members[at as usize]));
+        let order = self.buckets.order();
+        loops::collect(order.map(|at| members[at as usize]), MIN_BODIES, &mut self.ids);
         // All values but the padding are overwritten.
         let n = self.ids.len();
         let [x, y, z, r] = self.spheres.each_mut().map(|numbers| {
             numbers.resize(n + LANES, 0.0);
             &mut numbers[..n]
         });
-        let all = (&self.ids, x, y, z, r).into_par_iter().with_min_len(MIN_BODIES);
-        all.for_each(|(&i, x, y, z, r)| {
+        let all = (&self.ids, x, y, z, r).into_par_iter();
+        loops::for_each(all, MIN_BODIES, |(&i, x, y, z, r)| {
             [*x, *y, *z] = centers[i as usize].to_array();
             *r = radii[i as usize];
         });

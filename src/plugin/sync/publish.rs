@@ -134,6 +134,7 @@ pub(crate) fn publish(
         sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
+        parallel_stages: step.engine.parallel_stages(),
         ..*report
     };
 
