@@ -277,6 +277,7 @@ impl Engine {
     }
 
     /// Whether this value of `on_cpu` moves the simulation from the GPU to the CPU or back.
+    #[cfg(feature = "gpu")]
     pub fn changes_place(&self, on_cpu: bool) -> bool {
         self.on_cpu != on_cpu && matches!(self.active, ActiveBackend::Gpu { .. })
     }

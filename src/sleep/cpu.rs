@@ -27,7 +27,7 @@ pub struct Sleeper {
     /// The parent of each body in the union-find tree of its island.
     parents: Vec<u32>,
     /// The bodies that each body touches, as the sum of hashes of their keys.
-    neighbours: Vec<u64>,
+    neighbours: Vec<u32>,
     /// For the root of each island: the island stays awake, or must wake.
     awake: Vec<bool>,
 }
@@ -282,10 +282,10 @@ fn speed(body: &SolverBody, motion: &SolverMotion) -> f32 {
 }
 
 /// Hash of a key (the finaliser of SplitMix64: Steele et al., "Fast Splittable Pseudorandom Number Generators", 2014).
-/// Sums of such hashes differ for different sets of keys.
-pub(crate) fn hash(key: u64) -> u64 {
+/// Sums of such hashes differ for different sets of keys, but for one in four billion.
+pub(crate) fn hash(key: u64) -> u32 {
     let x = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
+    (x ^ (x >> 31)) as u32
 }

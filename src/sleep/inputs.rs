@@ -20,9 +20,9 @@ pub(crate) struct SleepInputs {
 /// These properties and the pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlacedSleepInputs {
-    inputs: SleepInputs,
-    position: Vec3,
-    rotation: Quat,
+    pub inputs: SleepInputs,
+    pub position: Vec3,
+    pub rotation: Quat,
 }
 
 impl SleepInputs {

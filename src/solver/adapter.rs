@@ -7,7 +7,7 @@ use crate::types::body::RigidBody;
 use glam::DMat3;
 
 /// Key of the first plane; the keys of planes descend from here.
-const PLANE_KEY: u64 = u64::MAX;
+pub(crate) const PLANE_KEY: u64 = u64::MAX;
 
 impl SolverBodies {
     /// Replaces all bodies by those of a step, followed by its planes as static bodies: plane `i` has the number

@@ -131,7 +131,7 @@ pub struct SleepState {
     /// How long it has been slow, seconds.
     pub rest_time: f32,
     /// The bodies that it touched when it fell asleep, as the sum of hashes of their keys.
-    pub neighbours: u64,
+    pub neighbours: u32,
 }
 
 /// All bodies; one entry per body in every array.

@@ -60,6 +60,8 @@ pub mod speeds;
 mod substep;
 pub mod warm_start;
 
+#[cfg(feature = "gpu")]
+pub(crate) use adapter::PLANE_KEY;
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
 pub use warm_start::WarmStart;
 

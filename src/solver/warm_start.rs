@@ -20,42 +20,42 @@ pub(super) const MAX_IMPULSE_SCALE: f32 = 2.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
     /// Ascending by keys.
-    pairs: Vec<SavedPair>,
-    points: Vec<SavedPoint>,
+    pub(super) pairs: Vec<SavedPair>,
+    pub(super) points: Vec<SavedPoint>,
     /// Length of the solver substeps in which the impulses acted, seconds.
-    substep: f32,
+    pub(super) substep: f32,
 }
 
 /// A pair of the last collision substep. Its first body is the one that had the smaller number then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SavedPair {
     /// The smaller key first.
-    keys: [u64; 2],
-    first: u32,
-    count: u32,
+    pub keys: [u64; 2],
+    pub first: u32,
+    pub count: u32,
     /// The first body had the larger key.
-    flipped: bool,
+    pub flipped: bool,
     pub depenetrating: bool,
-    separating_direction: Vec3,
+    pub separating_direction: Vec3,
     /// From each body's axes to the world's.
-    rotations: [Quat; 2],
+    pub rotations: [Quat; 2],
 }
 
 /// A point of the last collision substep, in world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct SavedPoint {
+pub(super) struct SavedPoint {
     /// From the centres of mass.
-    anchors: [Vec3; 2],
-    normal: Vec3,
-    normal_impulse: f32,
-    friction_impulse: Vec3,
+    pub anchors: [Vec3; 2],
+    pub normal: Vec3,
+    pub normal_impulse: f32,
+    pub friction_impulse: Vec3,
 }
 
 /// The last contact of a pair, in the present order of its bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LastContact<'a> {
     pub pair: &'a SavedPair,
-    points: &'a [SavedPoint],
+    pub points: &'a [SavedPoint],
     /// The first body then is the second now.
     swapped: bool,
 }
@@ -122,7 +122,7 @@ impl WarmStart {
     }
 }
 
-fn sorted([a, b]: [u64; 2]) -> [u64; 2] {
+pub(super) fn sorted([a, b]: [u64; 2]) -> [u64; 2] {
     [a.min(b), a.max(b)]
 }
 

@@ -14,21 +14,21 @@ use glam::Vec3;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepMemory {
     /// Keys of the bodies of the last step, ascending.
-    keys: Vec<u64>,
+    pub(super) keys: Vec<u64>,
     /// The state of each of them.
-    bodies: Vec<SavedBody>,
-    planes: Vec<Plane>,
-    gravity: Vec3,
+    pub(super) bodies: Vec<SavedBody>,
+    pub(super) planes: Vec<Plane>,
+    pub(super) gravity: Vec3,
     /// The impulses of the last collision substep.
     pub(super) warm: WarmStart,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct SavedBody {
-    sleep: SleepState,
-    inputs: PlacedSleepInputs,
+pub(super) struct SavedBody {
+    pub sleep: SleepState,
+    pub inputs: PlacedSleepInputs,
     /// It had an impact in continuous collision detection.
-    had_impact: bool,
+    pub had_impact: bool,
 }
 
 impl StepMemory {

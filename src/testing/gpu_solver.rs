@@ -118,7 +118,7 @@ impl GpuSolver {
         let own: Vec<_> = bodies.bodies.iter().map(upload::body).collect();
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let states: Vec<_> = states
-            .map(|((m, s), k)| upload::state(m, s, sleep::cpu::hash(*k) as u32))
+            .map(|((m, s), k)| upload::state(m, s, sleep::cpu::hash(*k)))
             .collect();
         let forces: Vec<_> = bodies.forces.iter().map(upload::forces).collect();
         self.write(&[
@@ -210,7 +210,7 @@ impl GpuSolver {
         Ok(states.iter().map(SolverMotion::from).collect())
     }
 
-    /// Sleep states of the bodies, with the lower half of the sums of neighbours.
+    /// Sleep states of the bodies.
     ///
     /// # Errors
     /// If the device fails.

@@ -1,14 +1,21 @@
 //! An app for a small game: default settings, 64 steps per second, earth's gravity, no window.
 
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 /// Distance between the surfaces of bodies at rest, in bounding diameters: the default of `SolverSettings::rest_offset`.
 pub const GAP: f32 = 0.0005;
 
+/// One fixed step.
+const STEP: Duration = Duration::from_nanos(15_625_000);
+
 pub struct Game {
     pub app: App,
+    /// Whether steps are frames of the app. Else they run at once, and wait for their results.
+    in_frames: bool,
 }
 
 impl Game {
@@ -26,12 +33,25 @@ impl Game {
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         app.finish();
         app.cleanup();
-        Self { app }
+        Self { app, in_frames: false }
     }
 
     /// Where the steps run.
     pub fn backend(&self) -> ActiveBackend {
         self.app.world().resource::<ActiveBackend>().clone()
+    }
+
+    /// A game whose steps are frames of the app, one each, when there is something to run them on.
+    pub fn in_frames(mut self) -> Self {
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
+        // Bevy's first update runs no step.
+        self.app.update();
+        while self.backend() == ActiveBackend::Opening {
+            std::thread::sleep(STEP);
+            self.app.update();
+        }
+        self.in_frames = true;
+        self
     }
 
     pub fn without_gravity(mut self) -> Self {
@@ -66,7 +86,11 @@ impl Game {
 
     pub fn steps(&mut self, count: usize) {
         for _ in 0..count {
-            self.world().run_schedule(FaceoffStep);
+            if self.in_frames {
+                self.app.update();
+            } else {
+                self.world().run_schedule(FaceoffStep);
+            }
         }
     }
 

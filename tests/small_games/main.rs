@@ -19,7 +19,7 @@
 //! | a cube in a closed room for 30 s | the same | on the CPU |
 //! | a coin spins on a half-space | slows down by 4/3 mu g / R | on the CPU |
 //! | a player looks around, another respawns | turning changes no velocity | on both, in each `Readback`; see also `tests/gpu/apps/writes.rs` |
-//! | a bullet flies past sleepers | they sleep on | on the CPU |
+//! | a bullet flies past sleepers | they sleep on | on both |
 //! | a ball in a bowl without friction | gains no energy | on the CPU |
 //! | a box on a turntable | rests | on the CPU |
 //! | an open sheet on a ball | comes to rest | on neither: it rocks |
@@ -102,6 +102,7 @@ fn plays() -> Vec<Play> {
         Cpu spinning_coin::without_a_vertex_in_the_middle_slows_down_by_theory;
         Cpu player::walks_and_respawns_as_told;
         Cpu bullets::sleepers_sleep_on_beside_a_bullet;
+        Cpu bullets::a_stack_stands_beside_a_bullet;
         Cpu bowl::a_ball_in_a_bowl_gains_no_energy;
         Cpu turntable::a_box_rests_on_a_turntable;
         Cpu sheet::an_open_sheet_on_a_ball_comes_to_rest, "turns at 0.34 rad/s after 20 s, awake";
@@ -119,7 +120,9 @@ fn plays() -> Vec<Play> {
         Gpu player::walks_and_respawns_as_told;
         Gpu player::walks_and_respawns_as_told_with_latent_results;
         Gpu player::walks_and_respawns_as_told_with_resident_bodies;
-        Gpu bullets::sleepers_sleep_on_beside_a_bullet, "wakes them as it comes and as it goes: 232 of 480 looks see sleep";
+        Gpu bullets::sleepers_sleep_on_beside_a_bullet;
+        Gpu bullets::sleepers_sleep_on_beside_a_bullet_with_latent_results;
+        Gpu bullets::a_stack_stands_beside_a_bullet;
     }
 }
 

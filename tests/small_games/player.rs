@@ -3,13 +3,9 @@
 
 use crate::game::{Game, body, check};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::prelude::*;
-use std::time::Duration;
-
-const STEP: Duration = Duration::from_nanos(15_625_000);
 
 #[derive(Component)]
 struct Player;
@@ -35,16 +31,8 @@ pub fn walks_and_respawns_as_told_with_resident_bodies(backend: Backend) {
 }
 
 fn play(backend: Backend, readback: Readback) {
-    let mut game = Game::with_readback(backend, readback);
-    game.app
-        .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
-        .add_systems(FixedUpdate, look_around);
-    // Bevy's first update runs no step, and none runs before there is something to run it on.
-    game.app.update();
-    while *game.app.world().resource::<ActiveBackend>() == ActiveBackend::Opening {
-        std::thread::sleep(STEP);
-        game.app.update();
-    }
+    let mut game = Game::with_readback(backend, readback).in_frames();
+    game.app.add_systems(FixedUpdate, look_around);
 
     let cube = game.mesh(&shapes::cube(1.0));
     game.plane();
@@ -57,17 +45,11 @@ fn play(backend: Backend, readback: Readback) {
     ));
     let home = Transform::from_xyz(0.0, 50.0, 9.0);
     let falling = game.spawn(body(&cube, home));
-    for _ in 0..32 {
-        game.app.update();
-    }
+    game.steps(32);
     game.set(falling, (home, LinearVelocity::default(), AngularVelocity::default()));
-    for _ in 0..32 {
-        game.app.update();
-    }
+    game.steps(32);
     if readback == Readback::Latent {
-        for _ in 0..LATENCY {
-            game.app.update();
-        }
+        game.steps(LATENCY);
     }
     let snapshot = Snapshot::take(game.world());
     let at = |entity| match readback {

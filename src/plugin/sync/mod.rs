@@ -10,7 +10,6 @@ mod shadow;
 mod tables;
 
 use crate::asset::CollisionMesh;
-use crate::manifolds::Manifolds;
 use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
@@ -135,14 +134,27 @@ impl Step {
     pub fn choose_place(&mut self) {
         let stops = self.state.input.bodies.params.iter().any(|params| params.continuous);
         let on_cpu = stops && self.state.input.config.response == Response::Contacts;
+        #[cfg(feature = "gpu")]
         if self.engine.changes_place(on_cpu) {
-            #[cfg(feature = "gpu")]
-            self.catch_up_collected();
-            self.forget();
-            self.state.memory.forget();
-            self.state.results.manifolds = Manifolds::default();
+            self.hand_over(on_cpu);
         }
         self.engine.keep_on_cpu(on_cpu);
+    }
+
+    /// Moves bodies, sleep states and saved impulses between the device and the CPU.
+    #[cfg(feature = "gpu")]
+    fn hand_over(&mut self, to_cpu: bool) {
+        if to_cpu {
+            self.catch_up_collected();
+            let memory = self.device_memory();
+            (self.state.memory, self.state.results.manifolds) = memory.to_cpu();
+            self.forget();
+        } else {
+            self.remember(&DeviceMemory::from_cpu(
+                &self.state.memory,
+                &self.state.results.manifolds,
+            ));
+        }
     }
 
     /// Updates the collected bodies, which have the state of their components, to the state after the pending steps.

@@ -1,4 +1,5 @@
-//! The solver on the GPU: the twin of [`Solver`](super::Solver), with bodies, contacts and saved impulses in buffers.
+//! The solver on the GPU, with bodies, contacts and saved impulses in buffers. [`solver`](super) tells how its method
+//! differs from that of the CPU.
 //!
 //! One thread per pair solves the pair's points; one thread per body sums the impulses of its sides. A side is one of
 //! the two bodies of a pair. Sides are sorted by body once per collision substep, and all sums are in the order of
@@ -13,6 +14,7 @@
 //! | `warm_start` | matching and saving of impulses |
 //! | `restitution` | restitution passes |
 //! | [`upload`] | conversion of the host's bodies and contacts |
+//! | `hand_over` | conversion of the impulses that the CPU has saved, and back |
 //!
 //! The device has no double precision. Centres and rotations are stored in two parts, so that slow motion far from the
 //! origin is not lost to rounding. If there are more pairs or points than the lists hold, nothing is solved and
@@ -26,6 +28,7 @@
 
 pub mod arguments;
 pub mod buffers;
+mod hand_over;
 pub mod layout;
 pub mod record;
 mod restitution;

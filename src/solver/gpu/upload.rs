@@ -116,8 +116,7 @@ pub fn state(motion: &SolverMotion, sleep: &SleepState, key: u32) -> layout::Mot
         angular_velocity: motion.angular_velocity.to_array(),
         asleep: u32::from(sleep.asleep),
         rest_time: sleep.rest_time,
-        // The sum of the lower halves is the lower half of the sum.
-        neighbours: sleep.neighbours as u32,
+        neighbours: sleep.neighbours,
         key,
     }
 }
@@ -141,7 +140,7 @@ impl From<&layout::MotionState> for SleepState {
         Self {
             asleep: state.asleep != 0,
             rest_time: state.rest_time,
-            neighbours: state.neighbours.into(),
+            neighbours: state.neighbours,
         }
     }
 }

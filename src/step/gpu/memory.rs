@@ -16,14 +16,14 @@ use wgpu::Buffer;
 /// The device's memory of its last step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviceMemory {
-    pub(crate) last_bodies: LastBodies,
-    moved: Vec<u32>,
-    last_step_states: Vec<u32>,
-    counters: Vec<u32>,
-    pairs: Vec<u32>,
-    points: Vec<u32>,
-    last_pairs: Vec<u32>,
-    last_points: Vec<u32>,
+    pub(super) last_bodies: LastBodies,
+    pub(super) moved: Vec<u32>,
+    pub(super) last_step_states: Vec<u32>,
+    pub(super) counters: Vec<u32>,
+    pub(super) pairs: Vec<u32>,
+    pub(super) points: Vec<u32>,
+    pub(super) last_pairs: Vec<u32>,
+    pub(super) last_points: Vec<u32>,
 }
 
 impl DeviceMemory {

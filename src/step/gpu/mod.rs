@@ -16,11 +16,13 @@
 //! | `capacity` | creation of buffers |
 //! | `results` | the results of a step |
 //! | `memory` | the memory between steps, for snapshots |
+//! | `hand_over` | the same memory on the CPU |
 
 pub mod buffers;
 mod capacity;
 mod contact_programs;
 mod flight;
+mod hand_over;
 pub mod memory;
 mod overflow;
 pub mod record;

@@ -12,10 +12,10 @@ use glam::Vec3;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LastBodies {
     /// Ascending.
-    keys: Vec<u64>,
-    sleep_inputs: Vec<SleepInputs>,
-    planes: Vec<Plane>,
-    gravity: Vec3,
+    pub(super) keys: Vec<u64>,
+    pub(super) sleep_inputs: Vec<SleepInputs>,
+    pub(super) planes: Vec<Plane>,
+    pub(super) gravity: Vec3,
 }
 
 /// The numbers of bodies in two successive steps.

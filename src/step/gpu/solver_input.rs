@@ -85,7 +85,7 @@ impl SolverInput {
             .fold(0.0, f32::max);
         let collision_substep = CollisionSubstep::of(config, collision_substeps);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
-        let mut host_states: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k) as u32)).collect();
+        let mut host_states: Vec<_> = states.map(|((m, s), k)| upload::state(m, s, hash(*k))).collect();
         if remap.planes_changed {
             for plane in &mut host_states[placed.len()..] {
                 plane.asleep = layout::CHANGED;

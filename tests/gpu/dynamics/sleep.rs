@@ -3,6 +3,7 @@
 use crate::world::{DEVICE, GAP, World};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::state::Body;
+use bevy_faceoff::step::gpu::memory::DeviceMemory;
 use bevy_faceoff::step::gpu::results::Detail;
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
@@ -74,6 +75,33 @@ pub fn falls_asleep_and_wakes() {
     world.state.input.config.gravity = Vec3::NEG_Y * 5.0;
     world.step();
     assert_eq!(asleep(&world), 0, "another gravity wakes all");
+}
+
+/// The memory of the device goes to the CPU and back. What sleeps sleeps on, on either side.
+pub fn moves_to_the_cpu_and_back() {
+    let mut world = stack();
+    fall_asleep(&mut world);
+    let before: Vec<_> = (1..4).map(|i| world.state.input.bodies.motion(i)).collect();
+    let memory = DEVICE.lock().unwrap().as_mut().unwrap().memory().unwrap();
+    (world.state.memory, world.state.results.manifolds) = memory.to_cpu();
+    world.on_cpu = true;
+    for _ in 0..20 {
+        world.step();
+        assert_eq!(asleep(&world), 3, "on the CPU");
+    }
+    let back = DeviceMemory::from_cpu(&world.state.memory, &world.state.results.manifolds);
+    assert_eq!(
+        back.to_cpu(),
+        (world.state.memory.clone(), world.state.results.manifolds.clone())
+    );
+    DEVICE.lock().unwrap().as_mut().unwrap().remember(&back).unwrap();
+    world.on_cpu = false;
+    for _ in 0..20 {
+        world.step();
+        assert_eq!(asleep(&world), 3, "on the device again");
+    }
+    let after: Vec<_> = (1..4).map(|i| world.state.input.bodies.motion(i)).collect();
+    assert_eq!(before, after, "what sleeps does not move by a bit");
 }
 
 pub fn wakes_when_ground_goes() {

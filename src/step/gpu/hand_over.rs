@@ -1,0 +1,144 @@
+//! The memory between steps moves from the CPU to the device and back, when steps move. So bodies stay asleep, and piles
+//! keep their impulses.
+
+use super::memory::DeviceMemory;
+use super::remap::LastBodies;
+use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
+use crate::sleep::cpu::hash;
+use crate::sleep::inputs::PlacedSleepInputs;
+use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SUBSTEP, SavedPair, SavedPoint};
+use crate::solver::gpu::upload;
+use crate::solver::{PLANE_KEY, SleepState, SolverMotion, WarmStart};
+use crate::state::bodies::Frame;
+use crate::state::manifolds::pair_order;
+use crate::state::{Manifold, ManifoldPoint, Manifolds};
+use crate::step::memory::{SavedBody, StepMemory};
+use bytemuck::{Pod, cast_slice, pod_collect_to_vec};
+use glam::Quat;
+
+impl DeviceMemory {
+    /// The memory of a device on which the last step would have been. `manifolds` are those of the last step.
+    pub fn from_cpu(memory: &StepMemory, manifolds: &Manifolds) -> Self {
+        let mut manifolds = manifolds.clone();
+        manifolds.pairs.sort_unstable_by_key(|pair| pair.bodies);
+        let count = memory.keys.len();
+        let key_of = |body: u32| {
+            let body = body as usize;
+            memory
+                .keys
+                .get(body)
+                .copied()
+                .unwrap_or_else(|| PLANE_KEY - (body - count) as u64)
+        };
+        let (pairs, points) = memory.warm.to_device(&manifolds, key_of);
+        let mut counters = vec![0; COUNTERS as usize];
+        counters[PAIRS as usize] = manifolds.pairs.len() as u32;
+        counters[POINTS as usize] = manifolds.points.len() as u32;
+        counters[SUBSTEP as usize] = memory.warm.substep().to_bits();
+        let moved: Vec<_> = memory.bodies.iter().map(SavedBody::moved).collect();
+        let states = memory.keys.iter().zip(&memory.bodies);
+        let states: Vec<_> = states.map(|(&key, body)| body.state(key)).collect();
+        let last_pairs: Vec<_> = manifolds.pairs.iter().map(upload::contact_pair).collect();
+        let last_points: Vec<_> = manifolds.points.iter().map(upload::contact_point).collect();
+        Self {
+            last_bodies: LastBodies {
+                keys: memory.keys.clone(),
+                sleep_inputs: memory.bodies.iter().map(|body| body.inputs.inputs).collect(),
+                planes: memory.planes.clone(),
+                gravity: memory.gravity,
+            },
+            moved: words(&moved),
+            last_step_states: words(&states),
+            counters,
+            pairs: words(&pairs),
+            points: words(&points),
+            last_pairs: words(&last_pairs),
+            last_points: words(&last_points),
+        }
+    }
+
+    /// The memory and the manifolds of the last step, as if it had been on the CPU.
+    pub fn to_cpu(&self) -> (StepMemory, Manifolds) {
+        let LastBodies {
+            keys,
+            sleep_inputs,
+            planes,
+            gravity,
+        } = &self.last_bodies;
+        if keys.is_empty() {
+            return Default::default();
+        }
+        let key_of = |body: u32| {
+            let plane = (body as usize).checked_sub(keys.len());
+            match plane {
+                None => Some(keys[body as usize]),
+                Some(plane) => (plane < planes.len()).then(|| PLANE_KEY - plane as u64),
+            }
+        };
+        let moved: Vec<Moved> = list(&self.moved);
+        let states: Vec<MotionState> = list(&self.last_step_states);
+        let bodies = sleep_inputs.iter().zip(&moved).zip(&states);
+        let bodies = bodies.map(|((inputs, moved), state)| SavedBody {
+            sleep: SleepState::from(state),
+            inputs: PlacedSleepInputs {
+                inputs: *inputs,
+                position: moved.position.into(),
+                rotation: Quat::from_array(moved.rotation),
+            },
+            had_impact: false,
+        });
+        let [pairs, points] = [PAIRS, POINTS].map(|counter| self.counters[counter as usize] as usize);
+        let substep = f32::from_bits(self.counters[SUBSTEP as usize]);
+        let saved: (Vec<SavedPair>, Vec<SavedPoint>) = (list(&self.pairs), list(&self.points));
+        let last: (Vec<ContactPair>, Vec<ContactPoint>) = (list(&self.last_pairs), list(&self.last_points));
+        let memory = StepMemory {
+            keys: keys.clone(),
+            bodies: bodies.collect(),
+            planes: planes.clone(),
+            gravity: *gravity,
+            warm: WarmStart::from_device(&saved.0[..pairs], &saved.1[..points], substep, key_of),
+        };
+        let mut last_pairs: Vec<_> = last.0[..pairs].iter().map(Manifold::from).collect();
+        last_pairs.sort_unstable_by_key(|pair| pair_order(pair.bodies, keys.len() as u32));
+        let manifolds = Manifolds {
+            pairs: last_pairs,
+            points: last.1.iter().map(ManifoldPoint::from).collect(),
+        };
+        (memory, manifolds)
+    }
+}
+
+impl SavedBody {
+    /// The pose, at rest: bodies that move bring their velocities along.
+    fn moved(&self) -> Moved {
+        Moved {
+            position: self.inputs.position.to_array(),
+            asleep: u32::from(self.sleep.asleep),
+            rotation: self.inputs.rotation.to_array(),
+            ..Default::default()
+        }
+    }
+
+    fn state(&self, key: u64) -> MotionState {
+        let PlacedSleepInputs {
+            inputs,
+            position,
+            rotation,
+        } = &self.inputs;
+        let rotation = rotation.as_dquat().normalize();
+        let frame = Frame::new(position.as_dvec3(), rotation, inputs.scale.as_dvec3(), inputs.center);
+        let motion = SolverMotion {
+            rotation,
+            ..SolverMotion::at(frame.center)
+        };
+        upload::state(&motion, &self.sleep, hash(key))
+    }
+}
+
+fn words<T: Pod>(list: &[T]) -> Vec<u32> {
+    cast_slice(list).to_vec()
+}
+
+fn list<T: Pod>(words: &[u32]) -> Vec<T> {
+    pod_collect_to_vec(words)
+}
