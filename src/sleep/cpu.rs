@@ -3,6 +3,7 @@
 use crate::solver::CollisionSubstep;
 use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::inactive::InactiveBodies;
+use crate::state::union_find::UnionFind;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
@@ -24,8 +25,7 @@ pub(crate) const OVERLAP: f32 = 4.0;
 /// manifolds of the last collision substep are valid (see [`Sleeper::is_inactive`]).
 #[derive(Clone, Debug, Default)]
 pub struct Sleeper {
-    /// The parent of each body in the union-find tree of its island.
-    parents: Vec<u32>,
+    islands: UnionFind,
     /// The bodies that each body touches, as the sum of hashes of their keys.
     neighbours: Vec<u32>,
     /// For the root of each island: the island stays awake, or must wake.
@@ -75,13 +75,13 @@ impl Sleeper {
                 body.kind == RigidBody::Dynamic
             };
             if disturbed {
-                let root = self.root(i as u32);
+                let root = self.islands.root(i as u32);
                 self.awake[root as usize] = true;
             }
         }
         self.mark_approached(bodies, manifolds, settings, collision_substep);
         for i in 0..bodies.len() {
-            let root = self.root(i as u32);
+            let root = self.islands.root(i as u32);
             if bodies.sleep[i].asleep && self.awake[root as usize] {
                 bodies.sleep[i] = Default::default();
             }
@@ -118,13 +118,13 @@ impl Sleeper {
         self.find_islands(bodies, manifolds, settings);
         for i in 0..bodies.len() {
             if bodies.bodies[i].kind == RigidBody::Dynamic && !ready(bodies, i) {
-                let root = self.root(i as u32);
+                let root = self.islands.root(i as u32);
                 self.awake[root as usize] = true;
             }
         }
         self.mark_driven(bodies, manifolds, settings);
         for i in 0..bodies.len() {
-            let root = self.root(i as u32);
+            let root = self.islands.root(i as u32);
             let at_rest = !self.awake[root as usize];
             if at_rest && bodies.bodies[i].has_mass() && !bodies.sleep[i].asleep {
                 let sleep = &mut bodies.sleep[i];
@@ -139,8 +139,7 @@ impl Sleeper {
     /// Joins dynamic bodies that touch into islands, and sums the hashes of the bodies that each body touches.
     fn find_islands(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, settings: &SolverSettings) {
         let count = bodies.len();
-        self.parents.clear();
-        self.parents.extend(0..count as u32);
+        self.islands.reset(count);
         self.neighbours.clear();
         self.neighbours.resize(count, 0);
         self.awake.clear();
@@ -154,9 +153,7 @@ impl Sleeper {
             self.neighbours[a] = self.neighbours[a].wrapping_add(hash(bodies.keys[b]));
             self.neighbours[b] = self.neighbours[b].wrapping_add(hash(bodies.keys[a]));
             if bodies.bodies[a].has_mass() && bodies.bodies[b].has_mass() {
-                let [a, b] = pair.bodies.map(|i| self.root(i));
-                // The smaller number becomes the root, so the root does not depend on the order of pairs.
-                self.parents[a.max(b) as usize] = a.min(b);
+                self.islands.join(pair.bodies[0], pair.bodies[1]);
             }
         }
     }
@@ -207,20 +204,10 @@ impl Sleeper {
         let [a, b] = pair.bodies;
         for (one, other) in [(a, b), (b, a)] {
             if disturbs(bodies, one as usize) {
-                let root = self.root(other);
+                let root = self.islands.root(other);
                 self.awake[root as usize] = true;
             }
         }
-    }
-
-    /// The root of a body's island, with path halving.
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.parents[i as usize] != i {
-            let grandparent = self.parents[self.parents[i as usize] as usize];
-            self.parents[i as usize] = grandparent;
-            i = grandparent;
-        }
-        i
     }
 }
 

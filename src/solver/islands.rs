@@ -4,6 +4,7 @@
 //! Pairs with a body that impulses do not move come last in an island: what is solved last is satisfied best, and nothing
 //! may be pressed through what is static.
 
+use crate::state::union_find::UnionFind;
 use std::ops::Range;
 
 /// In place of an island, a slot or a pair that does not exist.
@@ -160,11 +161,10 @@ impl Island {
     }
 }
 
-/// Union-find over the bodies.
+/// The bodies of each island, joined in a tree.
 #[derive(Clone, Debug, Default)]
 struct Trees {
-    /// The parent of each body in the tree of its island.
-    parents: Vec<u32>,
+    sets: UnionFind,
     /// For the root of each tree with pairs, the number of the island.
     numbers: Vec<u32>,
 }
@@ -172,17 +172,15 @@ struct Trees {
 impl Trees {
     /// Joins the movable bodies of each pair, and numbers the trees in the order of pairs.
     fn join(&mut self, bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone, is_movable: impl Fn(u32) -> bool) {
-        self.parents.clear();
-        self.parents.extend(0..bodies as u32);
+        self.sets.reset(bodies);
         self.numbers.clear();
         self.numbers.resize(bodies, NONE);
         for [a, b] in pairs.clone().filter(|pair| pair.iter().all(|&body| is_movable(body))) {
-            let (a, b) = (self.root(a), self.root(b));
-            self.parents[a.max(b) as usize] = a.min(b);
+            self.sets.join(a, b);
         }
         let mut next = 0;
         for [a, b] in pairs {
-            let root = self.root(if is_movable(a) { a } else { b });
+            let root = self.sets.root(if is_movable(a) { a } else { b });
             if self.numbers[root as usize] == NONE {
                 self.numbers[root as usize] = next;
                 next += 1;
@@ -190,19 +188,9 @@ impl Trees {
         }
     }
 
-    fn root(&mut self, mut body: u32) -> u32 {
-        while self.parents[body as usize] != body {
-            // Halves the path for the next search.
-            let parent = self.parents[body as usize];
-            self.parents[body as usize] = self.parents[parent as usize];
-            body = parent;
-        }
-        body
-    }
-
     /// The island of a movable body that has pairs.
     fn number(&mut self, body: u32) -> u32 {
-        let root = self.root(body);
+        let root = self.sets.root(body);
         self.numbers[root as usize]
     }
 

@@ -47,19 +47,25 @@ impl Speeds {
     /// collision detection are left out, because they need no collision substeps.
     pub fn of(bodies: &SolverBodies, skip: impl Fn(usize) -> bool) -> Self {
         let mut speeds = Self::NONE;
-        for (i, ((body, motion), sleep)) in bodies.bodies.iter().zip(&bodies.motions).zip(&bodies.sleep).enumerate() {
-            // A static sensor counts as well: speeds of bodies that pass it are relative to it.
-            speeds.has_static |= !body.moves();
-            if !body.solid || (body.continuous && body.moves()) || skip(i) {
-                continue;
-            }
-            if !body.moves() || sleep.asleep {
-                speeds.add(Vec3::ZERO, 0.0);
-            } else {
-                speeds.add(motion.linear_velocity, motion.angular_velocity.length() * body.radius);
-            }
+        for i in (0..bodies.len()).filter(|&i| !skip(i)) {
+            speeds.include(bodies, i);
         }
+        // A static sensor counts as well: speeds of bodies that pass it are relative to it.
+        speeds.has_static = bodies.bodies.iter().any(|body| !body.moves());
         speeds
+    }
+
+    /// Includes body `i`, if it is solid and needs collision substeps.
+    pub fn include(&mut self, bodies: &SolverBodies, i: usize) {
+        let (body, motion) = (&bodies.bodies[i], &bodies.motions[i]);
+        if !body.solid || (body.continuous && body.moves()) {
+            return;
+        }
+        if !body.moves() || bodies.sleep[i].asleep {
+            self.add(Vec3::ZERO, 0.0);
+        } else {
+            self.add(motion.linear_velocity, motion.angular_velocity.length() * body.radius);
+        }
     }
 
     /// Includes a body.
@@ -127,6 +133,11 @@ impl Speeds {
     pub fn collision_substeps(&self, settings: &SolverSettings, bodies: &SolverBodies, dt: f32) -> u32 {
         let solid = bodies.bodies.iter().filter(|body| body.solid);
         let thinnest = solid.map(|body| body.thickness).fold(f32::INFINITY, f32::min);
+        self.collision_substeps_for(settings, thinnest, dt)
+    }
+
+    /// [`Speeds::collision_substeps`] for bodies of which the thinnest has this thickness, metres.
+    pub fn collision_substeps_for(&self, settings: &SolverSettings, thinnest: f32, dt: f32) -> u32 {
         let wanted = (self.relative() * dt / (settings.collision_substep_travel * thinnest)).ceil();
         // The cast saturates and turns NaN into 0.
         (wanted as u32).clamp(1, settings.max_collision_substeps.clamp(1, MAX_COLLISION_SUBSTEPS))

@@ -36,20 +36,31 @@ impl SpeculativeMargins {
     /// Sets [`Bodies::speculative_radius`]. The parts beyond the bounding radii of two bodies add up to at least the
     /// margin of the pair.
     pub fn set_speculative_radii(self, bodies: &mut Bodies, config: &StepConfig) {
-        let mut radii = std::mem::take(&mut bodies.speculative_radius);
-        radii.clear();
         // Continuous collision needs every pair that may meet within the step, so the travel is not capped.
         let has_continuous = bodies.params.iter().any(|params| params.continuous);
+        self.set_radii(bodies, config, |travel, thickness| {
+            if has_continuous {
+                travel
+            } else {
+                travel.min(BOUND * thickness)
+            }
+        });
+    }
+
+    /// The same without a cap on the travel: spheres of bodies that cannot meet before the next detection do not
+    /// overlap.
+    pub fn set_reach(self, bodies: &mut Bodies, config: &StepConfig) {
+        self.set_radii(bodies, config, |travel, _| travel);
+    }
+
+    fn set_radii(self, bodies: &mut Bodies, config: &StepConfig, cap: impl Fn(f32, f32) -> f32) {
+        let mut radii = std::mem::take(&mut bodies.speculative_radius);
+        radii.clear();
         radii.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
             let travel = match self {
                 Self::Moving { dt, drift } if bodies.kind[i] != RigidBody::Static => {
                     let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, dt);
-                    let travel = SAFETY * speed * dt;
-                    if has_continuous {
-                        travel
-                    } else {
-                        travel.min(BOUND * bodies.thickness[i])
-                    }
+                    cap(SAFETY * speed * dt, bodies.thickness[i])
                 }
                 _ => 0.0,
             };
@@ -88,7 +99,7 @@ impl SpeculativeMargins {
 }
 
 /// Upper bound of the speed that rotation and gravity add to a body's surface within `dt` seconds, m/s.
-fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
+pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
     let spin = bodies.angular_velocity[i].length() * bodies.radius[i];
     match bodies.kind[i] {
         RigidBody::Static => 0.0,

@@ -10,6 +10,7 @@
 //! | [`results`] | all results of a step |
 //! | [`margins`] | speculative margins |
 //! | `inactive` | pairs that sleep and need no work |
+//! | `union_find` | sets of bodies that are joined pair by pair |
 
 pub mod bodies;
 pub mod body;
@@ -24,6 +25,7 @@ pub mod mesh_arena;
 pub mod pairs;
 pub mod planes;
 pub mod results;
+pub(crate) mod union_find;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};

@@ -22,11 +22,18 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
         Response::None => SpeculativeMargins::AtRest,
         Response::Contacts => {
             let speeds = load_bodies(input, memory, scratch);
-            let config = &input.config;
-            results.collision_substeps = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
+            let drift = speeds.drift();
+            let config = input.config;
+            let most = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
+            results.collision_substeps = if most > 1 {
+                let needed = scratch.reach.collision_substeps(input, &scratch.solver_bodies, drift);
+                needed.min(most)
+            } else {
+                1
+            };
             SpeculativeMargins::Moving {
                 dt: config.per_collision_substep(results.collision_substeps).dt,
-                drift: speeds.drift(),
+                drift,
             }
         }
     };

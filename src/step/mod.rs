@@ -55,6 +55,7 @@ pub mod cpu;
 pub mod gpu;
 pub mod memory;
 pub mod order;
+mod reach;
 pub(crate) mod remap;
 pub mod scratch;
 

@@ -1,6 +1,7 @@
 //! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. No result
 //! depends on it.
 
+use super::reach::Reach;
 use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
@@ -18,6 +19,8 @@ pub struct StepScratch {
     pub(crate) solver_bodies: SolverBodies,
     /// Which of them are unchanged since the last collision substep.
     pub(crate) inactive: InactiveBodies,
+    /// Which bodies can meet in this step.
+    pub(crate) reach: Reach,
     /// The speculative margins of this step.
     pub(crate) margins: SpeculativeMargins,
     /// The touching pairs of the step so far.

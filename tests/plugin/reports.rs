@@ -361,3 +361,35 @@ fn small_steps_wake_no_thread() {
     });
     assert!(stages > 0, "{pairs} pairs");
 }
+
+/// The number of collision substeps of a step in which something small flies at 100 m/s, beside a cube that lies on a
+/// wide floor.
+fn substeps_beside(bullet: Transform, velocity: Vec3) -> u32 {
+    let mut sim = Sim::new();
+    let (cube, ball) = (sim.mesh(&shapes::cube(1.0)), sim.mesh(&shapes::ball(0.025, 2)));
+    sim.spawn((
+        cube.clone(),
+        Transform::from_xyz(0.0, -0.5, 0.0).with_scale(Vec3::new(500.0, 1.0, 500.0)),
+    ));
+    sim.spawn(resting(&cube, Vec3::Y * 0.501));
+    sim.spawn((RigidBody::Dynamic, ball, bullet, LinearVelocity(velocity)));
+    sim.step(1);
+    sim.report().collision_substeps
+}
+
+#[test]
+fn a_body_that_can_meet_nothing_does_not_divide_the_step() {
+    let fast = Vec3::X * 100.0;
+    let far = Transform::from_xyz(100.0, 50.0, 0.0);
+    assert_eq!(substeps_beside(far, fast), 1, "within the bounding sphere of the floor");
+    assert_eq!(substeps_beside(far, -fast), 1);
+    let near = Transform::from_xyz(-3.0, 0.5, 0.0);
+    assert_eq!(substeps_beside(near, fast), 8, "it hits the cube within two steps");
+    assert_eq!(
+        substeps_beside(Transform::from_xyz(100.0, 1.0, 0.0), Vec3::NEG_Y * 100.0),
+        8,
+        "it hits the floor"
+    );
+    let thin = Transform::from_xyz(100.0, 50.0, 0.0).with_scale(Vec3::new(1.0, 0.01, 1.0));
+    assert_eq!(substeps_beside(thin, fast), 1);
+}

@@ -141,7 +141,8 @@ pub fn reports() {
     for _ in 0..80 {
         worlds.iter_mut().for_each(World::step);
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
-        assert_eq!(cpu.results.collision_substeps, gpu.results.collision_substeps);
+        // The device does not know which bodies can meet.
+        assert!(cpu.results.collision_substeps <= gpu.results.collision_substeps);
         let bodies = |state: &bevy_faceoff::step::StepState| -> Vec<[u32; 2]> {
             state.results.contacts.pairs.iter().map(|pair| pair.bodies).collect()
         };

@@ -1,0 +1,172 @@
+//! How many collision substeps a step needs: as many as the bodies do that can meet in it.
+//!
+//! Bodies whose spheres, swept over the whole step, overlap form a group; what is static joins nothing. Each group
+//! needs the number that its own speeds and its thinnest body ask for, and a body that can meet nothing needs one,
+//! however fast or thin it is. The largest number counts. So a bullet in flight far away costs nothing.
+
+use crate::broad_phase;
+use crate::simd::lanes::{SimdBase, bitmask, load_points, splat_point};
+use crate::simd::level::baseline;
+use crate::simd::levels::visit;
+use crate::solver::SolverBodies;
+use crate::solver::speeds::Speeds;
+use crate::state::margins::{SAFETY, SpeculativeMargins, sway};
+use crate::state::mesh_arena::{BoxGroup, MeshArena};
+use crate::state::union_find::UnionFind;
+use crate::state::{Bodies, Plane, StepConfig, StepInput};
+use crate::types::body::RigidBody;
+use glam::{DVec3, Vec3};
+
+/// Scratch memory.
+#[derive(Default)]
+pub(crate) struct Reach {
+    broad_phase: broad_phase::cpu::Scratch,
+    pairs: Vec<[u32; 2]>,
+    groups: UnionFind,
+    /// For the root of each group.
+    meetings: Vec<Meeting>,
+}
+
+/// What a group of bodies can meet.
+#[derive(Clone, Copy)]
+struct Meeting {
+    speeds: Speeds,
+    /// Thickness of the thinnest body, metres.
+    thinnest: f32,
+    /// It has two bodies, or one and something static.
+    exists: bool,
+}
+
+impl Reach {
+    /// The number of collision substeps that the bodies need. `drift` is the velocity that they have in common, m/s.
+    /// Changes [`Bodies::speculative_radius`].
+    pub fn collision_substeps(&mut self, input: &mut StepInput, solver_bodies: &SolverBodies, drift: Vec3) -> u32 {
+        let StepInput {
+            config,
+            bodies,
+            meshes,
+            planes,
+            ..
+        } = input;
+        let Self {
+            broad_phase,
+            pairs,
+            groups,
+            meetings,
+        } = self;
+        let margins = SpeculativeMargins::Moving { dt: config.dt, drift };
+        margins.set_reach(bodies, config);
+        broad_phase::cpu::run(bodies, broad_phase, pairs);
+        let moves = |i: u32| solver_bodies.bodies[i as usize].moves();
+        let solid = |i: u32| solver_bodies.bodies[i as usize].solid;
+        let sweep = |i: u32| Sweep::of(bodies, config, i);
+        pairs.retain(|&[a, b]| solid(a) && solid(b) && sweep(a).meets(&sweep(b)));
+
+        groups.reset(bodies.len());
+        for &[a, b] in pairs.iter().filter(|pair| pair.iter().all(|&i| moves(i))) {
+            groups.join(a, b);
+        }
+        meetings.clear();
+        meetings.resize(bodies.len(), Meeting::NONE);
+        for i in (0..bodies.len() as u32).filter(|&i| moves(i) && solid(i)) {
+            let meeting = &mut meetings[groups.root(i) as usize];
+            meeting.include(solver_bodies, i as usize);
+            if planes.iter().any(|plane| sweep(i).meets_plane(plane)) {
+                meeting.exists = true;
+                meeting.speeds.add(Vec3::ZERO, 0.0);
+            }
+        }
+        for &[a, b] in pairs.iter() {
+            let [mover, other] = if moves(a) { [a, b] } else { [b, a] };
+            let root = groups.root(mover) as usize;
+            if moves(other) {
+                meetings[root].exists = true;
+            } else if sweep(mover).meets_mesh(bodies, meshes, other) {
+                meetings[root].exists = true;
+                meetings[root].include(solver_bodies, other as usize);
+            }
+        }
+        let meetings = meetings.iter().filter(|meeting| meeting.exists);
+        meetings
+            .map(|Meeting { speeds, thinnest, .. }| speeds.collision_substeps_for(&config.solver, *thinnest, config.dt))
+            .max()
+            .unwrap_or(1)
+    }
+}
+
+impl Meeting {
+    const NONE: Self = Self {
+        speeds: Speeds::NONE,
+        thinnest: f32::INFINITY,
+        exists: false,
+    };
+
+    fn include(&mut self, bodies: &SolverBodies, i: usize) {
+        self.speeds.include(bodies, i);
+        self.thinnest = self.thinnest.min(bodies.bodies[i].thickness);
+    }
+}
+
+/// The sphere that a body sweeps over in a step, with the part of its margin that does not depend on a direction.
+#[derive(Clone, Copy)]
+struct Sweep {
+    center: DVec3,
+    /// How far the centre moves, metres.
+    travel: Vec3,
+    radius: f32,
+}
+
+impl Sweep {
+    fn of(bodies: &Bodies, config: &StepConfig, i: u32) -> Self {
+        let i = i as usize;
+        let travel = match bodies.kind[i] {
+            RigidBody::Static => Vec3::ZERO,
+            _ => SAFETY * config.dt * bodies.linear_velocity[i],
+        };
+        let margin = config.solver.margin() * bodies.radius[i];
+        Self {
+            center: bodies.frame[i].center,
+            travel,
+            radius: bodies.radius[i] + margin + SAFETY * config.dt * sway(bodies, config, i, config.dt),
+        }
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        let offset = (other.center - self.center).as_vec3();
+        let travel = other.travel - self.travel;
+        let part = -offset.dot(travel) / travel.length_squared().max(f32::MIN_POSITIVE);
+        let nearest = offset + part.clamp(0.0, 1.0) * travel;
+        nearest.length() < self.radius + other.radius
+    }
+
+    fn meets_plane(&self, plane: &Plane) -> bool {
+        let height = plane.normal.as_dvec3().dot(self.center) as f32 - plane.distance;
+        height + plane.normal.dot(self.travel).min(0.0) < self.radius
+    }
+
+    /// Whether its bounding box, in the axes of the static body `other`, overlaps the box of a cluster of triangles.
+    /// Most of a level's bounding sphere is empty.
+    fn meets_mesh(&self, bodies: &Bodies, meshes: &MeshArena, other: u32) -> bool {
+        let other = other as usize;
+        let Some(slot) = meshes.get(bodies.mesh[other]) else {
+            return false;
+        };
+        let frame = &bodies.frame[other];
+        let to_local = frame.rotation.transpose();
+        let half_travel = 0.5 * (to_local * self.travel.as_dvec3());
+        let center = to_local * (self.center - frame.center) + half_travel;
+        let half = half_travel.abs() + f64::from(self.radius);
+        let simd = baseline();
+        let [center, half, scale, size] =
+            [center, half, frame.scale, frame.scale.abs()].map(|vector| splat_point(simd, vector.as_vec3()));
+        let overlaps = |group: &BoxGroup| {
+            let (middle, half_box) = (load_points(simd, &group.center), load_points(simd, &group.half));
+            let near = |axis: usize| {
+                let apart = (middle[axis] * scale[axis] - center[axis]).abs();
+                bitmask(apart.simd_lt(half_box[axis] * size[axis] + half[axis]))
+            };
+            near(0) & near(1) & near(2)
+        };
+        !visit(&slot.lanes.levels, &overlaps, &mut |_| false)
+    }
+}
