@@ -1,5 +1,6 @@
 //! The GPU device that the stages run on, and why there may be none.
 
+use super::kernel::Kernels;
 use super::readback::{alive, wait};
 use thiserror::Error;
 use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, Limits, Queue};
@@ -16,6 +17,20 @@ pub struct Gpu {
     pub queue: Queue,
     /// Name, type and backend of the adapter.
     pub info: AdapterInfo,
+    /// Each is compiled once, by the first that needs it.
+    pub(super) kernels: Kernels,
+}
+
+impl Gpu {
+    /// A device without kernels.
+    pub fn new(device: Device, queue: Queue, info: AdapterInfo) -> Self {
+        Self {
+            device,
+            queue,
+            info,
+            kernels: Kernels::default(),
+        }
+    }
 }
 
 /// Why the stages cannot run on a GPU.
@@ -138,7 +153,7 @@ async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
             adapter: info.name.clone(),
             reason: error.to_string(),
         })?;
-    Ok(Gpu { device, queue, info })
+    Ok(Gpu::new(device, queue, info))
 }
 
 /// Whether a device with these limits can run all kernels.

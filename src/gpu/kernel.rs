@@ -1,10 +1,12 @@
 //! Declaration and compilation of kernels. Bindings and workgroup sizes are reflected from the WGSL.
 
 use super::device::Gpu;
+use super::readback::scoped;
 use super::shader::{Module, composer};
 use naga_oil::compose::{Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue, ShaderType};
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use wgpu::naga::{self, AddressSpace, Handle, ScalarKind, StorageAccess, Type, TypeInner, VectorSize};
 use wgpu::*;
 
@@ -117,7 +119,7 @@ impl Kernel {
             cache: None,
         });
         Ok(Compiled {
-            bindings,
+            bindings: bindings.into(),
             layout,
             pipeline,
         })
@@ -203,56 +205,52 @@ pub fn type_name(module: &naga::Module, ty: Handle<Type>) -> String {
 /// A compiled kernel.
 #[derive(Clone, Debug)]
 pub(super) struct Compiled {
-    pub bindings: Vec<Binding>,
+    pub bindings: Arc<[Binding]>,
     pub layout: BindGroupLayout,
     pub pipeline: ComputePipeline,
 }
 
-/// All compiled kernels of a device.
-#[derive(Debug)]
-pub struct Kernels {
-    compiled: HashMap<&'static str, Compiled>,
-}
+/// The compiled kernels of a device, by name. Clones refer to the same kernels.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kernels(Arc<Mutex<HashMap<&'static str, Compiled>>>);
 
 impl Kernels {
-    /// Compiles kernels that import from these modules.
-    ///
-    /// # Errors
-    /// The compiler's message.
-    pub fn new<'s>(
-        gpu: &Gpu,
-        modules: impl IntoIterator<Item = &'s Module>,
-        kernels: impl IntoIterator<Item = &'s Kernel>,
-    ) -> Result<Self, String> {
-        let mut compiled = Self {
-            compiled: HashMap::new(),
-        };
-        compiled.add(gpu, modules, kernels)?;
-        Ok(compiled)
-    }
-
-    /// Compiles further kernels. Those that are compiled already are skipped.
-    ///
-    /// # Errors
-    /// The compiler's message.
-    pub fn add<'s>(
-        &mut self,
-        gpu: &Gpu,
-        modules: impl IntoIterator<Item = &'s Module>,
-        kernels: impl IntoIterator<Item = &'s Kernel>,
-    ) -> Result<(), String> {
-        let mut composer = composer(modules).map_err(|e| e.to_string())?;
-        for kernel in kernels {
-            if !self.compiled.contains_key(kernel.name) {
-                self.compiled.insert(kernel.name, kernel.compile(gpu, &mut composer)?);
-            }
-        }
-        Ok(())
+    fn lock(&self) -> MutexGuard<'_, HashMap<&'static str, Compiled>> {
+        // A panic does no harm: kernels are added only after all of them are compiled.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// # Panics
     /// If the kernel was not compiled.
-    pub(super) fn get(&self, kernel: &Kernel) -> &Compiled {
-        &self.compiled[kernel.name]
+    pub fn get(&self, kernel: &Kernel) -> Compiled {
+        self.lock()[kernel.name].clone()
+    }
+}
+
+impl Gpu {
+    /// Compiles kernels that import from these modules, except those that the device has already. A kernel is known by
+    /// its name. The device keeps none of them if one fails.
+    ///
+    /// # Errors
+    /// The message of the compiler or of the device.
+    pub fn compile<'s>(
+        &self,
+        modules: impl IntoIterator<Item = &'s Module>,
+        kernels: impl IntoIterator<Item = &'s Kernel>,
+    ) -> Result<(), String> {
+        let mut compiled = self.kernels.lock();
+        let mut missing: Vec<_> = kernels.into_iter().filter(|k| !compiled.contains_key(k.name)).collect();
+        missing.sort_by_key(|kernel| kernel.name);
+        missing.dedup_by_key(|kernel| kernel.name);
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let mut composer = composer(modules).map_err(|e| e.to_string())?;
+        let added: Result<Vec<_>, _> = scoped(self, || {
+            let compile = |kernel: &Kernel| Ok::<_, String>((kernel.name, kernel.compile(self, &mut composer)?));
+            missing.into_iter().map(compile).collect()
+        })?;
+        compiled.extend(added?);
+        Ok(())
     }
 }

@@ -4,7 +4,7 @@
 //! such as the sort's, are given the names. So calls can be listed and checked without a device.
 
 use super::device::Gpu;
-use super::kernel::{Compiled, Kernel, Kernels};
+use super::kernel::{Compiled, Kernel};
 use crate::types::stage::Stage;
 use std::collections::HashMap;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -165,10 +165,9 @@ impl Program {
     ///
     /// # Panics
     /// If a kernel is not compiled, or a buffer is missing.
-    pub fn new(gpu: &Gpu, kernels: &Kernels, calls: &Calls, sets: &[&dyn BufferSet]) -> Self {
+    pub fn new(gpu: &Gpu, calls: &Calls, sets: &[&dyn BufferSet]) -> Self {
         let mut binder = Binder {
             gpu,
-            kernels,
             sets,
             constants: HashMap::new(),
         };
@@ -214,7 +213,6 @@ impl Program {
 /// Resolves the buffers of calls.
 struct Binder<'a> {
     gpu: &'a Gpu,
-    kernels: &'a Kernels,
     sets: &'a [&'a dyn BufferSet],
     /// Uniforms that never change, by content.
     constants: HashMap<[u32; 4], Buffer>,
@@ -226,7 +224,7 @@ impl Binder<'_> {
             bindings,
             layout,
             pipeline,
-        } = self.kernels.get(call.kernel);
+        } = self.gpu.kernels.get(call.kernel);
         if let Some(values) = call.constants {
             let Self { gpu, constants, .. } = self;
             constants.entry(values).or_insert_with(|| uniform(gpu, values));
@@ -243,11 +241,11 @@ impl Binder<'_> {
             .collect();
         let bind_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
             label: Some(call.kernel.name),
-            layout,
+            layout: &layout,
             entries: &entries,
         });
         BoundCall {
-            pipeline: pipeline.clone(),
+            pipeline,
             bind_group,
             groups: call.groups,
             arguments: match call.groups {

@@ -38,11 +38,7 @@ mod shared {
         if before.is_some_and(|SharedQueue(before)| before.ptr_eq(&now)) {
             return None;
         }
-        let gpu = Gpu {
-            device: device.wgpu_device().clone(),
-            queue: (**queue.0).clone(),
-            info: (*info.0).clone(),
-        };
+        let gpu = Gpu::new(device.wgpu_device().clone(), (**queue.0).clone(), (*info.0).clone());
         world.insert_resource(SharedQueue(now));
         Some(gpu)
     }

@@ -3,7 +3,6 @@
 use crate::gpu::arena::{Arena, Change};
 use crate::gpu::buffers::TooLarge;
 use crate::gpu::device::{Gpu, NoGpu};
-use crate::gpu::kernel::Kernels;
 use crate::gpu::layout::{
     self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
     ContactPoint, FLAT_RADIUS, MARGIN_PAIRS,
@@ -26,7 +25,6 @@ use wgpu::{Buffer, BufferUsages};
 /// Contact generation on the GPU.
 pub struct GpuManifolds {
     gpu: Gpu,
-    kernels: Kernels,
     capacity: ContactCapacity,
     /// Number of times that lists were made longer.
     repeats: usize,
@@ -62,11 +60,9 @@ impl GpuManifolds {
     /// If the device cannot run the kernels.
     pub fn with_capacity(gpu: &Gpu, capacity: ContactCapacity) -> Result<Self, NoGpu> {
         let kernels = crate::gpu::SHADERS.kernels.iter().chain(SHADERS.kernels).copied();
-        let compiled = scoped(gpu, || Kernels::new(gpu, all_modules(), kernels)).and_then(|kernels| kernels);
-        match compiled {
-            Ok(kernels) => Ok(Self {
+        match gpu.compile(all_modules(), kernels) {
+            Ok(()) => Ok(Self {
                 gpu: gpu.clone(),
-                kernels,
                 capacity,
                 repeats: 0,
             }),
@@ -209,7 +205,7 @@ impl GpuManifolds {
             ("meshes", &scene.meshes),
             ("words", &scene.words),
         ];
-        Program::new(&self.gpu, &self.kernels, &calls, &[&scene, buffers])
+        Program::new(&self.gpu, &calls, &[&scene, buffers])
     }
 
     fn words(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, StepError> {

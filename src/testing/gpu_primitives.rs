@@ -2,7 +2,7 @@
 
 use crate::gpu::SHADERS;
 use crate::gpu::device::Gpu;
-use crate::gpu::kernel::{Kernel, Kernels};
+use crate::gpu::kernel::Kernel;
 use crate::gpu::program::{BufferSet, Calls, Groups, Program};
 use crate::gpu::radix_sort::{self, Sort};
 use crate::gpu::readback::{read_words, scoped};
@@ -89,7 +89,6 @@ pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32) -> Result<(Vec<u32>, Vec<u32>), 
 /// A device with some kernels.
 struct RunOnce<'g> {
     gpu: &'g Gpu,
-    kernels: Kernels,
 }
 
 impl<'g> RunOnce<'g> {
@@ -98,10 +97,8 @@ impl<'g> RunOnce<'g> {
     /// # Errors
     /// The compiler's message.
     fn new<'k>(gpu: &'g Gpu, kernels: impl IntoIterator<Item = &'k Kernel>) -> Result<Self, String> {
-        Ok(Self {
-            gpu,
-            kernels: scoped(gpu, || Kernels::new(gpu, SHADERS.modules, kernels))??,
-        })
+        gpu.compile(SHADERS.modules, kernels)?;
+        Ok(Self { gpu })
     }
 
     /// An array with these words, or with one zero.
@@ -123,7 +120,7 @@ impl<'g> RunOnce<'g> {
         scoped(self.gpu, || {
             let mut calls = Calls::new(STAGE);
             add(&mut calls);
-            let program = Program::new(self.gpu, &self.kernels, &calls, &[buffers]);
+            let program = Program::new(self.gpu, &calls, &[buffers]);
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
             program.record(STAGE, &mut encoder, 0, None);
             self.gpu.queue.submit([encoder.finish()]);

@@ -2,7 +2,6 @@
 
 use crate::gpu::buffers::{TooLarge, buffers};
 use crate::gpu::device::Gpu;
-use crate::gpu::kernel::Kernels;
 use crate::gpu::layout::{CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, ContactPair, ContactPoint};
 use crate::gpu::program::{Calls, Program};
 use crate::gpu::readback::{read_words, scoped};
@@ -26,7 +25,6 @@ use wgpu::Buffer;
 /// needed.
 pub struct GpuSolver {
     gpu: Gpu,
-    kernels: Kernels,
     handed: Handed,
     lists: SolverBuffers,
     /// Programs for the current buffers, by iteration counts.
@@ -56,7 +54,7 @@ buffers! {
 }
 
 impl GpuSolver {
-    /// Compiles the kernels, and creates buffers for a small scene.
+    /// Compiles the kernels that the device does not have yet, and creates buffers for a small scene.
     ///
     /// # Errors
     /// If the device cannot run them.
@@ -76,14 +74,13 @@ impl GpuSolver {
     pub fn with_capacity(gpu: &Gpu, capacity: SolverCapacity) -> Result<Self, StepError> {
         let shaders = [&crate::gpu::SHADERS, &solver::SHADERS, &sleep::gpu::SHADERS];
         let all = shaders.into_iter().flat_map(|shaders| shaders.kernels.iter().copied());
-        let kernels = device(scoped(gpu, || Kernels::new(gpu, all_modules(), all)).and_then(|kernels| kernels))?;
+        device(gpu.compile(all_modules(), all))?;
         let made = scoped(gpu, || {
             Ok::<_, TooLarge>((Handed::new(gpu, capacity)?, SolverBuffers::new(gpu, capacity)?))
         });
         let (handed, lists) = device(made)??;
         Ok(Self {
             gpu: gpu.clone(),
-            kernels,
             handed,
             lists,
             programs: HashMap::new(),
@@ -247,7 +244,6 @@ impl GpuSolver {
         );
         let Self {
             gpu,
-            kernels,
             handed,
             lists,
             programs,
@@ -261,7 +257,7 @@ impl GpuSolver {
                 sleep::gpu::record_wake(&mut calls, passes.sleeping);
                 record(&mut calls, &lists.capacity, passes);
                 sleep::gpu::record_fall_asleep(&mut calls, passes.sleeping);
-                Program::new(gpu, kernels, &calls, &[handed, lists])
+                Program::new(gpu, &calls, &[handed, lists])
             });
             *dispatches = program.len(STAGE);
             gpu.queue

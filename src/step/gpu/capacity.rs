@@ -18,16 +18,15 @@ impl GpuStep {
         self.finish_all()?;
         let Self {
             gpu,
-            kernels,
             buffers,
             has_features,
             ..
         } = self;
         let made = scoped(gpu, || {
             if !*has_features {
-                kernels.add(gpu, all_modules(), all_kernels())?;
+                gpu.compile(all_modules(), all_kernels())?;
             }
-            Ok::<_, String>(ContactPrograms::new(gpu, kernels, buffers, START))
+            Ok::<_, String>(ContactPrograms::new(gpu, buffers, START))
         });
         let contacts = made.and_then(|made| made).map_err(StepError::Device)?;
         if !self.has_features {
@@ -61,15 +60,14 @@ impl GpuStep {
                 // The only buffer in this set that persists between steps.
                 let (from, to) = (&self.buffers.moved, &buffers.moved);
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
-                Some((impulse_program(&self.gpu, &self.kernels, &buffers), buffers))
+                Some((impulse_program(&self.gpu, &buffers), buffers))
             } else {
                 None
             };
             let contacts = match (&self.contacts, for_contacts) {
                 (Some(old), Some(needed)) => {
                     let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
-                    let contacts =
-                        ContactPrograms::new(&self.gpu, &self.kernels, buffers, old.capacity().grown(needed))?;
+                    let contacts = ContactPrograms::new(&self.gpu, buffers, old.capacity().grown(needed))?;
                     contacts.copy_memory(old, &mut encoder);
                     Some(contacts)
                 }

@@ -9,7 +9,6 @@ use super::record::Recorder;
 use super::solver_input::SolverInput;
 use crate::gpu::buffers::{Buffers, TooLarge};
 use crate::gpu::device::Gpu;
-use crate::gpu::kernel::Kernels;
 use crate::gpu::program::{Calls, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
@@ -69,7 +68,7 @@ impl ContactPrograms {
     ///
     /// # Errors
     /// If the lists exceed the limits of the device.
-    pub fn new(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, capacity: StepCapacity) -> Result<Self, TooLarge> {
+    pub fn new(gpu: &Gpu, buffers: &Buffers, capacity: StepCapacity) -> Result<Self, TooLarge> {
         let capacity = capacity.covering(&buffers.capacity);
         let mut made = Self {
             contacts: ContactBuffers::new(gpu, capacity.contacts)?,
@@ -84,7 +83,7 @@ impl ContactPrograms {
         };
         let simple = recorder(Response::None, buffers, &capacity);
         let contacts = recorder(Response::Contacts, buffers, &capacity);
-        let bind = |calls: Calls| made.bind(gpu, kernels, buffers, &calls);
+        let bind = |calls: Calls| made.bind(gpu, buffers, &calls);
         let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
         let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
         let programs = [
@@ -98,13 +97,8 @@ impl ContactPrograms {
         Ok(made)
     }
 
-    fn bind(&self, gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, calls: &Calls) -> Program {
-        Program::new(
-            gpu,
-            kernels,
-            calls,
-            &[buffers, &self.contacts, &self.solver, &self.step],
-        )
+    fn bind(&self, gpu: &Gpu, buffers: &Buffers, calls: &Calls) -> Program {
+        Program::new(gpu, calls, &[buffers, &self.contacts, &self.solver, &self.step])
     }
 
     /// Capacity of the lists.
@@ -148,7 +142,7 @@ impl ContactPrograms {
     }
 
     /// Makes the program for these iteration counts, unless it exists.
-    pub fn prepare(&mut self, gpu: &Gpu, kernels: &Kernels, buffers: &Buffers, passes: Passes) {
+    pub fn prepare(&mut self, gpu: &Gpu, buffers: &Buffers, passes: Passes) {
         if self.solve.contains_key(&passes) {
             return;
         }
@@ -162,7 +156,7 @@ impl ContactPrograms {
         };
         // It is the same in every collision substep.
         let calls = recorder.calls(&[Stage::ForceScan], Place::of(0, 1));
-        let program = self.bind(gpu, kernels, buffers, &calls);
+        let program = self.bind(gpu, buffers, &calls);
         self.solve.insert(passes, program);
     }
 

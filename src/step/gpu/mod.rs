@@ -35,7 +35,6 @@ pub mod upload;
 use crate::gpu::arena::Arena;
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
-use crate::gpu::kernel::Kernels;
 use crate::gpu::layout;
 use crate::gpu::program::Program;
 use crate::gpu::readback::{read_words, scoped};
@@ -71,7 +70,6 @@ pub enum StepError {
 /// The stages on a GPU.
 pub struct GpuStep {
     gpu: Gpu,
-    kernels: Kernels,
     arena: Arena,
     buffers: Buffers,
     program: Program,
@@ -109,7 +107,8 @@ const START: Capacity = Capacity {
 };
 
 impl GpuStep {
-    /// Compiles the kernels, which takes about a second, and creates buffers for a small scene.
+    /// Compiles the kernels that the device does not have yet, which takes about a second for all of them. Creates buffers
+    /// for a small scene.
     ///
     /// # Errors
     /// If the device cannot run the stages.
@@ -124,16 +123,15 @@ impl GpuStep {
     pub fn with_capacity(gpu: Gpu, capacity: Capacity) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
             let calls = impulse_calls(&capacity);
-            let kernels = Kernels::new(&gpu, all_modules(), calls.iter().map(|call| call.kernel))?;
+            gpu.compile(all_modules(), calls.iter().map(|call| call.kernel))?;
             let buffers = Buffers::new(&gpu, capacity).map_err(|error| error.to_string())?;
-            let program = impulse_program(&gpu, &kernels, &buffers);
+            let program = impulse_program(&gpu, &buffers);
             let timer = Timer::new(&gpu);
-            Ok((kernels, buffers, program, timer))
+            Ok((buffers, program, timer))
         });
         match made.and_then(|made| made) {
-            Ok((kernels, buffers, program, timer)) => Ok(Self {
+            Ok((buffers, program, timer)) => Ok(Self {
                 gpu,
-                kernels,
                 arena: Arena::default(),
                 buffers,
                 program,

@@ -3,7 +3,7 @@
 use super::buffers::StepCapacity;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
-use crate::gpu::kernel::{Kernel, Kernels, kernel};
+use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING};
 use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
@@ -162,8 +162,8 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
 }
 
 /// The same, bound to buffers.
-pub fn impulse_program(gpu: &Gpu, kernels: &Kernels, buffers: &Buffers) -> Program {
-    Program::new(gpu, kernels, &impulse_calls(&buffers.capacity), &[buffers])
+pub fn impulse_program(gpu: &Gpu, buffers: &Buffers) -> Program {
+    Program::new(gpu, &impulse_calls(&buffers.capacity), &[buffers])
 }
 
 /// Compacts the lists of contact points, and tests all lists so far for overflow.

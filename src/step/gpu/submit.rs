@@ -87,7 +87,6 @@ impl GpuStep {
     pub(super) fn launch(&mut self, input: Input, detail: Detail) -> Result<(), StepError> {
         let Self {
             gpu,
-            kernels,
             contacts,
             buffers,
             program,
@@ -100,7 +99,7 @@ impl GpuStep {
         let mut contacts = contacts.as_mut().filter(|_| wanted);
         let flight = scoped(gpu, || {
             if let (Some(contacts), Some(solver)) = (&mut contacts, &input.solver) {
-                contacts.prepare(gpu, kernels, buffers, solver.passes());
+                contacts.prepare(gpu, buffers, solver.passes());
             }
             let contacts = contacts.as_deref();
             let parts = Parts::new(&buffers.capacity, contacts, &input, detail);

@@ -3,7 +3,7 @@
 use bevy_faceoff::broad_phase::gpu::ARGUMENTS;
 use bevy_faceoff::gpu::SHADERS;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::gpu::kernel::{Kernel, Kernels};
+use bevy_faceoff::gpu::kernel::Kernel;
 use bevy_faceoff::gpu::layout::{
     COUNTERS, ENTRIES, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_PAIR, GROUPS_PER_SORT_BLOCK, PAIRS,
     SKIPPED, SPHERE_PAIRS, Step,
@@ -62,13 +62,13 @@ fn buffer(gpu: &Gpu, words: &[u32], usage: BufferUsages) -> Buffer {
 }
 
 /// Runs what `add` adds; indirect dispatches take their groups from `arguments`.
-fn run(gpu: &Gpu, kernels: &Kernels, buffers: &dyn BufferSet, kernel: &'static Kernel, groups: Groups) {
+fn run(gpu: &Gpu, buffers: &dyn BufferSet, kernel: &'static Kernel, groups: Groups) {
     const STAGE: Stage = Stage::BroadPhase;
     scoped(gpu, || {
         let mut calls = Calls::new(STAGE);
         calls.call(kernel, groups);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let program = Program::new(gpu, kernels, &calls, &[buffers]);
+        let program = Program::new(gpu, &calls, &[buffers]);
         program.record(STAGE, &mut encoder, 0, None);
         gpu.queue.submit([encoder.finish()]);
     })
@@ -85,32 +85,32 @@ fn check_marks(gpu: &Gpu, marks: &Buffer, wanted: u32) {
 }
 
 pub fn direct(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, SHADERS.modules, [&MARK]).unwrap();
+    gpu.compile(SHADERS.modules, [&MARK]).unwrap();
     for wanted in COUNTS {
         let count = buffer(gpu, &[wanted], BufferUsages::empty());
         let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
         let buffers = [("wanted", &count), ("marks", &marks)];
-        run(gpu, &kernels, &buffers, &MARK, Groups::Exactly(wanted));
+        run(gpu, &buffers, &MARK, Groups::Exactly(wanted));
         check_marks(gpu, &marks, wanted);
     }
 }
 
 pub fn indirect(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, SHADERS.modules, [&MARK, &ROWS]).unwrap();
+    gpu.compile(SHADERS.modules, [&MARK, &ROWS]).unwrap();
     for wanted in COUNTS {
         let arguments = buffer(gpu, &[0; 4], BufferUsages::INDIRECT);
         let count = buffer(gpu, &[wanted], BufferUsages::empty());
         let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
         let buffers = [("wanted", &count), ("arguments", &arguments), ("marks", &marks)];
-        run(gpu, &kernels, &buffers, &ROWS, Groups::Exactly(1));
-        run(gpu, &kernels, &buffers, &MARK, Groups::Indirect("arguments", 0));
+        run(gpu, &buffers, &ROWS, Groups::Exactly(1));
+        run(gpu, &buffers, &MARK, Groups::Indirect("arguments", 0));
         assert_eq!(read_words(gpu, &arguments, 3).unwrap(), rows(wanted));
         check_marks(gpu, &marks, wanted);
     }
 }
 
 /// What the kernel writes that ends the broad phase: counters and arguments.
-fn broad_phase_arguments(gpu: &Gpu, kernels: &Kernels, pairs: u32, capacity: u32) -> [Buffer; 2] {
+fn broad_phase_arguments(gpu: &Gpu, pairs: u32, capacity: u32) -> [Buffer; 2] {
     let step = Step {
         pair_capacity: capacity,
         ..Default::default()
@@ -129,7 +129,7 @@ fn broad_phase_arguments(gpu: &Gpu, kernels: &Kernels, pairs: u32, capacity: u32
         ("counters", &counters),
         ("arguments", &arguments),
     ];
-    run(gpu, kernels, &buffers, &ARGUMENTS, Groups::Exactly(1));
+    run(gpu, &buffers, &ARGUMENTS, Groups::Exactly(1));
     [counters, arguments]
 }
 
@@ -145,9 +145,9 @@ fn slots(pairs: u32) -> [(u32, u32); 4] {
 }
 
 pub fn of_the_broad_phase(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, SHADERS.modules, [&MARK, &ARGUMENTS]).unwrap();
+    gpu.compile(SHADERS.modules, [&MARK, &ARGUMENTS]).unwrap();
     for pairs in [0, 1, 64, 65, MAX_ROW + 1, 70_000, 5_000_000] {
-        let [counters, arguments] = broad_phase_arguments(gpu, &kernels, pairs, 5_000_000);
+        let [counters, arguments] = broad_phase_arguments(gpu, pairs, 5_000_000);
         let counters = read_words(gpu, &counters, COUNTERS as usize).unwrap();
         let noted = [PAIRS, ENTRIES, SKIPPED].map(|counter| counters[counter as usize]);
         assert_eq!(noted, [pairs, 2 * pairs, 0]);
@@ -155,15 +155,15 @@ pub fn of_the_broad_phase(gpu: &Gpu) {
             let count = buffer(gpu, &[wanted], BufferUsages::empty());
             let marks = buffer(gpu, &vec![0; wanted as usize + 1], BufferUsages::empty());
             let buffers = [("wanted", &count), ("marks", &marks), ("arguments", &arguments)];
-            run(gpu, &kernels, &buffers, &MARK, Groups::Indirect("arguments", slot));
+            run(gpu, &buffers, &MARK, Groups::Indirect("arguments", slot));
             check_marks(gpu, &marks, wanted);
         }
     }
 }
 
 pub fn nothing_after_overflow(gpu: &Gpu) {
-    let kernels = Kernels::new(gpu, SHADERS.modules, [&ARGUMENTS]).unwrap();
-    let [counters, arguments] = broad_phase_arguments(gpu, &kernels, 1001, 1000);
+    gpu.compile(SHADERS.modules, [&ARGUMENTS]).unwrap();
+    let [counters, arguments] = broad_phase_arguments(gpu, 1001, 1000);
     let counters = read_words(gpu, &counters, COUNTERS as usize).unwrap();
     let noted = [PAIRS, ENTRIES, SPHERE_PAIRS].map(|counter| counters[counter as usize]);
     assert_eq!(noted, [0, 0, 1001], "the host must learn how many there are");
