@@ -7,11 +7,13 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::cell::Cell;
 use std::time::Duration;
 
-/// Whether apps run on a GPU by default.
-pub static ON_GPU: AtomicBool = AtomicBool::new(false);
+thread_local! {
+    /// Whether apps that this thread makes run on a GPU by default.
+    pub static ON_GPU: Cell<bool> = const { Cell::new(false) };
+}
 
 /// Length of a fixed step, seconds: a power of two, so that times add up exactly.
 pub const STEP: Duration = Duration::from_nanos(15_625_000);
@@ -33,11 +35,7 @@ impl Sim {
 
     pub fn with_threads(threads: usize) -> Self {
         // Most of these tests expect the bits of the CPU.
-        let backend = if ON_GPU.load(Ordering::Relaxed) {
-            Backend::Gpu
-        } else {
-            Backend::Cpu
-        };
+        let backend = if ON_GPU.get() { Backend::Gpu } else { Backend::Cpu };
         Self::with_step(StepPlugin {
             backend,
             threads,

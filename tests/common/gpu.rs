@@ -1,7 +1,8 @@
 //! The harness of tests that need a graphics card, real or emulated on the CPU as by Mesa's lavapipe.
 //!
 //! Without one every test is reported as *ignored*, or fails where one is required: see `no_device.rs`. The device is
-//! opened once. Tests run one after the other unless configured otherwise: lavapipe uses all cores for each.
+//! opened once per thread. Two tests run at a time unless configured otherwise: lavapipe uses all cores for a large dispatch,
+//! but one for small ones and to compile kernels.
 
 #![allow(dead_code)]
 
@@ -11,7 +12,7 @@ mod no_device;
 use bevy_faceoff::gpu::device::{self, Gpu, NoGpu};
 use libtest_mimic::{Arguments, Completion, Trial};
 use no_device::ignored_or_failed;
-use std::sync::{Arc, OnceLock};
+use std::cell::OnceCell;
 use std::time::Instant;
 
 /// Name and function of a test that needs the device.
@@ -20,11 +21,14 @@ pub type Test = (&'static str, fn(&Gpu));
 /// Name and function of a test that needs no device.
 pub type Plain = (&'static str, fn());
 
+thread_local! {
+    static DEVICE: OnceCell<Result<Gpu, NoGpu>> = const { OnceCell::new() };
+}
+
 /// Runs the tests that the command line selects, and exits the process. Each test has its group's name as a prefix.
 pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
     let mut arguments = Arguments::from_args();
-    arguments.test_threads = arguments.test_threads.or(Some(1));
-    let device: Arc<OnceLock<Result<Gpu, NoGpu>>> = Arc::default();
+    arguments.test_threads = arguments.test_threads.or(Some(2));
     let mut trials = Vec::new();
     for (group, tests) in anywhere {
         trials.extend(tests.iter().map(|&(name, test)| {
@@ -36,15 +40,17 @@ pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
     }
     for (group, tests) in on_device {
         trials.extend(tests.iter().map(|&(name, test)| {
-            let device = device.clone();
-            Trial::ignorable_test(format!("{group}::{name}"), move || match device.get_or_init(open) {
-                Ok(gpu) => {
-                    let start = Instant::now();
-                    test(gpu);
-                    print!("{:.1} s ", start.elapsed().as_secs_f32());
-                    Ok(Completion::Completed)
-                }
-                Err(reason) => ignored_or_failed(reason),
+            let name = format!("{group}::{name}");
+            Trial::ignorable_test(name.clone(), move || {
+                DEVICE.with(|device| match device.get_or_init(open) {
+                    Ok(gpu) => {
+                        let start = Instant::now();
+                        test(gpu);
+                        println!("{name}: {:.1} s", start.elapsed().as_secs_f32());
+                        Ok(Completion::Completed)
+                    }
+                    Err(reason) => ignored_or_failed(reason),
+                })
             })
         }));
     }

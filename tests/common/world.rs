@@ -3,26 +3,43 @@
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
 #[cfg(feature = "gpu")]
+use bevy_faceoff::gpu::device::Gpu;
+#[cfg(feature = "gpu")]
 use bevy_faceoff::state::StepInput;
 use bevy_faceoff::state::{Body, BodyParams, StepConfig};
 use bevy_faceoff::step::StepState;
+#[cfg(feature = "gpu")]
+use bevy_faceoff::step::gpu::GpuStep;
 use bevy_faceoff::testing::scenes::{self, Scene};
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
 use glam::{DVec3, Quat, Vec3};
+#[cfg(feature = "gpu")]
+use std::cell::RefCell;
 use std::collections::HashMap;
 
-/// The device on which worlds run in turn, if they do not run on the CPU.
 #[cfg(feature = "gpu")]
-pub static DEVICE: std::sync::Mutex<Option<bevy_faceoff::step::gpu::GpuStep>> = std::sync::Mutex::new(None);
+thread_local! {
+    /// The device of the worlds that this thread makes. Without one they run on the CPU.
+    static GPU: RefCell<Option<Gpu>> = const { RefCell::new(None) };
+}
+
+/// Runs a test whose worlds run on this device.
+#[cfg(feature = "gpu")]
+#[allow(dead_code, reason = "the tests on a device call it")]
+pub fn on_device(gpu: &Gpu, test: impl FnOnce()) {
+    GPU.set(Some(gpu.clone()));
+    test();
+    GPU.set(None);
+}
 
 pub struct World {
     pub state: StepState,
-    /// Whether it runs on the CPU even if there is a device.
+    /// The stages on a device. Without them it runs on the CPU.
     #[cfg(feature = "gpu")]
-    pub on_cpu: bool,
+    pub device: Option<GpuStep>,
 }
 
 impl World {
@@ -38,14 +55,10 @@ impl World {
             },
             ..state.input.config
         };
-        #[cfg(feature = "gpu")]
-        if let Some(device) = DEVICE.lock().unwrap().as_mut() {
-            device.forget();
-        }
         Self {
             state,
             #[cfg(feature = "gpu")]
-            on_cpu: false,
+            device: GPU.with_borrow(|gpu| gpu.clone().map(|gpu| GpuStep::new(gpu).unwrap())),
         }
     }
 
@@ -102,7 +115,7 @@ impl World {
 
     pub fn step(&mut self) {
         #[cfg(feature = "gpu")]
-        if let Some(device) = DEVICE.lock().unwrap().as_mut().filter(|_| !self.on_cpu) {
+        if let Some(device) = &mut self.device {
             device.run(&mut self.state).unwrap();
             self.place_frames();
             return;

@@ -16,21 +16,20 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::prelude::*;
-use std::sync::atomic::Ordering;
 
 /// Apps run on a GPU for as long as this lives.
 struct OnGpu;
 
 impl OnGpu {
     fn new() -> Self {
-        ON_GPU.store(true, Ordering::Relaxed);
+        ON_GPU.set(true);
         Self
     }
 }
 
 impl Drop for OnGpu {
     fn drop(&mut self) {
-        ON_GPU.store(false, Ordering::Relaxed);
+        ON_GPU.set(false);
     }
 }
 

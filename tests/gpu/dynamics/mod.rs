@@ -28,26 +28,11 @@ use crate::gpu::Test;
 use crate::world;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::step::gpu::GpuStep;
 use glam::Vec3;
-
-/// Lets all worlds of a test move on the device.
-fn on(gpu: &Gpu) {
-    let mut device = world::DEVICE.lock().unwrap_or_else(|poisoned| {
-        world::DEVICE.clear_poison();
-        poisoned.into_inner()
-    });
-    if device.is_none() {
-        *device = Some(GpuStep::new(gpu.clone()).unwrap());
-    }
-}
 
 macro_rules! tests {
     ($($name:ident: $work:expr;)*) => {
-        [$((stringify!($name), (|gpu| {
-            on(gpu);
-            $work
-        }) as fn(&Gpu))),*]
+        [$((stringify!($name), (|gpu| world::on_device(gpu, || $work)) as fn(&Gpu))),*]
     };
 }
 

@@ -11,7 +11,7 @@ use glam::{Quat, Vec3};
 /// The scene on the CPU and on the device.
 fn both(scene: impl Fn() -> World) -> [World; 2] {
     let mut cpu = scene();
-    cpu.on_cpu = true;
+    cpu.device = None;
     [cpu, scene()]
 }
 

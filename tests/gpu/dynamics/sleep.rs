@@ -1,6 +1,6 @@
 //! Who sleeps, and what goes on from step to step.
 
-use crate::world::{DEVICE, GAP, World};
+use crate::world::{GAP, World};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::state::Body;
 use bevy_faceoff::step::gpu::memory::DeviceMemory;
@@ -51,8 +51,7 @@ pub fn falls_asleep_and_wakes() {
     let points = world.state.results.manifolds.points.len();
     assert!(points >= 12, "{points} points");
     {
-        let mut device = DEVICE.lock().unwrap();
-        let device = device.as_mut().unwrap();
+        let device = world.device.as_mut().unwrap();
         device.submit(&world.state.input, &[], Detail::All).unwrap();
         let output = device.take().unwrap().unwrap();
         assert_eq!(output.near_triangles, 0, "nobody looks at what sleeps");
@@ -82,9 +81,9 @@ pub fn moves_to_the_cpu_and_back() {
     let mut world = stack();
     fall_asleep(&mut world);
     let before: Vec<_> = (1..4).map(|i| world.state.input.bodies.motion(i)).collect();
-    let memory = DEVICE.lock().unwrap().as_mut().unwrap().memory().unwrap();
+    let mut device = world.device.take().unwrap();
+    let memory = device.memory().unwrap();
     (world.state.memory, world.state.results.manifolds) = memory.to_cpu();
-    world.on_cpu = true;
     for _ in 0..20 {
         world.step();
         assert_eq!(asleep(&world), 3, "on the CPU");
@@ -94,8 +93,8 @@ pub fn moves_to_the_cpu_and_back() {
         back.to_cpu(),
         (world.state.memory.clone(), world.state.results.manifolds.clone())
     );
-    DEVICE.lock().unwrap().as_mut().unwrap().remember(&back).unwrap();
-    world.on_cpu = false;
+    device.remember(&back).unwrap();
+    world.device = Some(device);
     for _ in 0..20 {
         world.step();
         assert_eq!(asleep(&world), 3, "on the device again");
