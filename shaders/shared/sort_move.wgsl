@@ -29,8 +29,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         atomicStore(&holders[thread * 8u + k], 0u);
     }
     workgroupBarrier();
-    for (var round = 0u; round < SORT_BLOCK; round += 256u) {
-        let i = block * SORT_BLOCK + round + thread;
+    let end = min(length, (block + 1u) * SORT_BLOCK);
+    for (var first = block * SORT_BLOCK; first < end; first += 256u) {
+        let i = first + thread;
         let held = i < length;
         var key = 0u;
         var digit = 0u;
