@@ -94,11 +94,12 @@ fn allocated(work: impl FnOnce()) -> Stats {
 /// The allocator counts for all threads, so there is one test.
 #[test]
 fn warm_steps_allocate_nothing() {
+    // First, while no other thread runs: the allocator counts those of all threads.
+    contacts();
     for threads in [1, 2] {
         stages(threads);
         app(threads);
     }
-    contacts();
 }
 
 /// A worker for contacts, which goes through the same poses again and again.

@@ -37,7 +37,7 @@ pub fn a_ball_dropped_in_a_room_rests_on_its_floor() {
             bounces += usize::from(sim.position(ball).x > 1.45);
         }
         assert!(bounces > 0, "it met a wall");
-        // The floor is at -2, and the gap half a percent of the diameter.
+        // The floor is at -2.
         let height = sim.position(ball).y + 2.0;
         assert!((0.49..0.51).contains(&height), "{height}");
         let points = sim.collisions().manifolds().find(|(a, b, _)| [*a, *b].contains(&walls));

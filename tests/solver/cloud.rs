@@ -24,7 +24,8 @@ pub fn cloud(restitution: f32) -> World {
     world
 }
 
-pub fn a_cloud_of_balls_keeps_momentum_and_gains_no_energy() {
+#[test]
+fn a_cloud_of_balls_keeps_momentum_and_gains_no_energy() {
     for restitution in [0.0, 0.5, 1.0] {
         let mut world = cloud(restitution);
         let before = world.measure();

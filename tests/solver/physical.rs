@@ -17,7 +17,6 @@ macro_rules! physical_tests {
                 invalid_input_is_ignored,
             }
             cloud {
-                a_cloud_of_balls_keeps_momentum_and_gains_no_energy,
                 boxes_that_tumble_into_each_other_keep_momentum,
             }
             friction {
