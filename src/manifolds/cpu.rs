@@ -1,19 +1,25 @@
 //! Contact generation on the CPU: pairs run in parallel; each task writes its own lists, which are joined in order.
 
+mod candidates;
 pub(super) mod contour;
+mod eight;
 pub(super) mod feature;
 mod feature_ids;
 mod inside;
+mod kept;
+mod kept_pairs;
 pub(super) mod near;
 pub(super) mod pair;
 pub mod planes;
 mod ray;
 pub(super) mod reduce;
+mod search;
 pub(super) mod side;
 pub(super) mod smooth;
 
 pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;
+pub(crate) use kept::Kept;
 pub(crate) use pair::{Pair, Worker};
 pub(crate) use side::PlacedMesh;
 
@@ -22,6 +28,7 @@ use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, ManifoldPoint, Manifolds};
+use kept_pairs::KeptPairs;
 use rayon::prelude::*;
 
 /// Memory kept between steps.
@@ -30,6 +37,20 @@ pub struct Scratch {
     /// Result lists, one per task.
     tasks: Vec<Manifolds>,
     workers: PerThread<Worker>,
+    kept: KeptPairs,
+}
+
+impl Scratch {
+    /// Forgets what pairs keep from the last call. The next call finds the same points, but searches all of them afresh.
+    pub fn forget(&mut self) {
+        self.kept = KeptPairs::default();
+    }
+
+    /// Tells that bodies have new indices since the last call; pairs for which there are none are gone. This saves work
+    /// and changes no result. The order of the pairs must stay the same.
+    pub(crate) fn renumber(&mut self, renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>) {
+        self.kept.renumber(renumbered);
+    }
 }
 
 /// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
@@ -53,15 +74,16 @@ pub fn run(
     if scratch.tasks.len() < wanted {
         scratch.tasks.resize_with(wanted, Manifolds::default);
     }
-    let Scratch { tasks, workers } = scratch;
+    let Scratch { tasks, workers, kept } = scratch;
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
-    let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK));
-    loops::for_each(parts, 1, |(task, pairs)| {
+    let kept = kept.of(pairs).par_chunks_mut(TASK);
+    let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
+    loops::for_each(parts, 1, |((task, pairs), kept)| {
         task.clear();
         let mut worker = workers.lock();
-        for pair in pairs {
+        for (pair, kept) in pairs.iter().zip(kept) {
             let first = task.points.len();
-            add_points(bodies, meshes, pair, &mut worker, &mut task.points);
+            add_points(bodies, meshes, pair, &mut worker, &mut kept.kept, &mut task.points);
             task.end_pair(pair.bodies, first);
         }
     });
@@ -78,7 +100,8 @@ pub fn run(
 /// The manifold of one pair, without memory between calls.
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
-    add_points(bodies, meshes, &pair, &mut Worker::default(), &mut manifolds.points);
+    let (mut worker, mut kept) = (Worker::default(), Kept::default());
+    add_points(bodies, meshes, &pair, &mut worker, &mut kept, &mut manifolds.points);
     manifolds.end_pair(pair.bodies, 0);
     manifolds
 }
@@ -89,10 +112,11 @@ fn add_points(
     meshes: &MeshArena,
     pair: &MarginPair,
     worker: &mut Worker,
+    kept: &mut Kept,
     points: &mut Vec<ManifoldPoint>,
 ) {
     if let Some(found) = pair_of_bodies(bodies, meshes, pair.bodies) {
-        let chosen = worker.reduced(&found, pair.margin);
+        let chosen = worker.reduced(&found, pair.margin, kept);
         points.extend(chosen.iter().map(|feature| found.point(feature).0));
     }
 }

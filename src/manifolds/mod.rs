@@ -2,7 +2,8 @@
 //!
 //! Per pair whose surfaces intersect or come closer than the speculative margin:
 //!
-//! 1. The bounding-volume trees of both meshes are traversed for pairs of triangles closer than the margin.
+//! 1. The bounding-volume trees of both meshes are traversed for pairs of triangles closer than the margin. On the CPU
+//!    the search has some slack, and its candidates are kept until the bodies have moved by more than that.
 //! 2. Features. Vertex-face: separation `n_f . (v - f)`, if the vertex projects into the face and none of its edges
 //!    leads below the face. Edge-edge, of two convex edges: the normal is their cross product, if it lies on both
 //!    edges' arcs of the Gauss map (between the normals of the adjacent faces); separation `n . (p_b - p_a)` of the

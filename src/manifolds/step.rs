@@ -41,6 +41,9 @@ pub(crate) fn find(
         }
     }
     std::mem::swap(manifolds, &mut scratch.before);
+    if !inactive.numbers.is_empty() {
+        scratch.meshes.renumber(|pair| inactive.renumbered(pair));
+    }
     cpu::run(bodies, meshes, &scratch.pairs, &mut scratch.meshes, manifolds);
     planes::find(
         bodies,

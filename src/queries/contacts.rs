@@ -3,7 +3,7 @@
 use super::placed::Placed;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::manifolds;
-use crate::manifolds::cpu::{Feature, Pair, Worker, feature_ids};
+use crate::manifolds::cpu::{Feature, Kept, Pair, Worker, feature_ids};
 use crate::types::feature_id::FeatureId;
 use glam::{DVec3, Vec3};
 
@@ -24,13 +24,15 @@ pub struct MeshContact {
     pub features: [FeatureId; 2],
 }
 
-/// Data about a pair that is kept from one call of [`ContactWorker::manifold`] to the next; empty at present.
+/// Data about a pair that is kept from one call of [`ContactWorker::manifold`] to the next.
 ///
 /// Keep one for each pair of bodies, in their order, and use a default one for a new pair. The memory never changes the
 /// points that are found.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
-pub struct PairMemory {}
+pub struct PairMemory {
+    kept: Kept,
+}
 
 /// Finds contact points of placed meshes.
 ///
@@ -47,6 +49,8 @@ pub struct PairMemory {}
 #[derive(Default)]
 pub struct ContactWorker {
     worker: Worker,
+    /// For calls without the memory of a pair.
+    one_call: Kept,
 }
 
 impl ContactWorker {
@@ -61,7 +65,10 @@ impl ContactWorker {
     /// Appends all contact points within `margin`, each once: vertex-face and edge-edge features, and points that stand
     /// for deep overlaps. Finely tessellated surfaces that lie on each other have thousands.
     pub fn points(&mut self, a: &Placed, b: &Placed, margin: f32, points: &mut Vec<MeshContact>) {
-        self.find(a, b, margin, points, Worker::all);
+        let Self { worker, one_call } = self;
+        find([a, b], margin, points, |pair| {
+            worker.all(pair, margin, one_call.for_one_call())
+        });
     }
 
     /// Appends the reduced contact manifold: the points of [`ContactWorker::points`] that a solver needs, at most
@@ -72,38 +79,39 @@ impl ContactWorker {
         a: &Placed,
         b: &Placed,
         margin: f32,
-        _memory: &mut PairMemory,
+        memory: &mut PairMemory,
         points: &mut Vec<MeshContact>,
     ) {
-        self.find(a, b, margin, points, Worker::reduced);
+        let worker = &mut self.worker;
+        find([a, b], margin, points, |pair| {
+            worker.reduced(pair, margin, &mut memory.kept)
+        });
     }
+}
 
-    fn find(
-        &mut self,
-        a: &Placed,
-        b: &Placed,
-        margin: f32,
-        points: &mut Vec<MeshContact>,
-        of_pair: impl for<'w> FnOnce(&'w mut Worker, &Pair, f32) -> &'w [Feature],
-    ) {
-        // The points of an edge-edge feature may be slightly farther apart than the edges.
-        let most = (1.01 * f64::from(margin.max(0.0))).min(f64::from(MAX_COORDINATE));
-        if a.is_beyond(b, most) {
-            return;
-        }
-        let frames = [a, b].map(|placed| placed.frame_about(a.translation()));
-        let [mesh_a, mesh_b] = [a.in_frame(&frames[0]), b.in_frame(&frames[1])];
-        let pair = Pair::new([&mesh_a, &mesh_b], a.mesh().is_same(b.mesh()));
-        let features = of_pair(&mut self.worker, &pair, margin);
-        points.extend(features.iter().map(|feature| {
-            let (point, anchors) = pair.point(feature);
-            MeshContact {
-                anchors: [a.center_offset() + anchors[0], b.center_offset() + anchors[1]],
-                normal: point.normal,
-                separation: point.separation,
-                faces: point.faces,
-                features: feature_ids(&pair.sides, feature),
-            }
-        }));
+/// Appends the points of the features that `of_pair` finds.
+fn find<'w>(
+    [a, b]: [&Placed; 2],
+    margin: f32,
+    points: &mut Vec<MeshContact>,
+    of_pair: impl FnOnce(&Pair) -> &'w [Feature],
+) {
+    // The points of an edge-edge feature may be slightly farther apart than the edges.
+    let most = (1.01 * f64::from(margin.max(0.0))).min(f64::from(MAX_COORDINATE));
+    if a.is_beyond(b, most) {
+        return;
     }
+    let frames = [a, b].map(|placed| placed.frame_about(a.translation()));
+    let [mesh_a, mesh_b] = [a.in_frame(&frames[0]), b.in_frame(&frames[1])];
+    let pair = Pair::new([&mesh_a, &mesh_b], a.mesh().is_same(b.mesh()));
+    points.extend(of_pair(&pair).iter().map(|feature| {
+        let (point, anchors) = pair.point(feature);
+        MeshContact {
+            anchors: [a.center_offset() + anchors[0], b.center_offset() + anchors[1]],
+            normal: point.normal,
+            separation: point.separation,
+            faces: point.faces,
+            features: feature_ids(&pair.sides, feature),
+        }
+    }));
 }

@@ -1,7 +1,7 @@
 //! Intersection contours: the segments in which triangles cross, and the patches that closed contours enclose.
 
 use super::feature::{Feature, Key, TrianglePair};
-use super::near::Window;
+use super::search::Window;
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 
@@ -16,6 +16,10 @@ pub(crate) const MIN_ENCLOSED_AREA: f64 = 1.0e-12;
 
 /// Loose ends of contours closer than this, in units of the bodies' size, are the same point.
 const TIE: f64 = 1.0e-6;
+
+/// Largest gap between the boxes of triangles that cross, in units of the error of heights: about a millionth of the
+/// bodies' size.
+const BOX_GAP: f64 = 1.0e8;
 
 /// The segment in which two triangles cross, oriented along the cross product of their normals.
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +79,10 @@ impl TrianglePair<'_> {
         let [a, b] = self.triangles;
         let line = a.normal.cross(b.normal);
         if line.length_squared() < 1.0e-24 {
+            return None;
+        }
+        // Rounding makes almost parallel triangles cross that are apart.
+        if !self.boxes_are_within(BOX_GAP * rounding) {
             return None;
         }
         let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];

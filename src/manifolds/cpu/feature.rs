@@ -1,7 +1,8 @@
 //! Contact features: vertex-face and edge-edge.
 
+use super::candidates::{CROSSING, Part, Parts};
 use super::side::{Side, Triangle};
-use crate::simd::lanes::each;
+use crate::simd::lanes::{bits, each};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -101,24 +102,18 @@ impl<'a> TrianglePair<'a> {
         })
     }
 
-    /// Calls `found` for every feature that the triangles own and whose separation is in `range`.
+    /// Calls `found` for each of these features that exists and whose separation is in `range`.
     #[inline]
-    pub fn features(&self, range: &RangeInclusive<f64>, mut found: impl FnMut(Feature)) {
-        let owned = [0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]);
-        for (side, owned) in owned.into_iter().enumerate() {
-            for k in 0..3 {
-                if owned >> k & 1 == 1 && range.contains(&self.heights[side][k]) {
-                    self.vertex(side, k).map(&mut found);
+    pub fn features(&self, range: &RangeInclusive<f64>, parts: Parts, mut found: impl FnMut(Feature)) {
+        for bit in bits(u32::from(parts & !CROSSING)) {
+            match Part::of(bit) {
+                Part::Vertex { side, k } => {
+                    if range.contains(&self.heights[side][k]) {
+                        self.vertex(side, k).map(&mut found);
+                    }
                 }
-            }
-        }
-        if owned[0] >> 3 == 0 || owned[1] >> 3 == 0 {
-            return;
-        }
-        for k in 0..3 {
-            for l in 0..3 {
-                if owned[0] >> (3 + k) & 1 == 1 && owned[1] >> (3 + l) & 1 == 1 {
-                    self.edges([k, l], range).map(&mut found);
+                Part::Edges(edges) => {
+                    self.edges(edges, range).map(&mut found);
                 }
             }
         }

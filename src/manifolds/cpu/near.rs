@@ -5,16 +5,19 @@
 //! their faces point at each other. Pairs that can neither have a feature nor intersect are dropped here, eight at a
 //! time.
 
+use super::candidates::{CROSSING, EDGES, FIRST_VERTICES, NOT_LISTED, Parts, SECOND_VERTICES, owned_features};
+use super::eight::{ANY_TILT, Narrowing, SmallPair, SmallTriangle};
+use super::search::{Limits, Search, Window};
 use super::side::{Side, Triangle};
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
 use crate::simd::lanes::{
-    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, boxes_meet, cross, dot, f32x8, heights, lane_of,
+    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, boxes_meet, cross, dot, each, f32x8, heights, lane_of,
     largest, least, load, load_points, mask32x8, max, min, norm1, scale, splat, splat_point, store, store_points, sub,
 };
 use crate::simd::level::with_simd;
-use crate::simd::rounding::{PAD, unit_of};
+use crate::simd::rounding::unit_of;
 use crate::simd::tree::{RelativePose, Tree};
 use crate::state::mesh_arena::{Stored, StoredPoints};
 use glam::{Mat3, Vec3};
@@ -33,14 +36,6 @@ pub struct PairPose {
     pub size: f32,
 }
 
-/// Limits the search to some pairs of triangles.
-pub struct Window {
-    /// Both triangles must meet this box.
-    pub around: Aabb,
-    /// The first must extend farther along this direction than the second's lower bound. Zero accepts every pair.
-    pub direction: Vec3,
-}
-
 /// The result, and memory kept between pairs.
 #[derive(Default)]
 pub struct NearTriangles {
@@ -48,62 +43,91 @@ pub struct NearTriangles {
     /// Clusters of the second body, in the order of the traversal.
     seconds: Vec<PlacedCluster>,
     /// Triangles of the first and of the second body that are near a triangle of the other.
-    triangles: [Vec<Triangle>; 2],
-    /// Indices into `triangles`.
-    pairs: Vec<[u32; 2]>,
+    triangles: [Vec<SmallTriangle>; 2],
+    pairs: Vec<SmallPair>,
+    narrowing: Narrowing,
+    /// Each of `triangles` in double precision, once it is needed, and its index in another list.
+    placed: [Vec<(Option<Triangle>, u32)>; 2],
 }
 
 impl NearTriangles {
-    /// Finds all pairs of triangles in the window that may be no farther apart than `reach`; some are slightly farther.
-    pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, reach: f32, window: Option<&Window>) {
-        with_simd!(simd => self.run_with(simd, sides, pose, reach, window));
+    /// Finds all pairs of triangles in the window that may cross, or have a feature, after a motion within the slack;
+    /// and some others.
+    pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, search: &Search) {
+        with_simd!(simd => self.run_with(simd, sides, pose, search));
     }
 
     #[inline(always)]
-    fn run_with<S: Simd>(&mut self, simd: S, sides: &[Side; 2], pose: &PairPose, reach: f32, window: Option<&Window>) {
+    fn run_with<S: Simd>(&mut self, simd: S, sides: &[Side; 2], pose: &PairPose, search: &Search) {
         let Self {
             descent,
             seconds,
-            triangles: [firsts_near, seconds_near],
+            triangles,
             pairs,
+            narrowing,
+            ..
         } = self;
+        let [firsts_near, seconds_near] = triangles;
         firsts_near.clear();
         seconds_near.clear();
         pairs.clear();
         seconds.clear();
-        let pad = PAD * pose.size;
-        let reach = reach + pad;
-        let [tree_a, tree_b] = trees(simd, sides, pose, reach);
+        let limits = Limits::new(search, pose.size);
+        let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
         descent.run(&tree_a, &tree_b);
         let transforms = [
             ClusterTransform::new(simd, &sides[0]),
             ClusterTransform::new(simd, &sides[1]),
         ];
         for cluster in descent.second() {
-            seconds.push(PlacedCluster::new(&sides[1], &transforms[1], cluster, window));
+            seconds.push(PlacedCluster::new(
+                &sides[1],
+                &transforms[1],
+                cluster,
+                search,
+                limits.pad,
+            ));
         }
         for (cluster, others) in descent.pairs() {
-            let mut a = PlacedCluster::new(&sides[0], &transforms[0], cluster, window);
+            let mut a = PlacedCluster::new(&sides[0], &transforms[0], cluster, search, limits.pad);
             if a.lanes == 0 {
                 continue;
             }
             for &other in others {
                 let b = &mut seconds[other as usize];
-                for i in bits(a.lanes) {
-                    let near = a.near(simd, i, b, reach, pad);
-                    if near != 0 {
-                        let first = a.triangle_index(&sides[0], i, firsts_near);
-                        pairs.extend(bits(near).map(|j| [first, b.triangle_index(&sides[1], j, seconds_near)]));
+                for i in bits(a.lanes & a.near_box(simd, b, limits.reach)) {
+                    let near = a.near(simd, i, b, &limits);
+                    for j in bits(near.any()) {
+                        let parts = near.parts(j) & (owned_features([a.owned[i], b.owned[j]]) | CROSSING);
+                        if parts != 0 {
+                            let first = a.triangle_index(i, firsts_near);
+                            pairs.push(([first, b.triangle_index(j, seconds_near)], parts));
+                        }
                     }
                 }
             }
         }
+        // The normals of two-sided triangles may turn round.
+        if sides.iter().all(|side| side.features.sided) {
+            narrowing.run(simd, triangles, pairs, &limits);
+        }
     }
 
-    /// The pairs that [`NearTriangles::run`] found.
-    pub fn pairs(&self) -> impl Iterator<Item = [&Triangle; 2]> {
-        let [a, b] = &self.triangles;
-        self.pairs.iter().map(|&[i, j]| [&a[i as usize], &b[j as usize]])
+    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order, with what the two may have. It also gets,
+    /// for both triangles, an index that it may set; it is [`NOT_LISTED`] at first.
+    pub fn for_each_pair(&mut self, sides: &[Side; 2], mut found: impl FnMut([&Triangle; 2], Parts, [&mut u32; 2])) {
+        for (placed, triangles) in self.placed.iter_mut().zip(&self.triangles) {
+            placed.clear();
+            placed.resize(triangles.len(), (None, NOT_LISTED));
+        }
+        let [firsts, seconds] = &mut self.placed;
+        for &([i, j], parts) in &self.pairs {
+            let (i, j) = (i as usize, j as usize);
+            let ((a, listed_a), (b, listed_b)) = (&mut firsts[i], &mut seconds[j]);
+            let a = a.get_or_insert_with(|| sides[0].triangle(self.triangles[0][i].number));
+            let b = b.get_or_insert_with(|| sides[1].triangle(self.triangles[1][j].number));
+            found([a, b], parts, [listed_a, listed_b]);
+        }
     }
 }
 
@@ -125,6 +149,8 @@ struct PlacedCluster {
     edge_rotation: Stored,
     min: StoredPoints,
     max: StoredPoints,
+    /// Box around the triangles that take part.
+    bounds: Aabb,
     /// Extent along [`Window::direction`].
     min_along: Stored,
     max_along: Stored,
@@ -132,11 +158,34 @@ struct PlacedCluster {
     lanes: u32,
     /// Index of the triangle in lane 0.
     first: u32,
-    /// Index of each lane's triangle in double precision, or [`NOT_LISTED`].
+    /// What each lane's triangle owns.
+    owned: [u32; CLUSTER],
+    /// 1 if placed corners run counter-clockwise seen from outside, else -1.
+    winding: f32,
+    /// Index of each lane's triangle among those that are near a triangle, or [`NOT_LISTED`].
     triangle_index: [u32; CLUSTER],
 }
 
-const NOT_LISTED: u32 = u32::MAX;
+/// Lanes of a cluster whose triangles are near a triangle.
+#[derive(Clone, Copy, Default)]
+struct NearLanes {
+    /// They may cross it.
+    crossing: u32,
+    /// Its vertices may be over them, their vertices over it, or their edges have features.
+    features: [u32; 3],
+}
+
+impl NearLanes {
+    fn any(&self) -> u32 {
+        self.crossing | self.features[0] | self.features[1] | self.features[2]
+    }
+
+    fn parts(&self, lane: usize) -> Parts {
+        let of = |lanes: u32, parts: Parts| if lanes >> lane & 1 == 1 { parts } else { 0 };
+        let [first, second, edges] = self.features;
+        of(self.crossing, CROSSING) | of(first, FIRST_VERTICES) | of(second, SECOND_VERTICES) | of(edges, EDGES)
+    }
+}
 
 /// Places a body's triangles.
 struct ClusterTransform<S: Simd> {
@@ -167,7 +216,7 @@ pub(crate) const AROUND_ERROR: f32 = 1.001;
 
 impl PlacedCluster {
     #[inline(always)]
-    fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, window: Option<&Window>) -> Self {
+    fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, search: &Search, pad: f32) -> Self {
         let ClusterTransform { simd, rows, outward } = transform;
         let simd = *simd;
         let own = &side.mesh.lanes().clusters[cluster as usize];
@@ -199,36 +248,54 @@ impl PlacedCluster {
             edge_rotation: side.edge_normal_rotations(first),
             min: store_points(low),
             max: store_points(high),
+            bounds: Aabb::EMPTY,
             min_along: Stored::default(),
             max_along: Stored::default(),
             lanes: own.lanes,
             first,
+            owned: std::array::from_fn(|i| side.features.owned.get(first as usize + i).copied().unwrap_or(0)),
+            winding: *outward,
             triangle_index: [NOT_LISTED; CLUSTER],
         };
-        if let Some(Window { around, direction }) = window {
-            let (min, max) = (splat_point(simd, around.min), splat_point(simd, around.max));
+        if let Some(Window { around, direction }) = search.window {
+            let (min, max) = (splat_point(simd, around.min - pad), splat_point(simd, around.max + pad));
             placed.lanes &= bitmask(boxes_meet(low, high, min, max));
-            let direction = splat_point(simd, *direction);
+            let direction = splat_point(simd, direction);
             let along = [dot(direction, p), dot(direction, q), dot(direction, r)];
             placed.min_along = store(least(along));
             placed.max_along = store(largest(along));
         }
+        for i in bits(placed.lanes) {
+            placed.bounds.min = placed.bounds.min.min(lane_of(&placed.min, i));
+            placed.bounds.max = placed.bounds.max.max(lane_of(&placed.max, i));
+        }
         placed
     }
 
-    /// Lanes of `other` whose triangles are near the triangle in lane `i`: neither their boxes nor one of their planes
-    /// separate them by more than `reach`, and they are in the window. `pad` is the rounding allowance.
+    /// Lanes whose boxes are no farther than `reach` from the box around `other`.
     #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, reach: f32, pad: f32) -> u32 {
-        let last = splat(simd, self.max_along.0[i] + pad);
-        let boxes = bitmask(self.boxes_meet(simd, i, other, reach) & load(simd, &other.min_along).simd_le(last));
-        if boxes & other.lanes == 0 {
-            return 0;
+    fn near_box<S: Simd>(&self, simd: S, other: &Self, reach: f32) -> u32 {
+        bitmask(self.boxes_are_near(simd, &other.bounds, reach))
+    }
+
+    /// Lanes of `other` whose triangles may have features with the triangle in lane `i` or cross it: neither their boxes
+    /// nor one of their planes separate them by more than the reach, and they are in the window.
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> NearLanes {
+        let &Limits { reach, crossing, .. } = limits;
+        let own = Aabb {
+            min: lane_of(&self.min, i),
+            max: lane_of(&self.max, i),
+        };
+        let last = splat(simd, self.max_along.0[i] + crossing);
+        let boxes = other.boxes_are_near(simd, &own, reach) & load(simd, &other.min_along).simd_le(last);
+        let boxes = bitmask(boxes) & other.lanes;
+        if boxes == 0 {
+            return NearLanes::default();
         }
         // Upper bound of the distance between any two points of two triangles whose boxes are near.
-        let (low, high) = (lane_of(&self.min, i), lane_of(&self.max, i));
         let size = sub(load_points(simd, &other.max), load_points(simd, &other.min));
-        let spread = splat(simd, (high - low).element_sum() + reach) + size[0] + size[1] + size[2];
+        let spread = splat(simd, (own.max - own.min).element_sum() + reach) + size[0] + size[1] + size[2];
         let normal = splat_point(simd, lane_of(&self.normal, i));
         let corners = [
             splat_point(simd, lane_of(&self.corners[0], i)),
@@ -250,29 +317,34 @@ impl PlacedCluster {
             length: load(simd, &other.length),
             slack: spread * load(simd, &other.slack),
         };
-        let reaches = splat(simd, reach);
-        let near = boxes & other.lanes & !bitmask(over_own.beyond(reaches) | over_other.beyond(reaches));
+        let far = splat(simd, reach);
+        let near = boxes & !bitmask(over_own.beyond(far) | over_other.beyond(far));
         if near == 0 {
-            return 0;
+            return NearLanes::default();
         }
-        let pads = splat(simd, pad);
-        let meet = self.boxes_meet(simd, i, other, pad) & !(over_own.beyond(pads) | over_other.beyond(pads));
-        near & bitmask(meet | self.has_features(simd, i, other, reach, pad))
+        let close = splat(simd, crossing);
+        let apart = over_own.beyond(close) | over_other.beyond(close);
+        let meet = other.boxes_are_near(simd, &own, crossing) & !apart;
+        let [first, second, edges] = self.may_have_features(simd, i, other, limits);
+        NearLanes {
+            crossing: near & bitmask(meet),
+            features: [near & first, near & second, near & edges],
+        }
     }
 
-    /// Lanes of `other` whose boxes are no farther from that in lane `i` than `reach`.
+    /// Lanes whose boxes are no farther than `reach` from a box.
     #[inline(always)]
-    fn boxes_meet<S: Simd>(&self, simd: S, i: usize, other: &Self, reach: f32) -> mask32x8<S> {
-        let low = splat_point(simd, lane_of(&self.min, i) - reach);
-        let high = splat_point(simd, lane_of(&self.max, i) + reach);
-        boxes_meet(low, high, load_points(simd, &other.min), load_points(simd, &other.max))
+    fn boxes_are_near<S: Simd>(&self, simd: S, to: &Aabb, reach: f32) -> mask32x8<S> {
+        let (low, high) = (splat_point(simd, to.min - reach), splat_point(simd, to.max + reach));
+        boxes_meet(low, high, load_points(simd, &self.min), load_points(simd, &self.max))
     }
 
-    /// Lanes of `other` whose triangles may have a feature of separation up to `reach` with the triangle in lane `i`.
+    /// Lanes of `other` whose triangles may have a feature of separation up to the reach with the triangle in lane `i`: a
+    /// vertex of that over them, a vertex over that, or two edges.
     /// The points of a feature lie on a line along its normal, which is a face's, or within
     /// [`PlacedCluster::edge_rotation`] of the normals of the faces at both edges.
     #[inline(always)]
-    fn has_features<S: Simd>(&self, simd: S, i: usize, other: &Self, reach: f32, pad: f32) -> mask32x8<S> {
+    fn may_have_features<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> [u32; 3] {
         let own_direction = splat_point(simd, lane_of(&self.direction, i));
         let other_direction = load_points(simd, &other.direction);
         let way = sub(
@@ -284,30 +356,44 @@ impl PlacedCluster {
         let (across_own, across_other) = (cross(way, own_direction), cross(way, other_direction));
         let lateral_own = dot(across_own, across_own);
         let lateral_other = dot(across_other, across_other);
-        let slack = splat(simd, 8.0 * pad + 2.0 * DIRECTION_ERROR * reach);
         let radii = splat(simd, self.around.0[i]) + load(simd, &other.around);
-        let around = radii * splat(simd, AROUND_ERROR) + slack;
+        let around = radii * splat(simd, AROUND_ERROR) + splat(simd, limits.lateral);
         let square = around * around;
-        let vertices = lateral_own.simd_le(square) | lateral_other.simd_le(square);
 
         let own_rotation = splat(simd, self.edge_rotation.0[i]);
         let other_rotation = load(simd, &other.edge_rotation);
-        let rotation = own_rotation + other_rotation;
+        let rotation = own_rotation + other_rotation + splat(simd, limits.rotation);
         let sum = add(own_direction, other_direction);
         let facing = dot(sum, sum).simd_le(rotation * rotation);
-        let (reach, one) = (splat(simd, reach), splat(simd, 1.0));
+        let (reach, one) = (splat(simd, limits.reach), splat(simd, 1.0));
         let most_own = around + reach * own_rotation.min(one);
         let most_other = around + reach * other_rotation.min(one);
         let edges = facing & lateral_own.simd_le(most_own * most_own) & lateral_other.simd_le(most_other * most_other);
-        vertices | edges
+        [
+            bitmask(lateral_other.simd_le(square)),
+            bitmask(lateral_own.simd_le(square)),
+            bitmask(edges),
+        ]
     }
 
     /// Index of lane `i` in the list of triangles, to which it is added if needed.
     #[inline]
-    fn triangle_index(&mut self, side: &Side, i: usize, triangles: &mut Vec<Triangle>) -> u32 {
+    fn triangle_index(&mut self, i: usize, triangles: &mut Vec<SmallTriangle>) -> u32 {
         if self.triangle_index[i] == NOT_LISTED {
             self.triangle_index[i] = triangles.len() as u32;
-            triangles.push(side.triangle(self.first + i as u32));
+            let normal = lane_of(&self.direction, i);
+            triangles.push(SmallTriangle {
+                number: self.first + i as u32,
+                corners: each(|k| lane_of(&self.corners[k], i)),
+                normal,
+                tilt: if normal == Vec3::ZERO {
+                    ANY_TILT
+                } else {
+                    // The rounding of the unit normal comes on top.
+                    self.slack.0[i] / self.length.0[i] + ERROR
+                },
+                winding: self.winding,
+            });
         }
         self.triangle_index[i]
     }
@@ -360,34 +446,46 @@ fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f3
 
 #[cfg(test)]
 mod tests {
+    use super::super::candidates::Candidates;
     use super::super::feature::TrianglePair;
     use super::super::pair_of_bodies;
+    use super::super::search::Slack;
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
     use crate::state::{Bodies, Body};
     use glam::{DVec3, Quat};
 
-    /// The features of all pairs of triangles, and of the pairs that the search keeps.
+    /// The features of all pairs of triangles, and of the candidates.
     fn features(bodies: &Bodies, meshes: &crate::state::mesh_arena::MeshArena, reach: f64) -> [Vec<DVec3>; 2] {
         let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
         let sides = &pair.sides;
-        let mut near = NearTriangles::default();
-        near.run(sides, &pair.pose, reach as f32, None);
+        let (mut near, mut candidates) = (NearTriangles::default(), Candidates::default());
+        let range = -reach..=reach;
+        let search = Search {
+            range: range.clone(),
+            reach,
+            slack: Slack::default(),
+            crossings: true,
+            window: None,
+        };
+        near.run(sides, &pair.pose, &search);
+        candidates.select(&mut near, sides, &search);
         let count = |side: &Side| side.features.triangles.len() as u32;
         let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
-        let of = |pair: [&Triangle; 2], found: &mut Vec<DVec3>| {
-            if let Some(pair) = TrianglePair::new(sides, pair, reach) {
-                pair.features(&(-reach..=reach), |feature| found.push(feature.middle()));
-            }
-        };
         let (mut every, mut kept) = (Vec::new(), Vec::new());
         for a in &all[0] {
             for b in &all[1] {
-                of([a, b], &mut every);
+                if let Some(pair) = TrianglePair::new(sides, [a, b], reach) {
+                    pair.features(&range, pair.owned_features(), |feature| every.push(feature.middle()));
+                }
             }
         }
-        near.pairs().for_each(|pair| of(pair, &mut kept));
+        candidates.for_each(sides, &mut Default::default(), |triangles, parts| {
+            if let Some(pair) = TrianglePair::new(sides, triangles, reach) {
+                pair.features(&range, parts & !CROSSING, |feature| kept.push(feature.middle()));
+            }
+        });
         [every, kept].map(|mut found| {
             found.sort_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap());
             found

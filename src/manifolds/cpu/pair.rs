@@ -1,22 +1,26 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
+use super::candidates::CROSSING;
 use super::contour::{Contours, Patch, Segment};
 use super::feature::{Feature, Key, Origin, TrianglePair};
 use super::inside;
+use super::kept::{Kept, KeptCandidates};
 use super::near::{NearTriangles, PairPose};
 use super::ray::exit;
 use super::reduce::Reduction;
-use super::side::{PlacedMesh, Side, sides};
+use super::search::{Search, Window};
+use super::side::{PlacedMesh, Side, Triangle, sides};
 use super::smooth;
 use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
+use std::ops::RangeInclusive;
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays.
 pub(crate) const MAX_DEPTH: f64 = 0.04;
 /// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;
 /// Bound of the error of heights over planes, in units of the sum of the bounding radii.
-const ROUNDING: f64 = 1.0e-14;
+pub(super) const ROUNDING: f64 = 1.0e-14;
 /// Length of rays, in the same unit: through all of the smaller body.
 pub(crate) const RAY_LENGTH: f64 = 1.0;
 /// A patch without ray hits counts if its area is larger than this, in units of the size squared.
@@ -31,6 +35,8 @@ const MIDDLE: u8 = 5;
 #[derive(Default)]
 pub struct Worker {
     near: NearTriangles,
+    /// The triangles of candidates.
+    placed: [Vec<Triangle>; 2],
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
@@ -39,71 +45,92 @@ pub struct Worker {
 
 impl Worker {
     /// All contact features of a pair within `margin`, in the axes of its first body. A margin that is negative or NaN
-    /// counts as 0.
-    pub fn all(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
+    /// counts as 0. The result does not depend on what is kept.
+    pub fn all(&mut self, pair: &Pair, margin: f32, kept: &mut Kept) -> &[Feature] {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
-        self.find(&pair.sides, &pair.pose, margin, pair.size);
+        self.find(pair, f64::from(margin), kept);
+        kept.near.limit();
+        kept.deep.limit();
         &self.features
     }
 
     /// The reduced manifold of a pair: the features of [`Worker::all`] that represent all.
-    pub fn reduced(&mut self, pair: &Pair, margin: f32) -> &[Feature] {
-        self.all(pair, margin);
+    pub fn reduced(&mut self, pair: &Pair, margin: f32, kept: &mut Kept) -> &[Feature] {
+        self.all(pair, margin, kept);
         self.reduction.run(&mut self.features, pair.size)
     }
 
     /// Writes all features of the pair.
-    fn find(&mut self, sides: &[Side; 2], pose: &PairPose, margin: f32, size: f64) {
+    fn find(&mut self, pair: &Pair, margin: f64, kept: &mut Kept) {
+        self.features.clear();
+        self.contours.clear();
+        let Pair { sides, size, .. } = pair;
+        let touch = TOUCH * size;
+        let rounding = ROUNDING * f64::from(pair.pose.size);
+        if !kept.near.cover(pair, margin, None) {
+            self.search(pair, margin, -touch..=margin, None, &mut kept.near);
+            kept.is_apart = false;
+        }
         let Self {
-            near,
+            placed,
+            contours,
+            features,
+            ..
+        } = self;
+        let (range, reach) = (-touch..=margin, margin + touch);
+        kept.near.candidates.for_each(sides, placed, |triangles, parts| {
+            if let Some(pair) = TrianglePair::new(sides, triangles, reach) {
+                pair.features(&range, parts, |feature| features.push(feature));
+                if parts & CROSSING != 0 {
+                    contours.segments.extend(pair.segment(rounding));
+                }
+            }
+        });
+        if contours.segments.is_empty() {
+            if kept.is_apart {
+                return;
+            }
+            if let Some(contact) = inside::contact(sides) {
+                features.clear();
+                features.push(contact);
+            } else {
+                kept.is_apart = !kept.near.candidates.may_cross;
+            }
+            return;
+        }
+        contours.join(margin, *size);
+        features.retain(|feature| contours.admits(feature, false));
+        if !contours.patches.is_empty() {
+            self.find_deep(pair, kept);
+        }
+    }
+
+    /// Adds the overlapping features at the patches, or points in their place.
+    fn find_deep(&mut self, pair: &Pair, kept: &mut Kept) {
+        let Pair { sides, size, .. } = pair;
+        let most = MAX_DEPTH * size;
+        let range = -most..=-TOUCH * size;
+        let window = self.contours.window(0.5 * most);
+        if !kept.deep.cover(pair, most, Some(&window)) {
+            self.search(pair, most, range.clone(), Some(window), &mut kept.deep);
+        }
+        let Self {
+            placed,
             contours,
             features,
             deep,
             ..
         } = self;
-        features.clear();
-        contours.clear();
-        let reach = f64::from(margin);
-        let touch = TOUCH * size;
-        let rounding = ROUNDING * f64::from(pose.size);
-        let range = -touch..=reach;
-        near.run(sides, pose, margin + touch as f32, None);
-        for triangles in near.pairs() {
-            if let Some(pair) = TrianglePair::new(sides, triangles, reach + touch) {
-                pair.features(&range, |feature| features.push(feature));
-                contours.segments.extend(pair.segment(rounding));
-            }
-        }
-        if contours.segments.is_empty() {
-            if let Some(contact) = inside::contact(sides) {
-                features.clear();
-                features.push(contact);
-            }
-            return;
-        }
-
-        contours.join(reach, size);
-        features.retain(|feature| contours.admits(feature, false));
-        if contours.patches.is_empty() {
-            return;
-        }
         deep.clear();
-        let most = MAX_DEPTH * size;
-        let range = -most..=-touch;
-        // A margin wider than the largest overlap has found all pairs already.
-        if most > reach {
-            let window = contours.window(0.5 * most);
-            near.run(sides, pose, most as f32, Some(&window));
-        }
-        for triangles in near.pairs() {
+        kept.deep.candidates.for_each(sides, placed, |triangles, parts| {
             if let Some(pair) = TrianglePair::new(sides, triangles, most) {
-                pair.features(&range, |feature| {
+                pair.features(&range, parts, |feature| {
                     if contours.admits(&feature, true) {
                         deep.push(feature);
                     }
                 });
             }
-        }
+        });
         keep_shallowest(deep);
         deep.iter().for_each(|feature| contours.keep(feature));
         features.append(deep);
@@ -113,12 +140,38 @@ impl Worker {
             let places = (0..).zip(patch.places(&contours.segments));
             features.extend(places.filter_map(|(place, p)| {
                 let origin = Origin::Patch { place, key };
-                probe(sides, patch, p, size, origin)
+                probe(sides, patch, p, *size, origin)
             }));
             if features.len() == before {
-                features.extend(shallow(&contours.segments, patch, size, key));
+                features.extend(shallow(&contours.segments, patch, *size, key));
             }
         }
+    }
+
+    /// Searches the candidates for features with a separation in `range`, which is within `margin`, and for crossings if
+    /// there is no window.
+    fn search(
+        &mut self,
+        pair: &Pair,
+        margin: f64,
+        range: RangeInclusive<f64>,
+        window: Option<Window>,
+        kept: &mut KeptCandidates,
+    ) {
+        let slack = kept.next_slack(pair, margin);
+        let reach = margin + TOUCH * pair.size;
+        // The patches change, too.
+        let window = window.map(|window| window.grown(2.0 * slack.distance));
+        let search = Search {
+            range,
+            reach,
+            slack,
+            crossings: window.is_none(),
+            window: window.map(|window| window.grown(slack.distance)),
+        };
+        self.near.run(&pair.sides, &pair.pose, &search);
+        kept.candidates.select(&mut self.near, &pair.sides, &search);
+        kept.keep(pair, margin, window, slack);
     }
 }
 
@@ -166,7 +219,11 @@ pub struct Pair<'a> {
     pub sides: [Side<'a>; 2],
     pub pose: PairPose,
     /// Diameter of the smaller body.
-    size: f64,
+    pub size: f64,
+    /// Radii of the bounding spheres.
+    pub radii: [f32; 2],
+    /// From the second body's axes to the first's.
+    pub relative_rotation: DMat3,
     /// From the first body's axes to the world.
     rotation: DMat3,
 }
@@ -175,8 +232,9 @@ impl<'a> Pair<'a> {
     /// `one_mesh` tells whether the bodies share a mesh.
     pub fn new([a, b]: [&PlacedMesh<'a>; 2], one_mesh: bool) -> Self {
         let sides = sides([a, b], one_mesh);
+        let relative_rotation = a.frame.rotation.transpose() * b.frame.rotation;
         let pose = PairPose {
-            rotation: (a.frame.rotation.transpose() * b.frame.rotation).as_mat3(),
+            rotation: relative_rotation.as_mat3(),
             translation: sides[1].center.as_vec3(),
             size: a.radius + b.radius,
         };
@@ -184,6 +242,8 @@ impl<'a> Pair<'a> {
             size: sides[0].diameter().min(sides[1].diameter()),
             pose,
             sides,
+            radii: [a.radius, b.radius],
+            relative_rotation,
             rotation: a.frame.rotation,
         }
     }

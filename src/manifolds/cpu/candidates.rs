@@ -1,0 +1,269 @@
+//! Candidates: pairs of triangles, with those of their features and crossings that contact points may come from.
+//!
+//! A search finds them with some slack. Until the bodies have moved relative to each other by more than the slack, all
+//! features and crossings are among them. What is computed from candidates is therefore the same to the bit as after a
+//! new search: a search with more slack only adds candidates without a result, and all searches list pairs in the same
+//! order.
+
+use super::feature::{ARC, BELOW, OUTSIDE, PARALLEL, TrianglePair};
+use super::near::NearTriangles;
+use super::search::{Search, Slack};
+use super::side::{Side, Triangle};
+use crate::simd::lanes::bits;
+use glam::DVec3;
+use std::ops::RangeInclusive;
+
+/// Features that two triangles may have, and whether they may cross, as bits. Corner `k` of the first triangle over the
+/// face of the second is bit `k`; corner `k` of the second over the first is bit `3 + k`; edge `k` of the first with edge
+/// `l` of the second is bit `6 + 3 k + l`; the crossing is [`CROSSING`].
+pub type Parts = u16;
+
+/// The bit of [`Parts`] for the crossing of two triangles.
+pub const CROSSING: Parts = 1 << 15;
+
+/// The [`Parts`] for corners of the first triangle, for corners of the second, and for edges.
+pub const FIRST_VERTICES: Parts = 0b111;
+pub const SECOND_VERTICES: Parts = 0b111 << 3;
+pub const EDGES: Parts = 0b1_1111_1111 << 6;
+
+/// The features of two triangles, from what each owns: see `MeshFeatures::owned`.
+pub fn owned_features([a, b]: [u32; 2]) -> Parts {
+    let edges = (0..3)
+        .filter(|k| a >> (3 + k) & 1 == 1)
+        .map(|k| (b >> 3) << (6 + 3 * k));
+    let vertices = a & 7 | (b & 7) << 3;
+    edges.fold(vertices, |parts, edges| parts | edges) as Parts
+}
+
+/// A feature of two triangles.
+#[derive(Clone, Copy, Debug)]
+pub enum Part {
+    /// This corner of a side's triangle over the other triangle.
+    Vertex { side: usize, k: usize },
+    /// These two edges.
+    Edges([usize; 2]),
+}
+
+impl Part {
+    /// The feature that a bit of [`Parts`] stands for.
+    #[inline]
+    pub fn of(bit: usize) -> Self {
+        match bit {
+            0..6 => Self::Vertex {
+                side: bit / 3,
+                k: bit % 3,
+            },
+            _ => Self::Edges([(bit - 6) / 3, (bit - 6) % 3]),
+        }
+    }
+}
+
+/// A list of candidates.
+#[derive(Clone, Debug, Default)]
+pub struct Candidates {
+    /// Triangles of the first and of the second body.
+    triangles: [Vec<u32>; 2],
+    pairs: Vec<Candidate>,
+    /// Whether any pair may cross.
+    pub may_cross: bool,
+}
+
+/// A pair of triangles.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    /// Indices into [`Candidates::triangles`].
+    triangles: [u32; 2],
+    parts: Parts,
+}
+
+impl Candidates {
+    /// Number of candidates.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Selects candidates among pairs of triangles found with the same slack.
+    pub fn select(&mut self, near: &mut NearTriangles, sides: &[Side; 2], search: &Search) {
+        let Self {
+            triangles: [firsts, seconds],
+            pairs,
+            may_cross,
+        } = self;
+        firsts.clear();
+        seconds.clear();
+        pairs.clear();
+        *may_cross = false;
+        let slack = search.slack;
+        near.for_each_pair(sides, |triangles, may_have, [first, second]| {
+            let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
+                return;
+            };
+            let mut parts = pair.possible_features(&search.range, slack, may_have);
+            if search.crossings && may_have & CROSSING != 0 && pair.may_cross(slack.distance) {
+                parts |= CROSSING;
+                *may_cross = true;
+            }
+            if parts != 0 {
+                let listed = |index: &mut u32, list: &mut Vec<u32>, triangle: &Triangle| {
+                    if *index == NOT_LISTED {
+                        *index = list.len() as u32;
+                        list.push(triangle.number);
+                    }
+                    *index
+                };
+                pairs.push(Candidate {
+                    triangles: [
+                        listed(first, firsts, triangles[0]),
+                        listed(second, seconds, triangles[1]),
+                    ],
+                    parts,
+                });
+            }
+        });
+    }
+
+    /// Places the triangles, and calls `found` for each candidate in order.
+    pub fn for_each(
+        &self,
+        sides: &[Side; 2],
+        placed: &mut [Vec<Triangle>; 2],
+        mut found: impl FnMut([&Triangle; 2], Parts),
+    ) {
+        for i in 0..2 {
+            placed[i].clear();
+            placed[i].extend(self.triangles[i].iter().map(|&number| sides[i].triangle(number)));
+        }
+        for &Candidate {
+            triangles: [i, j],
+            parts,
+        } in &self.pairs
+        {
+            found([&placed[0][i as usize], &placed[1][j as usize]], parts);
+        }
+    }
+}
+
+/// In place of an index: the triangle is not in the list.
+pub const NOT_LISTED: u32 = u32::MAX;
+
+impl TrianglePair<'_> {
+    /// All features that the triangles own.
+    #[cfg(test)]
+    pub fn owned_features(&self) -> Parts {
+        owned_features([0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]))
+    }
+
+    /// Those of the features `may_have` with a separation in `range` that the triangles may have after a motion within the
+    /// slack.
+    fn possible_features(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
+        let most = (range.start().abs().max(range.end().abs()) + slack.distance) * (1.0 + 1.0e-9);
+        let possible = bits(u32::from(may_have & !CROSSING)).filter(|&bit| match Part::of(bit) {
+            Part::Vertex { side, k } => self.may_have_vertex(side, k, range, slack),
+            Part::Edges(edges) => self.may_have_edges(edges, most, slack.rotation),
+        });
+        possible.fold(0, |parts, bit| parts | 1 << bit)
+    }
+
+    /// The conditions of a vertex-face feature, each widened by the slack. The vertex moves relative to the face by at
+    /// most the slack, because it is near the other body when the feature exists.
+    fn may_have_vertex(&self, side: usize, k: usize, range: &RangeInclusive<f64>, slack: Slack) -> bool {
+        let (own, over) = (self.triangles[side], self.triangles[1 - side]);
+        let (p, height) = (own.corners[k], self.heights[side][k]);
+        let is_near = |height: f64| (range.start() - slack.distance..=range.end() + slack.distance).contains(&height);
+        // The normal of a two-sided triangle may turn round.
+        let sided = self.sides[1 - side].features.sided;
+        if !(is_near(height) || !sided && is_near(-height)) {
+            return false;
+        }
+        let foot = p - over.normal * height;
+        for i in 0..3 {
+            let edge = over.corners[(i + 1) % 3] - over.corners[i];
+            let across = edge.cross(foot - over.corners[i]).dot(over.normal) * over.winding_sign;
+            let square = edge.length_squared();
+            if across < 0.0 && across <= -(OUTSIDE * square + slack.distance * square.sqrt()) {
+                return false;
+            }
+        }
+        let of = &self.sides[side];
+        let vertex = of.features.triangles[own.number as usize][k];
+        let below = BELOW + slack.rotation;
+        !sided
+            || of.features.neighbors_of(vertex).iter().all(|&neighbor| {
+                let edge = of.vertex(neighbor) - p;
+                let along = edge.dot(over.normal);
+                along >= 0.0 || along * along <= below * below * edge.length_squared()
+            })
+    }
+
+    /// The conditions of an edge-edge feature, each widened. `most` is the largest distance of the edges, `rotation`
+    /// bounds the relative rotation.
+    fn may_have_edges(&self, edges: [usize; 2], most: f64, rotation: f64) -> bool {
+        let [[p, u], [q, v]] = [0, 1].map(|i| {
+            let corners = &self.triangles[i].corners;
+            [corners[edges[i]], corners[(edges[i] + 1) % 3] - corners[edges[i]]]
+        });
+        let cross = u.cross(v);
+        let square = cross.length_squared();
+        let product = (q - p).dot(cross);
+        if product * product > most * most * square {
+            return false;
+        }
+        if squared_distance([p, u], [q, v]) > most * most {
+            return false;
+        }
+        if self.sides.iter().any(|side| !side.features.sided) {
+            return true;
+        }
+        // The sine of the angle between the edges, and upper bounds of how far the normal turns.
+        let lengths = [u.length(), v.length()];
+        let sine = square.sqrt() / (lengths[0] * lengths[1]);
+        if sine + rotation <= PARALLEL {
+            return false;
+        }
+        let turn = 2.0 * rotation / sine + rotation;
+        if turn.is_nan() || turn >= 1.0 {
+            return true;
+        }
+        let normal = cross * square.sqrt().recip();
+        [normal, -normal].into_iter().any(|normal| {
+            (0..2).all(|i| {
+                let (side, triangle) = (&self.sides[i], self.triangles[i]);
+                let edge = side.features.triangle_edges[triangle.number as usize][edges[i]];
+                let out = [normal, -normal][i];
+                let least = -(ARC + turn) * lengths[i];
+                let turned = |from: DVec3, to: DVec3| triangle.winding_sign * from.cross(to).dot([u, v][i]) >= least;
+                turned(triangle.normal, out) && side.across(edge).is_none_or(|other| turned(out, other))
+            })
+        })
+    }
+
+    /// Whether the triangles may cross after a motion within `slack`.
+    fn may_cross(&self, slack: f64) -> bool {
+        let apart = |[x, y, z]: [f64; 3]| x.min(y).min(z) > slack || x.max(y).max(z) < -slack;
+        !apart(self.heights[0]) && !apart(self.heights[1]) && self.boxes_are_within(slack)
+    }
+
+    /// Whether the triangles' boxes are no farther apart than `distance` along any axis, up to rounding.
+    pub fn boxes_are_within(&self, distance: f64) -> bool {
+        let [a, b] = self.triangles.map(|t| {
+            let [p, q, r] = t.corners;
+            [p.min(q).min(r), p.max(q).max(r)]
+        });
+        let rounding = 1.0e-12 * (a[0].abs().max_element() + b[0].abs().max_element());
+        let gap = (a[0] - b[1]).max(b[0] - a[1]).max_element();
+        gap <= distance + rounding
+    }
+}
+
+/// The squared distance of two segments, each a point and a vector (Ericson 2005, Real-Time Collision Detection, 5.1.9).
+fn squared_distance([p, u]: [DVec3; 2], [q, v]: [DVec3; 2]) -> f64 {
+    let way = p - q;
+    let (a, e, b) = (u.length_squared(), v.length_squared(), u.dot(v));
+    let (c, f) = (u.dot(way), v.dot(way));
+    let unit = |x: f64, of: f64| if of > 0.0 { (x / of).clamp(0.0, 1.0) } else { 0.0 };
+    let s = unit(b * f - c * e, a * e - b * b);
+    let t = unit(b * s + f, e);
+    // The nearest point of the first segment to the one found on the second.
+    let s = unit(b * t - c, a);
+    (way + u * s - v * t).length_squared()
+}

@@ -1,0 +1,263 @@
+//! What a pair keeps from one call to the next: its candidates, and the pose in which they were found.
+
+use super::candidates::Candidates;
+use super::pair::Pair;
+use super::search::{Slack, Window};
+use crate::geometry::features::MeshFeatures;
+use glam::{DMat3, DVec3, Vec3};
+use std::sync::{Arc, Weak};
+
+/// Rounding allowance of motions, in units of the bodies' size.
+const ROUNDING: f64 = 1.0e-9;
+/// Most candidates that are kept, for a pair and of each kind.
+const MAX_CANDIDATES: usize = 1 << 16;
+
+/// A search has as much slack as the bodies need for so many calls, as they have moved since the last search.
+const CALLS: f64 = 4.0;
+/// Least slack, in units of the bodies' size.
+const LEAST_SLACK: f64 = 0.004;
+/// Slack of a new pair, in units of the margin.
+const NEW_SLACK: f64 = 0.25;
+
+/// What a pair keeps: it saves searches and changes no result. It is valid for any two bodies with the same meshes,
+/// scales and relative pose.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    /// Candidates of features within the margin, and of crossings.
+    pub near: KeptCandidates,
+    /// Candidates of overlapping features.
+    pub deep: KeptCandidates,
+    /// Valid with `near`: no surfaces cross, and no body contains the other.
+    pub is_apart: bool,
+}
+
+/// Candidates with the motion in which they are valid.
+#[derive(Clone, Debug, Default)]
+pub struct KeptCandidates {
+    pub candidates: Candidates,
+    found_at: Option<RelativePose>,
+    slack: Slack,
+    /// More slack gives very many candidates.
+    slack_limit: Option<f64>,
+    /// They were found for this margin.
+    margin: f64,
+    /// Where they were searched, without the slack.
+    window: Option<Window>,
+    /// Number of times that they were used.
+    uses: u32,
+}
+
+/// The pose of a pair's second body relative to the first.
+#[derive(Clone, Debug)]
+struct RelativePose {
+    meshes: [Weak<MeshFeatures>; 2],
+    scales: [Vec3; 2],
+    /// Rotation and centre of mass of the second body in the first one's axes.
+    rotation: DMat3,
+    center: DVec3,
+}
+
+impl Kept {
+    /// Makes it that of a new pair. The allocations stay.
+    pub fn forget(&mut self) {
+        self.begin(None);
+    }
+
+    /// Makes it that of a pair that is used once, so that slack would be wasted. The allocations stay.
+    pub fn for_one_call(&mut self) -> &mut Self {
+        self.begin(Some(0.0));
+        self
+    }
+
+    fn begin(&mut self, slack_limit: Option<f64>) {
+        for kept in [&mut self.near, &mut self.deep] {
+            (kept.found_at, kept.slack_limit) = (None, slack_limit);
+        }
+    }
+}
+
+impl RelativePose {
+    fn of(pair: &Pair) -> Self {
+        Self {
+            meshes: pair.sides.each_ref().map(|side| Arc::downgrade(side.mesh.features())),
+            scales: pair.sides.each_ref().map(|side| side.scale),
+            rotation: pair.relative_rotation,
+            center: pair.sides[1].center,
+        }
+    }
+
+    /// Upper bound of the motion since then of the points of one body near the other, relative to it, metres; `None` if
+    /// these are other bodies. `reach` bounds how far near points are apart.
+    fn motion_to(&self, pair: &Pair, reach: f64) -> Option<f64> {
+        let same = (0..2).all(|i| {
+            let side = &pair.sides[i];
+            self.scales[i] == side.scale && std::ptr::eq(self.meshes[i].as_ptr(), Arc::as_ptr(side.mesh.features()))
+        });
+        if !same {
+            return None;
+        }
+        let (rotation, center) = (pair.relative_rotation, pair.sides[1].center);
+        // The points near the smaller body move least in the axes of the larger one.
+        let travel = if pair.radii[0] >= pair.radii[1] {
+            center.distance(self.center)
+        } else {
+            (rotation.transpose() * center).distance(self.rotation.transpose() * self.center)
+        };
+        let turn = rotation - self.rotation;
+        let squares = turn.x_axis.length_squared() + turn.y_axis.length_squared() + turn.z_axis.length_squared();
+        // The largest stretch of the difference of two rotations is its Frobenius norm over the square root of 2.
+        Some(travel + (0.5 * squares).sqrt() * arm(pair, reach) + ROUNDING * pair.size)
+    }
+}
+
+/// Largest distance from the smaller body's centre of mass of a point near it.
+fn arm(pair: &Pair, reach: f64) -> f64 {
+    f64::from(pair.radii[0].min(pair.radii[1])) + reach
+}
+
+impl KeptCandidates {
+    /// Whether all candidates of the pair for this margin and window are among these.
+    pub fn cover(&mut self, pair: &Pair, margin: f64, window: Option<&Window>) -> bool {
+        let Some(found_at) = &self.found_at else {
+            return false;
+        };
+        let motion = found_at.motion_to(pair, self.reach());
+        let valid = motion.is_some_and(|motion| {
+            motion <= self.slack.distance && margin + motion <= self.margin + self.slack.distance
+        });
+        let valid = valid
+            && match (window, &self.window) {
+                (Some(now), Some(then)) => now.is_within(then),
+                _ => true,
+            };
+        self.uses += u32::from(valid);
+        valid
+    }
+
+    fn reach(&self) -> f64 {
+        self.margin + self.slack.distance
+    }
+
+    /// The slack with which to search now.
+    pub fn next_slack(&self, pair: &Pair, margin: f64) -> Slack {
+        let motion = self
+            .found_at
+            .as_ref()
+            .and_then(|then| then.motion_to(pair, self.reach()));
+        let distance = match motion {
+            Some(motion) => {
+                let each = motion / f64::from(self.uses + 1);
+                let wanted = (CALLS * each).max(LEAST_SLACK * pair.size);
+                if wanted > margin { 0.0 } else { wanted }
+            }
+            None => (NEW_SLACK * margin).max(LEAST_SLACK * pair.size),
+        };
+        let distance = distance.min(self.slack_limit.unwrap_or(f64::INFINITY));
+        Slack {
+            distance,
+            rotation: distance / arm(pair, margin + distance),
+        }
+    }
+
+    /// Remembers in which pose the candidates were found.
+    pub fn keep(&mut self, pair: &Pair, margin: f64, window: Option<Window>, slack: Slack) {
+        self.found_at = Some(RelativePose::of(pair));
+        self.slack = slack;
+        self.margin = margin;
+        self.window = window;
+        self.uses = 0;
+    }
+
+    /// Drops very many candidates, and searches with less slack from now on.
+    pub fn limit(&mut self) {
+        if self.candidates.len() > MAX_CANDIDATES {
+            *self = Self {
+                found_at: self.found_at.take(),
+                slack_limit: Some(0.5 * self.slack.distance),
+                ..Self::default()
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pair::Worker;
+    use super::super::pair_of_bodies;
+    use super::*;
+    use crate::asset::CollisionMesh;
+    use crate::geometry::{TriMesh, shapes};
+    use crate::state::mesh_arena::MeshArena;
+    use crate::state::{Bodies, Body};
+    use glam::Quat;
+
+    fn meshes() -> (MeshArena, Vec<u32>) {
+        let open = shapes::torus(12, 10, 0.7, 0.3);
+        let open = TriMesh::new(open.vertices().to_vec(), open.triangles()[..200].to_vec()).unwrap();
+        let shapes = [
+            shapes::knot_1120(),
+            shapes::cube(0.8),
+            shapes::torus_240(),
+            shapes::ball(0.5, 2),
+            open,
+            shapes::ball(0.5, 2).flipped(),
+        ];
+        let mut arena = MeshArena::default();
+        let slots = shapes.iter().map(|shape| arena.add(CollisionMesh::new(shape)));
+        let slots = slots.collect();
+        (arena, slots)
+    }
+
+    fn vector(random: &mut fastrand::Rng) -> Vec3 {
+        Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0))
+    }
+
+    /// All features of both bodies and the reduced ones, as text, which shows every bit.
+    fn features(worker: &mut Worker, bodies: &Bodies, meshes: &MeshArena, margin: f32, kept: &mut Kept) -> [String; 2] {
+        let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
+        let all = format!("{:?}", worker.all(&pair, margin, kept));
+        [all, format!("{:?}", worker.reduced(&pair, margin, &mut kept.clone()))]
+    }
+
+    #[test]
+    fn what_is_kept_gives_the_points_of_a_new_search_to_the_bit() {
+        let (arena, slots) = meshes();
+        let mut random = fastrand::Rng::with_seed(8);
+        let (mut worker, mut calls, mut searches, mut with_points) = (Worker::default(), 0, [0; 2], 0);
+        for round in 0..180 {
+            let scale = match round % 5 {
+                0 => Vec3::new(1.0, 0.6, 1.3),
+                1 => Vec3::new(-1.0, 1.0, 1.0),
+                2 => Vec3::new(6.0, 5.0, 0.5),
+                _ => Vec3::ONE,
+            };
+            let scales = [[Vec3::ONE, scale], [scale, Vec3::ONE]][round % 2];
+            let mesh = [slots[round % 6], slots[round / 6 % 6]];
+            let mut at = vector(&mut random);
+            let mut turn = Quat::from_scaled_axis(3.0 * vector(&mut random));
+            let step = [1.0e-5, 1.0e-4, 1.0e-3, 1.0e-2][round % 4];
+            let mut kept = Kept::default();
+            for call in 0..30 {
+                let mut bodies = Bodies::default();
+                let first = Quat::from_scaled_axis(0.1 * step * vector(&mut random));
+                for (i, (at, turn)) in [(Vec3::ZERO, first), (at, turn)].into_iter().enumerate() {
+                    let body = Body::at_rest(mesh[i], at, turn, scales[i]);
+                    bodies.push(&body, &arena).unwrap();
+                }
+                let margin = 0.02 + step * random.f32();
+                let uses = [kept.near.uses, kept.deep.uses];
+                let reused = features(&mut worker, &bodies, &arena, margin, &mut kept);
+                let afresh = features(&mut worker, &bodies, &arena, margin, &mut Kept::default());
+                assert_eq!(reused, afresh, "round {round}, call {call}");
+                calls += 1;
+                searches[0] += u32::from(kept.near.uses <= uses[0]);
+                searches[1] += u32::from(kept.deep.uses < uses[1]);
+                with_points += u32::from(afresh[0].len() > 2);
+                at += step * (vector(&mut random) - 0.5 * at);
+                turn = (Quat::from_scaled_axis(step * vector(&mut random)) * turn).normalize();
+            }
+        }
+        println!("{searches:?} searches in {calls} calls, {with_points} with points");
+        assert!(with_points > 2000 && 2 * searches[0] < calls, "{searches:?}");
+    }
+}
