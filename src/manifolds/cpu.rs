@@ -8,12 +8,14 @@ mod feature_ids;
 mod inside;
 mod kept;
 mod kept_pairs;
-pub(super) mod near;
+mod near;
 pub(super) mod pair;
+pub(super) mod placed_cluster;
 pub mod planes;
 mod ray;
 pub(super) mod reduce;
 mod search;
+mod shares;
 pub(super) mod side;
 pub(super) mod smooth;
 
@@ -57,7 +59,8 @@ impl Scratch {
 const TASK: usize = 16;
 
 /// Writes the manifolds of `pairs`, in their order, into `manifolds`; pairs without points have none. Runs on rayon's
-/// current thread pool, outside of a pool on the calling thread. The same input gives the same bits, whatever the number of threads.
+/// current thread pool, outside of a pool on the calling thread. The same input gives the same bits, whatever the number
+/// of threads.
 ///
 /// `pairs` must hold every pair whose surfaces may overlap or be closer than its margin, each once, ascending. The
 /// earlier stages must use the same margin: the broad phase with radii enlarged by half of the largest margin of each
@@ -76,6 +79,8 @@ pub fn run(
     }
     let Scratch { tasks, workers, kept } = scratch;
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
+    // A single task shares out its large pairs.
+    let threads = if wanted == 1 { loops::threads() } else { 1 };
     let kept = kept.of(pairs).par_chunks_mut(TASK);
     let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
     loops::for_each(parts, 1, |((task, pairs), kept)| {
@@ -83,7 +88,8 @@ pub fn run(
         let mut worker = workers.lock();
         for (pair, kept) in pairs.iter().zip(kept) {
             let first = task.points.len();
-            add_points(bodies, meshes, pair, &mut worker, &mut kept.kept, &mut task.points);
+            let (kept, points) = (&mut kept.kept, &mut task.points);
+            add_points(bodies, meshes, pair, &mut worker, kept, threads, points);
             task.end_pair(pair.bodies, first);
         }
     });
@@ -101,7 +107,7 @@ pub fn run(
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
     let (mut worker, mut kept) = (Worker::default(), Kept::default());
-    add_points(bodies, meshes, &pair, &mut worker, &mut kept, &mut manifolds.points);
+    add_points(bodies, meshes, &pair, &mut worker, &mut kept, 1, &mut manifolds.points);
     manifolds.end_pair(pair.bodies, 0);
     manifolds
 }
@@ -113,10 +119,11 @@ fn add_points(
     pair: &MarginPair,
     worker: &mut Worker,
     kept: &mut Kept,
+    threads: usize,
     points: &mut Vec<ManifoldPoint>,
 ) {
     if let Some(found) = pair_of_bodies(bodies, meshes, pair.bodies) {
-        let chosen = worker.reduced(&found, pair.margin, kept);
+        let chosen = worker.reduced(&found, pair.margin, kept, threads);
         points.extend(chosen.iter().map(|feature| found.point(feature).0));
     }
 }

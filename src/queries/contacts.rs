@@ -67,7 +67,7 @@ impl ContactWorker {
     pub fn points(&mut self, a: &Placed, b: &Placed, margin: f32, points: &mut Vec<MeshContact>) {
         let Self { worker, one_call } = self;
         find([a, b], margin, points, |pair| {
-            worker.all(pair, margin, one_call.for_one_call())
+            worker.all(pair, margin, one_call.for_one_call(), 1)
         });
     }
 
@@ -84,7 +84,7 @@ impl ContactWorker {
     ) {
         let worker = &mut self.worker;
         find([a, b], margin, points, |pair| {
-            worker.reduced(pair, margin, &mut memory.kept)
+            worker.reduced(pair, margin, &mut memory.kept, 1)
         });
     }
 }

@@ -7,7 +7,8 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::manifolds::{Manifolds, MarginPair, cpu};
 use bevy_faceoff::state::Body as StageBody;
 use bevy_faceoff::step::StepState;
-use glam::Vec3;
+use bevy_faceoff::testing::scenes::Shape;
+use glam::{Quat, Vec3};
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
@@ -57,4 +58,49 @@ fn any_number_of_threads_gives_the_same_bits() {
         },
     );
     assert_eq!(alone.points, runs[0].points_of(&pair));
+}
+
+/// A nut on a bolt, beside it by `aside`: a pair that is large enough to be shared out over threads.
+fn nut_on_bolt(aside: f32) -> StepState {
+    let mut state = StepState::default();
+    let [bolt, nut] = [Shape::Bolt, Shape::Nut].map(|shape| state.input.meshes.add(shape.mesh().clone()));
+    for (slot, at) in [(bolt, Vec3::ZERO), (nut, Vec3::X * aside)] {
+        let body = StageBody::at_rest(slot, at, Quat::IDENTITY, Vec3::ONE);
+        state.input.bodies.push(&body, &state.input.meshes).unwrap();
+    }
+    state
+}
+
+#[test]
+fn one_large_pair_has_the_same_bits_on_any_number_of_threads() {
+    // Apart, and with deep overlaps.
+    for aside in [0.0, 0.08] {
+        let state = nut_on_bolt(aside);
+        let pair = MarginPair {
+            bodies: [0, 1],
+            margin: 0.05,
+        };
+        let alone = format!("{:?}", cpu::of_pair(&state.input.bodies, &state.input.meshes, pair));
+        for threads in [1, 2, 5] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let (mut scratch, mut manifolds) = (cpu::Scratch::default(), Manifolds::default());
+            for call in ["afresh", "kept"] {
+                pool.install(|| {
+                    cpu::run(
+                        &state.input.bodies,
+                        &state.input.meshes,
+                        &[pair],
+                        &mut scratch,
+                        &mut manifolds,
+                    )
+                });
+                require_sane(&manifolds);
+                assert_eq!(
+                    format!("{manifolds:?}"),
+                    alone,
+                    "{aside} aside, {threads} threads, {call}"
+                );
+            }
+        }
+    }
 }

@@ -82,63 +82,82 @@ impl Candidates {
         self.pairs.len()
     }
 
-    /// Selects candidates among pairs of triangles found with the same slack.
-    pub fn select(&mut self, near: &mut NearTriangles, sides: &[Side; 2], search: &Search) {
+    /// Selects candidates among pairs of triangles found with the same slack. Without slack it selects none. Calls
+    /// `found` for each pair that may have something now, in order.
+    pub fn select(
+        &mut self,
+        near: &mut NearTriangles,
+        sides: &[Side; 2],
+        search: &Search,
+        mut found: impl FnMut(&TrianglePair, Parts),
+    ) {
+        self.clear();
         let Self {
             triangles: [firsts, seconds],
             pairs,
             may_cross,
         } = self;
-        firsts.clear();
-        seconds.clear();
-        pairs.clear();
-        *may_cross = false;
         let slack = search.slack;
         near.for_each_pair(sides, |triangles, may_have, [first, second]| {
             let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
                 return;
             };
+            if slack.distance == 0.0 {
+                found(&pair, may_have);
+                return;
+            }
             let mut parts = pair.possible_features(&search.range, slack, may_have);
-            if search.crossings && may_have & CROSSING != 0 && pair.may_cross(slack.distance) {
+            if may_have & CROSSING != 0 && pair.may_cross(slack.distance) {
                 parts |= CROSSING;
                 *may_cross = true;
             }
-            if parts != 0 {
-                let listed = |index: &mut u32, list: &mut Vec<u32>, triangle: &Triangle| {
-                    if *index == NOT_LISTED {
-                        *index = list.len() as u32;
-                        list.push(triangle.number);
-                    }
-                    *index
-                };
-                pairs.push(Candidate {
-                    triangles: [
-                        listed(first, firsts, triangles[0]),
-                        listed(second, seconds, triangles[1]),
-                    ],
-                    parts,
-                });
+            if parts == 0 {
+                return;
             }
+            if pair.is_within(search.reach) {
+                found(&pair, parts);
+            }
+            let listed = |index: &mut u32, list: &mut Vec<u32>, triangle: &Triangle| {
+                if *index == NOT_LISTED {
+                    *index = list.len() as u32;
+                    list.push(triangle.number);
+                }
+                *index
+            };
+            pairs.push(Candidate {
+                triangles: [
+                    listed(first, firsts, triangles[0]),
+                    listed(second, seconds, triangles[1]),
+                ],
+                parts,
+            });
         });
     }
 
-    /// Places the triangles, and calls `found` for each candidate in order.
+    /// Removes all candidates.
+    pub fn clear(&mut self) {
+        self.triangles.iter_mut().for_each(Vec::clear);
+        self.pairs.clear();
+        self.may_cross = false;
+    }
+
+    /// Places the triangles, and calls `found` for each candidate within `reach`, in order.
     pub fn for_each(
         &self,
         sides: &[Side; 2],
         placed: &mut [Vec<Triangle>; 2],
-        mut found: impl FnMut([&Triangle; 2], Parts),
+        reach: f64,
+        mut found: impl FnMut(&TrianglePair, Parts),
     ) {
         for i in 0..2 {
             placed[i].clear();
             placed[i].extend(self.triangles[i].iter().map(|&number| sides[i].triangle(number)));
         }
-        for &Candidate {
-            triangles: [i, j],
-            parts,
-        } in &self.pairs
-        {
-            found([&placed[0][i as usize], &placed[1][j as usize]], parts);
+        for candidate in &self.pairs {
+            let [i, j] = candidate.triangles.map(|index| index as usize);
+            if let Some(pair) = TrianglePair::new(sides, [&placed[0][i], &placed[1][j]], reach) {
+                found(&pair, candidate.parts);
+            }
         }
     }
 }

@@ -176,18 +176,18 @@ fn vertices_over<S: Simd>(simd: S, corners: &[Corner; 8], limits: &Limits) -> u3
     let error = norm1(ways[0]) * tilt + pad;
     // Comparisons with NaN are false, so these say where there is no feature.
     let mut none = height.simd_lt(splat(simd, limits.lowest) - error);
-    none = none | height.simd_gt(splat(simd, limits.highest) + error);
+    none |= height.simd_gt(splat(simd, limits.highest) + error);
     let lateral = (splat(simd, limits.lateral) + error) * splat(simd, 1.0 + ERROR);
     for i in 0..3 {
         let edge = sub(over[(i + 1) % 3], over[i]);
         let across = dot(cross(inward, edge), ways[i]);
-        none = none | across.simd_lt(-(lateral * dot(edge, edge).sqrt()));
+        none |= across.simd_lt(-(lateral * dot(edge, edge).sqrt()));
     }
     // The edges of the vertex must not lead below the face. Two of them are those of its own triangle.
     let below = splat(simd, BELOW as f32 + limits.rotation + ERROR) + tilt;
     for end in [next, before] {
         let edge = sub(end, p);
-        none = none | dot(edge, normal).simd_lt(-(below * dot(edge, edge).sqrt() + pad));
+        none |= dot(edge, normal).simd_lt(-(below * dot(edge, edge).sqrt() + pad));
     }
     bitmask(!none)
 }

@@ -89,17 +89,23 @@ impl<'a> TrianglePair<'a> {
     pub fn new(sides: &'a [Side<'a>; 2], triangles: [&'a Triangle; 2], reach: f64) -> Option<Self> {
         let [a, b] = triangles;
         let heights = |of: &Triangle, over: &Triangle| each(|k| over.normal.dot(of.corners[k] - over.corners[0]));
-        let beyond = |[x, y, z]: [f64; 3]| x.min(y).min(z) > reach || x.max(y).max(z) < -reach;
         let of_b = heights(b, a);
-        if beyond(of_b) {
+        if is_beyond(of_b, reach) {
             return None;
         }
         let of_a = heights(a, b);
-        (!beyond(of_a)).then_some(Self {
+        (!is_beyond(of_a, reach)).then_some(Self {
             sides,
             triangles,
             heights: [of_a, of_b],
         })
+    }
+
+    /// Whether the planes do not show that the two are farther apart than `reach`.
+    #[inline]
+    pub fn is_within(&self, reach: f64) -> bool {
+        let [of_a, of_b] = self.heights;
+        !is_beyond(of_a, reach) && !is_beyond(of_b, reach)
     }
 
     /// Calls `found` for each of these features that exists and whose separation is in `range`.
@@ -213,6 +219,12 @@ impl<'a> TrianglePair<'a> {
             origin: Origin::Edges([k as u8, l as u8]),
         })
     }
+}
+
+/// Whether corners are all farther from a plane than `reach`, on one side.
+#[inline]
+fn is_beyond([x, y, z]: [f64; 3], reach: f64) -> bool {
+    x.min(y).min(z) > reach || x.max(y).max(z) < -reach
 }
 
 /// An edge of the triangle that owns it.

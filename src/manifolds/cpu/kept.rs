@@ -2,7 +2,7 @@
 
 use super::candidates::Candidates;
 use super::pair::Pair;
-use super::search::{Slack, Window};
+use super::search::{Search, Slack, Wanted, Window};
 use crate::geometry::features::MeshFeatures;
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::{Arc, Weak};
@@ -34,7 +34,8 @@ pub struct Kept {
 /// Candidates with the motion in which they are valid.
 #[derive(Clone, Debug, Default)]
 pub struct KeptCandidates {
-    pub candidates: Candidates,
+    /// The candidates of each share of the pair.
+    pub shares: Vec<Candidates>,
     found_at: Option<RelativePose>,
     slack: Slack,
     /// More slack gives very many candidates.
@@ -116,34 +117,47 @@ fn arm(pair: &Pair, reach: f64) -> f64 {
 }
 
 impl KeptCandidates {
-    /// Whether all candidates of the pair for this margin and window are among these.
-    pub fn cover(&mut self, pair: &Pair, margin: f64, window: Option<&Window>) -> bool {
-        let Some(found_at) = &self.found_at else {
-            return false;
+    /// What to search for, if not all candidates for `wanted` are among these. The candidates found are then kept here.
+    pub fn search(&mut self, pair: &Pair, wanted: &Wanted) -> Option<Search> {
+        let motion = self.found_at.as_ref().and_then(|at| at.motion_to(pair, self.reach()));
+        if motion.is_some_and(|motion| self.cover(wanted, motion)) {
+            self.uses += 1;
+            return None;
+        }
+        let distance = self.next_slack(pair, wanted.margin, motion);
+        let slack = Slack {
+            distance,
+            rotation: distance / arm(pair, wanted.margin + distance),
         };
-        let motion = found_at.motion_to(pair, self.reach());
-        let valid = motion.is_some_and(|motion| {
-            motion <= self.slack.distance && margin + motion <= self.margin + self.slack.distance
-        });
-        let valid = valid
-            && match (window, &self.window) {
+        // The patches change, too.
+        let window = wanted.window.map(|window| window.grown(2.0 * distance));
+        self.found_at = Some(RelativePose::of(pair));
+        (self.slack, self.margin, self.window, self.uses) = (slack, wanted.margin, window, 0);
+        Some(Search {
+            range: wanted.range.clone(),
+            reach: wanted.reach,
+            slack,
+            crossings: window.is_none(),
+            window: window.map(|window| window.grown(distance)),
+        })
+    }
+
+    /// Whether all candidates for `wanted` are among these after this motion.
+    fn cover(&self, wanted: &Wanted, motion: f64) -> bool {
+        motion <= self.slack.distance
+            && wanted.margin + motion <= self.margin + self.slack.distance
+            && match (&wanted.window, &self.window) {
                 (Some(now), Some(then)) => now.is_within(then),
                 _ => true,
-            };
-        self.uses += u32::from(valid);
-        valid
+            }
     }
 
     fn reach(&self) -> f64 {
         self.margin + self.slack.distance
     }
 
-    /// The slack with which to search now.
-    pub fn next_slack(&self, pair: &Pair, margin: f64) -> Slack {
-        let motion = self
-            .found_at
-            .as_ref()
-            .and_then(|then| then.motion_to(pair, self.reach()));
+    /// The slack with which to search now, metres, after the motion since the last search of the same pair.
+    fn next_slack(&self, pair: &Pair, margin: f64, motion: Option<f64>) -> f64 {
         let distance = match motion {
             Some(motion) => {
                 let each = motion / f64::from(self.uses + 1);
@@ -152,25 +166,26 @@ impl KeptCandidates {
             }
             None => (NEW_SLACK * margin).max(LEAST_SLACK * pair.size),
         };
-        let distance = distance.min(self.slack_limit.unwrap_or(f64::INFINITY));
-        Slack {
-            distance,
-            rotation: distance / arm(pair, margin + distance),
-        }
+        distance.min(self.slack_limit.unwrap_or(f64::INFINITY))
     }
 
-    /// Remembers in which pose the candidates were found.
-    pub fn keep(&mut self, pair: &Pair, margin: f64, window: Option<Window>, slack: Slack) {
-        self.found_at = Some(RelativePose::of(pair));
-        self.slack = slack;
-        self.margin = margin;
-        self.window = window;
-        self.uses = 0;
+    /// Makes room for the candidates of so many shares.
+    pub fn resize(&mut self, shares: usize) {
+        self.shares.resize_with(shares, Candidates::default);
+    }
+
+    /// Whether any candidates may cross.
+    pub fn may_cross(&self) -> bool {
+        self.shares.iter().any(|share| share.may_cross)
+    }
+
+    fn len(&self) -> usize {
+        self.shares.iter().map(Candidates::len).sum()
     }
 
     /// Drops very many candidates, and searches with less slack from now on.
     pub fn limit(&mut self) {
-        if self.candidates.len() > MAX_CANDIDATES {
+        if self.len() > MAX_CANDIDATES {
             *self = Self {
                 found_at: self.found_at.take(),
                 slack_limit: Some(0.5 * self.slack.distance),
@@ -215,8 +230,11 @@ mod tests {
     /// All features of both bodies and the reduced ones, as text, which shows every bit.
     fn features(worker: &mut Worker, bodies: &Bodies, meshes: &MeshArena, margin: f32, kept: &mut Kept) -> [String; 2] {
         let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
-        let all = format!("{:?}", worker.all(&pair, margin, kept));
-        [all, format!("{:?}", worker.reduced(&pair, margin, &mut kept.clone()))]
+        let all = format!("{:?}", worker.all(&pair, margin, kept, 1));
+        [
+            all,
+            format!("{:?}", worker.reduced(&pair, margin, &mut kept.clone(), 1)),
+        ]
     }
 
     #[test]

@@ -1,26 +1,18 @@
 //! Pairs of triangles that are near each other, by a traversal of both bounding-volume trees.
-//!
-//! Between finely tessellated surfaces a wide margin holds very many such pairs, and few of them have a feature. A
-//! vertex lies over a face only if the two overlap when projected along the face's normal. Edges form a feature only if
-//! their faces point at each other. Pairs that can neither have a feature nor intersect are dropped here, eight at a
-//! time.
 
-use super::candidates::{CROSSING, EDGES, FIRST_VERTICES, NOT_LISTED, Parts, SECOND_VERTICES, owned_features};
-use super::eight::{ANY_TILT, Narrowing, SmallPair, SmallTriangle};
-use super::search::{Limits, Search, Window};
+use super::candidates::{CROSSING, NOT_LISTED, Parts, owned_features};
+use super::eight::{Narrowing, SmallPair, SmallTriangle};
+use super::placed_cluster::{ClusterTransform, PlacedCluster};
+use super::search::{Limits, Search};
 use super::side::{Side, Triangle};
-use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
 use crate::simd::descent::Descent;
-use crate::simd::lanes::{
-    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, boxes_meet, cross, dot, each, f32x8, heights, lane_of,
-    largest, least, load, load_points, mask32x8, max, min, norm1, scale, splat, splat_point, store, store_points, sub,
-};
+use crate::simd::lanes::{Simd, bits};
 use crate::simd::level::with_simd;
 use crate::simd::rounding::unit_of;
 use crate::simd::tree::{RelativePose, Tree};
-use crate::state::mesh_arena::{Stored, StoredPoints};
 use glam::{Mat3, Vec3};
+use std::ops::Range;
 
 /// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
 /// pay off.
@@ -36,72 +28,117 @@ pub struct PairPose {
     pub size: f32,
 }
 
-/// The result, and memory kept between pairs.
+/// Pairs of clusters that are near each other, and memory kept between pairs of bodies.
 #[derive(Default)]
-pub struct NearTriangles {
+pub struct NearClusters {
     descent: Descent,
     /// Clusters of the second body, in the order of the traversal.
     seconds: Vec<PlacedCluster>,
-    /// Triangles of the first and of the second body that are near a triangle of the other.
-    triangles: [Vec<SmallTriangle>; 2],
-    pairs: Vec<SmallPair>,
-    narrowing: Narrowing,
-    /// Each of `triangles` in double precision, once it is needed, and its index in another list.
-    placed: [Vec<(Option<Triangle>, u32)>; 2],
+    /// Number of pairs of clusters.
+    count: usize,
 }
 
-impl NearTriangles {
-    /// Finds all pairs of triangles in the window that may cross, or have a feature, after a motion within the slack;
-    /// and some others.
+impl NearClusters {
+    /// Finds all pairs of clusters that may hold a pair of triangles to search for, and some others.
     pub fn run(&mut self, sides: &[Side; 2], pose: &PairPose, search: &Search) {
         with_simd!(simd => self.run_with(simd, sides, pose, search));
     }
 
     #[inline(always)]
     fn run_with<S: Simd>(&mut self, simd: S, sides: &[Side; 2], pose: &PairPose, search: &Search) {
+        let limits = Limits::new(search, pose.size);
+        let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
+        self.descent.run(&tree_a, &tree_b);
+        let transform = ClusterTransform::new(simd, &sides[1]);
+        self.seconds.clear();
+        for cluster in self.descent.second() {
+            self.seconds
+                .push(PlacedCluster::new(&sides[1], &transform, cluster, search, limits.pad));
+        }
+        self.count = self.descent.pairs().map(|(_, others)| others.len()).sum();
+    }
+
+    /// Number of pairs of clusters.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Splits the clusters of the first body into so many consecutive ranges, with about equally many pairs each.
+    pub fn split(&self, shares: usize, mut share: impl FnMut(Range<usize>)) {
+        let (mut first, mut passed, mut done) = (0, 0, 0);
+        for (end, (_, others)) in (1..).zip(self.descent.pairs()) {
+            passed += others.len();
+            if passed * shares >= self.count * (done + 1) {
+                share(first..end);
+                (first, done) = (end, done + 1);
+            }
+        }
+    }
+}
+
+/// Pairs of triangles that are near each other, and memory kept between pairs of bodies.
+#[derive(Default)]
+pub struct NearTriangles {
+    /// Triangles of the first and of the second body that are near a triangle of the other.
+    triangles: [Vec<SmallTriangle>; 2],
+    pairs: Vec<SmallPair>,
+    narrowing: Narrowing,
+    /// For each of the second body's near clusters, the indices of its triangles in `triangles`, or [`NOT_LISTED`].
+    seconds_listed: Vec<[u32; CLUSTER]>,
+    /// Each of `triangles` in double precision, once it is needed, and its index in another list.
+    placed: [Vec<(Option<Triangle>, u32)>; 2],
+}
+
+impl NearTriangles {
+    /// Finds all pairs of triangles that may cross, or have a feature, after a motion within the slack, and some others.
+    /// The first triangles are those of a range of the first body's near clusters. `size` is the sum of the bounding
+    /// radii.
+    pub fn run(&mut self, sides: &[Side; 2], size: f32, search: &Search, clusters: &NearClusters, range: Range<usize>) {
+        with_simd!(simd => self.run_with(simd, sides, size, search, clusters, range));
+    }
+
+    #[inline(always)]
+    fn run_with<S: Simd>(
+        &mut self,
+        simd: S,
+        sides: &[Side; 2],
+        size: f32,
+        search: &Search,
+        clusters: &NearClusters,
+        range: Range<usize>,
+    ) {
         let Self {
-            descent,
-            seconds,
             triangles,
             pairs,
             narrowing,
+            seconds_listed,
             ..
         } = self;
-        let [firsts_near, seconds_near] = triangles;
-        firsts_near.clear();
-        seconds_near.clear();
-        pairs.clear();
+        let [firsts, seconds] = triangles;
+        firsts.clear();
         seconds.clear();
-        let limits = Limits::new(search, pose.size);
-        let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
-        descent.run(&tree_a, &tree_b);
-        let transforms = [
-            ClusterTransform::new(simd, &sides[0]),
-            ClusterTransform::new(simd, &sides[1]),
-        ];
-        for cluster in descent.second() {
-            seconds.push(PlacedCluster::new(
-                &sides[1],
-                &transforms[1],
-                cluster,
-                search,
-                limits.pad,
-            ));
-        }
-        for (cluster, others) in descent.pairs() {
-            let mut a = PlacedCluster::new(&sides[0], &transforms[0], cluster, search, limits.pad);
+        pairs.clear();
+        seconds_listed.clear();
+        seconds_listed.resize(clusters.seconds.len(), [NOT_LISTED; CLUSTER]);
+        let limits = Limits::new(search, size);
+        let crossing = if search.crossings { CROSSING } else { 0 };
+        let transform = ClusterTransform::new(simd, &sides[0]);
+        for (cluster, others) in clusters.descent.pairs().skip(range.start).take(range.len()) {
+            let a = PlacedCluster::new(&sides[0], &transform, cluster, search, limits.pad);
             if a.lanes == 0 {
                 continue;
             }
+            let mut firsts_listed = [NOT_LISTED; CLUSTER];
             for &other in others {
-                let b = &mut seconds[other as usize];
+                let b = &clusters.seconds[other as usize];
+                let listed = &mut seconds_listed[other as usize];
                 for i in bits(a.lanes & a.near_box(simd, b, limits.reach)) {
                     let near = a.near(simd, i, b, &limits);
                     for j in bits(near.any()) {
-                        let parts = near.parts(j) & (owned_features([a.owned[i], b.owned[j]]) | CROSSING);
+                        let parts = near.parts(j) & (owned_features([a.owned[i], b.owned[j]]) | crossing);
                         if parts != 0 {
-                            let first = a.triangle_index(i, firsts_near);
-                            pairs.push(([first, b.triangle_index(j, seconds_near)], parts));
+                            let first = index(&a, i, &mut firsts_listed[i], firsts);
+                            pairs.push(([first, index(b, j, &mut listed[j], seconds)], parts));
                         }
                     }
                 }
@@ -131,290 +168,14 @@ impl NearTriangles {
     }
 }
 
-/// Eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near pairs are
-/// computed in double precision.
-struct PlacedCluster {
-    corners: [StoredPoints; 3],
-    /// Cross products of two edges, and their lengths.
-    normal: StoredPoints,
-    length: Stored,
-    /// Outward unit normal; zero where single precision does not determine it.
-    direction: StoredPoints,
-    /// Error bound of a height over the plane per distance to the corner, times the normal's length.
-    slack: Stored,
-    /// Centre and radius of a sphere around the corners.
-    middle: StoredPoints,
-    around: Stored,
-    /// Largest angle between the triangle's normal and a contact normal at an edge that it owns, radians.
-    edge_rotation: Stored,
-    min: StoredPoints,
-    max: StoredPoints,
-    /// Box around the triangles that take part.
-    bounds: Aabb,
-    /// Extent along [`Window::direction`].
-    min_along: Stored,
-    max_along: Stored,
-    /// Lanes that take part.
-    lanes: u32,
-    /// Index of the triangle in lane 0.
-    first: u32,
-    /// What each lane's triangle owns.
-    owned: [u32; CLUSTER],
-    /// 1 if placed corners run counter-clockwise seen from outside, else -1.
-    winding: f32,
-    /// Index of each lane's triangle among those that are near a triangle, or [`NOT_LISTED`].
-    triangle_index: [u32; CLUSTER],
-}
-
-/// Lanes of a cluster whose triangles are near a triangle.
-#[derive(Clone, Copy, Default)]
-struct NearLanes {
-    /// They may cross it.
-    crossing: u32,
-    /// Its vertices may be over them, their vertices over it, or their edges have features.
-    features: [u32; 3],
-}
-
-impl NearLanes {
-    fn any(&self) -> u32 {
-        self.crossing | self.features[0] | self.features[1] | self.features[2]
+/// The index of a cluster's triangle in a list, to which it is added if needed.
+#[inline]
+fn index(cluster: &PlacedCluster, lane: usize, listed: &mut u32, triangles: &mut Vec<SmallTriangle>) -> u32 {
+    if *listed == NOT_LISTED {
+        *listed = triangles.len() as u32;
+        triangles.push(cluster.triangle(lane));
     }
-
-    fn parts(&self, lane: usize) -> Parts {
-        let of = |lanes: u32, parts: Parts| if lanes >> lane & 1 == 1 { parts } else { 0 };
-        let [first, second, edges] = self.features;
-        of(self.crossing, CROSSING) | of(first, FIRST_VERTICES) | of(second, SECOND_VERTICES) | of(edges, EDGES)
-    }
-}
-
-/// Places a body's triangles.
-struct ClusterTransform<S: Simd> {
-    simd: S,
-    rows: Rows<S>,
-    /// 1 if placed corners run counter-clockwise seen from outside, else -1.
-    outward: f32,
-}
-
-impl<S: Simd> ClusterTransform<S> {
-    #[inline(always)]
-    fn new(simd: S, side: &Side) -> Self {
-        Self {
-            simd,
-            rows: Rows::new(simd, side.matrix().as_mat3()),
-            outward: side.winding(),
-        }
-    }
-}
-
-/// Relative rounding error of a product of two vectors in single precision.
-pub(crate) const ERROR: f32 = 2.0e-6;
-
-/// Largest error of a normal's direction, radians. Less certain normals count as unknown.
-pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
-/// Factor on radii, for rounding.
-pub(crate) const AROUND_ERROR: f32 = 1.001;
-
-impl PlacedCluster {
-    #[inline(always)]
-    fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, search: &Search, pad: f32) -> Self {
-        let ClusterTransform { simd, rows, outward } = transform;
-        let simd = *simd;
-        let own = &side.mesh.lanes().clusters[cluster as usize];
-        let at = splat_point(simd, side.place(own.origin).as_vec3());
-        let p = rows.times(load_points(simd, &own.corners[0]));
-        let q = rows.times(load_points(simd, &own.corners[1]));
-        let r = rows.times(load_points(simd, &own.corners[2]));
-        let (u, v) = (sub(q, p), sub(r, p));
-        let normal = cross(u, v);
-        let (p, q, r) = (add(p, at), add(q, at), add(r, at));
-        let length = dot(normal, normal).sqrt();
-        let slack = splat(simd, ERROR) * norm1(u) * norm1(v);
-        // Also false for NaN.
-        let known = slack.simd_lt(splat(simd, DIRECTION_ERROR) * length);
-        let inverse = known.select(splat(simd, *outward) / length, splat(simd, 0.0));
-        let middle = scale(add(add(p, q), r), splat(simd, 1.0 / 3.0));
-        let (from_p, from_q, from_r) = (sub(p, middle), sub(q, middle), sub(r, middle));
-        let squares = [dot(from_p, from_p), dot(from_q, from_q), dot(from_r, from_r)];
-        let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
-        let first = cluster * CLUSTER as u32;
-        let mut placed = Self {
-            corners: [store_points(p), store_points(q), store_points(r)],
-            normal: store_points(normal),
-            length: store(length),
-            direction: store_points(scale(normal, inverse)),
-            slack: store(slack),
-            middle: store_points(middle),
-            around: store(largest(squares).sqrt()),
-            edge_rotation: side.edge_normal_rotations(first),
-            min: store_points(low),
-            max: store_points(high),
-            bounds: Aabb::EMPTY,
-            min_along: Stored::default(),
-            max_along: Stored::default(),
-            lanes: own.lanes,
-            first,
-            owned: std::array::from_fn(|i| side.features.owned.get(first as usize + i).copied().unwrap_or(0)),
-            winding: *outward,
-            triangle_index: [NOT_LISTED; CLUSTER],
-        };
-        if let Some(Window { around, direction }) = search.window {
-            let (min, max) = (splat_point(simd, around.min - pad), splat_point(simd, around.max + pad));
-            placed.lanes &= bitmask(boxes_meet(low, high, min, max));
-            let direction = splat_point(simd, direction);
-            let along = [dot(direction, p), dot(direction, q), dot(direction, r)];
-            placed.min_along = store(least(along));
-            placed.max_along = store(largest(along));
-        }
-        for i in bits(placed.lanes) {
-            placed.bounds.min = placed.bounds.min.min(lane_of(&placed.min, i));
-            placed.bounds.max = placed.bounds.max.max(lane_of(&placed.max, i));
-        }
-        placed
-    }
-
-    /// Lanes whose boxes are no farther than `reach` from the box around `other`.
-    #[inline(always)]
-    fn near_box<S: Simd>(&self, simd: S, other: &Self, reach: f32) -> u32 {
-        bitmask(self.boxes_are_near(simd, &other.bounds, reach))
-    }
-
-    /// Lanes of `other` whose triangles may have features with the triangle in lane `i` or cross it: neither their boxes
-    /// nor one of their planes separate them by more than the reach, and they are in the window.
-    #[inline(always)]
-    fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> NearLanes {
-        let &Limits { reach, crossing, .. } = limits;
-        let own = Aabb {
-            min: lane_of(&self.min, i),
-            max: lane_of(&self.max, i),
-        };
-        let last = splat(simd, self.max_along.0[i] + crossing);
-        let boxes = other.boxes_are_near(simd, &own, reach) & load(simd, &other.min_along).simd_le(last);
-        let boxes = bitmask(boxes) & other.lanes;
-        if boxes == 0 {
-            return NearLanes::default();
-        }
-        // Upper bound of the distance between any two points of two triangles whose boxes are near.
-        let size = sub(load_points(simd, &other.max), load_points(simd, &other.min));
-        let spread = splat(simd, (own.max - own.min).element_sum() + reach) + size[0] + size[1] + size[2];
-        let normal = splat_point(simd, lane_of(&self.normal, i));
-        let corners = [
-            splat_point(simd, lane_of(&self.corners[0], i)),
-            splat_point(simd, lane_of(&self.corners[1], i)),
-            splat_point(simd, lane_of(&self.corners[2], i)),
-        ];
-        let other_corners = [
-            load_points(simd, &other.corners[0]),
-            load_points(simd, &other.corners[1]),
-            load_points(simd, &other.corners[2]),
-        ];
-        let over_own = Heights {
-            heights: heights(&other_corners, corners[0], normal),
-            length: splat(simd, self.length.0[i]),
-            slack: spread * splat(simd, self.slack.0[i]),
-        };
-        let over_other = Heights {
-            heights: heights(&corners, other_corners[0], load_points(simd, &other.normal)),
-            length: load(simd, &other.length),
-            slack: spread * load(simd, &other.slack),
-        };
-        let far = splat(simd, reach);
-        let near = boxes & !bitmask(over_own.beyond(far) | over_other.beyond(far));
-        if near == 0 {
-            return NearLanes::default();
-        }
-        let close = splat(simd, crossing);
-        let apart = over_own.beyond(close) | over_other.beyond(close);
-        let meet = other.boxes_are_near(simd, &own, crossing) & !apart;
-        let [first, second, edges] = self.may_have_features(simd, i, other, limits);
-        NearLanes {
-            crossing: near & bitmask(meet),
-            features: [near & first, near & second, near & edges],
-        }
-    }
-
-    /// Lanes whose boxes are no farther than `reach` from a box.
-    #[inline(always)]
-    fn boxes_are_near<S: Simd>(&self, simd: S, to: &Aabb, reach: f32) -> mask32x8<S> {
-        let (low, high) = (splat_point(simd, to.min - reach), splat_point(simd, to.max + reach));
-        boxes_meet(low, high, load_points(simd, &self.min), load_points(simd, &self.max))
-    }
-
-    /// Lanes of `other` whose triangles may have a feature of separation up to the reach with the triangle in lane `i`: a
-    /// vertex of that over them, a vertex over that, or two edges.
-    /// The points of a feature lie on a line along its normal, which is a face's, or within
-    /// [`PlacedCluster::edge_rotation`] of the normals of the faces at both edges.
-    #[inline(always)]
-    fn may_have_features<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> [u32; 3] {
-        let own_direction = splat_point(simd, lane_of(&self.direction, i));
-        let other_direction = load_points(simd, &other.direction);
-        let way = sub(
-            load_points(simd, &other.middle),
-            splat_point(simd, lane_of(&self.middle, i)),
-        );
-        // Squared lateral distance of the centres, perpendicular to the normal of either. It is zero if the normal is
-        // unknown.
-        let (across_own, across_other) = (cross(way, own_direction), cross(way, other_direction));
-        let lateral_own = dot(across_own, across_own);
-        let lateral_other = dot(across_other, across_other);
-        let radii = splat(simd, self.around.0[i]) + load(simd, &other.around);
-        let around = radii * splat(simd, AROUND_ERROR) + splat(simd, limits.lateral);
-        let square = around * around;
-
-        let own_rotation = splat(simd, self.edge_rotation.0[i]);
-        let other_rotation = load(simd, &other.edge_rotation);
-        let rotation = own_rotation + other_rotation + splat(simd, limits.rotation);
-        let sum = add(own_direction, other_direction);
-        let facing = dot(sum, sum).simd_le(rotation * rotation);
-        let (reach, one) = (splat(simd, limits.reach), splat(simd, 1.0));
-        let most_own = around + reach * own_rotation.min(one);
-        let most_other = around + reach * other_rotation.min(one);
-        let edges = facing & lateral_own.simd_le(most_own * most_own) & lateral_other.simd_le(most_other * most_other);
-        [
-            bitmask(lateral_other.simd_le(square)),
-            bitmask(lateral_own.simd_le(square)),
-            bitmask(edges),
-        ]
-    }
-
-    /// Index of lane `i` in the list of triangles, to which it is added if needed.
-    #[inline]
-    fn triangle_index(&mut self, i: usize, triangles: &mut Vec<SmallTriangle>) -> u32 {
-        if self.triangle_index[i] == NOT_LISTED {
-            self.triangle_index[i] = triangles.len() as u32;
-            let normal = lane_of(&self.direction, i);
-            triangles.push(SmallTriangle {
-                number: self.first + i as u32,
-                corners: each(|k| lane_of(&self.corners[k], i)),
-                normal,
-                tilt: if normal == Vec3::ZERO {
-                    ANY_TILT
-                } else {
-                    // The rounding of the unit normal comes on top.
-                    self.slack.0[i] / self.length.0[i] + ERROR
-                },
-                winding: self.winding,
-            });
-        }
-        self.triangle_index[i]
-    }
-}
-
-/// Heights of the corners of triangles over planes.
-struct Heights<S: Simd> {
-    /// Times the length of the plane's normal.
-    heights: [f32x8<S>; 3],
-    length: f32x8<S>,
-    /// Error bound, times the length.
-    slack: f32x8<S>,
-}
-
-impl<S: Simd> Heights<S> {
-    /// Lanes whose corners are all farther from the plane than `most`, on one side.
-    #[inline(always)]
-    fn beyond(&self, most: f32x8<S>) -> mask32x8<S> {
-        let most = most * self.length + self.slack;
-        least(self.heights).simd_gt(most) | largest(self.heights).simd_lt(-most)
-    }
+    *listed
 }
 
 /// Both trees. Nodes that are no farther apart than `reach` count as touching.
@@ -448,6 +209,7 @@ fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f3
 mod tests {
     use super::super::candidates::Candidates;
     use super::super::feature::TrianglePair;
+    use super::super::pair::Pair;
     use super::super::pair_of_bodies;
     use super::super::search::Slack;
     use super::*;
@@ -456,40 +218,53 @@ mod tests {
     use crate::state::{Bodies, Body};
     use glam::{DVec3, Quat};
 
-    /// The features of all pairs of triangles, and of the candidates.
-    fn features(bodies: &Bodies, meshes: &crate::state::mesh_arena::MeshArena, reach: f64) -> [Vec<DVec3>; 2] {
-        let pair = pair_of_bodies(bodies, meshes, [0, 1]).unwrap();
-        let sides = &pair.sides;
-        let (mut near, mut candidates) = (NearTriangles::default(), Candidates::default());
-        let range = -reach..=reach;
-        let search = Search {
-            range: range.clone(),
-            reach,
-            slack: Slack::default(),
-            crossings: true,
-            window: None,
-        };
-        near.run(sides, &pair.pose, &search);
-        candidates.select(&mut near, sides, &search);
+    /// The middles of features, in a certain order.
+    type Middles = Vec<DVec3>;
+
+    /// The features of all pairs of triangles.
+    fn every_feature(sides: &[Side; 2], reach: f64) -> Middles {
         let count = |side: &Side| side.features.triangles.len() as u32;
         let all: [Vec<Triangle>; 2] = [0, 1].map(|i| (0..count(&sides[i])).map(|t| sides[i].triangle(t)).collect());
-        let (mut every, mut kept) = (Vec::new(), Vec::new());
+        let mut every = Vec::new();
         for a in &all[0] {
             for b in &all[1] {
                 if let Some(pair) = TrianglePair::new(sides, [a, b], reach) {
-                    pair.features(&range, pair.owned_features(), |feature| every.push(feature.middle()));
+                    pair.features(&(-reach..=reach), pair.owned_features(), |feature| {
+                        every.push(feature.middle())
+                    });
                 }
             }
         }
-        candidates.for_each(sides, &mut Default::default(), |triangles, parts| {
-            if let Some(pair) = TrianglePair::new(sides, triangles, reach) {
-                pair.features(&range, parts & !CROSSING, |feature| kept.push(feature.middle()));
-            }
+        sorted(every)
+    }
+
+    /// The features that a search finds, and those of its candidates, which are none without slack.
+    fn found_features(pair: &Pair, reach: f64, slack: Slack) -> [Middles; 2] {
+        let sides = &pair.sides;
+        let mut clusters = NearClusters::default();
+        let (mut near, mut candidates) = (NearTriangles::default(), Candidates::default());
+        let search = Search {
+            range: -reach..=reach,
+            reach,
+            slack,
+            crossings: true,
+            window: None,
+        };
+        clusters.run(sides, &pair.pose, &search);
+        near.run(sides, pair.pose.size, &search, &clusters, 0..usize::MAX);
+        let (mut found, mut kept) = (Vec::new(), Vec::new());
+        candidates.select(&mut near, sides, &search, |pair, parts| {
+            pair.features(&search.range, parts, |feature| found.push(feature.middle()));
         });
-        [every, kept].map(|mut found| {
-            found.sort_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap());
-            found
-        })
+        candidates.for_each(sides, &mut Default::default(), reach, |pair, parts| {
+            pair.features(&search.range, parts, |feature| kept.push(feature.middle()));
+        });
+        [sorted(found), sorted(kept)]
+    }
+
+    fn sorted(mut found: Middles) -> Middles {
+        found.sort_by(|p, q| p.to_array().partial_cmp(&q.to_array()).unwrap());
+        found
     }
 
     #[test]
@@ -524,10 +299,19 @@ mod tests {
                 let body = Body::at_rest(slots[(round + i * (1 + round / 5)) % 5], at, turn, scale);
                 bodies.push(&body, &meshes).unwrap();
             }
-            let [every, kept] = features(&bodies, &meshes, 0.4);
-            assert_eq!(every, kept, "round {round}");
+            let pair = pair_of_bodies(&bodies, &meshes, [0, 1]).unwrap();
+            let sides = &pair.sides;
+            let every = every_feature(sides, 0.4);
+            let some = Slack {
+                distance: 0.01,
+                rotation: 0.01,
+            };
+            for (slack, keeps) in [(Slack::default(), false), (some, true)] {
+                let [now, kept] = found_features(&pair, 0.4, slack);
+                assert_eq!(every, now, "round {round}");
+                assert!(kept == if keeps { now } else { Vec::new() }, "round {round}");
+            }
             found += every.len();
-            let sides = pair_of_bodies(&bodies, &meshes, [0, 1]).unwrap().sides;
             pairs += sides[0].features.triangles.len() * sides[1].features.triangles.len();
         }
         assert!(found > 200, "{found} features of {pairs} pairs");

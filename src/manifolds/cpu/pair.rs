@@ -1,19 +1,18 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
-use super::candidates::CROSSING;
 use super::contour::{Contours, Patch, Segment};
-use super::feature::{Feature, Key, Origin, TrianglePair};
+use super::feature::{Feature, Key, Origin};
 use super::inside;
-use super::kept::{Kept, KeptCandidates};
-use super::near::{NearTriangles, PairPose};
+use super::kept::Kept;
+use super::near::PairPose;
 use super::ray::exit;
 use super::reduce::Reduction;
-use super::search::{Search, Window};
-use super::side::{PlacedMesh, Side, Triangle, sides};
+use super::search::Wanted;
+use super::shares::Shares;
+use super::side::{PlacedMesh, Side, sides};
 use super::smooth;
 use crate::manifolds::ManifoldPoint;
 use glam::{DMat3, DVec3};
-use std::ops::RangeInclusive;
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays.
 pub(crate) const MAX_DEPTH: f64 = 0.04;
@@ -34,9 +33,7 @@ const MIDDLE: u8 = 5;
 /// Memory kept between pairs.
 #[derive(Default)]
 pub struct Worker {
-    near: NearTriangles,
-    /// The triangles of candidates.
-    placed: [Vec<Triangle>; 2],
+    shares: Shares,
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
@@ -45,47 +42,44 @@ pub struct Worker {
 
 impl Worker {
     /// All contact features of a pair within `margin`, in the axes of its first body. A margin that is negative or NaN
-    /// counts as 0. The result does not depend on what is kept.
-    pub fn all(&mut self, pair: &Pair, margin: f32, kept: &mut Kept) -> &[Feature] {
+    /// counts as 0. A large pair is shared out over so many threads of the current pool. The result depends neither on
+    /// them nor on what is kept.
+    pub fn all(&mut self, pair: &Pair, margin: f32, kept: &mut Kept, threads: usize) -> &[Feature] {
         let margin = if margin > 0.0 { margin.min(f32::MAX) } else { 0.0 };
-        self.find(pair, f64::from(margin), kept);
+        self.find(pair, f64::from(margin), kept, threads);
         kept.near.limit();
         kept.deep.limit();
         &self.features
     }
 
     /// The reduced manifold of a pair: the features of [`Worker::all`] that represent all.
-    pub fn reduced(&mut self, pair: &Pair, margin: f32, kept: &mut Kept) -> &[Feature] {
-        self.all(pair, margin, kept);
+    pub fn reduced(&mut self, pair: &Pair, margin: f32, kept: &mut Kept, threads: usize) -> &[Feature] {
+        self.all(pair, margin, kept, threads);
         self.reduction.run(&mut self.features, pair.size)
     }
 
     /// Writes all features of the pair.
-    fn find(&mut self, pair: &Pair, margin: f64, kept: &mut Kept) {
-        self.features.clear();
-        self.contours.clear();
-        let Pair { sides, size, .. } = pair;
-        let touch = TOUCH * size;
-        let rounding = ROUNDING * f64::from(pair.pose.size);
-        if !kept.near.cover(pair, margin, None) {
-            self.search(pair, margin, -touch..=margin, None, &mut kept.near);
-            kept.is_apart = false;
-        }
+    fn find(&mut self, pair: &Pair, margin: f64, kept: &mut Kept, threads: usize) {
         let Self {
-            placed,
+            shares,
             contours,
             features,
             ..
         } = self;
-        let (range, reach) = (-touch..=margin, margin + touch);
-        kept.near.candidates.for_each(sides, placed, |triangles, parts| {
-            if let Some(pair) = TrianglePair::new(sides, triangles, reach) {
-                pair.features(&range, parts, |feature| features.push(feature));
-                if parts & CROSSING != 0 {
-                    contours.segments.extend(pair.segment(rounding));
-                }
-            }
-        });
+        let Pair { sides, size, .. } = pair;
+        let touch = TOUCH * size;
+        let wanted = Wanted {
+            margin,
+            range: -touch..=margin,
+            reach: margin + touch,
+            window: None,
+        };
+        let is_new = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
+        kept.is_apart &= !is_new;
+        features.clear();
+        features.extend(shares.features());
+        contours.clear();
+        contours.segments.extend(shares.segments());
         if contours.segments.is_empty() {
             if kept.is_apart {
                 return;
@@ -94,43 +88,39 @@ impl Worker {
                 features.clear();
                 features.push(contact);
             } else {
-                kept.is_apart = !kept.near.candidates.may_cross;
+                kept.is_apart = !kept.near.may_cross();
             }
             return;
         }
         contours.join(margin, *size);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
-            self.find_deep(pair, kept);
+            self.find_deep(pair, kept, threads);
         }
     }
 
     /// Adds the overlapping features at the patches, or points in their place.
-    fn find_deep(&mut self, pair: &Pair, kept: &mut Kept) {
-        let Pair { sides, size, .. } = pair;
-        let most = MAX_DEPTH * size;
-        let range = -most..=-TOUCH * size;
-        let window = self.contours.window(0.5 * most);
-        if !kept.deep.cover(pair, most, Some(&window)) {
-            self.search(pair, most, range.clone(), Some(window), &mut kept.deep);
-        }
+    fn find_deep(&mut self, pair: &Pair, kept: &mut Kept, threads: usize) {
         let Self {
-            placed,
+            shares,
             contours,
             features,
             deep,
             ..
         } = self;
-        deep.clear();
-        kept.deep.candidates.for_each(sides, placed, |triangles, parts| {
-            if let Some(pair) = TrianglePair::new(sides, triangles, most) {
-                pair.features(&range, parts, |feature| {
-                    if contours.admits(&feature, true) {
-                        deep.push(feature);
-                    }
-                });
-            }
+        let Pair { sides, size, .. } = pair;
+        let most = MAX_DEPTH * size;
+        let wanted = Wanted {
+            margin: most,
+            range: -most..=-TOUCH * size,
+            reach: most,
+            window: Some(contours.window(0.5 * most)),
+        };
+        shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
+            contours.admits(feature, true)
         });
+        deep.clear();
+        deep.extend(shares.features());
         keep_shallowest(deep);
         deep.iter().for_each(|feature| contours.keep(feature));
         features.append(deep);
@@ -146,32 +136,6 @@ impl Worker {
                 features.extend(shallow(&contours.segments, patch, *size, key));
             }
         }
-    }
-
-    /// Searches the candidates for features with a separation in `range`, which is within `margin`, and for crossings if
-    /// there is no window.
-    fn search(
-        &mut self,
-        pair: &Pair,
-        margin: f64,
-        range: RangeInclusive<f64>,
-        window: Option<Window>,
-        kept: &mut KeptCandidates,
-    ) {
-        let slack = kept.next_slack(pair, margin);
-        let reach = margin + TOUCH * pair.size;
-        // The patches change, too.
-        let window = window.map(|window| window.grown(2.0 * slack.distance));
-        let search = Search {
-            range,
-            reach,
-            slack,
-            crossings: window.is_none(),
-            window: window.map(|window| window.grown(slack.distance)),
-        };
-        self.near.run(&pair.sides, &pair.pose, &search);
-        kept.candidates.select(&mut self.near, &pair.sides, &search);
-        kept.keep(pair, margin, window, slack);
     }
 }
 

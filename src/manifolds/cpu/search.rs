@@ -1,6 +1,6 @@
 //! What to search for: the separations of features, the slack, and where.
 
-use super::near::{AROUND_ERROR, DIRECTION_ERROR};
+use super::placed_cluster::{AROUND_ERROR, DIRECTION_ERROR};
 use crate::geometry::Aabb;
 use crate::simd::rounding::PAD;
 use glam::Vec3;
@@ -13,6 +13,18 @@ pub struct Slack {
     pub distance: f64,
     /// Upper bound of the relative rotation, radians.
     pub rotation: f64,
+}
+
+/// Which features of a pair are wanted now.
+pub struct Wanted {
+    /// Their largest separation or overlap, metres.
+    pub margin: f64,
+    /// Their separations, metres.
+    pub range: RangeInclusive<f64>,
+    /// Largest distance of two triangles with such a feature, metres.
+    pub reach: f64,
+    /// Limits them to some pairs of triangles. Without it crossings are wanted too.
+    pub window: Option<Window>,
 }
 
 /// What to search for.

@@ -1,0 +1,298 @@
+//! Eight triangles of a body at a time, placed in single precision, and which of them are near a triangle of the other
+//! body.
+//!
+//! Between finely tessellated surfaces a wide margin holds very many triangles that are near each other, and few of them
+//! have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges form
+//! a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped here.
+
+use super::candidates::{CROSSING, EDGES, FIRST_VERTICES, Parts, SECOND_VERTICES};
+use super::eight::{ANY_TILT, SmallTriangle};
+use super::search::{Limits, Search, Window};
+use super::side::Side;
+use crate::geometry::Aabb;
+use crate::geometry::cluster::CLUSTER;
+use crate::simd::lanes::{
+    Rows, Select, Simd, SimdBase, SimdFloat, add, bitmask, bits, boxes_meet, cross, dot, each, f32x8, heights, lane_of,
+    largest, least, load, load_points, mask32x8, max, min, norm1, scale, splat, splat_point, store, store_points, sub,
+};
+use crate::state::mesh_arena::{Stored, StoredPoints};
+use glam::Vec3;
+
+/// Eight triangles in single precision, relative to the first body's centre of mass. Only triangles of near pairs are
+/// computed in double precision.
+pub struct PlacedCluster {
+    corners: [StoredPoints; 3],
+    /// Cross products of two edges, and their lengths.
+    normal: StoredPoints,
+    length: Stored,
+    /// Outward unit normal; zero where single precision does not determine it.
+    direction: StoredPoints,
+    /// Error bound of a height over the plane per distance to the corner, times the normal's length.
+    slack: Stored,
+    /// Centre and radius of a sphere around the corners.
+    middle: StoredPoints,
+    around: Stored,
+    /// Largest angle between the triangle's normal and a contact normal at an edge that it owns, radians.
+    edge_rotation: Stored,
+    min: StoredPoints,
+    max: StoredPoints,
+    /// Box around the triangles that take part.
+    bounds: Aabb,
+    /// Extent along [`Window::direction`].
+    min_along: Stored,
+    max_along: Stored,
+    /// Lanes that take part.
+    pub lanes: u32,
+    /// Index of the triangle in lane 0.
+    first: u32,
+    /// What each lane's triangle owns.
+    pub owned: [u32; CLUSTER],
+    /// 1 if placed corners run counter-clockwise seen from outside, else -1.
+    winding: f32,
+}
+
+/// Lanes of a cluster whose triangles are near a triangle.
+#[derive(Clone, Copy, Default)]
+pub struct NearLanes {
+    /// They may cross it.
+    crossing: u32,
+    /// Its vertices may be over them, their vertices over it, or their edges have features.
+    features: [u32; 3],
+}
+
+impl NearLanes {
+    pub fn any(&self) -> u32 {
+        self.crossing | self.features[0] | self.features[1] | self.features[2]
+    }
+
+    pub fn parts(&self, lane: usize) -> Parts {
+        let of = |lanes: u32, parts: Parts| if lanes >> lane & 1 == 1 { parts } else { 0 };
+        let [first, second, edges] = self.features;
+        of(self.crossing, CROSSING) | of(first, FIRST_VERTICES) | of(second, SECOND_VERTICES) | of(edges, EDGES)
+    }
+}
+
+/// Places a body's triangles.
+pub struct ClusterTransform<S: Simd> {
+    simd: S,
+    rows: Rows<S>,
+    /// 1 if placed corners run counter-clockwise seen from outside, else -1.
+    outward: f32,
+}
+
+impl<S: Simd> ClusterTransform<S> {
+    #[inline(always)]
+    pub fn new(simd: S, side: &Side) -> Self {
+        Self {
+            simd,
+            rows: Rows::new(simd, side.matrix().as_mat3()),
+            outward: side.winding(),
+        }
+    }
+}
+
+/// Relative rounding error of a product of two vectors in single precision.
+pub(crate) const ERROR: f32 = 2.0e-6;
+
+/// Largest error of a normal's direction, radians. Less certain normals count as unknown.
+pub(crate) const DIRECTION_ERROR: f32 = 1.0e-3;
+/// Factor on radii, for rounding.
+pub(crate) const AROUND_ERROR: f32 = 1.001;
+
+impl PlacedCluster {
+    #[inline(always)]
+    pub fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, search: &Search, pad: f32) -> Self {
+        let ClusterTransform { simd, rows, outward } = transform;
+        let simd = *simd;
+        let own = &side.mesh.lanes().clusters[cluster as usize];
+        let at = splat_point(simd, side.place(own.origin).as_vec3());
+        let p = rows.times(load_points(simd, &own.corners[0]));
+        let q = rows.times(load_points(simd, &own.corners[1]));
+        let r = rows.times(load_points(simd, &own.corners[2]));
+        let (u, v) = (sub(q, p), sub(r, p));
+        let normal = cross(u, v);
+        let (p, q, r) = (add(p, at), add(q, at), add(r, at));
+        let length = dot(normal, normal).sqrt();
+        let slack = splat(simd, ERROR) * norm1(u) * norm1(v);
+        // Also false for NaN.
+        let known = slack.simd_lt(splat(simd, DIRECTION_ERROR) * length);
+        let inverse = known.select(splat(simd, *outward) / length, splat(simd, 0.0));
+        let middle = scale(add(add(p, q), r), splat(simd, 1.0 / 3.0));
+        let (from_p, from_q, from_r) = (sub(p, middle), sub(q, middle), sub(r, middle));
+        let squares = [dot(from_p, from_p), dot(from_q, from_q), dot(from_r, from_r)];
+        let (low, high) = (min(p, min(q, r)), max(p, max(q, r)));
+        let first = cluster * CLUSTER as u32;
+        let mut placed = Self {
+            corners: [store_points(p), store_points(q), store_points(r)],
+            normal: store_points(normal),
+            length: store(length),
+            direction: store_points(scale(normal, inverse)),
+            slack: store(slack),
+            middle: store_points(middle),
+            around: store(largest(squares).sqrt()),
+            edge_rotation: side.edge_normal_rotations(first),
+            min: store_points(low),
+            max: store_points(high),
+            bounds: Aabb::EMPTY,
+            min_along: Stored::default(),
+            max_along: Stored::default(),
+            lanes: own.lanes,
+            first,
+            owned: std::array::from_fn(|i| side.features.owned.get(first as usize + i).copied().unwrap_or(0)),
+            winding: *outward,
+        };
+        if let Some(Window { around, direction }) = search.window {
+            let (min, max) = (splat_point(simd, around.min - pad), splat_point(simd, around.max + pad));
+            placed.lanes &= bitmask(boxes_meet(low, high, min, max));
+            let direction = splat_point(simd, direction);
+            let along = [dot(direction, p), dot(direction, q), dot(direction, r)];
+            placed.min_along = store(least(along));
+            placed.max_along = store(largest(along));
+        }
+        for i in bits(placed.lanes) {
+            placed.bounds.min = placed.bounds.min.min(lane_of(&placed.min, i));
+            placed.bounds.max = placed.bounds.max.max(lane_of(&placed.max, i));
+        }
+        placed
+    }
+
+    /// Lanes whose boxes are no farther than `reach` from the box around `other`.
+    #[inline(always)]
+    pub fn near_box<S: Simd>(&self, simd: S, other: &Self, reach: f32) -> u32 {
+        bitmask(self.boxes_are_near(simd, &other.bounds, reach))
+    }
+
+    /// Lanes of `other` whose triangles may have features with the triangle in lane `i` or cross it: neither their boxes
+    /// nor one of their planes separate them by more than the reach, and they are in the window.
+    #[inline(always)]
+    pub fn near<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> NearLanes {
+        let &Limits { reach, crossing, .. } = limits;
+        let own = Aabb {
+            min: lane_of(&self.min, i),
+            max: lane_of(&self.max, i),
+        };
+        let last = splat(simd, self.max_along.0[i] + crossing);
+        let boxes = other.boxes_are_near(simd, &own, reach) & load(simd, &other.min_along).simd_le(last);
+        let boxes = bitmask(boxes) & other.lanes;
+        if boxes == 0 {
+            return NearLanes::default();
+        }
+        // Upper bound of the distance between any two points of two triangles whose boxes are near.
+        let size = sub(load_points(simd, &other.max), load_points(simd, &other.min));
+        let spread = splat(simd, (own.max - own.min).element_sum() + reach) + size[0] + size[1] + size[2];
+        let normal = splat_point(simd, lane_of(&self.normal, i));
+        let corners = [
+            splat_point(simd, lane_of(&self.corners[0], i)),
+            splat_point(simd, lane_of(&self.corners[1], i)),
+            splat_point(simd, lane_of(&self.corners[2], i)),
+        ];
+        let other_corners = [
+            load_points(simd, &other.corners[0]),
+            load_points(simd, &other.corners[1]),
+            load_points(simd, &other.corners[2]),
+        ];
+        let over_own = Heights {
+            heights: heights(&other_corners, corners[0], normal),
+            length: splat(simd, self.length.0[i]),
+            slack: spread * splat(simd, self.slack.0[i]),
+        };
+        let over_other = Heights {
+            heights: heights(&corners, other_corners[0], load_points(simd, &other.normal)),
+            length: load(simd, &other.length),
+            slack: spread * load(simd, &other.slack),
+        };
+        let far = splat(simd, reach);
+        let near = boxes & !bitmask(over_own.beyond(far) | over_other.beyond(far));
+        if near == 0 {
+            return NearLanes::default();
+        }
+        let close = splat(simd, crossing);
+        let apart = over_own.beyond(close) | over_other.beyond(close);
+        let meet = other.boxes_are_near(simd, &own, crossing) & !apart;
+        let [first, second, edges] = self.may_have_features(simd, i, other, limits);
+        NearLanes {
+            crossing: near & bitmask(meet),
+            features: [near & first, near & second, near & edges],
+        }
+    }
+
+    /// Lanes whose boxes are no farther than `reach` from a box.
+    #[inline(always)]
+    fn boxes_are_near<S: Simd>(&self, simd: S, to: &Aabb, reach: f32) -> mask32x8<S> {
+        let (low, high) = (splat_point(simd, to.min - reach), splat_point(simd, to.max + reach));
+        boxes_meet(low, high, load_points(simd, &self.min), load_points(simd, &self.max))
+    }
+
+    /// Lanes of `other` whose triangles may have a feature of separation up to the reach with the triangle in lane `i`: a
+    /// vertex of that over them, a vertex over that, or two edges.
+    /// The points of a feature lie on a line along its normal, which is a face's, or within
+    /// [`PlacedCluster::edge_rotation`] of the normals of the faces at both edges.
+    #[inline(always)]
+    fn may_have_features<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> [u32; 3] {
+        let own_direction = splat_point(simd, lane_of(&self.direction, i));
+        let other_direction = load_points(simd, &other.direction);
+        let way = sub(
+            load_points(simd, &other.middle),
+            splat_point(simd, lane_of(&self.middle, i)),
+        );
+        // Squared lateral distance of the centres, perpendicular to the normal of either. It is zero if the normal is
+        // unknown.
+        let (across_own, across_other) = (cross(way, own_direction), cross(way, other_direction));
+        let lateral_own = dot(across_own, across_own);
+        let lateral_other = dot(across_other, across_other);
+        let radii = splat(simd, self.around.0[i]) + load(simd, &other.around);
+        let around = radii * splat(simd, AROUND_ERROR) + splat(simd, limits.lateral);
+        let square = around * around;
+
+        let own_rotation = splat(simd, self.edge_rotation.0[i]);
+        let other_rotation = load(simd, &other.edge_rotation);
+        let rotation = own_rotation + other_rotation + splat(simd, limits.rotation);
+        let sum = add(own_direction, other_direction);
+        let facing = dot(sum, sum).simd_le(rotation * rotation);
+        let (reach, one) = (splat(simd, limits.reach), splat(simd, 1.0));
+        let most_own = around + reach * own_rotation.min(one);
+        let most_other = around + reach * other_rotation.min(one);
+        let edges = facing & lateral_own.simd_le(most_own * most_own) & lateral_other.simd_le(most_other * most_other);
+        [
+            bitmask(lateral_other.simd_le(square)),
+            bitmask(lateral_own.simd_le(square)),
+            bitmask(edges),
+        ]
+    }
+
+    /// The triangle in lane `i`.
+    #[inline]
+    pub fn triangle(&self, i: usize) -> SmallTriangle {
+        let normal = lane_of(&self.direction, i);
+        SmallTriangle {
+            number: self.first + i as u32,
+            corners: each(|k| lane_of(&self.corners[k], i)),
+            normal,
+            tilt: if normal == Vec3::ZERO {
+                ANY_TILT
+            } else {
+                // The rounding of the unit normal comes on top.
+                self.slack.0[i] / self.length.0[i] + ERROR
+            },
+            winding: self.winding,
+        }
+    }
+}
+
+/// Heights of the corners of triangles over planes.
+struct Heights<S: Simd> {
+    /// Times the length of the plane's normal.
+    heights: [f32x8<S>; 3],
+    length: f32x8<S>,
+    /// Error bound, times the length.
+    slack: f32x8<S>,
+}
+
+impl<S: Simd> Heights<S> {
+    /// Lanes whose corners are all farther from the plane than `most`, on one side.
+    #[inline(always)]
+    fn beyond(&self, most: f32x8<S>) -> mask32x8<S> {
+        let most = most * self.length + self.slack;
+        least(self.heights).simd_gt(most) | largest(self.heights).simd_lt(-most)
+    }
+}

@@ -1,0 +1,147 @@
+//! The features and crossings of a pair, from what it keeps or from a new search. A large pair is shared out over
+//! threads: each share has some of the first body's clusters, in order, so that all shares together give the same list
+//! however many there are.
+
+use super::candidates::{CROSSING, Candidates, Parts};
+use super::contour::Segment;
+use super::feature::{Feature, TrianglePair};
+use super::kept::KeptCandidates;
+use super::near::{NearClusters, NearTriangles};
+use super::pair::{Pair, ROUNDING};
+use super::search::{Search, Wanted};
+use super::side::Triangle;
+use crate::parallel::loops;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Least number of pairs of clusters in a share: their search takes much longer than waking a thread.
+const MIN_CLUSTER_PAIRS: usize = 256;
+/// Shares per thread, to balance the load.
+const PER_THREAD: usize = 4;
+
+/// The result, and memory kept between pairs.
+#[derive(Default)]
+pub struct Shares {
+    clusters: NearClusters,
+    shares: Vec<Share>,
+    /// Number of shares of the last pair.
+    count: usize,
+}
+
+#[derive(Default)]
+struct Share {
+    /// Which of the first body's near clusters it searches.
+    clusters: Range<usize>,
+    near: NearTriangles,
+    /// The triangles of candidates.
+    placed: [Vec<Triangle>; 2],
+    features: Vec<Feature>,
+    segments: Vec<Segment>,
+}
+
+impl Shares {
+    /// Finds the wanted features that `admit` admits, and the segments in which triangles cross. Uses as many threads of
+    /// the current pool; one is the calling thread. Tells whether it searched anew.
+    pub fn find(
+        &mut self,
+        pair: &Pair,
+        wanted: &Wanted,
+        kept: &mut KeptCandidates,
+        threads: usize,
+        admit: impl Fn(&Feature) -> bool + Sync,
+    ) -> bool {
+        let search = kept.search(pair, wanted);
+        if let Some(search) = &search {
+            self.clusters.run(&pair.sides, &pair.pose, search);
+            self.split(threads);
+            kept.resize(self.count);
+        } else {
+            self.count = kept.shares.len();
+            self.grow();
+        }
+        let Self {
+            clusters,
+            shares,
+            count,
+        } = self;
+        let shares = shares[..*count].par_iter_mut().zip(&mut kept.shares);
+        let min_shares = if threads > 1 { 1 } else { *count };
+        loops::for_each(shares, min_shares, |(share, candidates)| {
+            share.run(pair, wanted, search.as_ref(), clusters, candidates, &admit);
+        });
+        search.is_some()
+    }
+
+    /// The features that were found, in order.
+    pub fn features(&self) -> impl Iterator<Item = &Feature> {
+        self.shares[..self.count].iter().flat_map(|share| &share.features)
+    }
+
+    /// The segments that were found, in order.
+    pub fn segments(&self) -> impl Iterator<Item = &Segment> {
+        self.shares[..self.count].iter().flat_map(|share| &share.segments)
+    }
+
+    /// Splits the near clusters into shares.
+    fn split(&mut self, threads: usize) {
+        let most = if threads > 1 { PER_THREAD * threads } else { 1 };
+        self.count = (self.clusters.len() / MIN_CLUSTER_PAIRS).clamp(1, most);
+        self.grow();
+        let shares = &mut self.shares[..self.count];
+        shares.iter_mut().for_each(|share| share.clusters = 0..0);
+        let mut next = shares.iter_mut();
+        self.clusters.split(self.count, |range| {
+            if let Some(share) = next.next() {
+                share.clusters = range;
+            }
+        });
+    }
+
+    fn grow(&mut self) {
+        if self.shares.len() < self.count {
+            self.shares.resize_with(self.count, Share::default);
+        }
+    }
+}
+
+impl Share {
+    /// Finds its features and segments.
+    fn run(
+        &mut self,
+        pair: &Pair,
+        wanted: &Wanted,
+        search: Option<&Search>,
+        clusters: &NearClusters,
+        candidates: &mut Candidates,
+        admit: impl Fn(&Feature) -> bool,
+    ) {
+        let Self {
+            near,
+            placed,
+            features,
+            segments,
+            ..
+        } = self;
+        features.clear();
+        segments.clear();
+        let (sides, size) = (&pair.sides, pair.pose.size);
+        let rounding = ROUNDING * f64::from(size);
+        let found = |pair: &TrianglePair, parts: Parts| {
+            pair.features(&wanted.range, parts, |feature| {
+                if admit(&feature) {
+                    features.push(feature);
+                }
+            });
+            if parts & CROSSING != 0 {
+                segments.extend(pair.segment(rounding));
+            }
+        };
+        match search {
+            Some(search) => {
+                near.run(sides, size, search, clusters, self.clusters.clone());
+                candidates.select(near, sides, search, found);
+            }
+            None => candidates.for_each(sides, placed, wanted.reach, found),
+        }
+    }
+}
