@@ -48,6 +48,11 @@ impl Scratch {
         self.kept = KeptPairs::default();
     }
 
+    /// Whether any pair of the last call is so large that it is worth more than one thread.
+    pub(crate) fn has_large_pair(&self) -> bool {
+        self.kept.has_large_pair()
+    }
+
     /// Tells that bodies have new indices since the last call; pairs for which there are none are gone. This saves work
     /// and changes no result. The order of the pairs must stay the same.
     pub(crate) fn renumber(&mut self, renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>) {

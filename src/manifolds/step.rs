@@ -18,6 +18,13 @@ pub(crate) struct Scratch {
     planes: planes::Scratch,
 }
 
+impl Scratch {
+    /// Whether any pair of the last call of [`find`] is so large that it is worth more than one thread.
+    pub fn has_large_pair(&self) -> bool {
+        self.meshes.has_large_pair()
+    }
+}
+
 /// Writes the manifolds of all active pairs that respond to contacts into `manifolds`. The previous ones are kept for
 /// [`reuse`]. `collision_substep.dt` is the time until the next detection.
 pub(crate) fn find(

@@ -13,7 +13,8 @@ const PER_BODY: u64 = 200;
 const PER_SPHERE_PAIR: u64 = 150;
 const PER_PLANE_OF_BODY: u64 = 200;
 const PER_NEAR_PAIR: u64 = 1_000;
-/// For each triangle of a near pair, up to [`MAX_TRIANGLES`]: larger meshes are searched by trees.
+/// For each triangle of a near pair, up to [`MAX_TRIANGLES`]: larger meshes are searched by trees. How much of them is
+/// near the other body counts much more, and is known from the last contact generation.
 const PER_TRIANGLE: u64 = 20;
 const MAX_TRIANGLES: usize = 1000;
 const PER_CONTACT_POINT: u64 = 2_000;
@@ -33,15 +34,16 @@ fn cost(stage: Stage, step: &StepState) -> u64 {
     match stage {
         Stage::BroadPhase => of_bodies,
         Stage::Angles => step.results.sphere_pairs.len() as u64 * PER_SPHERE_PAIR,
-        Stage::TriangleTest | Stage::Manifolds => of_narrow_phase(step),
+        Stage::TriangleTest => of_narrow_phase(step),
+        Stage::Manifolds => of_contact_generation(step),
         Stage::ForceScan => of_bodies + step.results.manifolds.points.len() as u64 * PER_CONTACT_POINT,
         Stage::Integrate => {
             let of_contacts = step.input.config.response == Response::Contacts;
             let continuous = of_contacts && step.input.bodies.params.iter().any(|params| params.continuous);
             let more_substeps = u64::from(step.results.collision_substeps.saturating_sub(1));
             let narrow_phase = of_narrow_phase(step);
-            let later = [Stage::BroadPhase, Stage::Angles, Stage::ForceScan];
-            let later: u64 = narrow_phase + later.iter().map(|&stage| cost(stage, step)).sum::<u64>();
+            let later = [Stage::BroadPhase, Stage::Angles, Stage::Manifolds, Stage::ForceScan];
+            let later: u64 = later.iter().map(|&stage| cost(stage, step)).sum::<u64>();
             let stops = if continuous {
                 CONTINUOUS_FACTOR * narrow_phase
             } else {
@@ -50,6 +52,16 @@ fn cost(stage: Stage, step: &StepState) -> u64 {
             of_bodies + stops + more_substeps * (later + of_bodies)
         }
     }
+}
+
+/// A pair that is worth more than one thread is not small.
+fn of_contact_generation(step: &StepState) -> u64 {
+    let large = if step.scratch.manifolds.has_large_pair() {
+        SMALL
+    } else {
+        0
+    };
+    large + of_narrow_phase(step)
 }
 
 /// The cost of the near pairs that are not asleep.

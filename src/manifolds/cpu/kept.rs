@@ -46,6 +46,8 @@ pub struct KeptCandidates {
     window: Option<Window>,
     /// Number of times that they were used.
     uses: u32,
+    /// Whether the last search was worth more than one thread.
+    pub is_large: bool,
 }
 
 /// The pose of a pair's second body relative to the first.
@@ -70,9 +72,14 @@ impl Kept {
         self
     }
 
+    /// Whether the pair is worth more than one thread.
+    pub fn is_large(&self) -> bool {
+        self.near.is_large || self.deep.is_large
+    }
+
     fn begin(&mut self, slack_limit: Option<f64>) {
         for kept in [&mut self.near, &mut self.deep] {
-            (kept.found_at, kept.slack_limit) = (None, slack_limit);
+            (kept.found_at, kept.slack_limit, kept.is_large) = (None, slack_limit, false);
         }
     }
 }
@@ -169,9 +176,12 @@ impl KeptCandidates {
         distance.min(self.slack_limit.unwrap_or(f64::INFINITY))
     }
 
-    /// Makes room for the candidates of so many shares.
-    pub fn resize(&mut self, shares: usize) {
-        self.shares.resize_with(shares, Candidates::default);
+    /// Makes room for the candidates of so many shares. More stay empty, so that their memory is kept.
+    pub fn make_room(&mut self, shares: usize) {
+        if self.shares.len() < shares {
+            self.shares.resize_with(shares, Candidates::default);
+        }
+        self.shares[shares..].iter_mut().for_each(Candidates::clear);
     }
 
     /// Whether any candidates may cross.
@@ -189,6 +199,7 @@ impl KeptCandidates {
             *self = Self {
                 found_at: self.found_at.take(),
                 slack_limit: Some(0.5 * self.slack.distance),
+                is_large: self.is_large,
                 ..Self::default()
             };
         }

@@ -2,52 +2,68 @@
 
 use super::kept::Kept;
 use crate::manifolds::MarginPair;
+use std::cmp::Reverse;
 
 /// What each pair of the last call keeps.
 #[derive(Default)]
 pub struct KeptPairs {
     /// Ascending by bodies.
     pairs: Vec<KeptPair>,
-    /// The pairs of the call before.
+    /// Those of the call before that are still pairs.
     before: Vec<KeptPair>,
-    /// Memory of pairs that are gone.
-    #[allow(clippy::vec_box)]
-    free: Vec<Box<Kept>>,
+    /// Memory of pairs that are gone. New pairs take that with the least number, so that the same memory is used again
+    /// and again and soon has its final size.
+    free: Vec<KeptPair>,
+    /// How many there are in all.
+    count: u32,
 }
 
 /// A pair with what it keeps.
 pub struct KeptPair {
     bodies: [u32; 2],
+    number: u32,
     pub kept: Box<Kept>,
 }
 
 impl KeptPairs {
     /// What these pairs keep, one for each, in their order. Pairs are ascending. What other pairs keep is dropped.
     pub fn of(&mut self, pairs: &[MarginPair]) -> &mut [KeptPair] {
-        std::mem::swap(&mut self.pairs, &mut self.before);
+        let mut now = pairs.iter().map(|pair| pair.bodies).peekable();
+        for old in self.pairs.drain(..) {
+            while now.next_if(|&bodies| bodies < old.bodies).is_some() {}
+            let is_left = now.next_if_eq(&old.bodies).is_some();
+            let list = if is_left { &mut self.before } else { &mut self.free };
+            list.push(old);
+        }
+        self.free.sort_unstable_by_key(|free| Reverse(free.number));
         let mut before = self.before.drain(..).peekable();
-        for pair in pairs {
-            while let Some(gone) = before.next_if(|old| old.bodies < pair.bodies) {
-                self.free.push(gone.kept);
-            }
-            let same = before.next_if(|old| old.bodies == pair.bodies);
-            let kept = same.map(|old| old.kept).or_else(|| {
+        for &MarginPair { bodies, .. } in pairs {
+            let same = before.next_if(|old| old.bodies == bodies);
+            let or_free = same.or_else(|| {
                 let mut free = self.free.pop()?;
-                free.forget();
+                free.bodies = bodies;
+                free.kept.forget();
                 Some(free)
             });
-            self.pairs.push(KeptPair {
-                bodies: pair.bodies,
-                kept: kept.unwrap_or_default(),
-            });
+            self.pairs.push(or_free.unwrap_or_else(|| {
+                self.count += 1;
+                KeptPair {
+                    bodies,
+                    number: self.count,
+                    kept: Box::default(),
+                }
+            }));
         }
-        self.free.extend(before.map(|gone| gone.kept));
         &mut self.pairs
+    }
+
+    /// Whether any pair is so large that it is worth more than one thread.
+    pub fn has_large_pair(&self) -> bool {
+        self.pairs.iter().any(|pair| pair.kept.is_large())
     }
 
     /// Gives pairs their new bodies. Those for which there are none are dropped.
     pub fn renumber(&mut self, renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>) {
-        let free = &mut self.free;
         let mut left = 0;
         for i in 0..self.pairs.len() {
             if let Some(bodies) = renumbered(self.pairs[i].bodies) {
@@ -56,6 +72,6 @@ impl KeptPairs {
                 left += 1;
             }
         }
-        free.extend(self.pairs.drain(left..).map(|gone| gone.kept));
+        self.free.extend(self.pairs.drain(left..));
     }
 }

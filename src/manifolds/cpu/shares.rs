@@ -53,8 +53,9 @@ impl Shares {
         let search = kept.search(pair, wanted);
         if let Some(search) = &search {
             self.clusters.run(&pair.sides, &pair.pose, search);
+            kept.is_large = self.clusters.len() >= 2 * MIN_CLUSTER_PAIRS;
             self.split(threads);
-            kept.resize(self.count);
+            kept.make_room(self.count);
         } else {
             self.count = kept.shares.len();
             self.grow();
