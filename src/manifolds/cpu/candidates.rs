@@ -24,7 +24,7 @@ pub const CROSSING: Parts = 1 << 15;
 /// The [`Parts`] for corners of the first triangle, for corners of the second, and for edges.
 pub const FIRST_VERTICES: Parts = 0b111;
 pub const SECOND_VERTICES: Parts = 0b111 << 3;
-pub const EDGES: Parts = 0b1_1111_1111 << 6;
+pub const EDGE_PAIRS: Parts = 0b1_1111_1111 << 6;
 
 /// The features of two triangles, from what each owns: see `MeshFeatures::owned`.
 pub fn owned_features([a, b]: [u32; 2]) -> Parts {

@@ -5,7 +5,7 @@
 //! have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges form
 //! a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped here.
 
-use super::candidates::{CROSSING, EDGES, FIRST_VERTICES, Parts, SECOND_VERTICES};
+use super::candidates::{CROSSING, EDGE_PAIRS, FIRST_VERTICES, Parts, SECOND_VERTICES};
 use super::eight::{ANY_TILT, SmallTriangle};
 use super::search::{Limits, Search, Window};
 use super::side::Side;
@@ -68,7 +68,7 @@ impl NearLanes {
     pub fn parts(&self, lane: usize) -> Parts {
         let of = |lanes: u32, parts: Parts| if lanes >> lane & 1 == 1 { parts } else { 0 };
         let [first, second, edges] = self.features;
-        of(self.crossing, CROSSING) | of(first, FIRST_VERTICES) | of(second, SECOND_VERTICES) | of(edges, EDGES)
+        of(self.crossing, CROSSING) | of(first, FIRST_VERTICES) | of(second, SECOND_VERTICES) | of(edges, EDGE_PAIRS)
     }
 }
 
