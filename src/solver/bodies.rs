@@ -178,6 +178,15 @@ impl SolverBodies {
         sleep.clear();
     }
 
+    /// Whether these are two solid bodies with finite motions, so that there may be contacts between them.
+    pub(super) fn may_touch(&self, [a, b]: [u32; 2]) -> bool {
+        let is_valid = |body: u32| {
+            let body = body as usize;
+            body < self.len() && self.bodies[body].solid && self.motions[body].is_finite()
+        };
+        a != b && is_valid(a) && is_valid(b)
+    }
+
     /// Adds an awake body without external forces and returns its number.
     pub fn push(&mut self, key: u64, body: SolverBody, motion: SolverMotion) -> u32 {
         let number = self.keys.len() as u32;

@@ -64,17 +64,8 @@ impl Constraints {
 
     /// Sorts bodies and manifolds into islands, and makes room for the constraints.
     pub fn begin(&mut self, bodies: &SolverBodies, mobility: &[Mobility], manifolds: &Manifolds) {
-        let count = bodies.len();
-        let is_solved = |pair: [u32; 2]| {
-            let [a, b] = pair.map(|body| body as usize);
-            a < count
-                && b < count
-                && a != b
-                && [a, b]
-                    .iter()
-                    .all(|&body| bodies.bodies[body].solid && bodies.motions[body].is_finite())
-                && [a, b].iter().any(|&body| mobility[body] == Mobility::Movable)
-        };
+        let is_movable = |body: u32| mobility[body as usize] == Mobility::Movable;
+        let is_solved = |pair: [u32; 2]| bodies.may_touch(pair) && pair.into_iter().any(is_movable);
         let mut end = 0;
         self.solved.clear();
         self.solved.extend(manifolds.pairs.iter().map(|manifold| {

@@ -32,15 +32,10 @@ pub(super) struct Source<'a> {
 impl Source<'_> {
     /// Makes the constraints of pairs that are not solved, so that their impulses are kept. An invalid pair gets none.
     pub fn fill_frozen(&self, (pairs, mut points): (&mut [Pair], &mut [Point])) {
-        let is_valid = |body: u32| {
-            let body = body as usize;
-            body < self.bodies.len() && self.bodies.bodies[body].solid && self.bodies.motions[body].is_finite()
-        };
         for pair in pairs {
             let (own, others) = points.split_at_mut(pair.count as usize);
             points = others;
-            let [a, b] = pair.bodies;
-            if a != b && is_valid(a) && is_valid(b) {
+            if self.bodies.may_touch(pair.bodies) {
                 self.fill(pair, own);
             }
         }

@@ -94,10 +94,8 @@ impl Pass {
     }
 }
 
-/// Updates separations, anchors and effective masses of a pair's points to the present poses, and decides which of them
-/// are active in this substep.
+/// Decides which of a pair's points are active in this substep. They are up to date with the poses.
 pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], states: &StatesMut, pass: &Pass) {
-    update_points(pair, points, states);
     pair.active = false;
     let velocities = PairVelocities::new(pair, states);
     let spins = pair.slots.map(|slot| states.velocities[slot as usize].angular);
@@ -121,7 +119,7 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], states: &Stat
 
 /// Updates separations, anchors and effective masses of a pair's points to the present poses.
 ///
-/// Runs again after the bodies have moved: impulses at outdated positions would not conserve angular momentum.
+/// Runs whenever the bodies have moved: impulses at outdated positions would not conserve angular momentum.
 pub(super) fn update_points(pair: &Pair, points: &mut [Point], states: &StatesMut) {
     let [a, b] = pair.slots.map(|slot| states.pose_changes[slot as usize]);
     let masses = pair.slots.map(|slot| states.masses[slot as usize]);

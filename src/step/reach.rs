@@ -71,7 +71,8 @@ impl Reach {
         for i in (0..bodies.len() as u32).filter(|&i| moves(i) && solid(i)) {
             let meeting = &mut meetings[groups.root(i) as usize];
             meeting.include(solver_bodies, i as usize);
-            if planes.iter().any(|plane| sweep(i).meets_plane(plane)) {
+            let own = sweep(i);
+            if planes.iter().any(|plane| own.meets_plane(plane)) {
                 meeting.exists = true;
                 meeting.speeds.add(Vec3::ZERO, 0.0);
             }

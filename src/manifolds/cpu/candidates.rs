@@ -258,8 +258,7 @@ impl TrianglePair<'_> {
 
     /// Whether the triangles may cross after a motion within `slack`.
     fn may_cross(&self, slack: f64) -> bool {
-        let apart = |[x, y, z]: [f64; 3]| x.min(y).min(z) > slack || x.max(y).max(z) < -slack;
-        !apart(self.heights[0]) && !apart(self.heights[1]) && self.boxes_are_within(slack)
+        self.is_within(slack) && self.boxes_are_within(slack)
     }
 
     /// Whether the triangles' boxes are no farther apart than `distance` along any axis, up to rounding.
