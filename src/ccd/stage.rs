@@ -53,7 +53,7 @@ impl Ccd {
         meshes: &MeshArena,
         planes: &[Plane],
         pairs: &[[u32; 2]],
-        collision_substep: &StepConfig,
+        config: &StepConfig,
         mut on_sensor_touch: impl FnMut([u32; 2], Contact),
     ) {
         let Self {
@@ -83,7 +83,7 @@ impl Ccd {
         let can_collide = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
         let target_distance = |pair: [u32; 2]| {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
-            TARGET_DISTANCE * collision_substep.solver.rest_offset * 2.0 * a.min(b)
+            TARGET_DISTANCE * config.solver.rest_offset * 2.0 * a.min(b)
         };
         let overlap = |pair: [u32; 2]| {
             nearest(manifolds.find(pair, bodies.len() as u32))
@@ -93,9 +93,8 @@ impl Ccd {
         if solid_pairs.is_empty() && sensor_pairs.is_empty() {
             return;
         }
-        let dt = f64::from(collision_substep.dt);
         sweeps.clear();
-        sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, solver_bodies, i, dt)));
+        sweeps.extend((0..bodies.len()).map(|i| sweep(bodies, solver_bodies, i)));
         find_impacts(
             bodies,
             meshes,
@@ -153,7 +152,7 @@ impl Ccd {
 }
 
 /// The motion of a body from its pose in `bodies` to that in `solver_bodies`.
-fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize, dt: f64) -> Sweep {
+fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize) -> Sweep {
     let before = Pose {
         center: bodies.frame[i].center,
         rotation: bodies.rotation[i].as_dquat().normalize(),
@@ -168,7 +167,7 @@ fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize, dt: f64) -> Sw
     let Some(axis) = sweep.turn.try_normalize() else {
         return sweep;
     };
-    let angle = motion.angular_velocity.as_dvec3().dot(axis) * dt;
+    let angle = motion.angular_velocity.as_dvec3().dot(axis) * f64::from(bodies.travel_time[i]);
     let revolutions = ((angle - sweep.turn.length()) / TAU).round();
     Sweep {
         turn: sweep.turn + axis * (revolutions * TAU),

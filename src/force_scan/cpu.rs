@@ -4,7 +4,7 @@ use super::impulse::{count_contacts, pair_closes, pair_impulses, plane_impulse, 
 use crate::parallel::in_order::InOrder;
 use crate::parallel::loops;
 use crate::sleep::cpu::{Sleeper, wake_on_changed_static};
-use crate::solver::{CollisionSubstep, Solver, SolverBodies, WarmStart};
+use crate::solver::{Pace, Solver, SolverBodies, WarmStart};
 use crate::state::inactive::InactiveBodies;
 use crate::state::{Bodies, Contacts, Impulse, Manifolds, Plane, StepConfig};
 use crate::types::body::RigidBody;
@@ -98,39 +98,41 @@ pub(crate) fn sum_impulses(
 
 /// Wakes islands that something disturbs.
 pub(crate) fn wake(
-    settings: &SolverSettings,
-    collision_substep: &CollisionSubstep,
+    config: &StepConfig,
+    travel_times: &[f32],
     manifolds: &Manifolds,
     inactive: &InactiveBodies,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
 ) {
     wake_on_changed_static(bodies, inactive, manifolds);
-    sleeper.wake(bodies, manifolds, settings, collision_substep);
+    let dt = |i: u32| travel_times.get(i as usize).copied().unwrap_or(0.0);
+    sleeper.wake_each(bodies, manifolds, &config.solver, config.gravity, dt);
 }
 
-/// Solves the contacts in `manifolds` and moves `bodies` over one collision substep.
+/// Solves the contacts in `manifolds` and moves each of `bodies` over its collision substep.
 pub(crate) fn solve(
-    settings: &SolverSettings,
-    collision_substep: &CollisionSubstep,
+    config: &StepConfig,
+    pace_of: impl Fn(usize) -> Pace,
     manifolds: &Manifolds,
     solver: &mut Solver,
     warm: &mut WarmStart,
     bodies: &mut SolverBodies,
 ) {
-    solver.solve(bodies, manifolds, warm, settings, collision_substep);
+    solver.solve_each(bodies, manifolds, warm, &config.solver, config.gravity, pace_of);
 }
 
-/// Puts islands to sleep that have been at rest for long enough, after a collision substep of `dt` seconds. Bodies that
-/// woke in it become active.
+/// Puts islands to sleep that have been at rest for long enough, after a collision substep in which the bodies moved for
+/// these times, seconds. Bodies that woke in it become active.
 pub(crate) fn fall_asleep(
     settings: &SolverSettings,
-    dt: f32,
+    travel_times: &[f32],
     manifolds: &Manifolds,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
     inactive: &mut InactiveBodies,
 ) {
-    sleeper.settle(bodies, manifolds, settings, dt);
+    let dt = |i: usize| travel_times.get(i).copied().unwrap_or(0.0);
+    sleeper.settle_each(bodies, manifolds, settings, dt);
     inactive.keep_only(|i| bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static);
 }

@@ -47,6 +47,11 @@ impl Touches {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
+            let moves = |i: usize| bodies.travel_time.get(i).is_some_and(|&time| time > 0.0);
+            if !moves(a) && !moves(b) {
+                // It was recorded in the collision substeps of its bodies.
+                continue;
+            }
             let diameter = 2.0 * solver_bodies.bodies[a].radius.min(solver_bodies.bodies[b].radius);
             let near = nearest.separation <= settings.rest_offset * diameter;
             if near || (first..first + points.len()).any(|point| solver.pushes(point)) {

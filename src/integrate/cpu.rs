@@ -51,7 +51,7 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
 /// Stops bodies with continuous collision detection at their first impact, and records the sensors on their paths.
 /// `bodies` have the poses from the start of the collision substep, `solver_bodies` those from its end.
 pub(crate) fn stop_fast_bodies(
-    collision_substep: &StepConfig,
+    config: &StepConfig,
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
@@ -69,7 +69,7 @@ pub(crate) fn stop_fast_bodies(
         meshes,
         planes,
         sphere_pairs,
-        collision_substep,
+        config,
         on_sensor_touch,
     );
 }

@@ -78,6 +78,18 @@ pub fn run(
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
+    run_some(bodies, meshes, pairs, |_| false, scratch, manifolds);
+}
+
+/// The same, where pairs that are left out keep what they have found for later calls if they are to `wait`.
+pub(super) fn run_some(
+    bodies: &Bodies,
+    meshes: &MeshArena,
+    pairs: &[MarginPair],
+    waits: impl Fn([u32; 2]) -> bool,
+    scratch: &mut Scratch,
+    manifolds: &mut Manifolds,
+) {
     let wanted = pairs.len().div_ceil(TASK);
     if scratch.tasks.len() < wanted {
         scratch.tasks.resize_with(wanted, Manifolds::default);
@@ -86,7 +98,7 @@ pub fn run(
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
     // A single task shares out its large pairs.
     let threads = if wanted == 1 { loops::threads() } else { 1 };
-    let kept = kept.of(pairs).par_chunks_mut(TASK);
+    let kept = kept.of(pairs, waits).par_chunks_mut(TASK);
     let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
     loops::for_each(parts, 1, |((task, pairs), kept)| {
         task.clear();

@@ -26,9 +26,9 @@ impl Scratch {
 }
 
 /// Writes the manifolds of all active pairs that respond to contacts into `manifolds`. The previous ones are kept for
-/// [`reuse`]. `collision_substep.dt` is the time until the next detection.
+/// [`reuse`].
 pub(crate) fn find(
-    collision_substep: &StepConfig,
+    config: &StepConfig,
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
@@ -51,22 +51,16 @@ pub(crate) fn find(
     if !inactive.numbers.is_empty() {
         scratch.meshes.renumber(|pair| inactive.renumbered(pair));
     }
-    cpu::run(bodies, meshes, &scratch.pairs, &mut scratch.meshes, manifolds);
-    planes::find(
-        bodies,
-        meshes,
-        planes,
-        collision_substep,
-        is_awake,
-        &mut scratch.planes,
-        manifolds,
-    );
+    // Pairs that have completed their step go on in the next one.
+    let waits = |pair: [u32; 2]| pair.iter().all(|&i| bodies.travel_time[i as usize] == 0.0);
+    cpu::run_some(bodies, meshes, &scratch.pairs, waits, &mut scratch.meshes, manifolds);
+    planes::find(bodies, meshes, planes, config, is_awake, &mut scratch.planes, manifolds);
 }
 
 /// Adds the manifolds that inactive pairs had in the last collision substep. Plane `i` has the number `first_plane +
 /// i`.
 pub(crate) fn reuse(inactive: &InactiveBodies, first_plane: u32, scratch: &mut Scratch, manifolds: &mut Manifolds) {
-    if !inactive.has_sleepers {
+    if !inactive.any {
         return;
     }
     std::mem::swap(manifolds, &mut scratch.found);

@@ -195,8 +195,10 @@ pub struct StepReport {
     pub touching_pairs: usize,
     /// Number of contact points within the contact margin, between bodies and between bodies and planes.
     pub contact_points: usize,
-    /// Number of collision substeps; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
+    /// Number of collision substeps, the largest of any body; see [`SolverSettings`](crate::types::solver_settings::SolverSettings).
     pub collision_substeps: u32,
+    /// The mean number of collision substeps of the bodies that move. On a GPU all have the same number.
+    pub mean_collision_substeps: f32,
     /// Number of bodies asleep.
     pub sleeping: usize,
     /// Number of pairs of triangles that were tested because their bounding boxes overlap.
@@ -235,6 +237,7 @@ impl fmt::Debug for StepReport {
             touching_pairs,
             contact_points,
             collision_substeps,
+            mean_collision_substeps,
             sleeping,
             triangle_tests,
             face_pairs,
@@ -257,6 +260,7 @@ impl fmt::Debug for StepReport {
             .field("touching_pairs", touching_pairs)
             .field("contact_points", contact_points)
             .field("collision_substeps", collision_substeps)
+            .field("mean_collision_substeps", mean_collision_substeps)
             .field("sleeping", sleeping)
             .field("triangle_tests", triangle_tests)
             .field("face_pairs", face_pairs)

@@ -54,6 +54,19 @@ impl Sleeper {
         settings: &SolverSettings,
         collision_substep: &CollisionSubstep,
     ) {
+        let &CollisionSubstep { dt, gravity, .. } = collision_substep;
+        self.wake_each(bodies, manifolds, settings, gravity, |_| dt);
+    }
+
+    /// The same, where body `i` moves for `dt(i)` seconds in the collision substep.
+    pub(crate) fn wake_each(
+        &mut self,
+        bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        gravity: Vec3,
+        dt: impl Fn(u32) -> f32,
+    ) {
         if !bodies.sleep.iter().any(|s| s.asleep) {
             return;
         }
@@ -79,7 +92,7 @@ impl Sleeper {
                 self.awake[root as usize] = true;
             }
         }
-        self.mark_approached(bodies, manifolds, settings, collision_substep);
+        self.mark_approached(bodies, manifolds, settings, gravity, dt);
         for i in 0..bodies.len() {
             let root = self.islands.root(i as u32);
             if bodies.sleep[i].asleep && self.awake[root as usize] {
@@ -94,12 +107,24 @@ impl Sleeper {
     /// A body is at rest if it is slow and overlaps nothing. Speed alone is not enough, because the relax passes remove
     /// the velocity with which the bias passes push bodies apart.
     pub fn settle(&mut self, bodies: &mut SolverBodies, manifolds: &Manifolds, settings: &SolverSettings, dt: f32) {
+        self.settle_each(bodies, manifolds, settings, |_| dt);
+    }
+
+    /// The same, where body `i` has moved for `dt(i)` seconds in the collision substep.
+    pub(crate) fn settle_each(
+        &mut self,
+        bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        settings: &SolverSettings,
+        dt: impl Fn(usize) -> f32,
+    ) {
         if !settings.sleeping {
             return;
         }
-        for ((sleep, body), motion) in bodies.sleep.iter_mut().zip(&bodies.bodies).zip(&bodies.motions) {
+        let states = bodies.sleep.iter_mut().zip(&bodies.bodies).zip(&bodies.motions);
+        for (i, ((sleep, body), motion)) in states.enumerate() {
             let slow = speed(body, motion) < settings.sleep_speed;
-            sleep.rest_time = if slow { sleep.rest_time + dt } else { 0.0 };
+            sleep.rest_time = if slow { sleep.rest_time + dt(i) } else { 0.0 };
         }
         for pair in &manifolds.pairs {
             if overlaps(bodies, manifolds, pair, settings) {
@@ -176,14 +201,15 @@ impl Sleeper {
         bodies: &SolverBodies,
         manifolds: &Manifolds,
         settings: &SolverSettings,
-        collision_substep: &CollisionSubstep,
+        gravity: Vec3,
+        dt: impl Fn(u32) -> f32,
     ) {
-        let CollisionSubstep { dt, gravity, .. } = *collision_substep;
-        let fall = gravity.length() * dt;
         for pair in &manifolds.pairs {
             let Some(distance) = touch_distance(bodies, pair, settings) else {
                 continue;
             };
+            let dt = pair.bodies.map(&dt).into_iter().fold(0.0, f32::max);
+            let fall = gravity.length() * dt;
             let will_touch = |p: &ManifoldPoint| {
                 let [a, b] = [0, 1].map(|side| {
                     let motion = &bodies.motions[pair.bodies[side] as usize];

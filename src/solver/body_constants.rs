@@ -20,7 +20,9 @@ pub(super) struct BodyConstants {
     /// The inertia is the same about all axes, so it does not rotate with the body and there is no gyroscopic torque.
     isotropic: bool,
     locked: LockedAxes,
-    /// Not static, not asleep, and with finite motion.
+    /// Length of the body's substeps, seconds.
+    pub h: f32,
+    /// Not static, not asleep, with finite motion, and its step is not completed.
     pub moves: bool,
     /// Gyroscopic torque changes the axis about which it rotates.
     pub rotates_freely: bool,
@@ -46,6 +48,7 @@ impl BodyConstants {
         local_inverse_inertia: Mat3::ZERO,
         isotropic: true,
         locked: LockedAxes::NONE,
+        h: 0.0,
         moves: false,
         rotates_freely: false,
         inertia_rotates: false,
@@ -58,7 +61,7 @@ impl BodyConstants {
         max_angular_speed: f32::INFINITY,
     };
 
-    /// `h` is the length of a substep, seconds.
+    /// `h` is the length of the body's substeps, seconds.
     pub fn new(
         body: &SolverBody,
         forces: &ExternalForces,
@@ -67,7 +70,7 @@ impl BodyConstants {
         gravity: Vec3,
         h: f32,
     ) -> Self {
-        let movable = mobility == Mobility::Movable;
+        let movable = mobility.has_impulses();
         let inverse = if movable { body.inverse_inertia } else { Mat3::ZERO };
         let inertia = inverse.inverse();
         // A singular inverse has no inertia tensor: the body cannot rotate about some axis. It rotates as if isotropic.
@@ -84,7 +87,8 @@ impl BodyConstants {
             local_inverse_inertia: inverse,
             isotropic,
             locked,
-            moves: mobility != Mobility::Fixed,
+            h,
+            moves: matches!(mobility, Mobility::Moving | Mobility::Movable),
             rotates_freely: movable && free && !isotropic,
             inertia_rotates: movable && !(free && isotropic),
             gravity: (gravity * (body.gravity_scale * h) * body.locked_axes.free_translation()).into(),

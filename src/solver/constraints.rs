@@ -4,6 +4,8 @@ use super::bodies::SolverBodies;
 use super::contact::{Pair, Point};
 use super::islands::{Island, Islands, Mobility};
 use super::motion::{BodyStates, StatesMut};
+use super::pace::Pace;
+use super::warm_start::WarmStart;
 use crate::parallel::loops;
 use crate::state::Manifolds;
 use glam::Vec3;
@@ -19,13 +21,17 @@ const PAIR_WEIGHT: usize = 8;
 pub(super) struct Constraints {
     pub islands: Islands,
     pub states: BodyStates,
-    /// First the pairs of the islands, in their order; then those that are not solved.
+    /// In the order of the islands.
     pairs: Vec<Pair>,
     points: Vec<Point>,
     /// The bodies of each manifold; `None` if it is not solved.
     solved: Vec<Option<[u32; 2]>>,
-    /// For each point of the manifolds its number among `points`.
+    /// For each point of the manifolds its number among `points`; `u32::MAX` if it is not solved.
     numbers: Vec<u32>,
+    /// The keys of the bodies of pairs that are not solved.
+    unsolved: Vec<[u64; 2]>,
+    /// The points of these pairs in the manifolds that had an impulse when they were last solved, ascending.
+    pushing: Vec<u32>,
 }
 
 /// One or more islands with their bodies, pairs and points.
@@ -56,14 +62,28 @@ impl Constraints {
             .map_or(0.0, |p| p.total_normal_impulse + p.normal_impulse)
     }
 
-    /// Whether a point has an impulse. Points of frozen pairs have the impulse of their last solved substep.
+    /// Whether a point has an impulse. Points of pairs that are not solved have that of their last solved substep.
     pub fn pushes(&self, index: usize) -> bool {
-        self.point(index)
-            .is_some_and(|p| p.normal_impulse > 0.0 || p.total_normal_impulse + p.normal_impulse > 0.0)
+        self.point(index).map_or_else(
+            || self.pushing.binary_search(&(index as u32)).is_ok(),
+            |p| p.normal_impulse > 0.0 || p.total_normal_impulse + p.normal_impulse > 0.0,
+        )
+    }
+
+    /// The keys of the bodies of pairs that are not solved.
+    pub fn unsolved(&self) -> impl Iterator<Item = [u64; 2]> {
+        self.unsolved.iter().copied()
     }
 
     /// Sorts bodies and manifolds into islands, and makes room for the constraints.
-    pub fn begin(&mut self, bodies: &SolverBodies, mobility: &[Mobility], manifolds: &Manifolds) {
+    pub fn begin(
+        &mut self,
+        bodies: &SolverBodies,
+        mobility: &[Mobility],
+        paces: &[Pace],
+        manifolds: &Manifolds,
+        warm: &WarmStart,
+    ) {
         let is_movable = |body: u32| mobility[body as usize] == Mobility::Movable;
         let is_solved = |pair: [u32; 2]| bodies.may_touch(pair) && pair.into_iter().any(is_movable);
         let mut end = 0;
@@ -75,9 +95,10 @@ impl Constraints {
             end = if fits { range.end } else { end };
             (fits && !range.is_empty() && is_solved(manifold.bodies)).then_some(manifold.bodies)
         }));
-        self.islands.build(mobility, &self.solved);
+        self.islands.build(mobility, paces, &self.solved);
         self.states.resize(self.islands.bodies.len());
         self.add_pairs(manifolds);
+        self.find_unsolved(bodies, manifolds, warm);
     }
 
     fn add_pairs(&mut self, manifolds: &Manifolds) {
@@ -86,33 +107,43 @@ impl Constraints {
         self.numbers.clear();
         self.numbers.resize(manifolds.points.len(), u32::MAX);
         let mut end = 0;
-        let mut add = |number: usize, slots: [u32; 2], frozen: bool| {
-            let manifold = &manifolds.pairs[number];
+        for pair in &self.islands.pairs {
+            let manifold = &manifolds.pairs[pair.number as usize];
             self.pairs.push(Pair {
                 bodies: manifold.bodies,
-                slots,
+                slots: pair.slots,
                 source: manifold.first_point,
                 first: end,
                 count: manifold.point_count,
-                frozen,
                 ..Pair::default()
             });
             for i in 0..manifold.point_count {
                 self.numbers[(manifold.first_point + i) as usize] = end + i;
             }
             end += manifold.point_count;
-        };
-        for pair in &self.islands.pairs {
-            add(pair.number as usize, pair.slots, false);
-        }
-        for (number, solved) in self.solved.iter().enumerate() {
-            let manifold = &manifolds.pairs[number];
-            let exists = manifold.first_point as usize + manifold.point_count as usize <= manifolds.points.len();
-            if solved.is_none() && exists {
-                add(number, [0; 2], true);
-            }
         }
         self.points.resize(end as usize, Point::NONE);
+    }
+
+    /// Finds the pairs that are not solved, and which of their points pushed when they were.
+    fn find_unsolved(&mut self, bodies: &SolverBodies, manifolds: &Manifolds, warm: &WarmStart) {
+        self.unsolved.clear();
+        self.pushing.clear();
+        for (manifold, solved) in manifolds.pairs.iter().zip(&self.solved) {
+            if solved.is_some() || !bodies.may_touch(manifold.bodies) {
+                continue;
+            }
+            let keys = manifold.bodies.map(|body| bodies.keys[body as usize]);
+            self.unsolved.push(keys);
+            let last = warm
+                .find(keys)
+                .filter(|last| last.points.len() == manifold.point_count as usize);
+            for (index, point) in (manifold.first_point..).zip(last.map_or(&[][..], |last| last.points)) {
+                if point.normal_impulse > 0.0 {
+                    self.pushing.push(index);
+                }
+            }
+        }
     }
 
     /// Writes the new poses and velocities to `bodies`, and clears the external impulses that were applied.
@@ -127,7 +158,7 @@ impl Constraints {
             let is_own = match mobility[body as usize] {
                 Mobility::Fixed => false,
                 Mobility::Moving => slot >= self.islands.first_free,
-                Mobility::Movable => true,
+                Mobility::Movable | Mobility::Done => true,
             };
             if is_own {
                 self.states.write_back(slot, &mut bodies.motions[body as usize]);
@@ -135,33 +166,16 @@ impl Constraints {
         }
     }
 
-    /// The pairs that are not solved, and their points.
-    pub fn frozen_mut(&mut self) -> (&mut [Pair], &mut [Point]) {
-        let (first_pair, first_point) = self.first_frozen();
-        (&mut self.pairs[first_pair..], &mut self.points[first_point..])
-    }
-
     /// Calls `f` with every island and the bodies of its slots, in parallel.
     pub fn for_each_island(&mut self, f: impl Fn(&[u32], &mut IslandsMut) + Sync) {
-        let (first_pair, first_point) = self.first_frozen();
         let all = IslandsMut {
             islands: &self.islands.list,
             states: self.states.resize(self.islands.bodies.len()),
-            pairs: &mut self.pairs[..first_pair],
-            points: &mut self.points[..first_point],
+            pairs: &mut self.pairs,
+            points: &mut self.points,
         };
         let bodies = &self.islands.bodies;
         all.for_each(&|island, data| f(&bodies[island.slots.clone()], data));
-    }
-
-    fn first_frozen(&self) -> (usize, usize) {
-        let pair = self.islands.pairs.len();
-        (
-            pair,
-            self.pairs
-                .get(pair)
-                .map_or(self.points.len(), |pair| pair.first as usize),
-        )
     }
 }
 

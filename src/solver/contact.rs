@@ -22,8 +22,8 @@ pub(super) struct Pair {
     pub rest_offset: f32,
     /// The mass of the heavier body over that of the lighter one, if impulses move both; 1 otherwise.
     pub mass_ratio: f32,
-    /// No impulse moves either body: the pair is not solved, and its saved impulses persist.
-    pub frozen: bool,
+    /// Length of the substeps in which its impulses act, seconds.
+    pub substep: f32,
     /// It had contact points in the last collision substep.
     pub known: bool,
     /// Some point is active.

@@ -4,6 +4,7 @@
 //! Pairs with a body that impulses do not move come last in an island: what is solved last is satisfied best, and nothing
 //! may be pressed through what is static.
 
+use super::pace::Pace;
 use crate::state::union_find::UnionFind;
 use std::ops::Range;
 
@@ -39,6 +40,15 @@ pub(super) enum Mobility {
     Moving,
     /// Impulses change its velocity.
     Movable,
+    /// Impulses change its velocity, but it has completed its step and keeps its pose.
+    Done,
+}
+
+impl Mobility {
+    /// Whether impulses change its velocity.
+    pub fn has_impulses(self) -> bool {
+        matches!(self, Self::Movable | Self::Done)
+    }
 }
 
 /// All islands. Bodies without contacts form islands without pairs.
@@ -62,9 +72,9 @@ pub(super) struct Islands {
 
 impl Islands {
     /// Sorts bodies and pairs into islands. `pairs` has the two bodies of every pair that is to be solved, and `None`
-    /// for others. At least one of the two must be movable.
-    pub fn build(&mut self, mobility: &[Mobility], pairs: &[Option<[u32; 2]>]) {
-        let is_movable = |body: u32| mobility[body as usize] == Mobility::Movable;
+    /// for others. Impulses must change the velocity of at least one of the two.
+    pub fn build(&mut self, mobility: &[Mobility], paces: &[Pace], pairs: &[Option<[u32; 2]>]) {
+        let is_movable = |body: u32| mobility[body as usize].has_impulses();
         let numbered = || {
             (0u32..)
                 .zip(pairs)
@@ -111,7 +121,7 @@ impl Islands {
             }
             self.list.push(start.ending_at(self.bodies.len(), self.pairs.len()));
         }
-        self.add_free_bodies(mobility);
+        self.add_free_bodies(mobility, paces);
     }
 
     /// An island that begins after all others.
@@ -134,23 +144,32 @@ impl Islands {
         self.slots[body as usize] - first as u32
     }
 
-    /// Adds islands without pairs for the bodies that move and are in no other island.
-    fn add_free_bodies(&mut self, mobility: &[Mobility]) {
+    /// Adds islands without pairs for the bodies that move and are in no other island. The bodies of each have the same
+    /// pace.
+    fn add_free_bodies(&mut self, mobility: &[Mobility], paces: &[Pace]) {
         let first = self.bodies.len();
         self.first_free = first;
         let slots = &self.slots;
         // A body that impulses do not move has copies in the islands it touches. This slot is its own.
         let is_free = |body: &u32| match mobility[*body as usize] {
-            Mobility::Fixed => false,
+            Mobility::Fixed | Mobility::Done => false,
             Mobility::Moving => true,
             Mobility::Movable => slots[*body as usize] == NONE,
         };
         self.bodies.extend((0..mobility.len() as u32).filter(is_free));
-        let (end, pairs) = (self.bodies.len(), self.pairs.len());
-        self.list.extend((first..end).step_by(FREE_BODIES).map(|start| Island {
-            slots: start..end.min(start + FREE_BODIES),
-            pairs: pairs..pairs,
-        }));
+        let free = &mut self.bodies[first..];
+        let pace_of = |body: u32| paces[body as usize];
+        free.sort_unstable_by_key(|&body| (pace_of(body).dt.to_bits(), pace_of(body).substeps, body));
+        let mut end = first;
+        for same in free.chunk_by(|&a, &b| pace_of(a) == pace_of(b)) {
+            for bodies in same.chunks(FREE_BODIES) {
+                self.list.push(Island {
+                    slots: end..end + bodies.len(),
+                    pairs: self.pairs.len()..self.pairs.len(),
+                });
+                end += bodies.len();
+            }
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! heavy body on a light one would press it flat; with shorter substeps the springs are stiffer.
 
 use super::constraints::IslandsMut;
+use super::pace::Pace;
 use super::prepare::Source;
 use std::f32::consts::TAU;
 
@@ -14,9 +15,9 @@ const MAX_FACTOR: f32 = 16.0;
 /// Points times factor of an island.
 const POINT_BUDGET: f32 = 2000.0;
 
-/// Factor on the number of substeps of an island. The points have the impulses of the last collision substep.
-pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source) -> u32 {
-    let h = source.h;
+/// Factor on the number of substeps of an island with this pace. The points have the impulses of the last collision substep.
+pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source, pace: Pace) -> u32 {
+    let h = pace.h();
     let stiffness = (TAU * source.settings.frequency / h).powi(2);
     let gravity = source.gravity.into();
     let mut compression = 0.0f32;

@@ -34,6 +34,7 @@
 //! | `restitution` | impacts |
 //! | `softness` | the contact spring |
 //! | `overlap` | deep penetration, and contact points with opposed normals |
+//! | [`pace`] | how far a body goes in a collision substep |
 //! | [`warm_start`] | impulses saved for the next collision substep |
 //! | `gpu` | the solver on a GPU, with the feature `gpu` |
 //!
@@ -51,6 +52,7 @@ mod islands;
 mod load;
 mod motion;
 mod overlap;
+mod pace;
 mod patch;
 mod prepare;
 mod restitution;
@@ -63,6 +65,7 @@ pub mod warm_start;
 #[cfg(feature = "gpu")]
 pub(crate) use adapter::PLANE_KEY;
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
+pub use pace::Pace;
 pub use warm_start::WarmStart;
 
 use crate::state::{Manifolds, StepConfig};
@@ -92,6 +95,14 @@ impl CollisionSubstep {
             gravity: config.gravity,
         }
     }
+
+    /// That of a body that passes through it like all others.
+    pub fn pace(&self) -> Pace {
+        Pace {
+            dt: self.dt,
+            substeps: self.substeps.max(1),
+        }
+    }
 }
 
 /// Solves contacts and moves bodies. It holds only scratch memory, so one solver can serve several worlds in turn.
@@ -100,6 +111,9 @@ pub struct Solver {
     constraints: Constraints,
     /// Of each body.
     mobility: Vec<Mobility>,
+    paces: Vec<Pace>,
+    /// The saved impulses are built here.
+    saved: WarmStart,
 }
 
 impl Solver {
@@ -121,31 +135,49 @@ impl Solver {
         settings: &SolverSettings,
         collision_substep: &CollisionSubstep,
     ) {
-        let &CollisionSubstep { dt, substeps, gravity } = collision_substep;
-        let substeps = substeps.max(1);
-        let h = dt / substeps as f32;
-        if !(h > 0.0 && h.is_finite() && gravity.is_finite()) {
+        let pace = collision_substep.pace();
+        self.solve_each(bodies, manifolds, warm, settings, collision_substep.gravity, |_| pace);
+    }
+
+    /// The same with a pace of its own for each body. A body that has completed its step keeps its pose, and contacts
+    /// between two such bodies are not solved: they keep their impulses.
+    pub fn solve_each(
+        &mut self,
+        bodies: &mut SolverBodies,
+        manifolds: &Manifolds,
+        warm: &mut WarmStart,
+        settings: &SolverSettings,
+        gravity: Vec3,
+        pace_of: impl Fn(usize) -> Pace,
+    ) {
+        let Self {
+            constraints,
+            mobility,
+            paces,
+            saved,
+        } = self;
+        paces.clear();
+        paces.extend((0..bodies.len()).map(pace_of));
+        let is_valid = |pace: &Pace| pace.dt >= 0.0 && pace.dt.is_finite();
+        let time_passes = bodies.is_empty() || paces.iter().any(|pace| pace.h() > 0.0);
+        if !(time_passes && paces.iter().all(is_valid) && gravity.is_finite()) {
             return;
         }
-        let Self { constraints, mobility } = self;
         mobility.clear();
-        mobility.extend((0..bodies.len()).map(|body| motion::mobility(bodies, body)));
-        constraints.begin(bodies, mobility, manifolds);
+        mobility.extend((0..bodies.len()).map(|body| motion::mobility(bodies, body, paces[body])));
+        constraints.begin(bodies, mobility, paces, manifolds, warm);
         let source = Source {
             bodies,
             mobility,
+            paces,
             manifolds,
             warm,
             settings,
-            impulse_scale: warm.impulse_scale(h),
-            dt,
-            substeps,
-            h,
             gravity,
         };
-        source.fill_frozen(constraints.frozen_mut());
         constraints.for_each_island(|members, island| island.run(&source, members));
-        warm.save(constraints, bodies, h);
+        saved.save(warm, constraints, bodies);
+        std::mem::swap(warm, saved);
         constraints.write_back(bodies, mobility);
     }
 

@@ -3,6 +3,7 @@
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use super::body_constants::{BodyConstants, rotated};
 use super::islands::Mobility;
+use super::pace::Pace;
 use glam::{DQuat, Mat3A, Quat, Vec3, Vec3A};
 
 /// Velocity of a body in world axes, m/s and rad/s.
@@ -105,7 +106,7 @@ impl<'a> StatesMut<'a> {
         (first, rest)
     }
 
-    /// Loads pose, velocity and mass of a body, and applies its external impulses. `h` is the length of a substep,
+    /// Loads pose, velocity and mass of a body, and applies its external impulses. `h` is the length of its substeps,
     /// seconds.
     pub fn load(&mut self, slot: usize, bodies: &SolverBodies, body: usize, mobility: Mobility, gravity: Vec3, h: f32) {
         let (properties, motion, forces) = (&bodies.bodies[body], &bodies.motions[body], &bodies.forces[body]);
@@ -120,7 +121,7 @@ impl<'a> StatesMut<'a> {
                 properties.locked_axes.free_translation(),
                 properties.locked_axes.free_rotation(),
             ];
-            if mobility == Mobility::Movable {
+            if mobility.has_impulses() {
                 mass.inverse_mass = (properties.inverse_mass * linear).into();
                 mass.inverse_inertia = constants.inverse_inertia(constants.initial_rotation).into();
             }
@@ -155,8 +156,8 @@ impl<'a> StatesMut<'a> {
         }
     }
 
-    /// Moves and rotates the bodies over one substep of `h` seconds.
-    pub fn integrate_poses(&mut self, h: f32) {
+    /// Moves and rotates the bodies over one substep.
+    pub fn integrate_poses(&mut self) {
         let states = self
             .velocities
             .iter_mut()
@@ -166,6 +167,7 @@ impl<'a> StatesMut<'a> {
             if !constants.moves {
                 continue;
             }
+            let h = constants.h;
             velocity.limit(constants);
             pose_change.translation += velocity.linear * h;
             if velocity.angular == Vec3A::ZERO {
@@ -253,13 +255,19 @@ pub(super) fn unit(rotation: DQuat) -> Quat {
     }
 }
 
-/// What can change the velocity and the pose of each body.
-pub(super) fn mobility(bodies: &SolverBodies, body: usize) -> Mobility {
+/// What can change the velocity and the pose of a body.
+pub(super) fn mobility(bodies: &SolverBodies, body: usize, pace: Pace) -> Mobility {
     let properties: &SolverBody = &bodies.bodies[body];
     if !properties.moves() || !bodies.motions[body].is_finite() || bodies.sleep[body].asleep {
         Mobility::Fixed
     } else if properties.has_mass() && has_freedom(properties) {
-        Mobility::Movable
+        if pace.is_done() {
+            Mobility::Done
+        } else {
+            Mobility::Movable
+        }
+    } else if pace.is_done() {
+        Mobility::Fixed
     } else {
         Mobility::Moving
     }

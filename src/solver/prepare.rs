@@ -5,6 +5,7 @@ use super::contact::{Pair, Point, Row};
 use super::islands::Mobility;
 use super::motion::unit;
 use super::overlap::{self, Overlap};
+use super::pace::Pace;
 use super::patch;
 use super::warm_start::{PointMatcher, WarmStart};
 use crate::state::{ManifoldPoint, Manifolds};
@@ -16,39 +17,21 @@ use glam::{DVec3, Vec3, Vec3A};
 pub(super) struct Source<'a> {
     pub bodies: &'a SolverBodies,
     pub mobility: &'a [Mobility],
+    pub paces: &'a [Pace],
     pub manifolds: &'a Manifolds,
     pub warm: &'a WarmStart,
     pub settings: &'a SolverSettings,
-    /// See [`WarmStart::impulse_scale`].
-    pub impulse_scale: f32,
-    /// Length of the collision substep, seconds.
-    pub dt: f32,
-    /// The substeps of an island with ordinary loads, and their length, seconds.
-    pub substeps: u32,
-    pub h: f32,
     pub gravity: Vec3,
 }
 
 impl Source<'_> {
-    /// Makes the constraints of pairs that are not solved, so that their impulses are kept. An invalid pair gets none.
-    pub fn fill_frozen(&self, (pairs, mut points): (&mut [Pair], &mut [Point])) {
-        for pair in pairs {
-            let (own, others) = points.split_at_mut(pair.count as usize);
-            points = others;
-            if self.bodies.may_touch(pair.bodies) {
-                self.fill(pair, own);
-            }
-        }
-    }
-
-    /// Makes the constraint of one pair. Invalid points have no effect.
-    pub fn fill(&self, pair: &mut Pair, points: &mut [Point]) {
+    /// Makes the constraint of one pair of an island with this pace. Invalid points have no effect.
+    pub fn fill(&self, pair: &mut Pair, points: &mut [Point], pace: Pace) {
         let [a, b] = pair.bodies.map(|i| i as usize);
         let settings = self.settings;
         let bodies = [&self.bodies.bodies[a], &self.bodies.bodies[b]];
         let motions = [&self.bodies.motions[a], &self.bodies.motions[b]];
-        let has_mass = [a, b].map(|i| self.mobility[i] == Mobility::Movable);
-        let movable = !pair.frozen;
+        let has_mass = [a, b].map(|i| self.mobility[i].has_impulses());
         let diameter = diameter(bodies[0].radius, bodies[1].radius);
         pair.rest_offset = settings.rest_offset * diameter;
         pair.diameter = diameter;
@@ -64,16 +47,17 @@ impl Source<'_> {
         let last = self.warm.find([self.bodies.keys[a], self.bodies.keys[b]]);
         let motion = overlap::RelativeMotion {
             center_offset: center_offset.as_vec3(),
-            approach: (motions[0].linear_velocity - motions[1].linear_velocity) * self.dt,
-            angular_travel: (surface_speeds[0] + surface_speeds[1]) * self.dt,
+            approach: (motions[0].linear_velocity - motions[1].linear_velocity) * pace.dt,
+            angular_travel: (surface_speeds[0] + surface_speeds[1]) * pace.dt,
             has_mass,
         };
         let overlap = overlap::classify(manifold, last.as_ref(), diameter, &motion, settings);
+        pair.substep = pace.h();
         pair.known = last.is_some();
         pair.depenetrating = false;
         pair.separating_direction = Vec3::ZERO;
         match overlap {
-            Overlap::Deep(normal) if movable => {
+            Overlap::Deep(normal) => {
                 pair.depenetrating = true;
                 points.fill(Point::NONE);
                 let deepest = manifold.iter().map(|p| p.separation).fold(0.0, f32::min);
@@ -88,7 +72,7 @@ impl Source<'_> {
             motions.map(|motion| unit(motion.rotation)),
             settings,
             diameter,
-            self.impulse_scale,
+            pair.substep,
         );
         for (point, manifold) in points.iter_mut().zip(manifold) {
             let conflicts = manifold.separation < 0.0 && manifold.normal.dot(pair.separating_direction) < 0.0;

@@ -8,6 +8,7 @@ use super::constraints::IslandsMut;
 use super::contact::{Pair, Point};
 use super::load;
 use super::motion::StatesMut;
+use super::pace::Pace;
 use super::prepare::Source;
 use super::restitution;
 use super::solve::{self, Pass, Residual};
@@ -22,31 +23,33 @@ impl IslandsMut<'_> {
     /// its slots.
     pub fn run(&mut self, source: &Source, members: &[u32]) {
         let settings = source.settings;
-        let (mut substeps, mut h) = (source.substeps, source.h);
-        self.load_bodies(source, members, h);
+        let paces = members.iter().map(|&body| source.paces[body as usize]);
+        let common = paces.fold(Pace::DONE, Pace::and);
+        let mut pace = common;
+        self.load_bodies(source, members, pace);
         if self.pairs.is_empty() {
-            for _ in 0..substeps {
+            for _ in 0..pace.substeps {
                 self.states.integrate_velocities();
-                self.states.integrate_poses(h);
+                self.states.integrate_poses();
             }
             self.states.limit_speeds();
             return;
         }
         self.for_each_pair(|pair, points, states| {
-            source.fill(pair, points);
+            source.fill(pair, points, common);
             solve::update_points(pair, points, states);
         });
-        let factor = load::substep_factor(self, source);
+        let factor = load::substep_factor(self, source, common);
         if factor > 1 {
-            (substeps, h) = (substeps * factor, h / factor as f32);
-            self.load_bodies(source, members, h);
+            pace = common.refined(factor);
+            self.load_bodies(source, members, pace);
             self.points
                 .iter_mut()
                 .for_each(|point| point.scale_impulses(1.0 / factor as f32));
         }
-        let pass = Pass::new(settings, h);
-        for _ in 0..substeps {
-            self.substep(&pass, settings, h);
+        let pass = Pass::new(settings, pace.h());
+        for _ in 0..pace.substeps {
+            self.substep(&pass, settings);
         }
         // The saved impulses are those of a substep of the common length.
         self.points
@@ -55,22 +58,23 @@ impl IslandsMut<'_> {
         self.states.limit_speeds();
     }
 
-    fn load_bodies(&mut self, source: &Source, members: &[u32], h: f32) {
+    /// Loads the bodies of an island with this pace. A body with another one moves in as many substeps.
+    fn load_bodies(&mut self, source: &Source, members: &[u32], pace: Pace) {
         for (slot, &body) in members.iter().enumerate() {
             let mobility = source.mobility[body as usize];
+            let h = source.paces[body as usize].dt / pace.substeps as f32;
             self.states
                 .load(slot, source.bodies, body as usize, mobility, source.gravity, h);
         }
     }
 
-    /// One substep of `h` seconds.
-    fn substep(&mut self, pass: &Pass, settings: &SolverSettings, h: f32) {
+    fn substep(&mut self, pass: &Pass, settings: &SolverSettings) {
         self.states.integrate_velocities();
         self.for_each_pair(|pair, points, states| solve::begin_substep(pair, points, states, pass));
         self.states.initial_velocities.copy_from_slice(self.states.velocities);
         self.for_each_pair(|pair, points, states| solve::apply_impulses(pair, points, states, 1.0));
         self.solve(pass, settings.bias_iterations, settings);
-        self.states.integrate_poses(h);
+        self.states.integrate_poses();
         self.for_each_pair(move_impulses);
         let pass = pass.relaxing();
         self.solve(&pass, settings.relax_iterations, settings);

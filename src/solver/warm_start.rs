@@ -22,8 +22,6 @@ pub struct WarmStart {
     /// Ascending by keys.
     pub(super) pairs: Vec<SavedPair>,
     pub(super) points: Vec<SavedPoint>,
-    /// Length of the solver substeps in which the impulses acted, seconds.
-    pub(super) substep: f32,
 }
 
 /// A pair of the last collision substep. Its first body is the one that had the smaller number then.
@@ -33,6 +31,8 @@ pub(super) struct SavedPair {
     pub keys: [u64; 2],
     pub first: u32,
     pub count: u32,
+    /// Length of the solver substeps in which its impulses acted, seconds.
+    pub substep: f32,
     /// The first body had the larger key.
     pub flipped: bool,
     pub depenetrating: bool,
@@ -85,33 +85,27 @@ impl WarmStart {
         })
     }
 
-    /// Factor on saved impulses for substeps of `h` seconds: the impulse that supports a weight is proportional to the
-    /// length of the substep.
-    pub(super) fn impulse_scale(&self, h: f32) -> f32 {
-        if self.substep > 0.0 {
-            (h / self.substep).min(MAX_IMPULSE_SCALE)
-        } else {
-            1.0
-        }
-    }
-
-    /// Saves the impulses at the end of a collision substep whose solver substeps have `h` seconds.
-    pub(super) fn save(&mut self, constraints: &Constraints, bodies: &SolverBodies, h: f32) {
-        self.substep = h;
+    /// Saves the impulses at the end of a collision substep. `before` are those from its start; pairs that were not
+    /// solved keep them.
+    pub(super) fn save(&mut self, before: &Self, constraints: &Constraints, bodies: &SolverBodies) {
         self.points.resize(constraints.points().len(), SavedPoint::default());
         let points = (&mut self.points, constraints.points()).into_par_iter();
         loops::for_each(points, 1024, |(saved, point)| *saved = SavedPoint::new(point));
         self.pairs.clear();
+        for last in constraints.unsolved().filter_map(|keys| before.find(keys)) {
+            self.pairs.push(SavedPair {
+                first: self.points.len() as u32,
+                ..*last.pair
+            });
+            self.points.extend_from_slice(last.points);
+        }
         for pair in constraints.pairs() {
-            let [a, b] = pair.bodies.map(|i| i as usize);
-            if a >= bodies.len() || b >= bodies.len() || pair.count == 0 {
-                continue;
-            }
-            let keys = [bodies.keys[a], bodies.keys[b]];
+            let keys = pair.bodies.map(|body| bodies.keys[body as usize]);
             self.pairs.push(SavedPair {
                 keys: sorted(keys),
                 first: pair.first,
                 count: pair.count,
+                substep: pair.substep,
                 flipped: sorted(keys) != keys,
                 depenetrating: pair.depenetrating,
                 separating_direction: pair.separating_direction,
@@ -181,9 +175,13 @@ impl<'a> PointMatcher<'a> {
         rotations: [Quat; 2],
         settings: &SolverSettings,
         diameter: f32,
-        impulse_scale: f32,
+        substep: f32,
     ) -> Self {
         let last = last.filter(|last| !last.pair.depenetrating);
+        // The impulse that supports a weight is proportional to the length of the substep.
+        let impulse_scale = last
+            .filter(|last| last.pair.substep > 0.0)
+            .map_or(1.0, |last| (substep / last.pair.substep).min(MAX_IMPULSE_SCALE));
         let rotations_back = last.map_or([Quat::IDENTITY; 2], |last| {
             let [one, other] = last.pair.rotations;
             let before = if last.swapped { [other, one] } else { [one, other] };

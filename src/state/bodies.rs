@@ -39,6 +39,8 @@ pub struct Bodies {
     pub thickness: Vec<f32>,
     /// Radius that the broad phase uses: the bounding radius plus the body's speculative margin, metres.
     pub speculative_radius: Vec<f32>,
+    /// Time until the next collision detection, seconds; 0 once the body has completed its step.
+    pub travel_time: Vec<f32>,
     /// 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
     /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate.
@@ -100,6 +102,7 @@ impl Bodies {
             unpadded_radius,
             thickness,
             speculative_radius,
+            travel_time,
             inverse_mass,
             local_inverse_inertia,
             inverse_inertia,
@@ -123,6 +126,7 @@ impl Bodies {
         unpadded_radius.clear();
         thickness.clear();
         speculative_radius.clear();
+        travel_time.clear();
         inverse_mass.clear();
         local_inverse_inertia.clear();
         inverse_inertia.clear();
@@ -220,6 +224,7 @@ impl Bodies {
         let thickness = slot.mesh.mass.thickness * body.scale.abs().min_element();
         self.thickness.push(thickness);
         self.speculative_radius.push(radius);
+        self.travel_time.push(0.0);
         self.inverse_mass.push(inverse_mass);
         self.local_inverse_inertia.push(own_inertia.as_mat3());
         self.inverse_inertia.push(inverse_inertia.as_mat3());

@@ -1,5 +1,5 @@
-//! Inactive pairs: nothing about them has changed since the last collision substep, because they sleep. They are not
-//! tested again and keep their contact points.
+//! Inactive pairs: nothing about them has changed since the last collision substep, because they sleep or have completed
+//! their step. They are not tested again and keep their contact points.
 
 /// In place of the index of a body that no longer exists.
 pub(crate) const GONE: u32 = u32::MAX;
@@ -9,8 +9,8 @@ pub(crate) const GONE: u32 = u32::MAX;
 pub(crate) struct InactiveBodies {
     /// For each body, whether nothing about it can have changed.
     pub flags: Vec<bool>,
-    /// Whether any body sleeps.
-    pub has_sleepers: bool,
+    /// Whether any body sleeps or has completed its step.
+    pub any: bool,
     /// New index of each body of the last collision substep, or [`GONE`]; empty if all indices are unchanged.
     pub numbers: Vec<u32>,
 }
@@ -20,13 +20,12 @@ impl InactiveBodies {
     pub fn clear(&mut self) {
         self.flags.clear();
         self.numbers.clear();
-        self.has_sleepers = false;
+        self.any = false;
     }
 
-    /// Whether nothing about a pair can have changed since the last collision substep: both bodies sleep, or one sleeps
-    /// and the other is fixed.
+    /// Whether nothing about a pair can have changed since the last collision substep: neither body can have moved.
     pub fn is_inactive(&self, [a, b]: [u32; 2]) -> bool {
-        self.has_sleepers && self.flags[a as usize] && self.flags[b as usize]
+        self.any && self.flags[a as usize] && self.flags[b as usize]
     }
 
     /// The new indices of a pair of the last collision substep; `None` if a body is gone.
@@ -38,13 +37,24 @@ impl InactiveBodies {
         (!pair.contains(&GONE)).then_some(pair)
     }
 
-    /// Advances to the next collision substep of the same step, in which bodies keep their indices. Bodies that have
-    /// woken become active.
+    /// Bodies that are awake become active.
     pub fn keep_only(&mut self, is_fixed_or_asleep: impl Fn(usize) -> bool) {
-        self.numbers.clear();
-        if self.has_sleepers {
+        if self.any {
             for (i, flag) in self.flags.iter_mut().enumerate() {
                 *flag &= is_fixed_or_asleep(i);
+            }
+        }
+    }
+
+    /// Advances to the next collision substep of the same step, in which bodies keep their indices. What is fixed or has
+    /// completed its step becomes inactive.
+    pub fn advance(&mut self, has_completed: impl Fn(usize) -> bool, is_fixed: impl Fn(usize) -> bool) {
+        self.numbers.clear();
+        let completed = (0..self.flags.len()).any(|i| has_completed(i) && !is_fixed(i));
+        if completed {
+            self.any = true;
+            for (i, flag) in self.flags.iter_mut().enumerate() {
+                *flag |= has_completed(i) || is_fixed(i);
             }
         }
     }

@@ -20,10 +20,8 @@ pub enum SpeculativeMargins {
     None,
     /// The contact margin of the solver settings.
     AtRest,
-    /// The contact margin plus the distance that bodies may travel.
+    /// The contact margin plus the distance that bodies may travel in [`Bodies::travel_time`].
     Moving {
-        /// Time until the next detection, seconds.
-        dt: f32,
         /// Common velocity of the bodies, m/s; see [`Speeds::drift`](crate::solver::speeds::Speeds::drift).
         drift: Vec3,
     },
@@ -58,7 +56,8 @@ impl SpeculativeMargins {
         radii.clear();
         radii.extend(bodies.radius.iter().enumerate().map(|(i, &radius)| {
             let travel = match self {
-                Self::Moving { dt, drift } if bodies.kind[i] != RigidBody::Static => {
+                Self::Moving { drift } if bodies.kind[i] != RigidBody::Static => {
+                    let dt = bodies.travel_time[i];
                     let speed = (bodies.linear_velocity[i] - drift).length() + sway(bodies, config, i, dt);
                     cap(SAFETY * speed * dt, bodies.thickness[i])
                 }
@@ -74,7 +73,8 @@ impl SpeculativeMargins {
         let [a, b] = pair.map(|i| i as usize);
         let diameter = 2.0 * bodies.radius[a].min(bodies.radius[b]);
         let travel = match self {
-            Self::Moving { dt, .. } => {
+            Self::Moving { .. } => {
+                let dt = bodies.travel_time[a].max(bodies.travel_time[b]);
                 let [v, w] = [a, b].map(|i| match bodies.kind[i] {
                     RigidBody::Static => Vec3::ZERO,
                     _ => bodies.linear_velocity[i],

@@ -31,8 +31,10 @@ pub struct StepResults {
     ///
     /// [`Response::Contacts`]: crate::types::settings::Response::Contacts
     pub asleep: Vec<bool>,
-    /// Number of collision substeps of the step.
+    /// Number of collision substeps of the step: the largest of any body.
     pub collision_substeps: u32,
+    /// The mean number of collision substeps of the bodies.
+    pub mean_collision_substeps: f32,
     /// Duration of each stage.
     pub times: [Duration; Stage::COUNT],
 }

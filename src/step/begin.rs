@@ -1,4 +1,4 @@
-//! The beginning of a step: sleeping bodies, the number of collision substeps, and speculative margins.
+//! The beginning of a step: sleeping bodies, the numbers of collision substeps, and speculative margins.
 
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
@@ -9,7 +9,7 @@ use crate::types::settings::Response;
 
 /// Prepares the first collision substep.
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
-    results.collision_substeps = 1;
+    scratch.schedule.set_all(1);
     results.asleep.clear();
     scratch.inactive.clear();
     scratch.touches.clear();
@@ -25,18 +25,21 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
             let drift = speeds.drift();
             let config = input.config;
             let most = speeds.collision_substeps(&config.solver, &scratch.solver_bodies, config.dt);
-            results.collision_substeps = if most > 1 {
-                let needed = scratch.reach.collision_substeps(input, &scratch.solver_bodies, drift);
-                needed.min(most)
-            } else {
-                1
-            };
-            SpeculativeMargins::Moving {
-                dt: config.per_collision_substep(results.collision_substeps).dt,
-                drift,
+            if most > 1 {
+                let StepScratch {
+                    reach,
+                    schedule,
+                    solver_bodies,
+                    ..
+                } = scratch;
+                schedule.set_each(reach.collision_substeps(input, solver_bodies, drift));
             }
+            SpeculativeMargins::Moving { drift }
         }
     };
+    results.collision_substeps = scratch.schedule.most();
+    results.mean_collision_substeps = scratch.schedule.mean();
+    scratch.schedule.begin(0, &input.config, &mut input.bodies);
     scratch.margins.set_speculative_radii(&mut input.bodies, &input.config);
 }
 

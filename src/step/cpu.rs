@@ -7,7 +7,8 @@ use super::begin::begin;
 use super::cost::is_small;
 use super::order::{Part, Place, parts_of};
 use crate::manifolds::report::report_points;
-use crate::solver::CollisionSubstep;
+use crate::state::Bodies;
+use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, triangle_test};
@@ -86,12 +87,12 @@ fn run_stage(stage: Stage, number: u32, step: &mut StepState) {
     // The number of collision substeps is known after the first part. Only the last stage needs it.
     let place = Place::of(number, step.results.collision_substeps);
     for part in parts_of(stage, step.input.config.response, place) {
-        run_part(part, step);
+        run_part(part, number, step);
     }
     step.results.times[stage as usize] += start.elapsed();
 }
 
-fn run_part(part: Part, step: &mut StepState) {
+fn run_part(part: Part, number: u32, step: &mut StepState) {
     let StepState {
         input,
         results,
@@ -100,11 +101,14 @@ fn run_part(part: Part, step: &mut StepState) {
     } = step;
     let config = input.config;
     let first_plane = input.bodies.len() as u32;
-    let substep_config = config.per_collision_substep(results.collision_substeps);
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
             broad_phase::cpu::run(&input.bodies, &mut scratch.broad_phase, &mut results.sphere_pairs);
+            if number > 0 {
+                let still_moves = |&body: &u32| input.bodies.travel_time[body as usize] > 0.0;
+                results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));
+            }
         }
         Part::FindNearPairs => {
             results.approximate_pairs = angles::cpu::run(
@@ -128,7 +132,7 @@ fn run_part(part: Part, step: &mut StepState) {
             &mut results.contacts,
         ),
         Part::FindContactPoints => manifolds::step::find(
-            &substep_config,
+            &config,
             &input.bodies,
             &input.meshes,
             &input.planes,
@@ -161,16 +165,16 @@ fn run_part(part: Part, step: &mut StepState) {
             integrate::cpu::apply_impulses(&config, &input.meshes, &results.impulses, &mut input.bodies);
         }
         Part::Wake => force_scan::cpu::wake(
-            &config.solver,
-            &CollisionSubstep::of(&config, results.collision_substeps),
+            &config,
+            &input.bodies.travel_time,
             &results.manifolds,
             &scratch.inactive,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
         ),
         Part::Solve => force_scan::cpu::solve(
-            &config.solver,
-            &CollisionSubstep::of(&config, results.collision_substeps),
+            &config,
+            |i| scratch.schedule.pace(i, &config, &input.bodies),
             &results.manifolds,
             &mut scratch.solver,
             &mut memory.warm,
@@ -185,14 +189,14 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::FallAsleep => force_scan::cpu::fall_asleep(
             &config.solver,
-            substep_config.dt,
+            &input.bodies.travel_time,
             &results.manifolds,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
             &mut scratch.inactive,
         ),
         Part::StopFastBodies => integrate::cpu::stop_fast_bodies(
-            &substep_config,
+            &config,
             &input.bodies,
             &input.meshes,
             &input.planes,
@@ -204,6 +208,12 @@ fn run_part(part: Part, step: &mut StepState) {
         ),
         Part::MoveBodies => {
             integrate::cpu::move_bodies(&scratch.solver_bodies, &input.meshes, &mut input.bodies);
+            scratch.schedule.begin(number + 1, &config, &mut input.bodies);
+            let Bodies { travel_time, kind, .. } = &input.bodies;
+            scratch.inactive.advance(
+                |i| travel_time.get(i) == Some(&0.0),
+                |i| kind.get(i).is_none_or(|&kind| kind == RigidBody::Static),
+            );
             scratch.margins.set_speculative_radii(&mut input.bodies, &config);
         }
         Part::ReportTouches => {

@@ -70,7 +70,7 @@ impl StepMemory {
             let at_rest = motion.linear_velocity == Vec3::ZERO && motion.angular_velocity == Vec3::ZERO;
             inactive.flags[i] =
                 same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && at_rest && forces.is_zero()));
-            inactive.has_sleepers |= sleep.asleep;
+            inactive.any |= sleep.asleep;
         }
         let same_planes = self.planes == *planes;
         inactive.flags[bodies.len()..].fill(same_planes);

@@ -57,7 +57,9 @@ pub mod memory;
 pub mod order;
 mod reach;
 pub(crate) mod remap;
+mod schedule;
 pub mod scratch;
+mod territories;
 
 pub use memory::StepMemory;
 pub use scratch::StepScratch;

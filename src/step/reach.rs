@@ -2,8 +2,10 @@
 //!
 //! Bodies whose spheres, swept over the whole step, overlap form a group; what is static joins nothing. Each group
 //! needs the number that its own speeds and its thinnest body ask for, and a body that can meet nothing needs one,
-//! however fast or thin it is. The largest number counts. So a bullet in flight far away costs nothing.
+//! however fast or thin it is. So a bullet in flight far away costs nothing. Groups with different numbers must stay
+//! apart for the whole step, see [`territories`](super::territories).
 
+use super::territories::Territories;
 use crate::broad_phase;
 use crate::simd::lanes::{SimdBase, bitmask, load_points, splat_point};
 use crate::simd::level::baseline;
@@ -25,22 +27,30 @@ pub(crate) struct Reach {
     groups: UnionFind,
     /// For the root of each group.
     meetings: Vec<Meeting>,
+    territories: Territories,
 }
 
-/// What a group of bodies can meet.
+/// The solid bodies of a group, and what is static and in their way.
 #[derive(Clone, Copy)]
-struct Meeting {
-    speeds: Speeds,
+pub(super) struct Meeting {
+    pub speeds: Speeds,
     /// Thickness of the thinnest body, metres.
     thinnest: f32,
     /// It has two bodies, or one and something static.
     exists: bool,
+    /// The number of collision substeps that it needs.
+    pub collision_substeps: u32,
 }
 
 impl Reach {
-    /// The number of collision substeps that the bodies need. `drift` is the velocity that they have in common, m/s.
-    /// Changes [`Bodies::speculative_radius`].
-    pub fn collision_substeps(&mut self, input: &mut StepInput, solver_bodies: &SolverBodies, drift: Vec3) -> u32 {
+    /// The number of collision substeps that each body needs; 0 for what does not move. `drift` is the velocity that they have in common, m/s.
+    /// Changes [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
+    pub fn collision_substeps(
+        &mut self,
+        input: &mut StepInput,
+        solver_bodies: &SolverBodies,
+        drift: Vec3,
+    ) -> impl Iterator<Item = u32> {
         let StepInput {
             config,
             bodies,
@@ -53,14 +63,15 @@ impl Reach {
             pairs,
             groups,
             meetings,
+            territories,
         } = self;
-        let margins = SpeculativeMargins::Moving { dt: config.dt, drift };
-        margins.set_reach(bodies, config);
+        bodies.travel_time.fill(config.dt);
+        SpeculativeMargins::Moving { drift }.set_reach(bodies, config);
         broad_phase::cpu::run(bodies, broad_phase, pairs);
         let moves = |i: u32| solver_bodies.bodies[i as usize].moves();
         let solid = |i: u32| solver_bodies.bodies[i as usize].solid;
         let sweep = |i: u32| Sweep::of(bodies, config, i);
-        pairs.retain(|&[a, b]| solid(a) && solid(b) && sweep(a).meets(&sweep(b)));
+        pairs.retain(|&[a, b]| sweep(a).meets(&sweep(b)));
 
         groups.reset(bodies.len());
         for &[a, b] in pairs.iter().filter(|pair| pair.iter().all(|&i| moves(i))) {
@@ -77,7 +88,7 @@ impl Reach {
                 meeting.speeds.add(Vec3::ZERO, 0.0);
             }
         }
-        for &[a, b] in pairs.iter() {
+        for &[a, b] in pairs.iter().filter(|pair| pair.iter().all(|&i| solid(i))) {
             let [mover, other] = if moves(a) { [a, b] } else { [b, a] };
             let root = groups.root(mover) as usize;
             if moves(other) {
@@ -87,11 +98,17 @@ impl Reach {
                 meetings[root].include(solver_bodies, other as usize);
             }
         }
-        let meetings = meetings.iter().filter(|meeting| meeting.exists);
-        meetings
-            .map(|Meeting { speeds, thinnest, .. }| speeds.collision_substeps_for(&config.solver, *thinnest, config.dt))
-            .max()
-            .unwrap_or(1)
+        for meeting in meetings.iter_mut() {
+            meeting.count_collision_substeps(config);
+        }
+        territories.separate(bodies, config, groups, meetings, moves);
+        (0..bodies.len() as u32).map(move |i| {
+            if moves(i) {
+                meetings[groups.root(i) as usize].collision_substeps
+            } else {
+                0
+            }
+        })
     }
 }
 
@@ -100,25 +117,43 @@ impl Meeting {
         speeds: Speeds::NONE,
         thinnest: f32::INFINITY,
         exists: false,
+        collision_substeps: 1,
     };
 
     fn include(&mut self, bodies: &SolverBodies, i: usize) {
         self.speeds.include(bodies, i);
         self.thinnest = self.thinnest.min(bodies.bodies[i].thickness);
     }
+
+    /// Includes what the other group includes.
+    pub fn join(&mut self, other: &Self, config: &StepConfig) {
+        self.speeds = self.speeds.and(other.speeds);
+        self.thinnest = self.thinnest.min(other.thinnest);
+        self.exists |= other.exists;
+        self.count_collision_substeps(config);
+    }
+
+    fn count_collision_substeps(&mut self, config: &StepConfig) {
+        self.collision_substeps = if self.exists {
+            self.speeds
+                .collision_substeps_for(&config.solver, self.thinnest, config.dt)
+        } else {
+            1
+        };
+    }
 }
 
 /// The sphere that a body sweeps over in a step, with the part of its margin that does not depend on a direction.
 #[derive(Clone, Copy)]
-struct Sweep {
-    center: DVec3,
+pub(super) struct Sweep {
+    pub center: DVec3,
     /// How far the centre moves, metres.
-    travel: Vec3,
-    radius: f32,
+    pub travel: Vec3,
+    pub radius: f32,
 }
 
 impl Sweep {
-    fn of(bodies: &Bodies, config: &StepConfig, i: u32) -> Self {
+    pub fn of(bodies: &Bodies, config: &StepConfig, i: u32) -> Self {
         let i = i as usize;
         let travel = match bodies.kind[i] {
             RigidBody::Static => Vec3::ZERO,

@@ -2,6 +2,7 @@
 //! depends on it.
 
 use super::reach::Reach;
+use super::schedule::Schedule;
 use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
@@ -21,6 +22,8 @@ pub struct StepScratch {
     pub(crate) inactive: InactiveBodies,
     /// Which bodies can meet in this step.
     pub(crate) reach: Reach,
+    /// The collision substeps of this step.
+    pub(crate) schedule: Schedule,
     /// The speculative margins of this step.
     pub(crate) margins: SpeculativeMargins,
     /// The touching pairs of the step so far.

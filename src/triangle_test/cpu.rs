@@ -106,7 +106,7 @@ pub(crate) fn run(
 /// Finds the inactive pairs whose contact points of the last collision substep overlap.
 fn find_overlapping(manifolds: &Manifolds, inactive: &InactiveBodies, overlapping: &mut Vec<[u32; 2]>) {
     overlapping.clear();
-    if !inactive.has_sleepers {
+    if !inactive.any {
         return;
     }
     let crossing = manifolds.pairs.iter().filter(|pair| {

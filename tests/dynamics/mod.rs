@@ -5,6 +5,7 @@ mod bullets;
 mod chain;
 mod cloud;
 mod elastic;
+mod groups;
 mod incline;
 mod instruction_sets;
 mod meshes;

@@ -125,6 +125,7 @@ struct StepRecord {
     face_pairs: usize,
     contact_points: usize,
     collision_substeps: u32,
+    mean_collision_substeps: f32,
     sleeping: usize,
     /// Only where it is written: it costs a look at every body.
     #[serde(flatten)]
@@ -306,6 +307,7 @@ impl StepRecord {
             face_pairs: report.face_pairs,
             contact_points: report.contact_points,
             collision_substeps: report.collision_substeps,
+            mean_collision_substeps: report.mean_collision_substeps,
             sleeping: report.sleeping,
             mechanics,
         }

@@ -9,6 +9,8 @@ use std::cmp::Reverse;
 pub struct KeptPairs {
     /// Ascending by bodies.
     pairs: Vec<KeptPair>,
+    /// What pairs keep that are to be asked for again later, ascending by bodies.
+    waiting: Vec<KeptPair>,
     /// Those of the call before that are still pairs.
     before: Vec<KeptPair>,
     /// Memory of pairs that are gone. New pairs take that with the least number, so that the same memory is used again
@@ -26,13 +28,24 @@ pub struct KeptPair {
 }
 
 impl KeptPairs {
-    /// What these pairs keep, one for each, in their order. Pairs are ascending. What other pairs keep is dropped.
-    pub fn of(&mut self, pairs: &[MarginPair]) -> &mut [KeptPair] {
+    /// What these pairs keep, one for each, in their order. Pairs are ascending. What other pairs keep is dropped, unless
+    /// they are to wait.
+    pub fn of(&mut self, pairs: &[MarginPair], waits: impl Fn([u32; 2]) -> bool) -> &mut [KeptPair] {
+        if !self.waiting.is_empty() {
+            self.pairs.append(&mut self.waiting);
+            self.pairs.sort_unstable_by_key(|pair| pair.bodies);
+        }
         let mut now = pairs.iter().map(|pair| pair.bodies).peekable();
         for old in self.pairs.drain(..) {
             while now.next_if(|&bodies| bodies < old.bodies).is_some() {}
             let is_left = now.next_if_eq(&old.bodies).is_some();
-            let list = if is_left { &mut self.before } else { &mut self.free };
+            let list = if is_left {
+                &mut self.before
+            } else if waits(old.bodies) {
+                &mut self.waiting
+            } else {
+                &mut self.free
+            };
             list.push(old);
         }
         self.free.sort_unstable_by_key(|free| Reverse(free.number));
@@ -64,6 +77,8 @@ impl KeptPairs {
 
     /// Gives pairs their new bodies. Those for which there are none are dropped.
     pub fn renumber(&mut self, renumbered: impl Fn([u32; 2]) -> Option<[u32; 2]>) {
+        self.pairs.append(&mut self.waiting);
+        self.pairs.sort_unstable_by_key(|pair| pair.bodies);
         let mut left = 0;
         for i in 0..self.pairs.len() {
             if let Some(bodies) = renumbered(self.pairs[i].bodies) {

@@ -55,7 +55,7 @@ struct Found {
 /// Appends a manifold for every solid dynamic body near a plane, ascending by body, then plane, if the pair is
 /// `wanted`. Plane `i` has the index `bodies.len() + i`, and its centre is its point nearest to the world's origin.
 ///
-/// `config.dt` is the time until the next detection: vertices that may reach the plane within it are included.
+/// Vertices that may reach the plane within the body's [`Bodies::travel_time`] are included.
 pub fn find(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -102,9 +102,10 @@ fn manifold(
     let (frame, radius) = (&bodies.frame[body], bodies.radius[body]);
     let normal = plane.normal.as_dvec3();
     let above = normal.dot(frame.center) - plane.distance as f64;
-    let fall = config.gravity.length() * bodies.gravity_scale[body].abs() * config.dt;
+    let dt = bodies.travel_time[body];
+    let fall = config.gravity.length() * bodies.gravity_scale[body].abs() * dt;
     let speed = bodies.linear_velocity[body].length() + bodies.angular_velocity[body].length() * radius + fall;
-    let margin = 2.0 * MARGIN * radius + SAFETY * speed * config.dt;
+    let margin = 2.0 * MARGIN * radius + SAFETY * speed * dt;
     let height = above as f32;
     if height >= radius + margin {
         return None;

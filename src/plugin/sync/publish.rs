@@ -131,6 +131,7 @@ pub(crate) fn publish(
         touching_pairs: counts.touching_pairs,
         contact_points: counts.contact_points,
         collision_substeps: step.state.results.collision_substeps,
+        mean_collision_substeps: step.state.results.mean_collision_substeps,
         sleeping: counts.asleep,
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,

@@ -6,13 +6,14 @@ use crate::state::Manifolds;
 use glam::{Quat, Vec3};
 
 impl WarmStart {
-    /// The saved pairs and points for a device. There is one pair for each of `manifolds`, with the same points.
-    /// `key_of` gives the key of a body by its number.
+    /// The saved pairs and points for a device, with impulses for substeps of [`WarmStart::substep`]. There is one pair
+    /// for each of `manifolds`, with the same points. `key_of` gives the key of a body by its number.
     pub(crate) fn to_device(
         &self,
         manifolds: &Manifolds,
         key_of: impl Fn(u32) -> u64,
     ) -> (Vec<layout::SavedPair>, Vec<layout::SavedPoint>) {
+        let substep = self.substep();
         let mut points = vec![layout::SavedPoint::default(); manifolds.points.len()];
         let pairs = manifolds.pairs.iter().map(|manifold| {
             let [a, b] = manifold.bodies;
@@ -32,7 +33,7 @@ impl WarmStart {
                 [saved.rotation_a, saved.rotation_b] = last.pair.rotations.map(|rotation| rotation.to_array());
                 let range = manifold.first_point as usize..(manifold.first_point + manifold.point_count) as usize;
                 for (to, from) in points[range].iter_mut().zip(last.points) {
-                    *to = from.into();
+                    *to = from.scaled(substep / last.pair.substep).into();
                 }
             }
             saved
@@ -58,6 +59,7 @@ impl WarmStart {
                     keys: sorted(keys),
                     first: pair.first,
                     count: pair.count,
+                    substep,
                     flipped: sorted(keys) != keys,
                     depenetrating: pair.depenetrating != 0,
                     separating_direction: pair.separating_direction.into(),
@@ -69,18 +71,27 @@ impl WarmStart {
         Self {
             pairs,
             points: points.iter().map(SavedPoint::from).collect(),
-            substep,
         }
     }
 
-    /// The length of the solver substeps in which the impulses acted, seconds.
+    /// The longest solver substep in which any of the impulses acted, seconds; 0 if there are none.
     pub(crate) fn substep(&self) -> f32 {
-        self.substep
+        self.pairs.iter().map(|pair| pair.substep).fold(0.0, f32::max)
     }
 }
 
-impl From<&SavedPoint> for layout::SavedPoint {
-    fn from(point: &SavedPoint) -> Self {
+impl SavedPoint {
+    fn scaled(&self, factor: f32) -> Self {
+        Self {
+            normal_impulse: factor * self.normal_impulse,
+            friction_impulse: factor * self.friction_impulse,
+            ..*self
+        }
+    }
+}
+
+impl From<SavedPoint> for layout::SavedPoint {
+    fn from(point: SavedPoint) -> Self {
         Self {
             anchor_a: point.anchors[0].to_array(),
             normal_impulse: point.normal_impulse,

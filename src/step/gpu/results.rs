@@ -286,6 +286,7 @@ impl Output {
         results.manifolds = self.manifolds;
         results.asleep = self.asleep;
         results.collision_substeps = self.collision_substeps;
+        results.mean_collision_substeps = self.collision_substeps as f32;
         results.times = self.times;
         self.motions
     }

@@ -1,0 +1,73 @@
+//! The collision substeps of a step, and which bodies take part in them.
+//!
+//! Every body passes through the step in equal collision substeps, as many as the bodies need that it can meet. All
+//! begin with the first. A body with fewer than others has completed its step early: it keeps its pose from then on, its
+//! contacts keep their points, and no stage spends time on it.
+
+use crate::solver::Pace;
+use crate::state::{Bodies, StepConfig};
+
+/// The number of collision substeps of each body.
+#[derive(Default)]
+pub(crate) struct Schedule {
+    /// For each body; 0 for what does not move. Empty if all others have the largest number.
+    counts: Vec<u32>,
+    most: u32,
+}
+
+impl Schedule {
+    /// All bodies have `count`.
+    pub fn set_all(&mut self, count: u32) {
+        self.counts.clear();
+        self.most = count;
+    }
+
+    /// Each body has its own number.
+    pub fn set_each(&mut self, counts: impl Iterator<Item = u32>) {
+        self.counts.clear();
+        self.counts.extend(counts);
+        self.most = self.counts.iter().copied().max().unwrap_or(0).max(1);
+        if self.counts.iter().all(|&count| count == self.most || count == 0) {
+            self.counts.clear();
+        }
+    }
+
+    /// The largest number.
+    pub fn most(&self) -> u32 {
+        self.most
+    }
+
+    /// The mean number of the bodies that move.
+    pub fn mean(&self) -> f32 {
+        let moving = || self.counts.iter().filter(|&&count| count > 0);
+        let sum: u64 = moving().map(|&count| u64::from(count)).sum();
+        if sum > 0 {
+            sum as f32 / moving().count() as f32
+        } else {
+            self.most as f32
+        }
+    }
+
+    fn count(&self, i: usize) -> u32 {
+        self.counts.get(i).copied().unwrap_or(self.most)
+    }
+
+    /// Sets [`Bodies::travel_time`] for collision substep `number`.
+    pub fn begin(&self, number: u32, config: &StepConfig, bodies: &mut Bodies) {
+        for (i, time) in bodies.travel_time.iter_mut().enumerate() {
+            let count = self.count(i);
+            *time = if number < count { config.dt / count as f32 } else { 0.0 };
+        }
+    }
+
+    /// How body `i` passes through the present collision substep. Half-spaces are numbered after the bodies.
+    pub fn pace(&self, i: usize, config: &StepConfig, bodies: &Bodies) -> Pace {
+        match bodies.travel_time.get(i) {
+            Some(&dt) if dt > 0.0 => Pace {
+                dt,
+                substeps: config.solver.substeps_per_collision_substep(self.count(i)),
+            },
+            _ => Pace::DONE,
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Keeps groups with different numbers of collision substeps apart.
+//!
+//! Such groups are at different times of the step while it runs: one may have completed it while another has begun. So
+//! their bodies must not come near each other at any time. The territory of a group is a box around all places that
+//! its bodies may reach, even if impulses within the group turn and speed them up. Groups whose territories overlap are
+//! joined, unless both have the same number.
+
+use super::reach::{Meeting, Sweep};
+use crate::state::union_find::UnionFind;
+use crate::state::{Bodies, StepConfig};
+use glam::DVec3;
+
+/// Impulses within a group change velocities by at most this multiple of the group's relative speed: a light body that
+/// a heavy one hits leaves with twice its speed.
+const MAX_SPEED_GAIN: f32 = 2.0;
+/// After so many comparisons of territories all groups are joined: more would take longer than the collision substeps
+/// that they save.
+const MAX_COMPARISONS: usize = 1 << 17;
+
+/// Scratch memory.
+#[derive(Default)]
+pub(super) struct Territories {
+    all: Vec<Territory>,
+}
+
+/// A group of bodies and the box that their bodies sweep over.
+#[derive(Clone, Copy)]
+struct Territory {
+    /// Its first body.
+    root: u32,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Territories {
+    /// Joins groups with different numbers of collision substeps whose territories overlap.
+    pub fn separate(
+        &mut self,
+        bodies: &Bodies,
+        config: &StepConfig,
+        groups: &mut UnionFind,
+        meetings: &mut [Meeting],
+        moves: impl Fn(u32) -> bool,
+    ) {
+        self.find(bodies, config, groups, moves);
+        let mut comparisons = 0;
+        let mut i = 0;
+        while i < self.all.len() {
+            let own = self.all[i];
+            let neighbour = if meetings[own.root as usize].collision_substeps > 1 {
+                comparisons += self.all.len();
+                self.neighbour(&own, config, meetings)
+            } else {
+                // Its neighbours with more look for it.
+                None
+            };
+            if comparisons > MAX_COMPARISONS {
+                while self.all.len() > 1 {
+                    self.join([0, self.all.len() - 1], config, groups, meetings);
+                }
+                return;
+            }
+            match neighbour {
+                Some(other) => {
+                    self.join([i, other], config, groups, meetings);
+                    // A larger territory may have new neighbours.
+                    i = 0;
+                }
+                None => i += 1,
+            }
+        }
+    }
+
+    /// A group with another number of collision substeps whose territory overlaps this one.
+    fn neighbour(&self, own: &Territory, config: &StepConfig, meetings: &[Meeting]) -> Option<usize> {
+        let meeting = |territory: &Territory| &meetings[territory.root as usize];
+        let reach =
+            |territory: &Territory| f64::from(MAX_SPEED_GAIN * config.dt * meeting(territory).speeds.relative());
+        let own_reach = reach(own);
+        let differs = |other: &Territory| meeting(other).collision_substeps != meeting(own).collision_substeps;
+        let others = self.all.iter();
+        others
+            .enumerate()
+            .find(|(_, other)| differs(other) && own.is_within(own_reach + reach(other), other))
+            .map(|(number, _)| number)
+    }
+
+    /// Joins two groups. The second one leaves the list.
+    fn join(
+        &mut self,
+        [one, other]: [usize; 2],
+        config: &StepConfig,
+        groups: &mut UnionFind,
+        meetings: &mut [Meeting],
+    ) {
+        let [a, b] = [one, other].map(|i| self.all[i]);
+        groups.join(a.root, b.root);
+        let root = groups.root(a.root);
+        let joined = meetings[b.root as usize];
+        let mut meeting = meetings[a.root as usize];
+        meeting.join(&joined, config);
+        meetings[root as usize] = meeting;
+        self.all[one] = Territory {
+            root,
+            low: a.low.min(b.low),
+            high: a.high.max(b.high),
+        };
+        self.all.swap_remove(other);
+    }
+
+    fn find(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind, moves: impl Fn(u32) -> bool) {
+        self.all.clear();
+        // The root is the smallest member, so it comes first, and the list is ascending by root.
+        for i in (0..bodies.len() as u32).filter(|&i| moves(i)) {
+            let root = groups.root(i);
+            let sweep = Sweep::of(bodies, config, i);
+            let radius = f64::from(sweep.radius);
+            let end = sweep.center + sweep.travel.as_dvec3();
+            let (low, high) = (sweep.center.min(end) - radius, sweep.center.max(end) + radius);
+            match self.all.binary_search_by_key(&root, |territory| territory.root) {
+                Ok(at) => {
+                    let territory = &mut self.all[at];
+                    territory.low = territory.low.min(low);
+                    territory.high = territory.high.max(high);
+                }
+                Err(at) => self.all.insert(at, Territory { root, low, high }),
+            }
+        }
+    }
+}
+
+impl Territory {
+    /// Whether the boxes are no farther apart than `distance` along any axis.
+    fn is_within(&self, distance: f64, other: &Self) -> bool {
+        let near = |low: DVec3, high: DVec3| low.cmple(high + distance).all();
+        near(self.low, other.high) && near(other.low, self.high)
+    }
+}
