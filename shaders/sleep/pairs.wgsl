@@ -68,8 +68,11 @@ fn disturbs_others(i: u32) -> bool {
     if kind == t::STATIC {
         return constants.x == s::WAKE && motion_states[i].asleep == s::CHANGED;
     }
-    if l::speed_of(i) == 0.0 {
-        return false;
+    let speed = l::speed_of(i);
+    if kind == t::KINEMATIC {
+        return speed > 0.0 && (constants.x != s::WAKE || motion_states[i].asleep == 0u);
     }
-    return select(kind == t::KINEMATIC, motion_states[i].asleep == 0u, constants.x == s::WAKE);
+    // Two islands that come to rest beside each other must not wake each other in turn. Bodies that touch are in the
+    // same island.
+    return constants.x == s::WAKE && motion_states[i].asleep == 0u && speed >= collision_substep.sleep_speed;
 }

@@ -194,8 +194,8 @@ impl Sleeper {
         }
     }
 
-    /// Marks the islands that a moving body will reach by the end of the collision substep: asleep, they would react to
-    /// the impact as if they were static.
+    /// Marks the islands that a body will reach by the end of the collision substep, if it is kinematic and moves, or
+    /// dynamic and not slow: asleep, they would react to the impact as if they were static.
     fn mark_approached(
         &mut self,
         bodies: &SolverBodies,
@@ -218,8 +218,13 @@ impl Sleeper {
                 p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * dt <= distance
             };
             if points_of(manifolds, pair).iter().any(will_touch) {
-                self.mark_other(bodies, pair, |bodies, i| {
-                    bodies.bodies[i].moves() && !bodies.sleep[i].asleep && is_moving(bodies, i)
+                self.mark_other(bodies, pair, |bodies, i| match bodies.bodies[i].kind {
+                    RigidBody::Static => false,
+                    RigidBody::Kinematic => is_moving(bodies, i),
+                    // Two islands that come to rest beside each other must not wake each other in turn.
+                    RigidBody::Dynamic => {
+                        !bodies.sleep[i].asleep && speed(&bodies.bodies[i], &bodies.motions[i]) >= settings.sleep_speed
+                    }
                 });
             }
         }

@@ -153,3 +153,18 @@ fn sleep_can_be_switched_off() {
     world.seconds(3.0);
     assert_eq!(asleep(&world), [0; 0]);
 }
+
+/// Two cubes a few millimetres apart come to rest at different times. Neither keeps the other awake.
+#[test]
+fn neighbours_that_do_not_touch_let_each_other_sleep() {
+    let mut world = World::heavy();
+    world.settings.sleeping = true;
+    world.floor(0.0);
+    let beside = world.settings.rest_offset as f64 * 3f64.sqrt() * 6.0;
+    world.dynamic(CUBE, 1.0, DVec3::Y * 0.5);
+    world.dynamic(CUBE, 1.0, DVec3::new(1.0 + beside, 0.7, 0.0));
+    world.seconds(3.0);
+    assert_eq!(asleep(&world), [1, 2]);
+    world.seconds(1.0);
+    assert_eq!(asleep(&world), [1, 2]);
+}
