@@ -21,9 +21,9 @@ impl Avian {
     pub fn new(scene: &Scene) -> Self {
         let mut app = App::new();
         let mut threads = TaskPoolOptions::with_num_threads(THREADS);
-        // The thread that calls `update` is a worker too.
-        threads.compute.min_threads = THREADS - 1;
-        threads.compute.max_threads = THREADS - 1;
+        // The thread that calls `update` works too, but with a single thread in its pool, avian's loops are serial.
+        threads.compute.min_threads = THREADS;
+        threads.compute.max_threads = THREADS;
         app.add_plugins((
             MinimalPlugins.set(TaskPoolPlugin {
                 task_pool_options: threads,

@@ -9,6 +9,7 @@
 mod avian;
 mod engine;
 mod judge;
+mod manifolds;
 mod narrow;
 mod ours;
 mod parry;
@@ -101,6 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         bodies: options.bodies,
         seed: options.seed,
         narrow: Vec::new(),
+        manifolds: Vec::new(),
         steps: Vec::new(),
     };
     for &shape in &options.shape {
@@ -108,6 +110,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             eprintln!("{}: narrow phase ..", shape.name());
             let scene = Scene::new(shape, options.bodies, options.seed);
             report.narrow.push(narrow::measure(shape, &scene, rounds));
+            eprintln!("{}: manifolds ..", shape.name());
+            let pairs = narrow::sphere_pairs(&scene);
+            report.manifolds.extend(manifolds::measure(shape, &scene, &pairs, rounds));
         }
         if !engines.is_empty() {
             eprintln!("{}: whole steps ..", shape.name());

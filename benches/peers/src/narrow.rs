@@ -83,6 +83,13 @@ impl FirstHits {
     }
 }
 
+/// The pairs of bodies whose bounding spheres overlap, ascending.
+pub fn sphere_pairs(scene: &Scene) -> Vec<[u32; 2]> {
+    let mut stages = Stages::new(scene);
+    stages.broad_phase();
+    stages.sphere_pairs().to_vec()
+}
+
 /// Measures one scene.
 pub fn measure(shape: Shape, scene: &Scene, rounds: usize) -> Narrow {
     let (one, two) = (pool(1), pool(2));

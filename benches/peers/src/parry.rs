@@ -72,28 +72,72 @@ impl Parry {
         pairs.iter().filter(hit).copied().collect()
     }
 
+    /// Moves all bodies to where they are after so many steps. The boxes stay.
+    pub fn move_to(&mut self, scene: &Scene, step: usize) {
+        for (at, body) in self.poses.iter_mut().zip(&scene.bodies) {
+            let way = body.velocity * (step as f32 * STEP.as_secs_f32());
+            *at = pose(&body.pose.with_translation(body.pose.translation + way));
+        }
+    }
+
     /// The contact manifolds of all `pairs`, computed from scratch without those of an earlier round.
     pub fn manifolds(&self, pairs: &[[u32; 2]], prediction: f32) -> Manifolds {
         let mut found = Manifolds::default();
-        for pair in pairs {
-            let [a, b] = pair.map(|i| i as usize);
-            let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
-            let mut workspace: Option<ContactManifoldsWorkspace> = None;
-            DefaultQueryDispatcher
-                .contact_manifolds(
-                    &self.poses[a].inv_mul(&self.poses[b]),
-                    &self.meshes[a],
-                    &self.meshes[b],
-                    prediction,
-                    &mut manifolds,
-                    &mut workspace,
-                )
-                .expect("meshes are supported");
-            let points = || manifolds.iter().flat_map(|m| &m.points);
-            found.near += usize::from(points().next().is_some());
-            found.touching += usize::from(points().any(|p| p.dist <= 0.0));
+        for &pair in pairs {
+            let mut kept = KeptPair::default();
+            self.update(pair, prediction, &mut kept);
+            found.add(&kept);
         }
         found
+    }
+
+    /// The contact manifolds of all `pairs`, with what is kept of the same pairs from the step before.
+    pub fn update_manifolds(&self, pairs: &[[u32; 2]], prediction: f32, kept: &mut Kept) {
+        for (&pair, kept) in pairs.iter().zip(&mut kept.pairs) {
+            self.update(pair, prediction, kept);
+        }
+    }
+
+    fn update(&self, pair: [u32; 2], prediction: f32, kept: &mut KeptPair) {
+        let [a, b] = pair.map(|i| i as usize);
+        DefaultQueryDispatcher
+            .contact_manifolds(
+                &self.poses[a].inv_mul(&self.poses[b]),
+                &self.meshes[a],
+                &self.meshes[b],
+                prediction,
+                &mut kept.manifolds,
+                &mut kept.workspace,
+            )
+            .expect("meshes are supported");
+    }
+}
+
+/// What parry3d keeps of each pair.
+pub struct Kept {
+    pairs: Vec<KeptPair>,
+}
+
+#[derive(Default)]
+struct KeptPair {
+    manifolds: Vec<ContactManifold<(), ()>>,
+    workspace: Option<ContactManifoldsWorkspace>,
+}
+
+impl Kept {
+    /// Nothing, for so many pairs.
+    pub fn new(pairs: usize) -> Self {
+        Self {
+            pairs: std::iter::repeat_with(KeptPair::default).take(pairs).collect(),
+        }
+    }
+}
+
+impl Manifolds {
+    fn add(&mut self, kept: &KeptPair) {
+        let points = || kept.manifolds.iter().flat_map(|m| &m.points);
+        self.near += usize::from(points().next().is_some());
+        self.touching += usize::from(points().any(|p| p.dist <= 0.0));
     }
 }
 

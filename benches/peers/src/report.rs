@@ -2,6 +2,7 @@
 
 use crate::engine::{Kind, THREADS};
 use crate::judge::Dispute;
+use crate::manifolds;
 use crate::narrow::{Narrow, ParryNarrow};
 use crate::parry::PREDICTIONS;
 use crate::scene::Shape;
@@ -23,6 +24,8 @@ pub struct Report {
     pub seed: u64,
     /// The narrow phase of each shape.
     pub narrow: Vec<Narrow>,
+    /// Contact manifolds of each shape.
+    pub manifolds: Vec<manifolds::Row>,
     /// The runs of all engines for each shape.
     pub steps: Vec<(Shape, Vec<Run>)>,
 }
@@ -102,6 +105,7 @@ impl Report {
         );
         if !self.narrow.is_empty() {
             self.print_narrow();
+            manifolds::print(&self.manifolds);
             self.print_broad();
             self.print_threads();
         }
