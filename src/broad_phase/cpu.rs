@@ -193,9 +193,10 @@ fn add([a, b]: [u32; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
 }
 
 fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {
+    let is_one_body = bodies.body_of(a) == bodies.body_of(b);
     let (a, b) = (a as usize, b as usize);
     let either = |kind| bodies.kind[a] == kind || bodies.kind[b] == kind;
     let sensor = bodies.sensor[a] || bodies.sensor[b];
     let moved = either(RigidBody::Dynamic) || (sensor && either(RigidBody::Kinematic));
-    moved && bodies.layers[a].interacts_with(bodies.layers[b])
+    moved && !is_one_body && bodies.layers[a].interacts_with(bodies.layers[b])
 }

@@ -74,7 +74,7 @@ const MAX_HALVINGS: u32 = 12;
 ///
 /// For pairs that start nearer than `target_distance` that distance is halved, up to 12 times. Pairs that start nearer
 /// than the smallest, or overlap, collide at once. `sweeps` and `continuous` have an entry for each of `bodies`;
-/// missing entries count as not continuous. `pairs` must include all pairs whose bounding spheres overlap anywhere on
+/// missing entries count as not continuous. Pairs are pairs of colliders, and bodies have the numbers of their first ones. `pairs` must include all pairs whose bounding spheres overlap anywhere on
 /// their paths. `target_distance` is how near each pair may come, metres. Bodies that are carried keep to their
 /// [`LockedAxes`](crate::types::body::LockedAxes), and are not carried into `planes`. Runs on rayon's current thread
 /// pool, outside of a pool on the calling thread; the same input gives the same bits with any number of threads.
@@ -104,6 +104,7 @@ pub fn find_impacts(
     let workers = workers.ready();
     let count = bodies.len().min(sweeps.len());
     let is_continuous = |i: u32| continuous.get(i as usize) == Some(&true);
+    let bodies_of = |pair: [u32; 2]| pair.map(|i| bodies.body_of(i));
     // As a fraction of the sweeps.
     let time_of_impact = |pair: [u32; 2], sweeps: [&Sweep; 2]| {
         let moves = |sweep: &&Sweep| sweep.travel != DVec3::ZERO || sweep.turn != DVec3::ZERO;
@@ -125,13 +126,13 @@ pub fn find_impacts(
     ignored.clear();
     ignored.extend(pairs.iter().map(|pair| {
         let exist = pair.iter().all(|&i| (i as usize) < count);
-        !(exist && pair.iter().any(|&i| is_continuous(i)))
+        !(exist && bodies_of(*pair).into_iter().any(is_continuous))
     }));
     let first_times = pairs.par_iter().zip(&*ignored).map(|(&pair, &ignored)| {
         if ignored {
             f64::INFINITY
         } else {
-            time_of_impact(pair, pair.map(|i| &sweeps[i as usize]))
+            time_of_impact(pair, bodies_of(pair).map(|i| &sweeps[i as usize]))
         }
     });
     loops::collect(first_times, 1, times);
@@ -153,7 +154,8 @@ pub fn find_impacts(
         .min_by(|one, other| one.1.total_cmp(other.1))
     {
         times[at] = f64::INFINITY;
-        let groups = pairs[at].map(|i| motions[i as usize].group);
+        let pair_bodies = bodies_of(pairs[at]);
+        let groups = pair_bodies.map(|i| motions[i as usize].group);
         if groups[0] == groups[1] {
             continue;
         }
@@ -173,12 +175,13 @@ pub fn find_impacts(
                 };
                 let [one, other] = groups.map(mobility);
                 // Of two of the same kind the one yields that is continuous.
-                let last = other > one || (other == one && !is_continuous(pairs[at][0]));
-                let (yielding, carrier) = (pairs[at][usize::from(last)], groups[usize::from(!last)]);
+                let last = other > one || (other == one && !is_continuous(pair_bodies[0]));
+                let (yielding, carrier) = (pair_bodies[usize::from(last)], groups[usize::from(!last)]);
                 ignored[at] = true;
-                if is_continuous(yielding) && (one != other || pairs[at].iter().all(|&i| is_continuous(i))) {
+                if is_continuous(yielding) && (one != other || pair_bodies.into_iter().all(is_continuous)) {
                     let old_group = motions[yielding as usize].group;
-                    for (ignored, pair) in ignored.iter_mut().zip(pairs) {
+                    for (ignored, pair) in ignored.iter_mut().zip(pairs).filter(|(ignored, _)| !**ignored) {
+                        let pair = bodies_of(*pair);
                         let others = pair.contains(&yielding)
                             && pair
                                 .iter()
@@ -191,14 +194,15 @@ pub fn find_impacts(
         }
         outdated.clear();
         outdated.extend((0..pairs.len() as u32).filter(|&at| {
-            let [a, b] = pairs[at as usize].map(|i| i as usize);
-            !ignored[at as usize]
-                && (motions[a].has_changed || motions[b].has_changed)
-                && motions[a].group != motions[b].group
+            if ignored[at as usize] {
+                return false;
+            }
+            let [a, b] = bodies_of(pairs[at as usize]).map(|i| i as usize);
+            (motions[a].has_changed || motions[b].has_changed) && motions[a].group != motions[b].group
         }));
         let next_times = outdated.par_iter().map(|&at| {
             let pair = pairs[at as usize];
-            let [a, b] = pair.map(|i| motions[i as usize].after(time));
+            let [a, b] = bodies_of(pair).map(|i| motions[i as usize].after(time));
             time + (1.0 - time) * time_of_impact(pair, [&a, &b])
         });
         loops::collect(next_times, 1, new_times);
@@ -276,7 +280,10 @@ fn limit_penetration(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, m
         let normal = plane.normal.as_dvec3();
         let height = normal.dot(own.before.center + travel) - f64::from(plane.distance);
         let lowest = normal.dot(own.travel).min(0.0);
-        if height < f64::from(bodies.radius[i]) {
+        let radius = bodies
+            .compound_of(i as u32)
+            .map_or(bodies.radius[i], |body| body.radius);
+        if height < f64::from(radius) {
             travel += normal * (lowest - normal.dot(travel)).max(0.0);
         }
     }

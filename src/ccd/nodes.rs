@@ -9,7 +9,7 @@
 
 use super::relative::Rounded;
 use crate::simd::lanes::{
-    Points, Rows, Select, Simd, SimdBase, SimdFloat, abs, bitmask, broadcast, broadcast_point, cross, dot, f32x8,
+    Points, Rows, Select, Simd, SimdBase, SimdFloat, abs, add, bitmask, broadcast, broadcast_point, cross, dot, f32x8,
     load_points, mul, splat, splat_point,
 };
 use crate::state::mesh_arena::BoxGroup;
@@ -44,6 +44,8 @@ pub struct SafeTimes {
 /// Transforms boxes of a body into the axes of both bodies, at one time.
 pub struct NodePlacer<S: Simd> {
     scale: Points<S>,
+    /// From the body's centre of mass to the collider's.
+    offset: Points<S>,
     /// 0 for the first body, 1 for the second.
     side: usize,
     /// To the other body's axes.
@@ -51,18 +53,19 @@ pub struct NodePlacer<S: Simd> {
     rotation_abs: Rows<S>,
     /// Axis of rotation in the body's own axes; zero if it does not rotate.
     axis: Points<S>,
-    /// Radius of the body's bounding sphere.
+    /// Radius of the bounding sphere around the body's centre of mass.
     radius: f32x8<S>,
 }
 
 impl<S: Simd> NodePlacer<S> {
-    /// For the first body or the second. `scale` and the `radius` of the bounding sphere are in the pair's unit of
+    /// For the first body or the second. `scale`, `offset` and the `radius` of the bounding sphere are in the pair's unit of
     /// length.
     #[inline(always)]
-    pub fn new(simd: S, side: usize, scale: Vec3, radius: f32, relative: &Rounded) -> Self {
+    pub fn new(simd: S, side: usize, scale: Vec3, offset: Vec3, radius: f32, relative: &Rounded) -> Self {
         let rotation = if side == 0 { relative.back } else { relative.rotation };
         Self {
             scale: splat_point(simd, scale),
+            offset: splat_point(simd, offset),
             side,
             rotation: Rows::new(simd, rotation),
             rotation_abs: Rows::new(simd, rotation.abs()),
@@ -77,7 +80,7 @@ impl<S: Simd> NodePlacer<S> {
         let simd = self.radius.simd;
         let half = load_points(simd, &boxes.half);
         let lanes = bitmask(half[0].simd_ge(splat(simd, 0.0)));
-        let center = mul(load_points(simd, &boxes.center), self.scale);
+        let center = add(mul(load_points(simd, &boxes.center), self.scale), self.offset);
         let half = mul(half, abs(self.scale));
         let own = (center, half);
         let other = (self.rotation.times(center), self.rotation_abs.times(half));

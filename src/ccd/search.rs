@@ -40,9 +40,12 @@ pub struct Scratch {
 #[derive(Clone, Copy)]
 pub struct Side<'a> {
     pub slot: &'a MeshSlot,
-    pub sweep: &'a Sweep,
+    /// Along the collider's axes, about the body's centre of mass.
+    pub sweep: Sweep,
     pub scale: Vec3,
-    /// Radius of the bounding sphere, metres.
+    /// From the body's centre of mass to the collider's, in the collider's axes, metres.
+    pub offset: DVec3,
+    /// Radius of the bounding sphere around the body's centre of mass, metres.
     pub radius: f64,
 }
 
@@ -176,7 +179,7 @@ impl Search<'_> {
     }
 
     fn relative(&self, time: f64) -> Relative {
-        Relative::at([self.sides[0].sweep, self.sides[1].sweep], time)
+        Relative::at([&self.sides[0].sweep, &self.sides[1].sweep], time)
     }
 
     /// Times are compared in ticks, and within a tick lower levels come first. In one tick distances shrink by no more
@@ -215,8 +218,11 @@ impl Search<'_> {
 
     #[inline(always)]
     fn placer<S: Simd>(&self, simd: S, side: usize, unit: f32, rounded: &Rounded) -> NodePlacer<S> {
-        let Side { scale, radius, .. } = self.sides[side];
-        NodePlacer::new(simd, side, unit * scale, unit * radius as f32, rounded)
+        let Side {
+            scale, offset, radius, ..
+        } = self.sides[side];
+        let offset = (f64::from(unit) * offset).as_vec3();
+        NodePlacer::new(simd, side, unit * scale, offset, unit * radius as f32, rounded)
     }
 
     /// Computes safe times for the children of the larger node, or again for the pair itself if it is far apart.
@@ -286,9 +292,9 @@ impl Search<'_> {
         let rotations = [DMat3::IDENTITY, placement.relative.rotation];
         let side = &self.sides[i];
         let cluster = &side.slot.lanes.clusters[entry.number[i] as usize];
-        let scale = side.scale.as_dvec3() * f64::from(placement.unit);
-        let matrix = rotations[i] * DMat3::from_diagonal(scale);
-        let origin = matrix * side.about_center(cluster.origin);
+        let unit = f64::from(placement.unit);
+        let matrix = rotations[i] * DMat3::from_diagonal(side.scale.as_dvec3() * unit);
+        let origin = rotations[i] * (side.about_center(cluster.origin) * unit);
         let matrix: Mat3 = matrix.as_mat3();
         Triangles::new(simd, i, cluster, matrix, origin.as_vec3(), &placement.rounded)
     }
@@ -352,15 +358,15 @@ impl Side<'_> {
         }
     }
 
-    /// The corners of a triangle relative to the centre of mass, in the body's axes, scaled.
+    /// The corners of a triangle relative to the body's centre of mass, in the collider's axes, scaled.
     fn triangle(&self, number: u32) -> [DVec3; 3] {
         let corners = self.slot.mesh.mesh.corners(number as usize);
-        corners.map(|corner| self.scale.as_dvec3() * self.about_center(corner))
+        corners.map(|corner| self.about_center(corner))
     }
 
-    /// A point of the mesh relative to the centre of mass, not scaled.
+    /// A point of the mesh relative to the body's centre of mass, in the collider's axes, scaled.
     fn about_center(&self, point: Vec3) -> DVec3 {
-        point.as_dvec3() - self.slot.mesh.mass.center.as_dvec3()
+        self.offset + self.scale.as_dvec3() * (point.as_dvec3() - self.slot.mesh.mass.center.as_dvec3())
     }
 }
 

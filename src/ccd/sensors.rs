@@ -31,14 +31,15 @@ pub fn find_sensor_touches(
         at.ok().map(|at| &impacts[at])
     };
     let touches = pairs.par_iter().map(|&pair| {
-        let [a, b] = pair.map(impact_of);
+        let movers = pair.map(|i| bodies.body_of(i));
+        let [a, b] = movers.map(impact_of);
         // The velocities of both bodies are constant between two of these times.
         let [one, other] = [a, b].map(|impact| impact.map_or(0.0, |impact| f64::from(impact.fraction)));
         let times = [0.0, one.min(other), one.max(other), 1.0];
         let mut worker = workers.lock();
         times.windows(2).filter(|span| span[0] < span[1]).find_map(|span| {
-            let [a, b] =
-                [(pair[0], a), (pair[1], b)].map(|(i, impact)| motion(&sweeps[i as usize], impact, span[0], span[1]));
+            let [a, b] = [(movers[0], a), (movers[1], b)]
+                .map(|(i, impact)| motion(&sweeps[i as usize], impact, span[0], span[1]));
             first_touch(bodies, meshes, pair, [&a, &b], &mut worker)
         })
     });

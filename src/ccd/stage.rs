@@ -75,12 +75,14 @@ impl Ccd {
         continuous.clear();
         continuous
             .extend((0..bodies.len() as u32).map(|i| is_flagged(i) && solver_bodies.bodies[i as usize].has_mass()));
+        let body_of = |i: u32| bodies.body_of(i);
         let solid = |&i: &u32| solver_bodies.bodies[i as usize].solid;
         sensor_pairs.clear();
         let has_sensor = |pair: &[u32; 2]| !pair.iter().all(solid) && pair.iter().any(|&i| is_flagged(i));
         sensor_pairs.extend(pairs.iter().copied().filter(has_sensor));
         solid_pairs.clear();
-        let can_collide = |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[i as usize]);
+        let can_collide =
+            |pair: &[u32; 2]| pair.iter().all(solid) && pair.iter().any(|&i| continuous[body_of(i) as usize]);
         let target_distance = |pair: [u32; 2]| {
             let [a, b] = pair.map(|i| bodies.radius[i as usize]);
             TARGET_DISTANCE * config.solver.rest_offset * 2.0 * a.min(b)
@@ -134,7 +136,7 @@ impl Ccd {
             at.is_ok_and(|at| impacts[at].fraction == 0.0)
         };
         for &pair in solid_pairs.iter() {
-            let stuck = pair.map(is_stuck);
+            let stuck = pair.map(|i| is_stuck(body_of(i)));
             if stuck == [false; 2] {
                 continue;
             }
@@ -144,20 +146,26 @@ impl Ccd {
             let correction = (target_distance(pair) - point.separation).max(0.0) * point.normal;
             for (side, offset) in [-correction, correction].into_iter().enumerate() {
                 if stuck[side] {
-                    solver_bodies.motions[pair[side] as usize].center += offset.as_dvec3();
+                    solver_bodies.motions[body_of(pair[side]) as usize].center += offset.as_dvec3();
                 }
             }
         }
     }
 }
 
-/// The motion of a body from its pose in `bodies` to that in `solver_bodies`.
+/// The motion of the body of collider `i` from its pose in `bodies` to that in `solver_bodies`.
 fn sweep(bodies: &Bodies, solver_bodies: &SolverBodies, i: usize) -> Sweep {
-    let before = Pose {
-        center: bodies.frame[i].center,
-        rotation: bodies.rotation[i].as_dquat().normalize(),
+    let before = match bodies.compound_of(i as u32) {
+        Some(compound) => Pose {
+            center: compound.center,
+            rotation: compound.rotation,
+        },
+        None => Pose {
+            center: bodies.frame[i].center,
+            rotation: bodies.rotation[i].as_dquat().normalize(),
+        },
     };
-    let motion = &solver_bodies.motions[i];
+    let motion = &solver_bodies.motions[bodies.body_of(i as u32) as usize];
     let after = Pose {
         center: motion.center,
         rotation: motion.rotation,

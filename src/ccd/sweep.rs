@@ -38,6 +38,15 @@ impl Sweep {
         }
     }
 
+    /// The same motion for axes that are turned by `rotation` in the body.
+    pub(super) fn turned(&self, rotation: DQuat) -> Self {
+        let before = Pose {
+            rotation: (self.before.rotation * rotation).normalize(),
+            ..self.before
+        };
+        Self { before, ..*self }
+    }
+
     /// The motion of a body at rest.
     pub fn at_rest(pose: Pose) -> Self {
         Self {

@@ -14,7 +14,8 @@ const TOLERANCE: f64 = 0.125;
 const MIN_TOLERANCE: f64 = 1.0e-6;
 
 /// The time, 0 to 1, at which two moving bodies of `bodies` first come nearer to each other than `target_distance`
-/// metres; `None` if they do not. Their own poses are ignored: `sweeps` have their poses and motion.
+/// metres; `None` if they do not. Their own poses are ignored: `sweeps` have their poses and motion. The pair are two
+/// colliders, and the sweeps those of their bodies.
 ///
 /// * The time is never late: before it no two points of the two surfaces are nearer than `target_distance`, up to
 ///   rounding.
@@ -94,7 +95,13 @@ fn search<'a>(
     if !valid || target_distance.is_nan() {
         return None;
     }
-    let radii = [a, b].map(|i| f64::from(bodies.radius[i]));
+    let offset = |i: u32| {
+        bodies
+            .part(i)
+            .map_or(DVec3::ZERO, |part| part.place.rotation.inverse() * part.offset)
+    };
+    let offsets = pair.map(offset);
+    let radii = [(a, offsets[0]), (b, offsets[1])].map(|(i, offset)| f64::from(bodies.radius[i]) + offset.length());
     let target_distance = f64::from(target_distance.clamp(0.0, f32::MAX));
     let tolerance = (TOLERANCE * target_distance).max(MIN_TOLERANCE * radii[0].min(radii[1]));
     let target = TargetDistance {
@@ -105,8 +112,11 @@ fn search<'a>(
     let side = |number: usize, i: usize| {
         Some(Side {
             slot: meshes.get(bodies.mesh[i])?,
-            sweep: sweeps[number],
+            sweep: bodies
+                .part(i as u32)
+                .map_or(*sweeps[number], |part| sweeps[number].turned(part.place.rotation)),
             scale: bodies.scale[i],
+            offset: offsets[number],
             radius: radii[number],
         })
     };

@@ -57,8 +57,8 @@ pub(crate) fn sum_impulses(
     lists.extend(entries, &contacts.pairs, TASK, |number, pair, entries| {
         if pair_closes(bodies, config, pair) {
             let impulses = pair_impulses(bodies, config, counts, pair);
-            entries.extend(pair.bodies.iter().zip(impulses).map(|(&body, impulse)| Entry {
-                body,
+            entries.extend(pair.bodies.iter().zip(impulses).map(|(&i, impulse)| Entry {
+                body: bodies.body_of(i),
                 contact: number as u32,
                 impulse,
             }));
@@ -68,7 +68,7 @@ pub(crate) fn sum_impulses(
         let plane = &planes[contact.plane as usize];
         if plane_pushes(bodies, config, plane, contact) {
             entries.push(Entry {
-                body: contact.body,
+                body: bodies.body_of(contact.body),
                 contact: (contacts.pairs.len() + number) as u32,
                 impulse: plane_impulse(bodies, config, counts, plane, contact),
             });

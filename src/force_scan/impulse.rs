@@ -23,14 +23,14 @@ pub(super) fn count_contacts(
     counts.resize(bodies.len(), 0);
     for pair in &contacts.pairs {
         if pair_closes(bodies, config, pair) {
-            for body in pair.bodies {
-                counts[body as usize] += 1;
+            for i in pair.bodies {
+                counts[bodies.body_of(i) as usize] += 1;
             }
         }
     }
     for contact in &contacts.planes {
         if plane_pushes(bodies, config, &planes[contact.plane as usize], contact) {
-            counts[contact.body as usize] += 1;
+            counts[bodies.body_of(contact.body) as usize] += 1;
         }
     }
 }
@@ -98,11 +98,12 @@ impl Side {
     fn new(bodies: &Bodies, config: &StepConfig, counts: &[u32], i: u32, point: Vec3, n: Vec3) -> Self {
         let speed = speed(bodies, config, i, point, n);
         let i = i as usize;
-        let anchor = point - bodies.center[i];
+        let anchor = point - bodies.frame[i].body_center.as_vec3();
         let angular_response = bodies.inverse_inertia[i] * anchor.cross(n);
         Self {
             speed,
-            inverse_effective_mass: counts[i] as f32 * (bodies.inverse_mass[i] + angular_response.cross(anchor).dot(n)),
+            inverse_effective_mass: counts[bodies.body_of(i as u32) as usize] as f32
+                * (bodies.inverse_mass[i] + angular_response.cross(anchor).dot(n)),
             angular_response,
         }
     }

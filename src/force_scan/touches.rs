@@ -55,7 +55,7 @@ impl Touches {
             let diameter = 2.0 * solver_bodies.bodies[a].radius.min(solver_bodies.bodies[b].radius);
             let near = nearest.separation <= settings.rest_offset * diameter;
             if near || (first..first + points.len()).any(|point| solver.pushes(point)) {
-                let center = bodies.frame[a].center.as_vec3();
+                let center = bodies.frame[a].body_center.as_vec3();
                 self.all.extend(points.iter().enumerate().map(|(k, point)| Touch {
                     bodies: pair.bodies,
                     point: point.in_world(center, solver.impulse_of(first + k)),

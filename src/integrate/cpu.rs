@@ -13,6 +13,7 @@ use rayon::prelude::*;
 /// Moves every body by one step, with the sum of its impulses. Data derived from poses is stale afterwards.
 pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: &[Impulse], bodies: &mut Bodies) {
     let dt = config.dt;
+    apply_to_compounds(config, impulses, bodies);
     let items = (
         &mut bodies.position,
         &mut bodies.rotation,
@@ -24,11 +25,16 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
         &bodies.mesh,
         impulses,
     );
+    let parts = &bodies.parts;
+    let is_part = |i: usize| {
+        let i = i as u32;
+        !parts.is_empty() && parts.binary_search_by_key(&i, |part| part.collider).is_ok()
+    };
     loops::for_each(
-        items.into_par_iter(),
+        items.into_par_iter().enumerate(),
         256,
-        |(position, rotation, velocity, spin, &kind, &gravity_scale, frame, &mesh, impulse)| {
-            if kind == RigidBody::Static {
+        |(i, (position, rotation, velocity, spin, &kind, &gravity_scale, frame, &mesh, impulse))| {
+            if kind == RigidBody::Static || is_part(i) {
                 return;
             }
             if kind == RigidBody::Dynamic {
@@ -46,6 +52,27 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
             *position = (center - rotated * local_center).as_vec3();
         },
     );
+}
+
+/// The same for bodies of several colliders.
+fn apply_to_compounds(config: &StepConfig, impulses: &[Impulse], bodies: &mut Bodies) {
+    let dt = config.dt;
+    for compound in &mut bodies.compounds {
+        let i = compound.number as usize;
+        let (mut velocity, mut spin) = (compound.motion.linear_velocity, compound.motion.angular_velocity);
+        if bodies.kind[i] == RigidBody::Dynamic {
+            velocity += config.gravity * (bodies.gravity_scale[i] * dt) + impulses[i].linear;
+            spin += impulses[i].angular;
+        }
+        let center = compound.center + (velocity * dt).as_dvec3();
+        let rotation = if spin == Vec3::ZERO {
+            compound.rotation
+        } else {
+            (DQuat::from_scaled_axis((spin * dt).as_dvec3()) * compound.rotation).normalize()
+        };
+        compound.set(center, rotation, velocity, spin);
+    }
+    bodies.place_parts(0..bodies.parts.len());
 }
 
 /// Stops bodies with continuous collision detection at their first impact, and records the sensors on their paths.

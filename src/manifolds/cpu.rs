@@ -141,7 +141,8 @@ fn add_points(
 ) {
     if let Some(found) = pair_of_bodies(bodies, meshes, pair.bodies) {
         let chosen = worker.reduced(&found, pair.margin, kept, threads);
-        points.extend(chosen.iter().map(|feature| found.point(feature).0));
+        let offsets = pair.bodies.map(|i| bodies.frame[i as usize].offset().as_vec3());
+        points.extend(chosen.iter().map(|feature| found.point(feature).0.shifted(offsets)));
     }
 }
 

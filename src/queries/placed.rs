@@ -134,6 +134,7 @@ impl<'a> Placed<'a> {
         Frame {
             position,
             center: position + self.frame.center,
+            body_center: position + self.frame.center,
             ..self.frame
         }
     }

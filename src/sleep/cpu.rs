@@ -26,7 +26,7 @@ pub(crate) const OVERLAP: f32 = 4.0;
 #[derive(Clone, Debug, Default)]
 pub struct Sleeper {
     islands: UnionFind,
-    /// The bodies that each body touches, as the sum of hashes of their keys.
+    /// The colliders that each body touches, as the sum of hashes of their keys.
     neighbours: Vec<u32>,
     /// For the root of each island: the island stays awake, or must wake.
     awake: Vec<bool>,
@@ -99,6 +99,7 @@ impl Sleeper {
                 bodies.sleep[i] = Default::default();
             }
         }
+        bodies.share_sleep();
     }
 
     /// Advances the rest times by a collision substep of `dt` seconds, and puts islands to sleep whose bodies all have
@@ -128,7 +129,7 @@ impl Sleeper {
         }
         for pair in &manifolds.pairs {
             if overlaps(bodies, manifolds, pair, settings) {
-                for i in pair.bodies.map(|i| i as usize) {
+                for i in pair.bodies.map(|i| bodies.body_of(i) as usize) {
                     bodies.sleep[i].rest_time = 0.0;
                 }
             }
@@ -159,6 +160,7 @@ impl Sleeper {
                 bodies.motions[i].angular_velocity = Vec3::ZERO;
             }
         }
+        bodies.share_sleep();
     }
 
     /// Joins dynamic bodies that touch into islands, and sums the hashes of the bodies that each body touches.
@@ -173,12 +175,15 @@ impl Sleeper {
             if !touches(bodies, manifolds, pair, settings) {
                 continue;
             }
-            let [a, b] = pair.bodies.map(|i| i as usize);
+            let keys = pair.bodies.map(|i| bodies.keys[i as usize]);
+            let [a, b] = pair.bodies.map(|i| bodies.body_of(i));
             // Wrapping sums do not depend on the order of pairs.
-            self.neighbours[a] = self.neighbours[a].wrapping_add(hash(bodies.keys[b]));
-            self.neighbours[b] = self.neighbours[b].wrapping_add(hash(bodies.keys[a]));
-            if bodies.bodies[a].has_mass() && bodies.bodies[b].has_mass() {
-                self.islands.join(pair.bodies[0], pair.bodies[1]);
+            for (body, other) in [(a, keys[1]), (b, keys[0])] {
+                let sum = &mut self.neighbours[body as usize];
+                *sum = sum.wrapping_add(hash(other));
+            }
+            if [a, b].iter().all(|&i| bodies.bodies[i as usize].has_mass()) {
+                self.islands.join(a, b);
             }
         }
     }
@@ -212,7 +217,7 @@ impl Sleeper {
             let fall = gravity.length() * dt;
             let will_touch = |p: &ManifoldPoint| {
                 let [a, b] = [0, 1].map(|side| {
-                    let motion = &bodies.motions[pair.bodies[side] as usize];
+                    let motion = &bodies.motions[bodies.body_of(pair.bodies[side]) as usize];
                     motion.linear_velocity + motion.angular_velocity.cross(p.anchors[side])
                 });
                 p.separation - ((a - b).dot(p.normal).max(0.0) + fall) * dt <= distance
@@ -232,7 +237,7 @@ impl Sleeper {
 
     /// Marks the island of each body of `pair` whose other body `disturbs` it.
     fn mark_other(&mut self, bodies: &SolverBodies, pair: &Manifold, disturbs: impl Fn(&SolverBodies, usize) -> bool) {
-        let [a, b] = pair.bodies;
+        let [a, b] = pair.bodies.map(|i| bodies.body_of(i));
         for (one, other) in [(a, b), (b, a)] {
             if disturbs(bodies, one as usize) {
                 let root = self.islands.root(other);
@@ -244,8 +249,9 @@ impl Sleeper {
 
 /// Wakes bodies that touch a static body that has changed.
 pub(crate) fn wake_on_changed_static(bodies: &mut SolverBodies, inactive: &InactiveBodies, manifolds: &Manifolds) {
-    for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies.map(|i| i as usize)) {
+    for [a, b] in manifolds.pairs.iter().map(|pair| pair.bodies) {
         for (sleeper, support) in [(a, b), (b, a)] {
+            let (sleeper, support) = (bodies.body_of(sleeper) as usize, support as usize);
             if bodies.sleep[sleeper].asleep
                 && bodies.bodies[support].kind == RigidBody::Static
                 && !inactive.flags[support]
@@ -279,7 +285,8 @@ fn touch_distance(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSetti
 fn rest_gap(bodies: &SolverBodies, pair: &Manifold, settings: &SolverSettings) -> Option<f32> {
     let [a, b] = pair.bodies.map(|i| bodies.bodies.get(i as usize));
     let (a, b) = (a?, b?);
-    let solid = pair.bodies[0] != pair.bodies[1] && a.solid && b.solid;
+    let [one, other] = pair.bodies.map(|i| bodies.body_of(i));
+    let solid = one != other && a.solid && b.solid;
     solid.then(|| settings.rest_offset * 2.0 * a.radius.min(b.radius))
 }
 
@@ -296,7 +303,7 @@ fn is_moving(bodies: &SolverBodies, i: usize) -> bool {
 
 /// Speed of the fastest point of the body's bounding sphere.
 fn speed(body: &SolverBody, motion: &SolverMotion) -> f32 {
-    motion.linear_velocity.length() + motion.angular_velocity.length() * body.radius
+    motion.linear_velocity.length() + motion.angular_velocity.length() * body.extent
 }
 
 /// Hash of a key (the finaliser of SplitMix64: Steele et al., "Fast Splittable Pseudorandom Number Generators", 2014).

@@ -1,8 +1,8 @@
 //! The state of a body, other than its motion, whose change wakes the body or its neighbours.
 
-use crate::state::StepInput;
+use crate::state::{Place, StepInput};
 use crate::types::body::RigidBody;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 /// The properties of a body whose change wakes it or its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,10 +17,12 @@ pub(crate) struct SleepInputs {
     pub sensor: bool,
 }
 
-/// These properties and the pose.
+/// These properties and the pose: that of the body and, in a body of several colliders, the place of the collider and the
+/// body's centre of mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PlacedSleepInputs {
     pub inputs: SleepInputs,
+    pub place: Option<(Place, DVec3)>,
     pub position: Vec3,
     pub rotation: Quat,
 }
@@ -44,10 +46,22 @@ impl SleepInputs {
 impl PlacedSleepInputs {
     /// Those of body `i`.
     pub fn of(input: &StepInput, i: usize) -> Self {
+        let bodies = &input.bodies;
+        let inputs = SleepInputs::of(input, i);
+        let Some(part) = bodies.part(i as u32) else {
+            return Self {
+                inputs,
+                place: None,
+                position: bodies.position[i],
+                rotation: bodies.rotation[i],
+            };
+        };
+        let compound = &bodies.compounds[part.compound as usize];
         Self {
-            inputs: SleepInputs::of(input, i),
-            position: input.bodies.position[i],
-            rotation: input.bodies.rotation[i],
+            inputs,
+            place: Some((part.place, compound.local_center)),
+            position: compound.motion.position,
+            rotation: compound.motion.rotation,
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Conversion between the bodies of a step and those of the solver.
 
+use super::bodies::SolverPart;
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Plane};
-use crate::types::body::RigidBody;
-use glam::DMat3;
+use crate::types::body::{ExternalForces, RigidBody};
+use glam::{DMat3, Mat3};
 
 /// Key of the first plane; the keys of planes descend from here.
 pub(crate) const PLANE_KEY: u64 = u64::MAX;
@@ -25,6 +26,7 @@ impl SolverBodies {
                 inverse_mass: bodies.inverse_mass[i],
                 inverse_inertia: bodies.local_inverse_inertia[i],
                 radius: bodies.unpadded_radius[i],
+                extent: bodies.unpadded_radius[i],
                 thickness: bodies.thickness[i],
                 restitution: bodies.restitution[i],
                 restitution_combine: params.restitution_combine,
@@ -48,6 +50,7 @@ impl SolverBodies {
             let number = self.push(key, body, motion);
             self.forces[number as usize] = params.forces;
         }
+        self.read_compounds(bodies);
         for (i, plane) in planes.iter().enumerate() {
             let body = SolverBody {
                 restitution: plane.restitution,
@@ -61,10 +64,53 @@ impl SolverBodies {
         }
     }
 
+    /// Moves the mass of compounds to their first colliders. The motions of the other colliders remain those of the
+    /// colliders, which bound their speeds.
+    fn read_compounds(&mut self, bodies: &Bodies) {
+        for part in &bodies.parts {
+            let compound = &bodies.compounds[part.compound as usize];
+            self.parts.push(SolverPart {
+                collider: part.collider,
+                body: compound.number,
+                offset: part.offset,
+            });
+            if part.collider != compound.number {
+                let i = part.collider as usize;
+                (self.bodies[i].inverse_mass, self.bodies[i].inverse_inertia) = (0.0, Mat3::ZERO);
+                self.forces[i] = ExternalForces::default();
+            }
+        }
+        for compound in &bodies.compounds {
+            let i = compound.number as usize;
+            self.bodies[i].inverse_inertia = compound.local_inverse_inertia;
+            self.bodies[i].extent = compound.radius;
+            self.motions[i] = SolverMotion {
+                center: compound.center,
+                rotation: compound.rotation,
+                linear_velocity: compound.motion.linear_velocity,
+                angular_velocity: compound.motion.angular_velocity,
+            };
+        }
+    }
+
     /// Writes poses, frames and velocities to the bodies that these were read from. World inertia tensors, which are
     /// derived from poses, are stale afterwards.
     pub fn write(&self, bodies: &mut Bodies, meshes: &MeshArena) {
+        for compound in &mut bodies.compounds {
+            let motion = &self.motions[compound.number as usize];
+            compound.set(
+                motion.center,
+                motion.rotation,
+                motion.linear_velocity,
+                motion.angular_velocity,
+            );
+        }
+        bodies.place_parts(0..bodies.parts.len());
+        let mut parts = self.parts.iter().peekable();
         for i in 0..bodies.len() {
+            if parts.next_if(|part| part.collider == i as u32).is_some() {
+                continue;
+            }
             let motion = &self.motions[i];
             bodies.linear_velocity[i] = motion.linear_velocity;
             bodies.angular_velocity[i] = motion.angular_velocity;
@@ -75,7 +121,7 @@ impl SolverBodies {
             }
             let frame = &mut bodies.frame[i];
             let local_center = frame.scale * meshes[bodies.mesh[i]].mesh.mass.center.as_dvec3();
-            frame.center = motion.center;
+            (frame.center, frame.body_center) = (motion.center, motion.center);
             frame.rotation = DMat3::from_quat(motion.rotation);
             frame.position = motion.center - frame.rotation * local_center;
             bodies.center[i] = motion.center.as_vec3();

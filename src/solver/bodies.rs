@@ -1,4 +1,7 @@
 //! The solver's bodies: properties, motion, external forces and sleep state.
+//!
+//! There is an entry for each collider. A body has the number of its first collider, and its motion, mass, forces and
+//! sleep state are in that entry. Manifolds name colliders.
 
 use crate::types::body::{ExternalForces, LockedAxes, RigidBody};
 use crate::types::material::CombineRule;
@@ -13,8 +16,10 @@ pub struct SolverBody {
     pub inverse_mass: f32,
     /// In the body's own axes, 1/(kg m^2). Zero for bodies that no moment rotates.
     pub inverse_inertia: Mat3,
-    /// Radius of the bounding sphere around the centre of mass, metres.
+    /// Radius of the collider's bounding sphere, metres.
     pub radius: f32,
+    /// Distance of the body's farthest point from its centre of mass, metres.
+    pub extent: f32,
     /// Thickness of its thinnest part, metres; infinite for a half-space.
     pub thickness: f32,
     /// Coefficient of restitution: outgoing over incoming normal speed, 0 to 1.
@@ -61,6 +66,7 @@ impl SolverBody {
             inverse_mass: 0.0,
             inverse_inertia: Mat3::ZERO,
             radius,
+            extent: radius,
             thickness: f32::INFINITY,
             restitution: 0.0,
             restitution_combine: CombineRule::Average,
@@ -130,14 +136,25 @@ pub struct SleepState {
     pub asleep: bool,
     /// How long it has been slow, seconds.
     pub rest_time: f32,
-    /// The bodies that it touched when it fell asleep, as the sum of hashes of their keys.
+    /// The colliders that it touched when it fell asleep, as the sum of hashes of their keys.
     pub neighbours: u32,
 }
 
-/// All bodies; one entry per body in every array.
+/// A collider of a body of several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SolverPart {
+    /// Its number.
+    pub collider: u32,
+    /// The number of its body.
+    pub body: u32,
+    /// From the body's centre of mass to the collider's, in the body's axes, metres.
+    pub offset: DVec3,
+}
+
+/// All bodies; one entry per collider in every array but the last.
 #[derive(Clone, Debug, Default)]
 pub struct SolverBodies {
-    /// Unique key of each body, the same in every step: an entity's bits, for example. Numbers of bodies may change
+    /// Unique key of each collider, the same in every step: an entity's bits, for example. Numbers of bodies may change
     /// from step to step.
     pub keys: Vec<u64>,
     /// Properties.
@@ -148,6 +165,8 @@ pub struct SolverBodies {
     pub forces: Vec<ExternalForces>,
     /// Which are asleep.
     pub sleep: Vec<SleepState>,
+    /// The colliders of bodies of several, ascending.
+    pub(crate) parts: Vec<SolverPart>,
 }
 
 impl SolverBodies {
@@ -170,21 +189,52 @@ impl SolverBodies {
             motions,
             forces,
             sleep,
+            parts,
         } = self;
         keys.clear();
         bodies.clear();
         motions.clear();
         forces.clear();
         sleep.clear();
+        parts.clear();
     }
 
-    /// Whether these are two solid bodies with finite motions, so that there may be contacts between them.
-    pub(super) fn may_touch(&self, [a, b]: [u32; 2]) -> bool {
-        let is_valid = |body: u32| {
-            let body = body as usize;
-            body < self.len() && self.bodies[body].solid && self.motions[body].is_finite()
+    /// The number of the body of a collider.
+    pub(crate) fn body_of(&self, collider: u32) -> u32 {
+        self.part(collider).map_or(collider, |part| part.body)
+    }
+
+    /// From the body's centre of mass to the collider's, in world axes, metres.
+    pub(super) fn offset(&self, collider: u32) -> Vec3 {
+        self.part(collider).map_or(Vec3::ZERO, |part| {
+            (self.motions[part.body as usize].rotation * part.offset).as_vec3()
+        })
+    }
+
+    fn part(&self, collider: u32) -> Option<&SolverPart> {
+        if self.parts.is_empty() {
+            return None;
+        }
+        let at = self.parts.binary_search_by_key(&collider, |part| part.collider);
+        at.ok().map(|at| &self.parts[at])
+    }
+
+    /// Copies the sleep states of bodies to their other colliders.
+    pub(crate) fn share_sleep(&mut self) {
+        for part in &self.parts {
+            self.sleep[part.collider as usize] = self.sleep[part.body as usize];
+        }
+    }
+
+    /// Whether these are two solid colliders of different bodies with finite motions, so that there may be contacts
+    /// between them.
+    pub(super) fn may_touch(&self, colliders: [u32; 2]) -> bool {
+        let is_valid = |collider: u32| {
+            let (i, body) = (collider as usize, self.body_of(collider) as usize);
+            i < self.len() && self.bodies[i].solid && self.motions[body].is_finite()
         };
-        a != b && is_valid(a) && is_valid(b)
+        let [a, b] = colliders.map(|collider| self.body_of(collider));
+        a != b && colliders.into_iter().all(is_valid)
     }
 
     /// Adds an awake body without external forces and returns its number.

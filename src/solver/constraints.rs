@@ -85,7 +85,6 @@ impl Constraints {
         warm: &WarmStart,
     ) {
         let is_movable = |body: u32| mobility[body as usize] == Mobility::Movable;
-        let is_solved = |pair: [u32; 2]| bodies.may_touch(pair) && pair.into_iter().any(is_movable);
         let mut end = 0;
         self.solved.clear();
         self.solved.extend(manifolds.pairs.iter().map(|manifold| {
@@ -93,15 +92,19 @@ impl Constraints {
             let range = manifold.first_point as usize..manifold.first_point as usize + manifold.point_count as usize;
             let fits = range.start >= end && range.end <= manifolds.points.len();
             end = if fits { range.end } else { end };
-            (fits && !range.is_empty() && is_solved(manifold.bodies)).then_some(manifold.bodies)
+            if !fits || range.is_empty() || !bodies.may_touch(manifold.bodies) {
+                return None;
+            }
+            let pair = manifold.bodies.map(|collider| bodies.body_of(collider));
+            pair.into_iter().any(is_movable).then_some(pair)
         }));
         self.islands.build(mobility, paces, &self.solved);
         self.states.resize(self.islands.bodies.len());
-        self.add_pairs(manifolds);
+        self.add_pairs(bodies, manifolds);
         self.find_unsolved(bodies, manifolds, warm);
     }
 
-    fn add_pairs(&mut self, manifolds: &Manifolds) {
+    fn add_pairs(&mut self, bodies: &SolverBodies, manifolds: &Manifolds) {
         self.pairs.clear();
         self.points.clear();
         self.numbers.clear();
@@ -110,7 +113,8 @@ impl Constraints {
         for pair in &self.islands.pairs {
             let manifold = &manifolds.pairs[pair.number as usize];
             self.pairs.push(Pair {
-                bodies: manifold.bodies,
+                colliders: manifold.bodies,
+                bodies: manifold.bodies.map(|collider| bodies.body_of(collider)),
                 slots: pair.slots,
                 source: manifold.first_point,
                 first: end,

@@ -6,6 +6,7 @@ use glam::{Vec3, Vec3A};
 /// The contact constraint of two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pair {
+    pub colliders: [u32; 2],
     pub bodies: [u32; 2],
     /// Numbers of its bodies within its island.
     pub slots: [u32; 2],
@@ -16,7 +17,7 @@ pub(super) struct Pair {
     pub count: u32,
     pub friction: f32,
     pub restitution: f32,
-    /// D: the bounding diameter of the smaller body, metres.
+    /// D: the bounding diameter of the smaller collider, metres.
     pub diameter: f32,
     /// The gap that the contact keeps, metres.
     pub rest_offset: f32,

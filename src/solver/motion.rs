@@ -258,7 +258,8 @@ pub(super) fn unit(rotation: DQuat) -> Quat {
 /// What can change the velocity and the pose of a body.
 pub(super) fn mobility(bodies: &SolverBodies, body: usize, pace: Pace) -> Mobility {
     let properties: &SolverBody = &bodies.bodies[body];
-    if !properties.moves() || !bodies.motions[body].is_finite() || bodies.sleep[body].asleep {
+    let is_body = bodies.body_of(body as u32) == body as u32;
+    if !is_body || !properties.moves() || !bodies.motions[body].is_finite() || bodies.sleep[body].asleep {
         Mobility::Fixed
     } else if properties.has_mass() && has_freedom(properties) {
         if pace.is_done() {

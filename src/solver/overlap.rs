@@ -31,7 +31,7 @@ pub(super) enum Overlap {
 /// Relative position and motion of the bodies of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RelativeMotion {
-    /// From the first body's centre of mass to the second's.
+    /// From the first collider's centre of mass to the second's.
     pub center_offset: Vec3,
     /// How far the first centre moves relative to the second within the collision substep.
     pub approach: Vec3,

@@ -30,23 +30,25 @@ impl Source<'_> {
         let [a, b] = pair.bodies.map(|i| i as usize);
         let settings = self.settings;
         let bodies = [&self.bodies.bodies[a], &self.bodies.bodies[b]];
+        let colliders = pair.colliders.map(|i| &self.bodies.bodies[i as usize]);
+        let offsets = pair.colliders.map(|i| self.bodies.offset(i));
         let motions = [&self.bodies.motions[a], &self.bodies.motions[b]];
         let has_mass = [a, b].map(|i| self.mobility[i].has_impulses());
-        let diameter = diameter(bodies[0].radius, bodies[1].radius);
+        let diameter = diameter(colliders[0].radius, colliders[1].radius);
         pair.rest_offset = settings.rest_offset * diameter;
         pair.diameter = diameter;
         pair.mass_ratio = mass_ratio(bodies.map(|body| body.inverse_mass), has_mass);
-        pair.friction = CombineRule::combine(bodies.map(|e| e.friction_combine), bodies.map(|e| e.friction));
-        pair.restitution =
-            CombineRule::combine(bodies.map(|e| e.restitution_combine), bodies.map(|e| e.restitution)).min(1.0);
+        pair.friction = CombineRule::combine(colliders.map(|e| e.friction_combine), colliders.map(|e| e.friction));
+        let restitution = colliders.map(|e| e.restitution);
+        pair.restitution = CombineRule::combine(colliders.map(|e| e.restitution_combine), restitution).min(1.0);
 
         let center_offset = motions[1].center - motions[0].center;
-        let surface_speeds = [0, 1].map(|side| motions[side].angular_velocity.length() * bodies[side].radius);
+        let surface_speeds = [0, 1].map(|side| motions[side].angular_velocity.length() * bodies[side].extent);
         let first = pair.source as usize;
         let manifold = &self.manifolds.points[first..first + points.len()];
-        let last = self.warm.find([self.bodies.keys[a], self.bodies.keys[b]]);
+        let last = self.warm.find(pair.colliders.map(|i| self.bodies.keys[i as usize]));
         let motion = overlap::RelativeMotion {
-            center_offset: center_offset.as_vec3(),
+            center_offset: center_offset.as_vec3() + (offsets[1] - offsets[0]),
             approach: (motions[0].linear_velocity - motions[1].linear_velocity) * pace.dt,
             angular_travel: (surface_speeds[0] + surface_speeds[1]) * pace.dt,
             has_mass,
@@ -79,7 +81,7 @@ impl Source<'_> {
             *point = if conflicts {
                 Point::NONE
             } else {
-                contact_point(manifold, center_offset, pair.rest_offset)
+                contact_point(manifold, center_offset, offsets, pair.rest_offset)
             };
         }
         if pair.friction > 0.0 {
@@ -100,7 +102,7 @@ impl Source<'_> {
 }
 
 /// The constraint point of a manifold's point; [`Point::NONE`] if its numbers are invalid.
-fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, rest_offset: f32) -> Point {
+fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, offsets: [Vec3; 2], rest_offset: f32) -> Point {
     let valid = manifold.normal.is_normalized()
         && manifold.separation.is_finite()
         && manifold.normal_rotation.is_finite()
@@ -112,8 +114,8 @@ fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, rest_offset: f3
     let outward = [manifold.normal, -manifold.normal];
     let curvature_centers = [0, 1].map(|side| {
         let (anchor, radius) = (manifold.anchors[side], manifold.curvature_radii[side]);
-        // No deeper than the centre of mass. For a ball that is exactly its centre of curvature.
-        let max_depth = anchor.dot(outward[side]).max(0.0);
+        // No deeper than the collider's centre of mass. For a ball that is exactly its centre of curvature.
+        let max_depth = (anchor - offsets[side]).dot(outward[side]).max(0.0);
         let depth = if radius < f32::INFINITY {
             radius.min(max_depth)
         } else {

@@ -64,7 +64,7 @@ impl Speeds {
         if !body.moves() || bodies.sleep[i].asleep {
             self.add(Vec3::ZERO, 0.0);
         } else {
-            self.add(motion.linear_velocity, motion.angular_velocity.length() * body.radius);
+            self.add(motion.linear_velocity, motion.angular_velocity.length() * body.extent);
         }
     }
 

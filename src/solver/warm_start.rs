@@ -15,8 +15,8 @@ pub(super) const MAX_MATCHED: usize = 64;
 /// The largest factor on saved impulses when the length of the substep changes.
 pub(super) const MAX_IMPULSE_SCALE: f32 = 2.0;
 
-/// The impulses of the last collision substep. Pairs are identified by the keys of their bodies, so bodies may be
-/// added, removed and renumbered.
+/// The impulses of the last collision substep. Pairs are identified by the keys of their colliders, so these may
+/// be added, removed and renumbered.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WarmStart {
     /// Ascending by keys.
@@ -72,7 +72,7 @@ impl WarmStart {
         self.pairs.len()
     }
 
-    /// The last contact between the bodies with these keys.
+    /// The last contact between the colliders with these keys.
     pub(super) fn find(&self, keys: [u64; 2]) -> Option<LastContact<'_>> {
         let sorted = sorted(keys);
         let index = self.pairs.binary_search_by_key(&sorted, |pair| pair.keys).ok()?;
@@ -100,7 +100,7 @@ impl WarmStart {
             self.points.extend_from_slice(last.points);
         }
         for pair in constraints.pairs() {
-            let keys = pair.bodies.map(|body| bodies.keys[body as usize]);
+            let keys = pair.colliders.map(|i| bodies.keys[i as usize]);
             self.pairs.push(SavedPair {
                 keys: sorted(keys),
                 first: pair.first,

@@ -1,7 +1,12 @@
-//! The bodies of a step as a structure of arrays. [`Bodies::push`] validates a body and derives what follows from its
-//! pose and mesh.
+//! The colliders of a step, and the bodies that they form, as a structure of arrays. [`Bodies::push`] validates a collider
+//! and derives what follows from its pose and mesh; [`Bodies::join`](super::compound) makes one body of several.
+//!
+//! Most bodies have one collider, so that both have one number. A body of several has the number of the first of them.
+//! Stages that look at surfaces work on colliders: the broad phase up to contact generation, and continuous collision.
+//! Stages that move bodies work on bodies: the solver, sleep and integration.
 
 use super::body::{Body, BodyParams, Motion};
+use super::compound::{Compound, Part};
 use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use crate::geometry::MassProperties;
@@ -10,12 +15,14 @@ use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
 use crate::types::settings::Culling;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
-/// One entry per body in every array.
+/// One entry per collider in every array but the last two.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies {
+    /// Number of the body: that of its first collider.
+    pub body: Vec<u32>,
     /// Slot in the [`MeshArena`].
     pub mesh: Vec<u32>,
-    /// Dynamic, kinematic or static.
+    /// Of the body: dynamic, kinematic or static.
     pub kind: Vec<RigidBody>,
     /// Position of the mesh's origin, metres.
     pub position: Vec<Vec3>,
@@ -23,13 +30,13 @@ pub struct Bodies {
     pub rotation: Vec<Quat>,
     /// Scale along the mesh's own axes; no component is zero.
     pub scale: Vec<Vec3>,
-    /// Velocity of the centre of mass, m/s.
+    /// Velocity of the collider's centre of mass, m/s.
     pub linear_velocity: Vec<Vec3>,
     /// Angular velocity in world axes, rad/s.
     pub angular_velocity: Vec<Vec3>,
     /// The pose in double precision.
     pub frame: Vec<Frame>,
-    /// Centre of the bounding sphere: the centre of mass in the world.
+    /// Centre of the bounding sphere: the collider's centre of mass in the world.
     pub center: Vec<Vec3>,
     /// Radius of the bounding sphere, rounded up.
     pub radius: Vec<f32>,
@@ -41,11 +48,12 @@ pub struct Bodies {
     pub speculative_radius: Vec<f32>,
     /// Time until the next collision detection, seconds; 0 once the body has completed its step.
     pub travel_time: Vec<f32>,
-    /// 1/kg; 0 for bodies that contacts cannot move.
+    /// Of the body, 1/kg; 0 for bodies that contacts cannot move.
     pub inverse_mass: Vec<f32>,
-    /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate.
+    /// Inverse inertia tensor in the body's own axes; zero for bodies that contacts cannot rotate. That of a body of
+    /// several colliders is in its [`Compound`].
     pub local_inverse_inertia: Vec<Mat3>,
-    /// Inverse inertia tensor in world axes.
+    /// Inverse inertia tensor of the body in world axes.
     pub inverse_inertia: Vec<Mat3>,
     /// Coefficient of restitution, 0 to 1.
     pub restitution: Vec<f32>,
@@ -53,15 +61,19 @@ pub struct Bodies {
     pub gravity_scale: Vec<f32>,
     /// Collision filter.
     pub layers: Vec<CollisionLayers>,
-    /// Whether the body only reports contacts and exchanges no impulses.
+    /// Whether the collider only reports contacts and exchanges no impulses.
     pub sensor: Vec<bool>,
     /// Which of its triangles are tested.
     pub culling: Vec<Culling>,
-    /// Solver parameters.
+    /// Solver parameters: friction and restitution of the collider, the others of the body.
     pub params: Vec<BodyParams>,
+    /// Moving bodies whose colliders are placed in them. Other bodies have one collider.
+    pub compounds: Vec<Compound>,
+    /// Their colliders, ascending.
+    pub parts: Vec<Part>,
 }
 
-/// A body's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
+/// A collider's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// Position of the mesh's origin, metres.
@@ -70,17 +82,19 @@ pub struct Frame {
     pub rotation: DMat3,
     /// Scale along the mesh's own axes.
     pub scale: DVec3,
-    /// The centre of mass in the world.
+    /// The collider's centre of mass in the world.
     pub center: DVec3,
+    /// The body's centre of mass in the world.
+    pub body_center: DVec3,
 }
 
 impl Bodies {
-    /// Number of bodies.
+    /// Number of colliders.
     pub fn len(&self) -> usize {
         self.mesh.len()
     }
 
-    /// Whether there are no bodies.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.mesh.is_empty()
     }
@@ -89,6 +103,7 @@ impl Bodies {
     pub fn clear(&mut self) {
         // The pattern names every array, so the compiler rejects a forgotten one.
         let Self {
+            body,
             mesh,
             kind,
             position,
@@ -112,7 +127,10 @@ impl Bodies {
             sensor,
             culling,
             params,
+            compounds,
+            parts,
         } = self;
+        body.clear();
         mesh.clear();
         kind.clear();
         position.clear();
@@ -136,15 +154,17 @@ impl Bodies {
         sensor.clear();
         culling.clear();
         params.clear();
+        compounds.clear();
+        parts.clear();
     }
 
-    /// Whether contacts between two bodies can move at least one of them.
+    /// Whether contacts between two colliders can move one of their bodies.
     pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (a as usize, b as usize);
         (self.inverse_mass[a] > 0.0 || self.inverse_mass[b] > 0.0) && !self.sensor[a] && !self.sensor[b]
     }
 
-    /// Pose and velocities of body `i`.
+    /// Pose and velocities of collider `i`.
     pub fn motion(&self, i: usize) -> Motion {
         Motion {
             position: self.position[i],
@@ -154,7 +174,7 @@ impl Bodies {
         }
     }
 
-    /// Sets pose and velocities of body `i`. Values derived from the pose are not updated.
+    /// Sets pose and velocities of collider `i`, which must be a body by itself. Values derived from the pose are not updated.
     pub fn set_motion(&mut self, i: usize, motion: &Motion) {
         self.position[i] = motion.position;
         self.rotation[i] = motion.rotation;
@@ -162,35 +182,12 @@ impl Bodies {
         self.angular_velocity[i] = motion.angular_velocity;
     }
 
-    /// Validates `body`, derives what follows from its pose and mesh, and appends it.
+    /// Validates `body`, derives what follows from its pose and mesh, and appends it: a collider that is a body by itself,
+    /// until [`Bodies::join`](super::compound) joins it with others.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
-        let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
-        if !pose_finite {
-            return Err(BodyFault::NonFinitePose);
-        }
-        let weights = [("Mass", body.mass), ("Density", Some(body.density))];
-        if let Some((name, _)) = weights.into_iter().find(|&(_, weight)| weight == Some(f32::INFINITY)) {
-            return Err(BodyFault::Infinite(name));
-        }
-        if let Some(name) = not_finite(body) {
-            return Err(BodyFault::NonFinite(name));
-        }
-        let speed = body
-            .linear_velocity
-            .abs()
-            .max(body.angular_velocity.abs())
-            .max_element();
-        if speed > MAX_SPEED {
-            return Err(BodyFault::TooFast(speed));
-        }
+        check_body(body)?;
         let slot = &meshes[body.mesh];
         let (rotation, unpadded_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
-        if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
-            return Err(BodyFault::Mass(mass));
-        }
-        if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
-            return Err(BodyFault::Inertia);
-        }
 
         let frame = Frame::new(
             body.position.as_dvec3(),
@@ -210,6 +207,7 @@ impl Bodies {
             return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
         }
 
+        self.body.push(self.body.len() as u32);
         self.mesh.push(body.mesh);
         self.kind.push(body.kind);
         self.position.push(body.position);
@@ -238,9 +236,43 @@ impl Bodies {
     }
 }
 
+/// Validates what does not depend on a mesh.
+///
+/// # Errors
+/// The first fault that it finds.
+pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
+    let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
+    if !pose_finite {
+        return Err(BodyFault::NonFinitePose);
+    }
+    check_rotation(body.rotation.as_dquat())?;
+    let weights = [("Mass", body.mass), ("Density", Some(body.density))];
+    if let Some((name, _)) = weights.into_iter().find(|&(_, weight)| weight == Some(f32::INFINITY)) {
+        return Err(BodyFault::Infinite(name));
+    }
+    if let Some(name) = not_finite(body) {
+        return Err(BodyFault::NonFinite(name));
+    }
+    let speed = body
+        .linear_velocity
+        .abs()
+        .max(body.angular_velocity.abs())
+        .max_element();
+    if speed > MAX_SPEED {
+        return Err(BodyFault::TooFast(speed));
+    }
+    if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
+        return Err(BodyFault::Mass(mass));
+    }
+    if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
+        return Err(BodyFault::Inertia);
+    }
+    Ok(())
+}
+
 /// The normalised quaternion. A quaternion of unit length up to rounding is returned unchanged, so a rotation that a
 /// step wrote keeps its bits.
-fn unit(rotation: Quat) -> Quat {
+pub(super) fn unit(rotation: Quat) -> Quat {
     if (rotation.as_dquat().length_squared() - 1.0).abs() < 1.0e-6 {
         rotation
     } else {
@@ -250,15 +282,20 @@ fn unit(rotation: Quat) -> Quat {
 
 /// Validates rotation and scale of a mesh of this radius. Returns the unit rotation and the scaled radius.
 pub(crate) fn check_pose(mesh_radius: f32, rotation: DQuat, scale: Vec3) -> Result<(DQuat, f32), BodyFault> {
-    if rotation.length_squared() < 1.0e-12 {
-        return Err(BodyFault::ZeroRotation);
-    }
+    check_rotation(rotation)?;
     let radius = mesh_radius * scale.abs().max_element();
     let thinnest = mesh_radius * scale.abs().min_element();
     if thinnest < MIN_RADIUS || radius > 1.0e6 * thinnest {
         return Err(BodyFault::ZeroScale(scale));
     }
     Ok((rotation.normalize(), radius))
+}
+
+fn check_rotation(rotation: DQuat) -> Result<(), BodyFault> {
+    if rotation.length_squared() < 1.0e-12 {
+        return Err(BodyFault::ZeroRotation);
+    }
+    Ok(())
 }
 
 /// Radius of a body's bounding sphere, enlarged by the rounding error of its centre.
@@ -270,12 +307,19 @@ impl Frame {
     /// `rotation` has unit length; `mesh_center` is the centre of mass in the mesh.
     pub(crate) fn new(position: DVec3, rotation: DQuat, scale: DVec3, mesh_center: Vec3) -> Self {
         let rotation = DMat3::from_quat(rotation);
+        let center = position + rotation * (scale * mesh_center.as_dvec3());
         Self {
             position,
             rotation,
             scale,
-            center: position + rotation * (scale * mesh_center.as_dvec3()),
+            center,
+            body_center: center,
         }
+    }
+
+    /// From the body's centre of mass to the collider's, in world axes, metres.
+    pub(crate) fn offset(&self) -> DVec3 {
+        self.center - self.body_center
     }
 }
 
@@ -327,12 +371,15 @@ fn inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> (f32, DMat
     if let Some(inertia) = body.inertia {
         return ((1.0 / mass) as f32, inertia.as_dmat3().inverse());
     }
-    let inertia = mesh.inertia(frame.scale, mass);
+    ((1.0 / mass) as f32, invert_inertia(mesh.inertia(frame.scale, mass)))
+}
+
+/// The inverse of an inertia tensor; zero if it is not finite.
+pub(super) fn invert_inertia(inertia: DMat3) -> DMat3 {
     let inverse = inertia.inverse();
-    let finite = if inverse.as_mat3().is_finite() {
+    if inverse.as_mat3().is_finite() {
         inverse
     } else {
         DMat3::ZERO
-    };
-    ((1.0 / mass) as f32, finite)
+    }
 }

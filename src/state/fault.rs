@@ -47,13 +47,12 @@ pub enum BodyFault {
     /// The normal of a plane is zero or not finite.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
-    /// It is a child of another entity.
+    /// The unequal scale of an entity above it shears its mesh, by this part of its size.
     #[error(
-        "it is a child of another entity, so that its Transform is no pose in the world: remove its ChildOf. Parts that stay \
-         together are one body: put them into one mesh; what follows another body is a RigidBody::Kinematic of its own, whose \
-         pose a system writes. What is only drawn may be a child"
+        "the unequal scale of an entity above it, about other axes than its own, shears its mesh by {0:.1e}: scale it alone, \
+         or all axes equally, or turn it by quarter turns only"
     )]
-    Child,
+    Sheared(f32),
     /// Its mesh does not exist and is not being loaded.
     #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
     MeshMissing,

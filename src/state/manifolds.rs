@@ -3,10 +3,10 @@
 use super::contacts::ContactPoint;
 use glam::Vec3;
 
-/// The contact points of a pair of bodies.
+/// The contact points of a pair of colliders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
-    /// The two bodies, `a < b`.
+    /// The two colliders, `a < b`.
     pub bodies: [u32; 2],
     /// First of its points in [`Manifolds::points`].
     pub first_point: u32,
@@ -17,7 +17,7 @@ pub struct Manifold {
 /// A contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
-    /// Anchors: the point on each body's surface relative to its centre of mass, in world axes, metres. Where a vertex
+    /// Anchors: the point on each collider's surface relative to its body's centre of mass, in world axes, metres. Where a vertex
     /// of a finely tessellated curved surface touches, the anchor lies on the smooth surface that the mesh
     /// approximates.
     pub anchors: [Vec3; 2],
@@ -91,6 +91,16 @@ impl Manifolds {
 }
 
 impl ManifoldPoint {
+    /// The point with anchors relative to the centres of mass of bodies, from anchors relative to those of their
+    /// colliders. `offsets` lead from the bodies' to the colliders'.
+    pub(crate) fn shifted(self, offsets: [Vec3; 2]) -> Self {
+        let [a, b] = self.anchors;
+        Self {
+            anchors: [a + offsets[0], b + offsets[1]],
+            ..self
+        }
+    }
+
     /// The reported form of the point; `center` is the first body's centre of mass.
     pub(crate) fn in_world(&self, center: Vec3, impulse: f32) -> ContactPoint {
         ContactPoint {

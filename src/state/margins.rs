@@ -100,7 +100,12 @@ impl SpeculativeMargins {
 
 /// Upper bound of the speed that rotation and gravity add to a body's surface within `dt` seconds, m/s.
 pub(crate) fn sway(bodies: &Bodies, config: &StepConfig, i: usize, dt: f32) -> f32 {
-    let spin = bodies.angular_velocity[i].length() * bodies.radius[i];
+    let turn = bodies.angular_velocity[i].length();
+    let mut spin = turn * bodies.radius[i];
+    if let Some(part) = bodies.part(i as u32) {
+        // The velocity of a collider that circles its body's centre of mass changes direction.
+        spin += 0.5 * turn * turn * dt * part.offset.length() as f32;
+    }
     match bodies.kind[i] {
         RigidBody::Static => 0.0,
         RigidBody::Kinematic => spin,

@@ -3,6 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`input`] | the input of a step: [`config`], [`mesh_arena`], [`bodies`], [`planes`] |
+//! | [`compound`] | bodies of several colliders |
 //! | [`body`], [`fault`] | one body, and its validation errors |
 //! | [`pairs`] | pairs that may touch |
 //! | [`contacts`] | touching pairs, faces and points as they are reported |
@@ -14,6 +15,7 @@
 
 pub mod bodies;
 pub mod body;
+pub mod compound;
 pub mod config;
 pub mod contacts;
 pub mod fault;
@@ -29,6 +31,7 @@ pub(crate) mod union_find;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};
+pub use compound::{NewPart, Place};
 pub use config::StepConfig;
 pub use contacts::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 pub use fault::BodyFault;

@@ -150,7 +150,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             );
         }
         Part::ReportContactPoints => {
-            let center_of = |body: u32| input.bodies.center[body as usize];
+            let center_of = |i: u32| input.bodies.frame[i as usize].body_center.as_vec3();
             report_points(&results.manifolds, first_plane, &mut results.contacts, center_of);
         }
         Part::SumImpulses => force_scan::cpu::sum_impulses(

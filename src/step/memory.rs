@@ -72,6 +72,7 @@ impl StepMemory {
                 same && (bodies.kind[i] == RigidBody::Static || (sleep.asleep && at_rest && forces.is_zero()));
             inactive.any |= sleep.asleep;
         }
+        wake_whole_bodies(solver_bodies, &mut inactive.flags);
         let same_planes = self.planes == *planes;
         inactive.flags[bodies.len()..].fill(same_planes);
         remap::renumber_planes(&mut inactive.numbers, self.planes.len(), bodies.len(), planes.len());
@@ -86,9 +87,26 @@ impl StepMemory {
         self.bodies.extend((0..count).map(|i| SavedBody {
             sleep: solver_bodies.sleep[i],
             inputs: PlacedSleepInputs::of(input, i),
-            had_impact: ccd.had_impact(i),
+            had_impact: ccd.had_impact(input.bodies.body_of(i as u32) as usize),
         }));
         input.planes.clone_into(&mut self.planes);
         self.gravity = input.config.gravity;
     }
+}
+
+/// A body of several colliders is asleep, and unchanged, if all of them are.
+fn wake_whole_bodies(bodies: &mut SolverBodies, unchanged: &mut [bool]) {
+    let parts = std::mem::take(&mut bodies.parts);
+    for part in &parts {
+        let (i, body) = (part.collider as usize, part.body as usize);
+        if !bodies.sleep[i].asleep {
+            bodies.sleep[body].asleep = false;
+        }
+        unchanged[body] &= unchanged[i];
+    }
+    for part in &parts {
+        unchanged[part.collider as usize] = unchanged[part.body as usize];
+    }
+    bodies.parts = parts;
+    bodies.share_sleep();
 }

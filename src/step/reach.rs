@@ -74,6 +74,9 @@ impl Reach {
         pairs.retain(|&[a, b]| sweep(a).meets(&sweep(b)));
 
         groups.reset(bodies.len());
+        for part in &bodies.parts {
+            groups.join(part.collider, bodies.body_of(part.collider));
+        }
         for &[a, b] in pairs.iter().filter(|pair| pair.iter().all(|&i| moves(i))) {
             groups.join(a, b);
         }

@@ -135,6 +135,7 @@ impl World {
             frame.rotation = glam::DMat3::from_quat(bodies.rotation[i].as_dquat().normalize());
             frame.position = bodies.position[i].as_dvec3();
             frame.center = frame.position + frame.rotation * arm;
+            frame.body_center = frame.center;
             bodies.center[i] = frame.center.as_vec3();
         }
     }

@@ -4,6 +4,7 @@ mod bounce;
 mod bullets;
 mod chain;
 mod cloud;
+mod compounds;
 mod elastic;
 mod groups;
 mod incline;

@@ -17,6 +17,7 @@ fn renumber(world: &mut World) {
         motions,
         forces,
         sleep,
+        ..
     } = &mut world.bodies;
     keys.reverse();
     bodies.reverse();
@@ -86,6 +87,7 @@ pub fn bodies_come_and_go() {
             motions,
             forces,
             sleep,
+            ..
         } = &mut world.bodies;
         keys.remove(1);
         bodies.remove(1);

@@ -170,12 +170,13 @@ fn manifold(
             None => (anchor, 0.0),
         };
         let foot = frame.center + anchor - normal * separation as f64;
-        points[count] = ManifoldPoint {
+        let point = ManifoldPoint {
             anchors: [anchor.as_vec3(), (foot - center).as_vec3()],
             separation,
             curvature_radii: [curvature_radius as f32, f32::INFINITY],
             ..none
         };
+        points[count] = point.shifted([frame.offset().as_vec3(), Vec3::ZERO]);
         count += 1;
     }
     Some(Found {

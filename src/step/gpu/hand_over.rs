@@ -82,6 +82,7 @@ impl DeviceMemory {
             sleep: SleepState::from(state),
             inputs: PlacedSleepInputs {
                 inputs: *inputs,
+                place: None,
                 position: moved.position.into(),
                 rotation: Quat::from_array(moved.rotation),
             },
@@ -113,9 +114,17 @@ impl SavedBody {
     fn moved(&self) -> Moved {
         Moved {
             position: self.inputs.position.to_array(),
-            asleep: u32::from(self.sleep.asleep),
+            asleep: u32::from(self.sleep().asleep),
             rotation: self.inputs.rotation.to_array(),
             ..Default::default()
+        }
+    }
+
+    /// Bodies of several colliders exist on the CPU only. What is left of one on the device is awake.
+    fn sleep(&self) -> SleepState {
+        match self.inputs.place {
+            None => self.sleep,
+            Some(_) => SleepState::default(),
         }
     }
 
@@ -124,6 +133,7 @@ impl SavedBody {
             inputs,
             position,
             rotation,
+            ..
         } = &self.inputs;
         let rotation = rotation.as_dquat().normalize();
         let frame = Frame::new(position.as_dvec3(), rotation, inputs.scale.as_dvec3(), inputs.center);
@@ -131,7 +141,7 @@ impl SavedBody {
             rotation,
             ..SolverMotion::at(frame.center)
         };
-        upload::state(&motion, &self.sleep, hash(key))
+        upload::state(&motion, &self.sleep(), hash(key))
     }
 }
 
