@@ -87,7 +87,7 @@ fn two_tori_bounce_off_each_other() {
     assert!(!events.starts.is_empty(), "they never met");
     assert_eq!(events.starts.len(), events.ends.len(), "they still touch");
     for start in &events.starts {
-        assert!(bodies.contains(&start.entity1) && bodies.contains(&start.entity2));
+        assert!(bodies.contains(&start.collider1) && bodies.contains(&start.collider2));
     }
     let velocities = bodies.map(|body| app.world().get::<LinearVelocity>(body).expect("a body").0);
     assert!(

@@ -46,15 +46,21 @@ fn report(
     time: Res<Time<Fixed>>,
 ) {
     let seconds = time.elapsed_secs();
-    for &CollisionStart { entity1, entity2 } in started.read() {
-        let Ok([one, other]) = names.get_many([entity1, entity2]) else {
+    for &CollisionStart {
+        collider1, collider2, ..
+    } in started.read()
+    {
+        let Ok([one, other]) = names.get_many([collider1, collider2]) else {
             continue;
         };
-        let points = collisions.get(entity1, entity2).map_or(0, |hit| hit.points.len());
+        let points = collisions.get(collider1, collider2).map_or(0, |hit| hit.points.len());
         println!("{seconds:.2} s: {one} and {other} touch, at {points} points");
     }
-    for &CollisionEnd { entity1, entity2 } in ended.read() {
-        if let Ok([one, other]) = names.get_many([entity1, entity2]) {
+    for &CollisionEnd {
+        collider1, collider2, ..
+    } in ended.read()
+    {
+        if let Ok([one, other]) = names.get_many([collider1, collider2]) {
             println!("{seconds:.2} s: {one} and {other} separate");
         }
     }

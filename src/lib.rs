@@ -25,7 +25,7 @@
 //!     app.world_mut().run_schedule(FaceoffStep);
 //! }
 //! for hit in app.world().resource::<Collisions>().iter() {
-//!     println!("{} touches {} at {}", hit.entity1, hit.entity2, hit.contact.point);
+//!     println!("{} touches {} at {}", hit.collider1, hit.collider2, hit.contact.point);
 //! }
 //! ```
 //!
@@ -113,7 +113,8 @@ pub mod prelude {
     pub use crate::projection::BakeSettings;
     pub use crate::state::{BodyFault, Contact, ContactPoint, FacePair, ManifoldPoint};
     pub use crate::types::body::{
-        AngularVelocity, CenterOfMass, CollisionLayers, ExternalForces, LinearVelocity, LockedAxes, RigidBody, Sleeping,
+        AngularVelocity, CenterOfMass, CollisionLayers, ComputedCenterOfMass, ExternalForces, LinearVelocity,
+        LockedAxes, RigidBody, Sleeping,
     };
     pub use crate::types::material::{CombineRule, Friction, Restitution};
     pub use crate::types::settings::{Culling, Response};

@@ -7,9 +7,9 @@ use bevy::prelude::*;
 use std::fmt;
 use std::time::Duration;
 
-/// All pairs that touched in the last step: pairs of bodies, and bodies with planes.
+/// All pairs that touched in the last step: pairs of colliders of different bodies, and colliders with planes.
 ///
-/// Two bodies touch if their surfaces intersect at the beginning of the step, or if one contains the other. With
+/// Two colliders touch if their surfaces intersect at the beginning of the step, or if one contains the other. With
 /// [`Response::Contacts`](crate::types::settings::Response::Contacts) they also touch
 /// * if they pushed each other at any time in the step,
 /// * if they came nearer than the gap between bodies at rest
@@ -21,29 +21,36 @@ use std::time::Duration;
 /// order of spawning.
 #[derive(Resource, Debug, Default)]
 pub struct Collisions {
-    /// Entity of each body, ascending, so that body indices are in the order of entities.
+    /// Entity of each collider, ascending, so that their numbers are in the order of entities.
     pub(crate) entities: Vec<Entity>,
-    /// Entity of each plane, ascending. In manifolds, planes are numbered after the bodies.
+    /// The body of each collider.
+    pub(crate) bodies: Vec<Entity>,
+    /// Entity of each plane, ascending. In manifolds, planes are numbered after the colliders.
     pub(crate) planes: Vec<Entity>,
     pub(crate) contacts: Contacts,
     pub(crate) manifolds: Manifolds,
 }
 
-/// Two bodies that touch, or a body and a plane.
+/// Two colliders that touch, or a collider and a plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision<'a> {
-    /// The body with the smaller [`Entity`], or the body of a body and a
+    /// The collider with the smaller [`Entity`], or that which touches a
     /// [`PlaneCollider`](crate::plugin::components::PlaneCollider).
-    pub entity1: Entity,
-    /// The other body, or the plane.
-    pub entity2: Entity,
+    pub collider1: Entity,
+    /// The other collider, or the plane.
+    pub collider2: Entity,
+    /// The body of `collider1`: the nearest entity with a [`RigidBody`](crate::types::body::RigidBody), or the collider
+    /// itself if there is none.
+    pub body1: Entity,
+    /// The body of `collider2`.
+    pub body2: Entity,
     /// Whether one is solid and contains the other, or a connected component of it, while no intersecting faces were
     /// found. With an approximate culling mode some faces may intersect all the same.
     pub contained: bool,
-    /// The contact, reduced to one point in the world. The normal points from `entity1` to `entity2`.
+    /// The contact, reduced to one point in the world. The normal points from the first collider to the second.
     pub contact: Contact,
     /// Pairs of intersecting faces with their common segments in the world. Faces are indices into the input meshes;
-    /// those of `entity1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
+    /// those of `collider1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
     pub faces: &'a [FacePair],
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.
@@ -67,7 +74,7 @@ pub struct Collision<'a> {
 }
 
 impl Collisions {
-    /// All touching pairs in ascending order: first pairs of bodies, then bodies with planes.
+    /// All touching pairs in ascending order: first pairs of colliders, then colliders with planes.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collision<'_>> {
         let Contacts { pairs, planes, .. } = &self.contacts;
         (0..self.len()).map(move |i| match pairs.get(i) {
@@ -86,8 +93,9 @@ impl Collisions {
         self.len() == 0
     }
 
-    /// The collision of two bodies, or of a body and a plane, if they touch. The order of arguments does not matter.
-    /// Takes time logarithmic in the number of bodies and pairs.
+    /// The collision of two colliders, or of a collider and a plane, if they touch. The order of arguments does not matter.
+    /// Takes time logarithmic in the number of colliders and pairs. For bodies of several colliders see
+    /// [`Collisions::of`].
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
         let find = |entities: &[Entity], entity| entities.binary_search(&entity).ok().map(|i| i as u32);
         let body = |entity| find(&self.entities, entity);
@@ -108,16 +116,20 @@ impl Collisions {
         }
     }
 
-    /// All collisions of one body or plane. Takes time linear in the number of touching pairs.
+    /// All collisions of one collider, body or plane. Takes time linear in the number of touching pairs.
     pub fn of(&self, entity: Entity) -> impl Iterator<Item = Collision<'_>> {
-        self.iter().filter(move |c| c.entity1 == entity || c.entity2 == entity)
+        self.iter()
+            .filter(move |c| [c.collider1, c.collider2, c.body1, c.body2].contains(&entity))
     }
 
     fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
-        let [entity1, entity2] = pair.bodies.map(|i| self.entities[i as usize]);
+        let [collider1, collider2] = pair.bodies.map(|i| self.entities[i as usize]);
+        let [body1, body2] = pair.bodies.map(|i| self.bodies[i as usize]);
         Collision {
-            entity1,
-            entity2,
+            collider1,
+            collider2,
+            body1,
+            body2,
             contained: pair.contained,
             contact: pair.contact,
             faces: self.contacts.faces_of(pair),
@@ -128,9 +140,12 @@ impl Collisions {
     }
 
     fn on_plane<'a>(&'a self, contact: &PlaneContact) -> Collision<'a> {
+        let plane = self.planes[contact.plane as usize];
         Collision {
-            entity1: self.entities[contact.body as usize],
-            entity2: self.planes[contact.plane as usize],
+            collider1: self.entities[contact.body as usize],
+            collider2: plane,
+            body1: self.bodies[contact.body as usize],
+            body2: plane,
             contained: false,
             contact: Contact {
                 point: contact.point,
@@ -147,7 +162,7 @@ impl Collisions {
     /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether
     /// they touch or not. This is the input for a solver of your own.
     ///
-    /// In ascending order: first pairs of bodies, then bodies (first) with planes (second). Sensors have no manifolds,
+    /// In ascending order: first pairs of colliders, then colliders (first) with planes (second). Sensors have no manifolds,
     /// and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {

@@ -3,41 +3,73 @@
 use crate::state::fault::BodyFault;
 use bevy::prelude::*;
 
-/// Two bodies, or a body and a plane, began to touch in this step.
+/// Two colliders, or a collider and a plane, began to touch in this step.
 ///
-/// As a message it is written once per pair, with `entity1 < entity2`. As an event it is triggered for each of the two
-/// that has [`CollisionEventsEnabled`](crate::plugin::components::CollisionEventsEnabled), with that entity as
-/// `entity1`.
+/// As a message it is written once per pair, with `collider1 < collider2`. As an event it is triggered for each of the two
+/// colliders and their bodies that has [`CollisionEventsEnabled`](crate::plugin::components::CollisionEventsEnabled);
+/// `collider1` and `body1` are then its own.
 ///
 /// If the two separate and touch again before [`CollisionEnd`] was sent, neither is sent.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CollisionStart {
-    /// One of the two entities.
+    /// The collider or body for which the event is triggered; in messages `collider1`.
     #[event_target]
-    pub entity1: Entity,
-    /// The other entity.
-    pub entity2: Entity,
+    pub target: Entity,
+    /// One of the two colliders.
+    pub collider1: Entity,
+    /// The other collider, or the plane.
+    pub collider2: Entity,
+    /// The body of `collider1`; without a body the collider itself.
+    pub body1: Entity,
+    /// The body of `collider2`.
+    pub body2: Entity,
 }
 
-/// Two bodies, or a body and a plane, have not touched for the time of
-/// [`EventHysteresis`](crate::plugin::settings::EventHysteresis). Sent at once if one of them was despawned or
-/// rejected.
+impl CollisionStart {
+    /// The same for the end.
+    pub(crate) fn into_end(self) -> CollisionEnd {
+        let Self {
+            target,
+            collider1,
+            collider2,
+            body1,
+            body2,
+        } = self;
+        CollisionEnd {
+            target,
+            collider1,
+            collider2,
+            body1,
+            body2,
+        }
+    }
+}
+
+/// Two colliders, or a collider and a plane, have not touched for the time of
+/// [`EventHysteresis`](crate::plugin::settings::EventHysteresis). Sent at once if one of them was despawned, disabled or
+/// rejected, or became part of another body.
 ///
 /// Written and triggered like [`CollisionStart`].
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CollisionEnd {
-    /// One of the two entities.
+    /// The collider or body for which the event is triggered; in messages `collider1`.
     #[event_target]
-    pub entity1: Entity,
-    /// The other entity.
-    pub entity2: Entity,
+    pub target: Entity,
+    /// One of the two colliders.
+    pub collider1: Entity,
+    /// The other collider, or the plane.
+    pub collider2: Entity,
+    /// The body of `collider1`; without a body the collider itself.
+    pub body1: Entity,
+    /// The body of `collider2`.
+    pub body2: Entity,
 }
 
-/// A body or plane was left out of the step because its components are invalid. Written once. The body takes part again
-/// as soon as its components are valid.
+/// A collider, body or plane was left out of the step because its components are invalid. Written once. It takes part
+/// again as soon as its components are valid.
 #[derive(Message, Clone, Copy, Debug, PartialEq)]
 pub struct BodyRejected {
-    /// The body or plane.
+    /// The collider, body or plane.
     pub entity: Entity,
     /// The reason, and what to do.
     pub fault: BodyFault,

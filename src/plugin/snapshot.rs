@@ -2,12 +2,13 @@
 
 use crate::manifolds::Manifolds;
 use crate::plugin::components::MeshCollider;
+use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
 use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
 use crate::step::StepMemory;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::memory::DeviceMemory;
-use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
+use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody, Sleeping};
 use bevy::prelude::*;
 use std::collections::BTreeMap;
 
@@ -22,6 +23,8 @@ use std::collections::BTreeMap;
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
+    /// Bodies under other entities.
+    nested: NestedBodies,
     /// The solver's memory from step to step.
     memory: StepMemory,
     manifolds: Manifolds,
@@ -42,7 +45,7 @@ impl Snapshot {
                 &Transform,
                 Option<&LinearVelocity>,
                 Option<&AngularVelocity>,
-            ), With<MeshCollider>>()
+            ), Or<(With<MeshCollider>, With<RigidBody>)>>()
             .iter(world)
             .map(|(entity, transform, linear, angular)| {
                 let motion = Motion {
@@ -57,10 +60,16 @@ impl Snapshot {
         let Some(mut step) = world.get_resource_mut::<Step>() else {
             return Self::default();
         };
+        for (&entity, motion) in &mut bodies {
+            if let Some(pose) = step.nested.pose(entity) {
+                (motion.position, motion.rotation) = pose;
+            }
+        }
         step.catch_up(&mut bodies);
         let snapshot = Self {
             bodies,
             touching: step.touching.clone(),
+            nested: step.nested.clone(),
             memory: step.state.memory.clone(),
             manifolds: step.state.results.manifolds.clone(),
             asleep: Vec::new(),
@@ -84,7 +93,9 @@ impl Snapshot {
                 gone.push(entity);
                 continue;
             };
-            if let Some(mut transform) = body.get_mut::<Transform>() {
+            if !body.contains::<ChildOf>()
+                && let Some(mut transform) = body.get_mut::<Transform>()
+            {
                 (transform.translation, transform.rotation) = (motion.position, motion.rotation);
             }
             if let Some(mut linear) = body.get_mut::<LinearVelocity>() {
@@ -98,6 +109,7 @@ impl Snapshot {
                 sleeping.0 = self.asleep.binary_search(&entity).is_ok();
             }
         }
+        self.restore_nested(world);
         if let Some(mut step) = world.get_resource_mut::<Step>() {
             #[cfg(feature = "gpu")]
             step.remember(&self.device);
@@ -108,6 +120,24 @@ impl Snapshot {
             step.state.results.manifolds.copy_from(&self.manifolds);
         }
         gone
+    }
+
+    /// Restores the poses of bodies under other entities, which are in place already.
+    fn restore_nested(&self, world: &mut World) {
+        let mut nested = self.nested.clone();
+        for entity in nested.from_the_top(world) {
+            let Some(motion) = self.bodies.get(&entity) else {
+                continue;
+            };
+            let parent_of = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
+            let above = world_above(entity, parent_of, |entity| world.get::<Transform>(entity).copied());
+            if let Some(mut transform) = world.get_mut::<Transform>(entity) {
+                *transform = nested.write(entity, &transform, above, (motion.position, motion.rotation));
+            }
+        }
+        if let Some(mut step) = world.get_resource_mut::<Step>() {
+            step.nested = nested;
+        }
     }
 
     /// The bodies with pose and velocities, in the order of entities.

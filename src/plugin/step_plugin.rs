@@ -12,7 +12,7 @@ use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::latent;
-use crate::plugin::sync::{Step, collect, publish};
+use crate::plugin::sync::{Step, collect, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::Poses;
 use crate::types::body::*;
@@ -122,8 +122,10 @@ impl Plugin for StepPlugin {
             let after = RunFixedMainLoopSystems::AfterFixedMainLoop;
             app.add_systems(RunFixedMainLoop, publish_while_time_stands.in_set(after));
         }
+        let hold = hierarchy::hold_nested.before(bevy::transform::TransformSystems::Propagate);
         app.add_schedule(schedule)
-            .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep));
+            .add_systems(FixedPostUpdate, run_step.in_set(FaceoffStep))
+            .add_systems(PostUpdate, hold);
     }
 
     fn finish(&self, app: &mut App) {
@@ -200,6 +202,9 @@ fn register_types(app: &mut App) {
         .register_type::<LinearVelocity>()
         .register_type::<AngularVelocity>()
         .register_type::<CenterOfMass>()
+        .register_type::<ComputedCenterOfMass>()
+        .register_type::<ColliderDisabled>()
+        .register_type::<RigidBodyDisabled>()
         .register_type::<Mass>()
         .register_type::<Density>()
         .register_type::<AngularInertia>()

@@ -6,17 +6,44 @@ use glam::Vec3;
 
 /// How a body moves.
 ///
-/// A body is an entity with a [`MeshCollider`](crate::plugin::components::MeshCollider) and a `RigidBody`. Its pose is
-/// its `Transform`, scale included. The `Transform` is read as a pose in the world: spawn bodies as root entities.
+/// A body is an entity with a `RigidBody`. Its shape are the
+/// [`MeshCollider`](crate::plugin::components::MeshCollider)s on it and on its descendants, up to the next `RigidBody`:
+/// mass, centre of mass and inertia add up, and colliders of one body never collide with each other. A collider without a
+/// `RigidBody` on it or above it is static.
 ///
-/// A pair of bodies is tested if at least one of them is dynamic, or if one is a
+/// A body may be anywhere in the hierarchy. A dynamic body keeps its pose in the world when what is above it moves: the
+/// step writes its `Transform` so that its `GlobalTransform` is right. A kinematic or static body follows what is above
+/// it. Scale counts, also where it is unequal, but a mesh must not be sheared
+/// ([`BodyFault::Sheared`](crate::state::fault::BodyFault::Sheared)).
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_faceoff::prelude::*;
+/// fn hammer(mut commands: Commands, assets: Res<AssetServer>) {
+///     let cube: Handle<CollisionMesh> = assets.load("cube.bake.ron");
+///     commands.spawn((
+///         RigidBody::Dynamic,
+///         Transform::from_xyz(0.0, 2.0, 0.0),
+///         children![
+///             (MeshCollider(cube.clone()), Transform::from_scale(Vec3::new(0.1, 1.0, 0.1)), Density(0.7)),
+///             (
+///                 MeshCollider(cube),
+///                 Transform::from_xyz(0.0, 0.6, 0.0).with_scale(Vec3::new(0.5, 0.2, 0.2)),
+///                 Density(7.8),
+///             ),
+///         ],
+///     ));
+/// }
+/// ```
+///
+/// A pair of colliders is tested if at least one of them is dynamic, or if one is a
 /// [`Sensor`](crate::plugin::components::Sensor) and the other is kinematic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
     reflect(Component, Default, Debug, PartialEq),
-    require(Transform, LinearVelocity, AngularVelocity, Sleeping, CenterOfMass)
+    require(Transform, LinearVelocity, AngularVelocity, Sleeping, ComputedCenterOfMass)
 )]
 pub enum RigidBody {
     /// Moved by forces and collisions.
@@ -49,7 +76,17 @@ pub struct LinearVelocity(pub Vec3);
 )]
 pub struct AngularVelocity(pub Vec3);
 
-/// The centre of mass of a body in the coordinates of its mesh, before the body's `Transform` is applied. In metres.
+/// Overrides the centre of mass of a body, in the coordinates of its entity: before its `Transform` is applied. The inertia
+/// is that of its colliders about this point. Without this component the centre of mass is that of the colliders.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Component, Reflect, Deref, DerefMut),
+    reflect(Component, Default, Debug, PartialEq)
+)]
+pub struct CenterOfMass(pub Vec3);
+
+/// The centre of mass of a body in the coordinates of its entity, before its `Transform` is applied. In metres.
 ///
 /// The step writes it once the mesh is loaded. [`RigidBody`] requires it; insert it yourself on a static collider
 /// without a `RigidBody`.
@@ -58,7 +95,7 @@ pub struct AngularVelocity(pub Vec3);
 /// # use bevy::prelude::*;
 /// # use bevy_faceoff::prelude::*;
 /// /// Pushes every body upward at its right edge.
-/// fn lift(mut bodies: Query<(&Transform, &CenterOfMass, &mut ExternalForces)>) {
+/// fn lift(mut bodies: Query<(&Transform, &ComputedCenterOfMass, &mut ExternalForces)>) {
 ///     for (transform, center, mut forces) in &mut bodies {
 ///         let edge = transform.transform_point(Vec3::X);
 ///         forces.add_impulse_at(Vec3::Y, edge, center.in_world(transform));
@@ -71,11 +108,12 @@ pub struct AngularVelocity(pub Vec3);
     derive(Component, Reflect, Deref),
     reflect(Component, Default, Debug, PartialEq)
 )]
-pub struct CenterOfMass(pub(crate) Vec3);
+pub struct ComputedCenterOfMass(pub(crate) Vec3);
 
 #[cfg(feature = "bevy")]
-impl CenterOfMass {
-    /// The centre of mass in the world, for a body placed at `transform`.
+impl ComputedCenterOfMass {
+    /// The centre of mass in the world, for a body placed at `transform`: its `Transform` or, if it is a child, that of
+    /// its `GlobalTransform`.
     pub fn in_world(&self, transform: &Transform) -> Vec3 {
         transform.transform_point(self.0)
     }
@@ -205,9 +243,9 @@ impl std::ops::BitOr for LockedAxes {
     }
 }
 
-/// Which bodies may collide. Two bodies collide if each is in a layer that the other one's filter contains.
+/// Which colliders may collide. Two collide if each is in a layer that the other one's filter contains.
 ///
-/// By default a body is in layer 0 and collides with all layers.
+/// A collider without this component has that of its body. By default a collider is in layer 0 and collides with all layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -215,9 +253,9 @@ impl std::ops::BitOr for LockedAxes {
     reflect(Component, Default, Debug, PartialEq)
 )]
 pub struct CollisionLayers {
-    /// One bit for each layer that contains the body. Default 1.
+    /// One bit for each layer that contains the collider. Default 1.
     pub memberships: u32,
-    /// One bit for each layer that the body collides with. Default all.
+    /// One bit for each layer that the collider collides with. Default all.
     pub filters: u32,
 }
 

@@ -130,11 +130,33 @@ impl Sim {
 
     /// Pairs of bodies that touched in the last step.
     pub fn touching(&self) -> Vec<[Entity; 2]> {
-        self.collisions().iter().map(|c| [c.entity1, c.entity2]).collect()
+        self.collisions().iter().map(|c| [c.collider1, c.collider2]).collect()
     }
 
     pub fn touch(&self, one: Entity, other: Entity) -> bool {
         self.collisions().get(one, other).is_some()
+    }
+}
+
+/// The message of a start between two bodies of one collider each, ascending.
+pub fn start_of([a, b]: [Entity; 2]) -> CollisionStart {
+    CollisionStart {
+        target: a,
+        collider1: a,
+        collider2: b,
+        body1: a,
+        body2: b,
+    }
+}
+
+/// The message of its end.
+pub fn end_of([a, b]: [Entity; 2]) -> CollisionEnd {
+    CollisionEnd {
+        target: a,
+        collider1: a,
+        collider2: b,
+        body1: a,
+        body2: b,
     }
 }
 

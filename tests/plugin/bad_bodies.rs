@@ -302,7 +302,7 @@ fn planes_that_cannot_be_used_are_told_and_return() {
         sim.step(500);
         assert_eq!(sim.rejected.len(), 1);
         for wall in [plane, floor] {
-            let met = sim.started.iter().any(|s| [s.entity1, s.entity2].contains(&wall));
+            let met = sim.started.iter().any(|s| [s.collider1, s.collider2].contains(&wall));
             assert!(met, "the body bounces between both planes");
         }
         assert!(sim.position(body).y.abs() < 2.0);
@@ -406,7 +406,7 @@ fn a_system_between_the_stages_may_despawn_bodies() {
         company.run(2);
         assert_eq!(company.sim.report().bodies, 3, "despawned before {before:?}");
         assert_eq!(company.sim.touching().len(), 1);
-        let ends = |e: &&CollisionEnd| [e.entity1, e.entity2].contains(&subject);
+        let ends = |e: &&CollisionEnd| [e.collider1, e.collider2].contains(&subject);
         assert_eq!(company.sim.ended.iter().filter(ends).count(), 2);
         assert!(company.sim.rejected.is_empty());
     }

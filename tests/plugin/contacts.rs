@@ -128,8 +128,8 @@ pub fn collisions_hold_points_and_the_weight_on_them() {
     sim.step(100);
     let hit = sim.collisions().get(body, floor).expect("it lies there");
     assert!(hit.faces.is_empty(), "with a gap between");
-    assert_eq!([hit.entity1, hit.entity2], sorted(body, floor));
-    let up = if hit.entity1 == floor { Vec3::Y } else { Vec3::NEG_Y };
+    assert_eq!([hit.collider1, hit.collider2], sorted(body, floor));
+    let up = if hit.collider1 == floor { Vec3::Y } else { Vec3::NEG_Y };
     assert_near(hit.contact.normal, up, 1e-3);
     assert!((0.49..0.52).contains(&hit.contact.point.y));
     let weight = 3.0 * 10.0 * DT;
@@ -168,12 +168,12 @@ pub fn every_corner_carries_a_quarter_of_the_weight_on_meshes_and_planes() {
         let hit = collisions.get(body, floor).expect("it lies there");
         let same = collisions.get(floor, body).unwrap();
         assert_eq!(
-            (same.entity1, same.entity2),
-            (hit.entity1, hit.entity2),
+            (same.collider1, same.collider2),
+            (hit.collider1, hit.collider2),
             "in either order"
         );
-        assert_eq!(sorted(hit.entity1, hit.entity2), sorted(body, floor));
-        let up = if hit.entity1 == floor { Vec3::Y } else { Vec3::NEG_Y };
+        assert_eq!(sorted(hit.collider1, hit.collider2), sorted(body, floor));
+        let up = if hit.collider1 == floor { Vec3::Y } else { Vec3::NEG_Y };
         assert_near(hit.contact.normal, up, 1e-3);
         assert!(
             (hit.impulse - weight).abs() < 0.02 * weight,
@@ -194,7 +194,10 @@ pub fn every_corner_carries_a_quarter_of_the_weight_on_meshes_and_planes() {
             collisions.of(floor).next(),
             collisions.of(body).next(),
         ] {
-            assert_eq!(found.map(|c| (c.entity1, c.entity2)), Some((hit.entity1, hit.entity2)));
+            assert_eq!(
+                found.map(|c| (c.collider1, c.collider2)),
+                Some((hit.collider1, hit.collider2))
+            );
         }
         let stranger = sim.spawn(Name::new("stranger"));
         assert!(sim.collisions().get(body, stranger).is_none() && sim.collisions().get(floor, stranger).is_none());
@@ -261,7 +264,7 @@ pub fn a_body_tells_its_centre_of_mass() {
         .with_scale(Vec3::splat(3.0));
     let body = sim.spawn((RigidBody::Dynamic, mesh, pose, Mass(2.0)));
     sim.step(1);
-    let center = sim.get::<CenterOfMass>(body);
+    let center = sim.get::<ComputedCenterOfMass>(body);
     assert_near(*center, Vec3::X * 2.0, 1e-5);
     let world = center.in_world(&pose);
     assert_near(world, Vec3::new(0.0, 11.0, 0.0), 1e-5);
@@ -276,7 +279,7 @@ pub fn a_body_tells_its_centre_of_mass() {
     let centred = sim.mesh(&cube);
     sim.set(body, centred);
     sim.step(1);
-    assert_near(*sim.get::<CenterOfMass>(body), Vec3::ZERO, 1e-6);
+    assert_near(*sim.get::<ComputedCenterOfMass>(body), Vec3::ZERO, 1e-6);
 }
 
 pub fn without_response_there_are_points_too() {

@@ -1,6 +1,6 @@
 //! `FaceoffPlugins` beside Bevy's own groups, as a game adds them.
 
-use crate::app::{Sim, ball_like, sorted};
+use crate::app::{Sim, ball_like, sorted, start_of};
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
@@ -29,8 +29,8 @@ fn meet(mut sim: Sim) -> (Vec<Transform>, Vec<CollisionStart>, Vec<CollisionEnd>
     let torus = sim.mesh(&shapes::torus_240());
     let bodies = [-1.0, 1.0].map(|x| sim.spawn(ball_like(&torus, Vec3::new(x, 0.1 * x, 0.0), Vec3::X * -x)));
     sim.step(120);
-    let [entity1, entity2] = sorted(bodies[0], bodies[1]);
-    assert!(sim.started.contains(&CollisionStart { entity1, entity2 }));
+    let pair = sorted(bodies[0], bodies[1]);
+    assert!(sim.started.contains(&start_of(pair)));
     assert!(sim.position(bodies[0]).x < 0.0, "they bounce");
     (bodies.map(|b| sim.get(b)).into(), sim.started, sim.ended)
 }

@@ -1,6 +1,6 @@
 //! Kinds of bodies, sensors and layers: who meets whom, and who pushes whom.
 
-use crate::app::{Sim, assert_near, ball_like, resting, sorted};
+use crate::app::{Sim, assert_near, ball_like, end_of, resting, sorted, start_of};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
@@ -114,9 +114,9 @@ fn a_sensor_reports_and_neither_pushes_nor_is_pushed() {
     sim.step(128);
     assert_near(sim.position(sensor), Vec3::X, 1e-4);
     assert_near(sim.position(body), Vec3::NEG_X, 1e-4);
-    let [entity1, entity2] = sorted(sensor, body);
-    assert!(sim.started.contains(&CollisionStart { entity1, entity2 }));
-    assert!(sim.ended.contains(&CollisionEnd { entity1, entity2 }));
+    let pair = sorted(sensor, body);
+    assert!(sim.started.contains(&start_of(pair)));
+    assert!(sim.ended.contains(&end_of(pair)));
     assert_eq!(sim.spin(body), Vec3::ZERO);
 }
 
@@ -129,8 +129,8 @@ fn a_sensor_reports_a_plane_and_is_not_pushed_by_it() {
     sim.step(64);
     assert_near(sim.position(sensor), Vec3::X * 2.0, 1e-5);
     assert_eq!(sim.velocity(sensor), Vec3::X * 2.0);
-    let [entity1, entity2] = sorted(sensor, plane);
-    assert_eq!(sim.started, [CollisionStart { entity1, entity2 }]);
+    let pair = sorted(sensor, plane);
+    assert_eq!(sim.started, [start_of(pair)]);
 }
 
 #[test]

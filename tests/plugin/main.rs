@@ -5,6 +5,7 @@ mod app;
 mod bad_bodies;
 mod bakes;
 mod clock;
+mod compounds;
 mod contacts;
 mod culling;
 mod groups;

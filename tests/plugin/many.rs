@@ -42,12 +42,18 @@ struct Told {
 impl Told {
     /// Takes the messages of one step, each of which must change something.
     fn take(&mut self, sim: &mut Sim) {
-        for CollisionEnd { entity1, entity2 } in sim.ended.drain(..) {
-            assert!(self.pairs.remove(&[entity1, entity2]), "an end without a start");
+        for CollisionEnd {
+            collider1, collider2, ..
+        } in sim.ended.drain(..)
+        {
+            assert!(self.pairs.remove(&[collider1, collider2]), "an end without a start");
         }
-        for CollisionStart { entity1, entity2 } in sim.started.drain(..) {
-            assert!(entity1 < entity2);
-            assert!(self.pairs.insert([entity1, entity2]), "a second start");
+        for CollisionStart {
+            collider1, collider2, ..
+        } in sim.started.drain(..)
+        {
+            assert!(collider1 < collider2);
+            assert!(self.pairs.insert([collider1, collider2]), "a second start");
             self.starts += 1;
         }
     }
@@ -142,10 +148,10 @@ fn check(sim: &Sim, told: &Told, bodies: &[Entity], planes: &[Entity]) {
     for c in sim.collisions().iter() {
         assert!(c.contact.point.is_finite());
         assert!((c.contact.normal.length() - 1.0).abs() < 1e-4);
-        if planes.contains(&c.entity2) {
-            assert!(alive.contains(&c.entity1), "the body comes first");
+        if planes.contains(&c.collider2) {
+            assert!(alive.contains(&c.collider1), "the body comes first");
         } else {
-            assert_eq!(sorted(c.entity1, c.entity2), [c.entity1, c.entity2]);
+            assert_eq!(sorted(c.collider1, c.collider2), [c.collider1, c.collider2]);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What is told about collisions: messages, events, lists and the resource.
 
-use crate::app::{Sim, ball_like, resting, sorted};
+use crate::app::{Sim, ball_like, end_of, resting, sorted, start_of};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
@@ -15,10 +15,10 @@ fn watch(sim: &mut Sim) {
     sim.world().init_resource::<Seen>();
     sim.app
         .add_observer(|event: On<CollisionStart>, mut seen: ResMut<Seen>| {
-            seen.0.push((true, event.entity1, event.entity2));
+            seen.0.push((true, event.collider1, event.collider2));
         });
     sim.app.add_observer(|event: On<CollisionEnd>, mut seen: ResMut<Seen>| {
-        seen.0.push((false, event.entity1, event.entity2));
+        seen.0.push((false, event.collider1, event.collider2));
     });
 }
 
@@ -40,15 +40,15 @@ fn passing(sim: &mut Sim) -> [Entity; 2] {
 fn a_touch_is_told_once_when_it_begins_and_once_when_it_ends() {
     let mut sim = Sim::new();
     let [one, other] = passing(&mut sim);
-    let [entity1, entity2] = sorted(one, other);
+    let pair = sorted(one, other);
     sim.step(8);
     assert!(sim.started.is_empty() && sim.ended.is_empty());
     sim.step(16);
-    assert_eq!(sim.started, [CollisionStart { entity1, entity2 }]);
+    assert_eq!(sim.started, [start_of(pair)]);
     assert!(sim.ended.is_empty());
     sim.step(60);
     assert_eq!(sim.started.len(), 1);
-    assert_eq!(sim.ended, [CollisionEnd { entity1, entity2 }]);
+    assert_eq!(sim.ended, [end_of(pair)]);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn messages_name_the_smaller_entity_first_whoever_was_spawned_with_what() {
     let two = sim.spawn(resting(&cube, Vec3::splat(0.1)));
     let three = sim.spawn((resting(&cube, Vec3::splat(0.2)), Sensor, Mass(1.0)));
     sim.step(1);
-    let pairs: Vec<_> = sim.started.iter().map(|s| [s.entity1, s.entity2]).collect();
+    let pairs: Vec<_> = sim.started.iter().map(|s| [s.collider1, s.collider2]).collect();
     let mut wanted = vec![sorted(one, two), sorted(one, three), sorted(two, three)];
     wanted.sort();
     assert_eq!(pairs, wanted);
@@ -108,7 +108,7 @@ fn an_observer_of_one_entity_hears_its_collisions_with_itself_first() {
     sim.world()
         .entity_mut(flying)
         .observe(|event: On<CollisionStart>, mut seen: ResMut<Seen>| {
-            seen.0.push((true, event.entity1, event.entity2));
+            seen.0.push((true, event.collider1, event.collider2));
         });
     sim.step(80);
     assert_eq!(seen(&mut sim), [(true, flying, still)]);
@@ -147,9 +147,9 @@ fn planes_are_told_like_bodies() {
         }
     }
     assert!(listed);
-    let [entity1, entity2] = sorted(plane, body);
-    assert_eq!(sim.started, [CollisionStart { entity1, entity2 }]);
-    assert_eq!(sim.ended, [CollisionEnd { entity1, entity2 }]);
+    let pair = sorted(plane, body);
+    assert_eq!(sim.started, [start_of(pair)]);
+    assert_eq!(sim.ended, [end_of(pair)]);
     assert_eq!(seen(&mut sim), [(true, plane, body), (false, plane, body)]);
     assert!(sim.collisions().is_empty(), "`Collisions` holds pairs of bodies");
 }
@@ -168,8 +168,8 @@ fn despawning_one_of_two_that_touch_ends_the_touch_for_the_other() {
         let (gone, left) = if first { (one, other) } else { (other, one) };
         sim.world().despawn(gone);
         sim.step(1);
-        let [entity1, entity2] = sorted(one, other);
-        assert_eq!(sim.ended, [CollisionEnd { entity1, entity2 }]);
+        let pair = sorted(one, other);
+        assert_eq!(sim.ended, [end_of(pair)]);
         assert_eq!(seen(&mut sim), [(false, left, gone)]);
         assert!(sim.get::<CollidingEntities>(left).is_empty());
         sim.step(5);
@@ -184,7 +184,7 @@ fn an_observer_may_despawn_both_bodies_of_a_collision() {
     let [one, other] = passing(&mut sim);
     sim.app
         .add_observer(|event: On<CollisionStart>, mut commands: Commands| {
-            for entity in [event.entity1, event.entity2] {
+            for entity in [event.collider1, event.collider2] {
                 commands.entity(entity).try_despawn();
             }
         });
@@ -210,8 +210,8 @@ fn a_reused_entity_index_is_not_mistaken_for_the_old_body() {
     assert_ne!(new, one);
     assert!(sim.touch(new, other));
     assert_eq!((sim.started.len(), sim.ended.len()), (2, 1));
-    assert!([sim.ended[0].entity1, sim.ended[0].entity2].contains(&one));
-    assert!([sim.started[1].entity1, sim.started[1].entity2].contains(&new));
+    assert!([sim.ended[0].collider1, sim.ended[0].collider2].contains(&one));
+    assert!([sim.started[1].collider1, sim.started[1].collider2].contains(&new));
 }
 
 #[test]
@@ -257,9 +257,9 @@ fn collisions_are_found_by_either_order_and_by_entity() {
     let collisions = sim.collisions();
     assert_eq!(collisions.len(), 2);
     let (there, back) = (collisions.get(one, two).unwrap(), collisions.get(two, one).unwrap());
-    assert_eq!((there.entity1, there.entity2), (back.entity1, back.entity2));
+    assert_eq!((there.collider1, there.collider2), (back.collider1, back.collider2));
     assert_eq!(there.contact, back.contact);
-    let towards = sim.position(there.entity2) - sim.position(there.entity1);
+    let towards = sim.position(there.collider2) - sim.position(there.collider1);
     assert!(there.contact.normal.x * towards.x > 0.8, "from the first to the second");
     assert!(!there.contained && !there.faces.is_empty());
     assert!(there.faces.iter().all(|f| f.a < 12 && f.b < 12));

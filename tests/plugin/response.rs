@@ -167,8 +167,8 @@ fn without_response_bodies_pass_through_each_other_and_are_reported() {
     assert_near(sim.position(other), Vec3::X * -1.0, 1e-4);
     assert_eq!((sim.velocity(one), sim.velocity(other)), (Vec3::X, Vec3::NEG_X));
     let of_pair = |e: [Entity; 2]| e == crate::app::sorted(one, other);
-    assert!(sim.started.iter().any(|s| of_pair([s.entity1, s.entity2])));
-    assert!(sim.ended.iter().any(|s| of_pair([s.entity1, s.entity2])));
+    assert!(sim.started.iter().any(|s| of_pair([s.collider1, s.collider2])));
+    assert!(sim.ended.iter().any(|s| of_pair([s.collider1, s.collider2])));
     sim.step(40);
     assert!(sim.position(other).x < -1.5, "the plane holds nobody back either");
     assert_eq!(sim.spin(one), Vec3::ZERO);

@@ -16,8 +16,8 @@ fn on_the_ground() -> Sim {
 /// How often a pair was told to begin and to end.
 fn told(sim: &Sim, one: Entity, other: Entity) -> [usize; 2] {
     let pair = sorted(one, other);
-    let starts = sim.started.iter().filter(|s| [s.entity1, s.entity2] == pair);
-    let ends = sim.ended.iter().filter(|e| [e.entity1, e.entity2] == pair);
+    let starts = sim.started.iter().filter(|s| [s.collider1, s.collider2] == pair);
+    let ends = sim.ended.iter().filter(|e| [e.collider1, e.collider2] == pair);
     [starts.count(), ends.count()]
 }
 
@@ -155,7 +155,7 @@ pub fn what_is_fast_and_flagged_is_noticed_by_a_sensor_and_not_stopped() {
             if passed {
                 // Where the ball's front meets the sensor's, but for its corners.
                 assert_near(collision.contact.point, Vec3::X * -0.1, 3e-3);
-                let out = if collision.entity1 == body { 1.0 } else { -1.0 };
+                let out = if collision.collider1 == body { 1.0 } else { -1.0 };
                 assert_near(collision.contact.normal, Vec3::X * out, 1e-3);
                 assert_eq!(*sim.get::<CollidingEntities>(gate), [body]);
             }

@@ -143,7 +143,7 @@ impl Engine for Faceoff {
         let collisions = self.app.world().resource::<Collisions>();
         collisions
             .iter()
-            .filter_map(|c| Some([index(c.entity1)?, index(c.entity2)?]))
+            .filter_map(|c| Some([index(c.collider1)?, index(c.collider2)?]))
             .collect()
     }
 }

@@ -6,12 +6,13 @@ pub use crate::types::material::CombineRule;
 
 use bevy::prelude::*;
 
-/// Mass in kilograms. Overrides [`Density`]. The inertia is that of the body's shape with uniform density.
+/// Mass of a body in kilograms. Overrides [`Density`]. The inertia is scaled with it.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct Mass(pub f32);
 
-/// Density in kilograms per cubic metre, for a body without [`Mass`]. Default 1.
+/// Density in kilograms per cubic metre, of a collider or of all colliders of a body that have none. Default 1. In a body
+/// with [`Mass`] it only distributes that mass.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Density(pub f32);

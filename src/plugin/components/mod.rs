@@ -8,7 +8,12 @@ use crate::asset::CollisionMesh;
 use crate::types::settings::Culling;
 use bevy::prelude::*;
 
-/// The shape of a body. A body without [`RigidBody`](crate::types::body::RigidBody) is static.
+/// A shape: part of the body of the nearest [`RigidBody`](crate::types::body::RigidBody) on its entity or above it.
+/// Without one it is static.
+///
+/// [`Density`], [`Friction`](crate::types::material::Friction), [`Restitution`](crate::types::material::Restitution),
+/// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`BodyCulling`] of a collider are those on its entity, or
+/// else those of its body.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq)]
 #[require(Transform)]
@@ -40,7 +45,8 @@ impl PlaneCollider {
     }
 }
 
-/// Makes a body report collisions without pushing or being pushed.
+/// Makes a collider report collisions without pushing or being pushed. It has no mass, unless its body has no other
+/// colliders than sensors.
 ///
 /// A sensor touches the bodies that it overlaps or contains at the beginning of a step, asleep or not. It detects a
 /// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
@@ -49,22 +55,33 @@ impl PlaneCollider {
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct Sensor;
 
+/// Takes a collider out of the world until it is removed: it touches nothing and has no mass. So does Bevy's `Disabled`.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct ColliderDisabled;
+
+/// Takes a body and its colliders out of the world until it is removed: the body does not move and touches nothing. So
+/// does Bevy's `Disabled`.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct RigidBodyDisabled;
+
 /// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
 /// pair chooses among that body's triangles.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct BodyCulling(pub Culling);
 
-/// The entities that a body touches, in ascending order. Add it to a body, and the step keeps it up to date. An entity
-/// stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
+/// The colliders and planes that a collider touches, in ascending order; on a body those that any of its colliders
+/// touches. Add it to a collider, body or plane, and the step keeps it up to date. An entity stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
 /// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollidingEntities(pub(crate) Vec<Entity>);
 
 /// Triggers [`CollisionStart`](crate::plugin::events::CollisionStart) and
-/// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this entity, for observers. As messages they are
-/// always written.
+/// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this collider, body or plane, for observers. As
+/// messages they are always written.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct CollisionEventsEnabled;

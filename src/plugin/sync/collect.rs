@@ -1,75 +1,27 @@
 //! Reads components into the stages' arrays, before a step.
 
-use super::oddities::{Oddities, Oddity};
+use super::components::{BodyComponents, BodyComponentsItem, PlaneComponents, Surface};
+use super::hierarchy::{self, Above, NestedBodies, Node, Posed, affine};
 use super::tables::Tables;
-use super::{Collected, Step, named};
+use super::{Assembly, AssemblyPart, Step, named};
 use crate::asset::CollisionMesh;
 use crate::plugin::clock::Physics;
 use crate::plugin::components::*;
 use crate::plugin::events::BodyRejected;
 use crate::plugin::settings::Gravity;
+use crate::state::Body;
+use crate::state::bodies::check_body;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Body, BodyParams, Plane};
 use crate::types::body::*;
-use crate::types::material::{Friction, Restitution};
 use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
 use bevy::asset::LoadState;
-use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
+use bevy::math::DAffine3;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::time::Instant;
-
-/// The components of a body.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(crate) struct BodyComponents {
-    entity: Entity,
-    collider: &'static MeshCollider,
-    transform: &'static Transform,
-    kind: Option<&'static RigidBody>,
-    linear_velocity: Option<&'static LinearVelocity>,
-    angular_velocity: Option<&'static AngularVelocity>,
-    mass: Option<&'static Mass>,
-    density: Option<&'static Density>,
-    inertia: Option<&'static AngularInertia>,
-    restitution: Option<&'static Restitution>,
-    params: HandlingComponents,
-    gravity_scale: Option<&'static GravityScale>,
-    layers: Option<&'static CollisionLayers>,
-    sensor: Has<Sensor>,
-    is_child: Has<ChildOf>,
-    culling: Option<&'static BodyCulling>,
-    center: Option<&'static mut CenterOfMass>,
-}
-
-/// The components that the contact solver reads.
-#[derive(QueryData)]
-pub(crate) struct HandlingComponents {
-    friction: Option<&'static Friction>,
-    linear_damping: Option<&'static LinearDamping>,
-    angular_damping: Option<&'static AngularDamping>,
-    max_linear_speed: Option<&'static MaxLinearSpeed>,
-    max_angular_speed: Option<&'static MaxAngularSpeed>,
-    locked_axes: Option<&'static LockedAxes>,
-    forces: Option<&'static ExternalForces>,
-    sleeping: Option<&'static Sleeping>,
-    never_sleeps: Has<SleepingDisabled>,
-    continuous: Has<ContinuousCollision>,
-}
-
-/// The components of a plane.
-#[derive(QueryData)]
-pub(crate) struct PlaneComponents {
-    entity: Entity,
-    plane: &'static PlaneCollider,
-    restitution: Option<&'static Restitution>,
-    friction: Option<&'static Friction>,
-    is_body: Has<MeshCollider>,
-    kind: Option<&'static RigidBody>,
-}
 
 /// A component that becomes a collider later.
 #[cfg(feature = "bevy_mesh")]
@@ -78,7 +30,15 @@ use crate::plugin::mesh_collider_from::MeshColliderFrom as ColliderToCome;
 #[cfg(not(feature = "bevy_mesh"))]
 use MeshCollider as ColliderToCome;
 
-/// Bodies without any collider.
+/// Colliders that may be parts of a body above them.
+type Children = (
+    With<MeshCollider>,
+    With<ChildOf>,
+    Without<RigidBody>,
+    Without<ColliderDisabled>,
+);
+
+/// Bodies without any collider of their own.
 type Bare = (
     With<RigidBody>,
     Without<MeshCollider>,
@@ -95,15 +55,42 @@ pub(crate) struct Rules<'w> {
     solver: Res<'w, SolverSettings>,
 }
 
+/// The hierarchy above colliders and bodies.
+#[derive(SystemParam)]
+pub(crate) struct Hierarchy<'w, 's> {
+    nodes: Query<'w, 's, Node>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    transforms: Query<'w, 's, &'static Transform>,
+    children: Query<'w, 's, Entity, Children>,
+    to_come: Query<'w, 's, Entity, (With<ColliderToCome>, With<ChildOf>, Without<MeshCollider>)>,
+    bare: Query<'w, 's, (Entity, &'static RigidBody), Bare>,
+}
+
+/// The loaded meshes.
+#[derive(SystemParam)]
+pub(crate) struct Meshes<'w> {
+    meshes: Res<'w, Assets<CollisionMesh>>,
+    assets: Res<'w, AssetServer>,
+}
+
+/// A collider below its body, or a static one below other entities.
+#[derive(Clone, Copy)]
+pub(crate) struct Child {
+    collider: Entity,
+    /// `None` for a static one.
+    body: Option<Entity>,
+    /// To the coordinates of the body, or to the world.
+    up: DAffine3,
+}
+
 /// Fills the stages' input from the world, and reports invalid bodies and planes.
 pub(crate) fn collect(
     mut step: ResMut<Step>,
-    mut bodies: Query<BodyComponents>,
+    mut bodies: Query<BodyComponents, Or<(With<MeshCollider>, With<RigidBody>)>>,
     planes: Query<PlaneComponents>,
-    bare: Query<(Entity, &RigidBody), Bare>,
+    hierarchy: Hierarchy,
     names: Query<&Name>,
-    meshes: Res<Assets<CollisionMesh>>,
-    assets: Res<AssetServer>,
+    meshes: Meshes,
     time: Res<Time<Physics>>,
     rules: Rules,
     mut rejected: MessageWriter<BodyRejected>,
@@ -115,74 +102,75 @@ pub(crate) fn collect(
     step.state.input.config.gravity = rules.gravity();
     step.state.input.config.solver = rules.solver();
 
-    let mut faults = Vec::new();
+    step.new_faults.clear();
     step.bodies.clear();
+    step.assemblies.clear();
+    step.parts.clear();
     step.tables.poll();
+    hierarchy.find_children(&mut step.children);
+    let nested_before = step.nested.take();
+    let mut reader = Reader {
+        step,
+        meshes: &meshes,
+        culling: *rules.culling,
+    };
+    // Those that are not single bodies without a parent. They are few in most worlds.
+    let mut others = std::mem::take(&mut reader.step.others);
+    others.clear();
     for mut body in &mut bodies {
-        body.note(&mut step.oddities);
-        let id = body.collider.0.id();
-        if body.is_child {
-            faults.push((body.entity, BodyFault::Child));
+        body.note(&mut reader.step.oddities);
+        if body.kind.is_none() && body.parent.is_some() {
             continue;
         }
-        let culling = body.culling.map_or(*rules.culling, |c| c.0);
-        if culling == Culling::FacesOfCollision
-            && let Some(mesh) = meshes.get(id).filter(|mesh| mesh.faces.is_none())
-        {
-            let name = || {
-                assets
-                    .get_path(id)
-                    .map_or_else(|| id.to_string(), |path| path.to_string())
-            };
-            step.tables.request(id, mesh, name);
-        }
-        if let Some(mesh) = slot(&mut step.state.input.meshes, &mut step.slots, &step.tables, &meshes, id) {
-            if let Some(center) = &mut body.center {
-                center.set_if_neq(CenterOfMass(step.state.input.meshes[mesh].mesh.mass.center));
-            }
-            step.bodies.push((body.entity, body.with_mesh(mesh, culling)));
+        let is_single = body.parent.is_none()
+            && body.center.is_none()
+            && body.collider.is_some()
+            && !body.collider_disabled
+            && !body.body_disabled
+            && !reader.step.has_children(body.entity);
+        if is_single {
+            let posed = Posed::root(body.transform);
+            reader.single(&mut body, &posed);
         } else {
-            match assets.load_state(id) {
-                LoadState::Loading | LoadState::Loaded => {}
-                LoadState::NotLoaded => faults.push((body.entity, BodyFault::MeshMissing)),
-                LoadState::Failed(_) => faults.push((body.entity, BodyFault::MeshFailed)),
-            }
+            others.push(body.entity);
         }
     }
+    // So that assemblies are ascending by body.
+    others.sort_unstable();
+    for &entity in &others {
+        if let Ok(mut body) = bodies.get_mut(entity)
+            && !body.body_disabled
+        {
+            reader.any(&mut body, &hierarchy, &nested_before);
+        }
+    }
+    reader.children(&mut bodies);
+    reader.step.others = others;
     // The order of a query depends on archetypes. The order of entities does not.
     step.bodies.sort_unstable_by_key(|&(entity, _)| entity);
-
-    let Collected {
-        entities,
-        kinds,
-        planes: plane_entities,
-    } = &mut step.collected;
-    entities.clear();
-    kinds.clear();
-    step.state.input.bodies.clear();
-    for (entity, body) in &step.bodies {
-        match step.state.input.bodies.push(body, &step.state.input.meshes) {
-            Ok(()) => {
-                entities.push(*entity);
-                kinds.push(body.kind);
-            }
-            Err(fault) => faults.push((*entity, fault)),
+    step.fill();
+    for (assembly, center) in step.centers() {
+        if let Ok(mut body) = bodies.get_mut(assembly)
+            && let Some(computed) = &mut body.computed_center
+        {
+            computed.set_if_neq(ComputedCenterOfMass(center));
         }
     }
 
     let keys = &mut step.state.input.keys;
     keys.clear();
-    keys.extend(entities.iter().map(|entity| entity.to_bits()));
+    keys.extend(step.collected.entities.iter().map(|entity| entity.to_bits()));
 
     step.planes.clear();
     for plane in &planes {
         plane.note(&mut step.oddities);
         match plane.half_space() {
             Ok(half_space) => step.planes.push((plane.entity, half_space)),
-            Err(fault) => faults.push((plane.entity, fault)),
+            Err(fault) => step.new_faults.push((plane.entity, fault)),
         }
     }
     step.planes.sort_unstable_by_key(|&(entity, _)| entity);
+    let plane_entities = &mut step.collected.planes;
     plane_entities.clear();
     plane_entities.extend(step.planes.iter().map(|&(entity, _)| entity));
     step.state.input.planes.clear();
@@ -192,30 +180,261 @@ pub(crate) fn collect(
         .extend(step.planes.iter().map(|&(_, plane)| plane));
 
     let named = |entity: Entity| named(entity, names.get(entity).ok());
-    faults.sort_unstable_by_key(|&(entity, _)| entity);
-    for &(entity, fault) in &faults {
+    step.new_faults.sort_unstable_by_key(|&(entity, _)| entity);
+    for &(entity, fault) in &step.new_faults {
         let known = step.faults.binary_search_by_key(&entity, |&(entity, _)| entity);
         if !known.is_ok_and(|at| step.faults[at].1.is_like(&fault)) {
             error!("{} is left out of collisions: {fault}", named(entity));
             rejected.write(BodyRejected { entity, fault });
         }
     }
-    step.faults = faults;
-    let moving = bare.iter().filter(|&(_, &kind)| kind != RigidBody::Static);
+    std::mem::swap(&mut step.faults, &mut step.new_faults);
+    let children = &step.children;
+    let moving = (hierarchy.bare.iter())
+        .filter(|&(entity, &kind)| kind != RigidBody::Static && !has_children(children, entity))
+        .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
     step.oddities.count_bare(moving.map(|(entity, _)| entity));
     step.oddities
         .report(|entity, oddity| warn!("{}: {oddity}", named(entity)));
     step.choose_place();
 
-    step.tables.retain(|id| meshes.contains(id));
+    step.tables.retain(|id| meshes.meshes.contains(id));
     let (arena, slots) = (&mut step.state.input.meshes, &mut step.slots);
     slots.retain(|&id, &mut slot| {
-        let keep = meshes.contains(id);
+        let keep = meshes.meshes.contains(id);
         if !keep {
             arena.remove(slot);
         }
         keep
     });
+}
+
+/// Whether a body has colliders below it. `children` are ascending by body.
+fn has_children(children: &[Child], body: Entity) -> bool {
+    !children.is_empty() && children.binary_search_by_key(&Some(body), |child| child.body).is_ok()
+}
+
+impl Step {
+    fn has_children(&self, body: Entity) -> bool {
+        has_children(&self.children, body)
+    }
+
+    /// The body of each [`Assembly`] with its centre of mass, in the coordinates of its entity.
+    fn centers(&self) -> Vec<(Entity, Vec3)> {
+        let center = |assembly: &Assembly| {
+            let compound = self.state.input.bodies.compounds.get(assembly.compound? as usize)?;
+            let center = assembly.stretch.inverse() * compound.local_center;
+            Some((assembly.body, center.as_vec3()))
+        };
+        self.assemblies.iter().filter_map(center).collect()
+    }
+}
+
+impl Hierarchy<'_, '_> {
+    /// Finds what is above each collider that is a child, ascending by body.
+    fn find_children(&self, children: &mut Vec<Child>) {
+        children.clear();
+        for collider in &self.children {
+            let own = self.transforms.get(collider).map_or(DAffine3::IDENTITY, affine);
+            let (body, up) = match hierarchy::above(collider, &self.nodes) {
+                Above::Body(body, up) => (Some(body), up),
+                Above::World(up) => (None, up),
+                Above::Disabled => continue,
+            };
+            children.push(Child {
+                collider,
+                body,
+                up: up * own,
+            });
+        }
+        children.sort_unstable_by_key(|child| (child.body, child.collider));
+    }
+
+    /// Whether a body has descendants that become colliders.
+    fn will_have_children(&self, body: Entity) -> bool {
+        let is_above = |entity| matches!(hierarchy::above(entity, &self.nodes), Above::Body(above, _) if above == body);
+        self.to_come.iter().any(is_above)
+    }
+
+    /// The transformation from the parent of an entity to the world.
+    fn above(&self, entity: Entity) -> DAffine3 {
+        let transform_of = |entity| self.transforms.get(entity).ok().copied();
+        hierarchy::world_above(entity, hierarchy::parent_in(&self.parents), transform_of)
+    }
+}
+
+/// Reads bodies and their colliders.
+struct Reader<'a, 'w> {
+    step: &'a mut Step,
+    meshes: &'a Meshes<'w>,
+    /// Of colliders without one of their own.
+    culling: Culling,
+}
+
+impl Reader<'_, '_> {
+    /// Adds a body that is its only collider.
+    fn single(&mut self, body: &mut BodyComponentsItem, posed: &Posed) {
+        let surface = body.surface.read();
+        let Some(mesh) = self.mesh(body.entity, body.collider, &surface) else {
+            return;
+        };
+        if let Some(center) = &mut body.computed_center {
+            center.set_if_neq(ComputedCenterOfMass(
+                self.step.state.input.meshes[mesh].mesh.mass.center,
+            ));
+        }
+        let stretch = posed.stretch;
+        let mut own = body.body(posed);
+        own.mesh = mesh;
+        own.scale = Vec3::new(
+            stretch.x_axis.x as f32,
+            stretch.y_axis.y as f32,
+            stretch.z_axis.z as f32,
+        );
+        surface.apply(&mut own, surface.culling.unwrap_or(self.culling));
+        self.step.bodies.push((body.entity, own));
+    }
+
+    /// Adds a body with any number of colliders, anywhere in the hierarchy.
+    fn any(&mut self, body: &mut BodyComponentsItem, hierarchy: &Hierarchy, before: &NestedBodies) {
+        let entity = body.entity;
+        let kind = body.kind.copied().unwrap_or(RigidBody::Static);
+        let posed = match body.parent {
+            None => Posed::root(body.transform),
+            Some(_) => {
+                let above = hierarchy.above(entity);
+                self.step.nested.read(before, entity, kind, body.transform, above)
+            }
+        };
+        let has_children = self.step.has_children(entity);
+        let own = body.collider.filter(|_| !body.collider_disabled);
+        // A sheared mesh is an error below.
+        let is_plain = own.is_some() && hierarchy::place(&posed.stretched(&DAffine3::IDENTITY)).is_ok();
+        if !has_children && body.center.is_none() && is_plain {
+            self.single(body, &posed);
+            return;
+        }
+        if own.is_none() && !has_children {
+            return;
+        }
+        let assembly = body.body(&posed);
+        let center = body
+            .center
+            .map(|center| (posed.stretch * center.0.as_dvec3()).as_vec3());
+        let fault = match check_body(&assembly) {
+            Ok(()) if center.is_some_and(|center| !center.is_finite()) => Some(BodyFault::NonFinite("CenterOfMass")),
+            checked => checked.err(),
+        };
+        if let Some(fault) = fault {
+            self.step.new_faults.push((entity, fault));
+            return;
+        }
+        let surface = body.surface.read();
+        let number = self.step.assemblies.len() as u32;
+        self.step.assemblies.push(Assembly {
+            body: entity,
+            values: assembly,
+            center,
+            stretch: posed.stretch,
+            surface,
+            compound: None,
+        });
+        if own.is_some() {
+            self.part(number, entity, body.collider, &surface, &DAffine3::IDENTITY);
+        }
+    }
+
+    /// Adds the colliders that are children.
+    fn children(&mut self, bodies: &mut Query<BodyComponents, Or<(With<MeshCollider>, With<RigidBody>)>>) {
+        let children = std::mem::take(&mut self.step.children);
+        for &Child { collider, body, up } in &children {
+            let Ok(item) = bodies.get(collider) else { continue };
+            let surface = item.surface.read();
+            match body {
+                Some(body) => {
+                    let assemblies = &self.step.assemblies;
+                    // Those of an invalid body are left out with it.
+                    if let Ok(number) = assemblies.binary_search_by_key(&body, |assembly| assembly.body) {
+                        let surface = surface.or(&self.step.assemblies[number].surface);
+                        self.part(number as u32, collider, item.collider, &surface, &up);
+                    }
+                }
+                None => self.fixed(collider, item.collider, &surface, &up),
+            }
+        }
+        self.step.children = children;
+    }
+
+    /// Adds a collider of an [`Assembly`]. `up` leads to the coordinates of its body.
+    fn part(&mut self, number: u32, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface, up: &DAffine3) {
+        let Some(mesh) = self.mesh(entity, collider, surface) else {
+            return;
+        };
+        let assembly = &self.step.assemblies[number as usize];
+        let posed = Posed {
+            position: assembly.values.position,
+            rotation: assembly.values.rotation,
+            stretch: assembly.stretch,
+        };
+        let (place, scale) = match hierarchy::place(&posed.stretched(up)) {
+            Ok(placed) => placed,
+            Err(fault) => return self.step.new_faults.push((entity, fault)),
+        };
+        let mut part = assembly.values.collider(mesh, &place, scale);
+        surface.apply(&mut part, surface.culling.unwrap_or(self.culling));
+        self.step.parts.push(AssemblyPart {
+            assembly: number,
+            collider: entity,
+            place,
+            density: part.density,
+        });
+        self.step.bodies.push((entity, part));
+    }
+
+    /// Adds a static collider below other entities. `up` leads to the world.
+    fn fixed(&mut self, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface, up: &DAffine3) {
+        let Some(mesh) = self.mesh(entity, collider, surface) else {
+            return;
+        };
+        let (place, scale) = match hierarchy::place(up) {
+            Ok(placed) => placed,
+            Err(fault) => return self.step.new_faults.push((entity, fault)),
+        };
+        let origin = Body {
+            kind: RigidBody::Static,
+            ..Body::at_rest(mesh, Vec3::ZERO, Quat::IDENTITY, Vec3::ONE)
+        };
+        let mut fixed = origin.collider(mesh, &place, scale);
+        surface.apply(&mut fixed, surface.culling.unwrap_or(self.culling));
+        self.step.bodies.push((entity, fixed));
+    }
+
+    /// The slot of a collider's mesh. `None`, and maybe a fault, if it is not there.
+    fn mesh(&mut self, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface) -> Option<u32> {
+        let Meshes { meshes, assets } = self.meshes;
+        let id = collider?.0.id();
+        let culling = surface.culling.unwrap_or(self.culling);
+        if culling == Culling::FacesOfCollision
+            && let Some(mesh) = meshes.get(id).filter(|mesh| mesh.faces.is_none())
+        {
+            let name = || {
+                assets
+                    .get_path(id)
+                    .map_or_else(|| id.to_string(), |path| path.to_string())
+            };
+            self.step.tables.request(id, mesh, name);
+        }
+        let step = &mut *self.step;
+        let found = slot(&mut step.state.input.meshes, &mut step.slots, &step.tables, meshes, id);
+        if found.is_none() {
+            match assets.load_state(id) {
+                LoadState::Loading | LoadState::Loaded => {}
+                LoadState::NotLoaded => step.new_faults.push((entity, BodyFault::MeshMissing)),
+                LoadState::Failed(_) => step.new_faults.push((entity, BodyFault::MeshFailed)),
+            }
+        }
+        found
+    }
 }
 
 /// The arena slot of a mesh, if it is loaded. If the asset was replaced, for example by a hot reload, so is the mesh in
@@ -233,46 +452,6 @@ fn slot(
         arena.replace(slot, mesh.clone());
     }
     Some(slot)
-}
-
-impl PlaneComponentsItem<'_, '_> {
-    /// Records components without effect.
-    fn note(&self, oddities: &mut Oddities) {
-        oddities.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
-        if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
-            oddities.add(self.entity, Oddity::PlaneDoesNotMove);
-        }
-    }
-
-    fn half_space(&self) -> Result<Plane, BodyFault> {
-        if self.is_body {
-            return Err(BodyFault::PlaneOnBody);
-        }
-        let PlaneCollider { normal, distance } = *self.plane;
-        let restitution = self.restitution.copied().unwrap_or_default();
-        let friction = self.friction.copied().unwrap_or_default();
-        // In double precision the length of a finite vector neither overflows nor underflows.
-        let unit = normal.as_dvec3().try_normalize();
-        let normal = unit.ok_or(BodyFault::PlaneNormal(normal))?.as_vec3();
-        if !distance.is_finite() {
-            return Err(BodyFault::PlaneDistance(distance));
-        }
-        let numbers = [
-            ("Restitution", restitution.coefficient),
-            ("Friction", friction.coefficient),
-        ];
-        if let Some((name, _)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) {
-            return Err(BodyFault::NonFinite(name));
-        }
-        Ok(Plane {
-            normal,
-            distance,
-            restitution: restitution.coefficient.clamp(0.0, 1.0),
-            restitution_combine: restitution.combine,
-            friction,
-        })
-    }
 }
 
 impl Rules<'_> {
@@ -294,55 +473,6 @@ impl Rules<'_> {
                 );
                 SolverSettings::default()
             }
-        }
-    }
-}
-
-impl BodyComponentsItem<'_, '_> {
-    /// Records components without effect.
-    fn note(&self, oddities: &mut Oddities) {
-        let (entity, params) = (self.entity, &self.params);
-        oddities.check_restitution(entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(entity, "Friction", params.friction.map(|f| f.coefficient));
-        oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
-        oddities.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
-        oddities.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
-        oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
-    }
-
-    fn with_mesh(&self, mesh: u32, culling: Culling) -> Body {
-        let transform = self.transform;
-        let mut body = Body::at_rest(mesh, transform.translation, transform.rotation, transform.scale);
-        body.kind = self.kind.copied().unwrap_or(RigidBody::Static);
-        body.linear_velocity = self.linear_velocity.map_or(Vec3::ZERO, |v| v.0);
-        body.angular_velocity = self.angular_velocity.map_or(Vec3::ZERO, |w| w.0);
-        body.mass = self.mass.map(|m| m.0);
-        body.density = self.density.map_or(1.0, |d| d.0);
-        body.inertia = self.inertia.map(|i| i.0);
-        body.restitution = self.restitution.map_or(0.0, |r| r.coefficient);
-        body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
-        body.layers = self.layers.copied().unwrap_or_default();
-        body.sensor = self.sensor;
-        body.culling = culling;
-        body.params = self.params.read(self.restitution);
-        body
-    }
-}
-
-impl HandlingComponentsItem<'_, '_> {
-    fn read(&self, restitution: Option<&Restitution>) -> BodyParams {
-        BodyParams {
-            friction: self.friction.copied().unwrap_or_default(),
-            restitution_combine: restitution.map_or_else(Default::default, |r| r.combine),
-            linear_damping: self.linear_damping.map_or(0.0, |d| d.0),
-            angular_damping: self.angular_damping.map_or(0.0, |d| d.0),
-            max_linear_speed: self.max_linear_speed.map_or(f32::INFINITY, |m| m.0),
-            max_angular_speed: self.max_angular_speed.map_or(f32::INFINITY, |m| m.0),
-            locked_axes: self.locked_axes.copied().unwrap_or_default(),
-            forces: self.forces.copied().unwrap_or_default(),
-            can_sleep: !self.never_sleeps,
-            continuous: self.continuous,
-            woken: self.sleeping.is_some_and(|sleeping| !sleeping.0),
         }
     }
 }

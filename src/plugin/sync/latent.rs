@@ -10,7 +10,7 @@ use super::{Collected, Step};
 use crate::state::{Body, Motion};
 use crate::step::gpu::upload::Carried;
 use crate::step::remap;
-use crate::types::body::{AngularVelocity, LinearVelocity, Sleeping};
+use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody, Sleeping};
 use bevy::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
 
@@ -157,11 +157,15 @@ fn note(entity: Entity, step: Option<ResMut<Step>>, part: Part) {
 /// state.
 pub(crate) fn release(
     mut step: ResMut<Step>,
-    mut bodies: Query<(
-        &mut Transform,
-        Option<&mut LinearVelocity>,
-        Option<&mut AngularVelocity>,
-    )>,
+    mut bodies: Query<
+        (
+            &mut Transform,
+            Option<&mut LinearVelocity>,
+            Option<&mut AngularVelocity>,
+        ),
+        With<RigidBody>,
+    >,
+    children: Query<(), With<ChildOf>>,
 ) {
     if step.engine.latent().is_none() {
         return;
@@ -189,7 +193,10 @@ pub(crate) fn release(
         let Ok((mut transform, linear, angular)) = bodies.get_mut(entity) else {
             continue;
         };
-        (transform.translation, transform.rotation) = (motion.position, motion.rotation);
+        // Under other entities it keeps the last published pose, which is in their coordinates.
+        if !children.contains(entity) {
+            (transform.translation, transform.rotation) = (motion.position, motion.rotation);
+        }
         if let Some(mut linear) = linear {
             linear.0 = motion.linear_velocity;
         }

@@ -1,6 +1,9 @@
 //! Synchronisation with the ECS: reads components before a step, and writes results after it.
 
+mod assemblies;
 pub(crate) mod collect;
+mod components;
+pub(crate) mod hierarchy;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 mod oddities;
@@ -23,8 +26,11 @@ use crate::step::gpu::results::{Detail, Output};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
+use assemblies::{Assembly, AssemblyPart};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+use collect::Child;
+use hierarchy::NestedBodies;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -43,8 +49,17 @@ pub(crate) struct Step {
     /// Steps with pending results.
     #[cfg(feature = "gpu")]
     pub latent: latent::Latent,
-    /// Scratch: bodies in the order of entities, valid or not.
+    /// Scratch: colliders in the order of entities, valid or not.
     pub bodies: Vec<(Entity, Body)>,
+    /// Scratch: bodies whose colliders are placed in them, ascending, and these colliders.
+    pub assemblies: Vec<Assembly>,
+    pub parts: Vec<AssemblyPart>,
+    /// Scratch: colliders that are children, ascending by body.
+    pub children: Vec<Child>,
+    /// Scratch: bodies that are not single colliders without a parent.
+    pub others: Vec<Entity>,
+    /// Bodies under other entities.
+    pub nested: NestedBodies,
     /// Scratch: half-spaces in the order of entities.
     pub planes: Vec<(Entity, Plane)>,
     /// Arena slots by asset.
@@ -53,6 +68,8 @@ pub(crate) struct Step {
     pub tables: tables::Tables,
     /// Rejected bodies and planes with the reason, ascending.
     pub faults: Vec<(Entity, BodyFault)>,
+    /// Scratch: those of this step.
+    pub new_faults: Vec<(Entity, BodyFault)>,
     /// Components without effect.
     pub oddities: oddities::Oddities,
     /// Pairs whose collision has started and not ended, ascending.
@@ -80,27 +97,43 @@ pub(crate) fn named(entity: Entity, name: Option<&Name>) -> String {
 /// A pair whose collision has started and not ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touching {
-    /// The pair, with `first < second`.
+    /// The pair of colliders, with `first < second`.
     pub pair: [Entity; 2],
+    /// Their bodies.
+    pub bodies: [Entity; 2],
     /// Seconds without a touch after which the collision ends.
     pub left: f32,
 }
 
-/// The bodies and planes of a step.
+impl Touching {
+    /// Sort key. A collider that became part of another body begins to touch anew.
+    pub fn key(&self) -> [[Entity; 2]; 2] {
+        [self.pair, self.bodies]
+    }
+}
+
+/// The colliders, bodies and planes of a step.
 #[derive(Default)]
 pub(crate) struct Collected {
-    /// Entity of each body, ascending.
+    /// Entity of each collider, ascending.
     pub entities: Vec<Entity>,
-    /// Kind of each body.
+    /// The body of each collider; without a body the collider itself.
+    pub bodies: Vec<Entity>,
+    /// Kind of the body of each collider.
     pub kinds: Vec<RigidBody>,
+    /// Number of bodies.
+    pub body_count: usize,
     /// Entity of each plane, ascending.
     pub planes: Vec<Entity>,
 }
 
 impl Collected {
-    /// Whether a body or plane took part.
-    pub fn has(&self, entity: Entity) -> bool {
-        self.entities.binary_search(&entity).is_ok() || self.planes.binary_search(&entity).is_ok()
+    /// The body of a collider, or the plane itself, if it took part.
+    pub fn body_of(&self, entity: Entity) -> Option<Entity> {
+        match self.entities.binary_search(&entity) {
+            Ok(at) => Some(self.bodies[at]),
+            Err(_) => self.planes.binary_search(&entity).is_ok().then_some(entity),
+        }
     }
 }
 
@@ -115,10 +148,16 @@ impl Step {
             #[cfg(feature = "gpu")]
             latent: latent::Latent::default(),
             bodies: Vec::new(),
+            assemblies: Vec::new(),
+            parts: Vec::new(),
+            children: Vec::new(),
+            others: Vec::new(),
+            nested: NestedBodies::default(),
             planes: Vec::new(),
             slots: HashMap::default(),
             tables: tables::Tables::default(),
             faults: Vec::new(),
+            new_faults: Vec::new(),
             oddities: oddities::Oddities::default(),
             touching: Vec::new(),
             touching_now: Vec::new(),
@@ -130,10 +169,13 @@ impl Step {
         }
     }
 
-    /// Moves the simulation to the CPU while a body needs CCD, and back to the GPU afterwards. Bodies keep their state.
+    /// Moves the simulation to the CPU while a body needs CCD or has several colliders, and back to the GPU afterwards.
+    /// Bodies keep their state.
     pub fn choose_place(&mut self) {
-        let stops = self.state.input.bodies.params.iter().any(|params| params.continuous);
-        let on_cpu = stops && self.state.input.config.response == Response::Contacts;
+        let bodies = &self.state.input.bodies;
+        let stops = bodies.params.iter().any(|params| params.continuous);
+        let stops = stops && self.state.input.config.response == Response::Contacts;
+        let on_cpu = stops || !bodies.compounds.is_empty();
         #[cfg(feature = "gpu")]
         if self.engine.changes_place(on_cpu) {
             self.hand_over(on_cpu);
@@ -163,26 +205,13 @@ impl Step {
         if self.engine.latent().is_none() {
             return;
         }
-        let entities = self.collected.entities.iter().copied().enumerate();
-        let mut motions = entities
-            .map(|(i, entity)| (entity, self.state.input.bodies.motion(i)))
+        let arrays = &self.state.input.bodies;
+        let bodies = (0..arrays.len()).filter(|&i| arrays.is_body(i));
+        let mut motions = bodies
+            .map(|i| (self.collected.bodies[i], arrays.body_motion(i)))
             .collect();
         self.catch_up(&mut motions);
-        self.state.input.bodies.clear();
-        for (entity, body) in &self.bodies {
-            let Some(motion) = motions.get(entity) else { continue };
-            let moved = Body {
-                position: motion.position,
-                rotation: motion.rotation,
-                linear_velocity: motion.linear_velocity,
-                angular_velocity: motion.angular_velocity,
-                ..*body
-            };
-            // If the new state is invalid, use that of the components, which was valid.
-            if self.state.input.bodies.push(&moved, &self.state.input.meshes).is_err() {
-                let _ = self.state.input.bodies.push(body, &self.state.input.meshes);
-            }
-        }
+        self.refill(|entity| motions.get(&entity).copied());
     }
 
     /// Runs a stage. A device runs all stages in the call for the first one.
@@ -194,9 +223,17 @@ impl Step {
         self.engine.run(stage, &mut self.state);
         if stage == Stage::Integrate {
             self.counts = self.state.results.counts();
+            self.counts.asleep = self.bodies_asleep();
             // Swapped instead of moved, so that the next step reuses the memory.
             std::mem::swap(self.results.get_or_insert_default(), &mut self.collected);
         }
+    }
+
+    /// Number of bodies asleep after a step on the CPU.
+    fn bodies_asleep(&self) -> usize {
+        let bodies = &self.state.input.bodies;
+        let asleep = self.state.results.asleep.iter().enumerate();
+        asleep.filter(|&(i, &asleep)| asleep && bodies.is_body(i)).count()
     }
 
     /// Runs a step if its results come later. Returns false if results are not to come later.

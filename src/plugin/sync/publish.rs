@@ -1,5 +1,6 @@
 //! Writes results to components, resources, messages and events, after a step.
 
+use super::hierarchy::{depth, parent_in, world_above};
 use super::{Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
@@ -45,9 +46,12 @@ pub(crate) fn write_back(
         Option<&mut AngularVelocity>,
         Option<&mut Sleeping>,
     )>,
+    parents: Query<&ChildOf>,
 ) {
     let step = &mut *step;
     let Some(results) = &step.results else { return };
+    // Bodies under other entities are written last, because these may be bodies too.
+    let mut nested = Vec::new();
     let mut write = |entity, pose: Option<(Vec3, Quat)>, velocities: Option<[Vec3; 2]>, asleep: Option<bool>| {
         let Ok((mut transform, linear, angular, sleeping)) = moving.get_mut(entity) else {
             return;
@@ -55,7 +59,11 @@ pub(crate) fn write_back(
         if let Some((mut sleeping, asleep)) = sleeping.zip(asleep) {
             sleeping.set_if_neq(Sleeping(asleep));
         }
-        if let Some((translation, rotation)) = pose {
+        if let Some((translation, rotation)) = pose
+            && parents.contains(entity)
+        {
+            nested.push((depth(entity, &parents), entity, (translation, rotation)));
+        } else if let Some((translation, rotation)) = pose {
             let scale = transform.scale;
             transform.set_if_neq(Transform {
                 translation,
@@ -72,22 +80,36 @@ pub(crate) fn write_back(
             }
         }
     };
+    let mut is_written = false;
     #[cfg(feature = "gpu")]
     if step.engine.latent().is_some() {
+        is_written = true;
         step.latent
             .write(results, &step.state.results.asleep, |entity, written| {
                 write(entity, written.pose, written.velocities, written.asleep)
             });
-        return;
     }
-    for (i, (&entity, &kind)) in results.entities.iter().zip(&results.kinds).enumerate() {
-        let motion = step.state.input.bodies.motion(i);
+    let bodies = &step.state.input.bodies;
+    for (i, (&entity, &kind)) in results.bodies.iter().zip(&results.kinds).enumerate() {
+        if is_written || !bodies.is_body(i) {
+            continue;
+        }
+        let motion = bodies.body_motion(i);
         write(
             entity,
             (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
             (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
             Some(step.state.results.asleep.get(i) == Some(&true)),
         );
+    }
+    nested.sort_unstable_by_key(|&(depth, entity, _)| (depth, entity));
+    for (_, entity, pose) in nested {
+        let transform_of = |entity| moving.get(entity).ok().map(|(transform, ..)| *transform);
+        let above = world_above(entity, parent_in(&parents), transform_of);
+        if let Ok((mut transform, ..)) = moving.get_mut(entity) {
+            let written = step.nested.write(entity, &transform, above, pose);
+            transform.set_if_neq(written);
+        }
     }
 }
 
@@ -122,7 +144,7 @@ pub(crate) fn publish(
     let counts = step.counts;
     *report = StepReport {
         step: report.step + 1,
-        bodies: results.entities.len(),
+        bodies: results.body_count,
         stages: step.state.results.times,
         total: std::time::Duration::ZERO,
         sphere_pairs: counts.sphere_pairs,
@@ -143,43 +165,60 @@ pub(crate) fn publish(
     let hold = seconds(*hysteresis);
     let pairs = contacts.pairs.iter().map(|pair| Touching {
         pair: pair.bodies.map(|i| results.entities[i as usize]),
+        bodies: pair.bodies.map(|i| results.bodies[i as usize]),
         left: if pair.passing { 0.0 } else { hold },
     });
     let planes = contacts.planes.iter().map(|c| {
-        let (body, plane) = (results.entities[c.body as usize], results.planes[c.plane as usize]);
+        let plane = results.planes[c.plane as usize];
+        let (collider, body) = (results.entities[c.body as usize], results.bodies[c.body as usize]);
+        let first = collider < plane;
         Touching {
-            pair: [body.min(plane), body.max(plane)],
+            pair: if first { [collider, plane] } else { [plane, collider] },
+            bodies: if first { [body, plane] } else { [plane, body] },
             left: hold,
         }
     });
     let touching = &mut step.touching_now;
     touching.clear();
     touching.extend(pairs.chain(planes));
-    touching.sort_unstable_by_key(|touching| touching.pair);
+    touching.sort_unstable_by_key(Touching::key);
     let dt = step.state.input.config.dt;
     step.lingering.clear();
     step.lingering.extend(step.touching.iter().filter_map(|before| {
-        let touches = touching.binary_search_by_key(&before.pair, |touching| touching.pair);
+        let touches = touching.binary_search_by_key(&before.key(), Touching::key);
         let left = before.left.min(hold) - dt;
-        let lingers = touches.is_err() && left > 0.0 && before.pair.iter().all(|&entity| results.has(entity));
+        let same_bodies = before.pair.map(|entity| results.body_of(entity)) == before.bodies.map(Some);
+        let lingers = touches.is_err() && left > 0.0 && same_bodies;
         lingers.then_some(Touching { left, ..*before })
     }));
     touching.append(&mut step.lingering);
-    touching.sort_unstable_by_key(|touching| touching.pair);
+    touching.sort_unstable_by_key(Touching::key);
 
-    let mut send = |pair: [Entity; 2], start: bool| {
-        let [entity1, entity2] = pair;
+    let mut send = |[[a, b], [body_a, body_b]]: [[Entity; 2]; 2], start: bool| {
+        let event = |target, [collider1, collider2]: [Entity; 2], [body1, body2]: [Entity; 2]| CollisionStart {
+            target,
+            collider1,
+            collider2,
+            body1,
+            body2,
+        };
+        let message = event(a, [a, b], [body_a, body_b]);
         if start {
-            started.write(CollisionStart { entity1, entity2 });
+            started.write(message);
         } else {
-            ended.write(CollisionEnd { entity1, entity2 });
+            ended.write(message.into_end());
         }
-        for [entity1, entity2] in [[entity1, entity2], [entity2, entity1]] {
-            if observed.contains(entity1) {
-                if start {
-                    commands.trigger(CollisionStart { entity1, entity2 });
-                } else {
-                    commands.trigger(CollisionEnd { entity1, entity2 });
+        for (colliders, bodies) in [([a, b], [body_a, body_b]), ([b, a], [body_b, body_a])] {
+            let (collider, body) = (colliders[0], bodies[0]);
+            let body = Some(body).filter(|&body| body != collider);
+            for target in [Some(collider), body].into_iter().flatten() {
+                if observed.contains(target) {
+                    let event = event(target, colliders, bodies);
+                    if start {
+                        commands.trigger(event);
+                    } else {
+                        commands.trigger(event.into_end());
+                    }
                 }
             }
         }
@@ -189,12 +228,17 @@ pub(crate) fn publish(
     if !colliding.is_empty() {
         let both = &mut step.touching_both_ways;
         both.clear();
-        both.extend(
-            touching
-                .iter()
-                .flat_map(|&Touching { pair: [a, b], .. }| [[a, b], [b, a]]),
-        );
+        for &Touching { pair, bodies, .. } in touching.iter() {
+            for (own, other) in [(0, 1), (1, 0)] {
+                both.push([pair[own], pair[other]]);
+                if bodies[own] != pair[own] {
+                    both.push([bodies[own], pair[other]]);
+                }
+            }
+        }
         both.sort_unstable();
+        // Several colliders of a body may touch the same one.
+        both.dedup();
         for (entity, mut list) in &mut colliding {
             let first = both.partition_point(|&[a, _]| a < entity);
             let others = both[first..].iter().take_while(|&&[a, _]| a == entity).map(|&[_, b]| b);
@@ -209,6 +253,7 @@ pub(crate) fn publish(
     report.total = step.begun.elapsed();
     std::mem::swap(&mut collisions.contacts, &mut step.state.results.contacts);
     std::mem::swap(&mut collisions.entities, &mut results.entities);
+    std::mem::swap(&mut collisions.bodies, &mut results.bodies);
     std::mem::swap(&mut collisions.planes, &mut results.planes);
     // Copied, because the next step reuses the manifolds of bodies asleep.
     collisions.manifolds.copy_from(&step.state.results.manifolds);
@@ -227,9 +272,9 @@ fn seconds(hysteresis: EventHysteresis) -> f32 {
 
 /// Walks two ascending lists, and calls `send` with each pair that is only in the second (`true`) or only in the first
 /// (`false`).
-fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut([Entity; 2], bool)) {
-    let pair = |touching: &Touching| touching.pair;
-    let (mut before, mut after) = (before.iter().map(pair).peekable(), after.iter().map(pair).peekable());
+fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut([[Entity; 2]; 2], bool)) {
+    let (before, after) = (before.iter().map(Touching::key), after.iter().map(Touching::key));
+    let (mut before, mut after) = (before.peekable(), after.peekable());
     loop {
         match (before.peek(), after.peek()) {
             (Some(b), Some(a)) if b == a => {

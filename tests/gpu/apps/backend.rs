@@ -80,7 +80,7 @@ fn same_collisions(_: &Gpu) {
     assert_eq!(cpu.ended, gpu.ended);
     for (one, other) in cpu.collisions().iter().zip(gpu.collisions().iter()) {
         let distance = one.contact.point.distance(other.contact.point);
-        assert!(distance < 1.0e-2, "{} touches {}", one.entity1, one.entity2);
+        assert!(distance < 1.0e-2, "{} touches {}", one.collider1, one.collider2);
     }
     for body in on_cpu {
         let distance = cpu.position(body).distance(gpu.position(body));

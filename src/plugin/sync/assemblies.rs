@@ -1,0 +1,148 @@
+//! From collected bodies and colliders to the stages' arrays.
+
+use super::components::Surface;
+use super::{Collected, Step};
+#[cfg(feature = "gpu")]
+use crate::state::Motion;
+use crate::state::fault::BodyFault;
+use crate::state::{Body, NewPart, Place, StepInput};
+use crate::types::body::RigidBody;
+use bevy::math::DMat3;
+use bevy::prelude::*;
+
+/// A body whose colliders are placed in it.
+pub(crate) struct Assembly {
+    pub body: Entity,
+    /// Its pose and its values, without a mesh.
+    pub values: Body,
+    /// Overrides the centre of mass, in the axes of the pose.
+    pub center: Option<Vec3>,
+    /// From the coordinates of the entity to the axes of the pose.
+    pub stretch: DMat3,
+    /// For colliders without their own.
+    pub surface: Surface,
+    /// Its index among the compounds of the step.
+    pub compound: Option<u32>,
+}
+
+/// A collider of an [`Assembly`].
+pub(crate) struct AssemblyPart {
+    /// Index of the assembly.
+    pub assembly: u32,
+    pub collider: Entity,
+    pub place: Place,
+    pub density: f32,
+}
+
+impl Step {
+    /// Fills the stages' arrays with the bodies that were read, and records which of them are invalid.
+    pub fn fill(&mut self) {
+        let Self {
+            state,
+            bodies,
+            assemblies,
+            parts,
+            collected,
+            new_faults,
+            ..
+        } = self;
+        let StepInput {
+            bodies: arrays, meshes, ..
+        } = &mut state.input;
+        let Collected {
+            entities,
+            bodies: owners,
+            kinds,
+            body_count,
+            ..
+        } = collected;
+        entities.clear();
+        owners.clear();
+        kinds.clear();
+        arrays.clear();
+        for (entity, body) in bodies.iter() {
+            match arrays.push(body, meshes) {
+                Ok(()) => {
+                    entities.push(*entity);
+                    owners.push(*entity);
+                    kinds.push(body.kind);
+                }
+                Err(fault) => new_faults.push((*entity, fault)),
+            }
+        }
+        *body_count = entities.len();
+        // Ascending by assembly, then collider, and those of one assembly follow each other.
+        parts.sort_unstable_by_key(|part| (part.assembly, part.collider));
+        let mut rest = &parts[..];
+        for (number, assembly) in (0..).zip(assemblies) {
+            let count = rest.partition_point(|part| part.assembly == number);
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            let found = own.iter().filter_map(|part| {
+                let collider = entities.binary_search(&part.collider).ok()? as u32;
+                Some(NewPart {
+                    collider,
+                    place: part.place,
+                    density: part.density,
+                })
+            });
+            let found: Vec<_> = found.collect();
+            for part in &found {
+                owners[part.collider as usize] = assembly.body;
+            }
+            *body_count -= found.len().saturating_sub(1);
+            // Colliders of a static body need not know each other: two static ones never collide.
+            if found.is_empty() || assembly.values.kind == RigidBody::Static {
+                continue;
+            }
+            assembly.compound = Some(arrays.compounds.len() as u32);
+            let joined: Result<(), BodyFault> = arrays.join(&assembly.values, assembly.center, &found, meshes);
+            debug_assert!(joined.is_ok(), "the body was checked");
+        }
+        arrays.end_joins();
+    }
+
+    /// Fills the arrays again, with the poses and velocities that `motion_of` gives for bodies. A body whose new state is
+    /// invalid keeps the old one, which was valid.
+    #[cfg(feature = "gpu")]
+    pub fn refill(&mut self, motion_of: impl Fn(Entity) -> Option<Motion>) {
+        let moved = |body: &Body, motion: Motion| Body {
+            position: motion.position,
+            rotation: motion.rotation,
+            linear_velocity: motion.linear_velocity,
+            angular_velocity: motion.angular_velocity,
+            ..*body
+        };
+        let meshes = &self.state.input.meshes;
+        for (entity, body) in &mut self.bodies {
+            let is_part = self.parts.iter().any(|part| part.collider == *entity);
+            let Some(motion) = motion_of(*entity).filter(|_| !is_part) else {
+                continue;
+            };
+            let moved = moved(body, motion);
+            if crate::state::Bodies::default().push(&moved, meshes).is_ok() {
+                *body = moved;
+            }
+        }
+        for assembly in &mut self.assemblies {
+            if let Some(motion) = motion_of(assembly.body) {
+                let moved = moved(&assembly.values, motion);
+                if crate::state::bodies::check_body(&moved).is_ok() {
+                    assembly.values = moved;
+                }
+            }
+        }
+        for part in &self.parts {
+            let at = self.bodies.binary_search_by_key(&part.collider, |&(entity, _)| entity);
+            if let Ok(at) = at {
+                let (_, own) = &mut self.bodies[at];
+                let placed = self.assemblies[part.assembly as usize]
+                    .values
+                    .collider(own.mesh, &part.place, own.scale);
+                (own.position, own.rotation) = (placed.position, placed.rotation);
+                (own.linear_velocity, own.angular_velocity) = (placed.linear_velocity, placed.angular_velocity);
+            }
+        }
+        self.fill();
+    }
+}

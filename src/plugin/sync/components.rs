@@ -1,0 +1,204 @@
+//! What the step reads of colliders, bodies and planes.
+
+use super::hierarchy::Posed;
+use super::oddities::{Oddities, Oddity};
+use crate::plugin::components::*;
+use crate::state::fault::BodyFault;
+use crate::state::{Body, BodyParams, Plane};
+use crate::types::body::*;
+use crate::types::material::{Friction, Restitution};
+use crate::types::settings::Culling;
+use bevy::ecs::query::QueryData;
+use bevy::prelude::*;
+
+/// The components of a collider, a body, or both.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct BodyComponents {
+    pub entity: Entity,
+    pub collider: Option<&'static MeshCollider>,
+    pub collider_disabled: Has<ColliderDisabled>,
+    pub body_disabled: Has<RigidBodyDisabled>,
+    pub surface: SurfaceComponents,
+    pub transform: &'static Transform,
+    pub parent: Option<&'static ChildOf>,
+    pub kind: Option<&'static RigidBody>,
+    linear_velocity: Option<&'static LinearVelocity>,
+    angular_velocity: Option<&'static AngularVelocity>,
+    mass: Option<&'static Mass>,
+    inertia: Option<&'static AngularInertia>,
+    params: HandlingComponents,
+    gravity_scale: Option<&'static GravityScale>,
+    /// Overrides the centre of mass.
+    pub center: Option<&'static CenterOfMass>,
+    pub computed_center: Option<&'static mut ComputedCenterOfMass>,
+}
+
+/// The components of a collider that its body's replace if it has none.
+#[derive(QueryData)]
+pub(crate) struct SurfaceComponents {
+    density: Option<&'static Density>,
+    restitution: Option<&'static Restitution>,
+    friction: Option<&'static Friction>,
+    layers: Option<&'static CollisionLayers>,
+    culling: Option<&'static BodyCulling>,
+    sensor: Has<Sensor>,
+}
+
+/// The values of a collider that its body's replace if it has none.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Surface {
+    pub density: Option<f32>,
+    restitution: Option<Restitution>,
+    friction: Option<Friction>,
+    layers: Option<CollisionLayers>,
+    pub culling: Option<Culling>,
+    sensor: bool,
+}
+
+/// The components of a body that the contact solver reads.
+#[derive(QueryData)]
+pub(crate) struct HandlingComponents {
+    linear_damping: Option<&'static LinearDamping>,
+    angular_damping: Option<&'static AngularDamping>,
+    max_linear_speed: Option<&'static MaxLinearSpeed>,
+    max_angular_speed: Option<&'static MaxAngularSpeed>,
+    locked_axes: Option<&'static LockedAxes>,
+    forces: Option<&'static ExternalForces>,
+    sleeping: Option<&'static Sleeping>,
+    never_sleeps: Has<SleepingDisabled>,
+    continuous: Has<ContinuousCollision>,
+}
+
+/// The components of a plane.
+#[derive(QueryData)]
+pub(crate) struct PlaneComponents {
+    pub entity: Entity,
+    plane: &'static PlaneCollider,
+    restitution: Option<&'static Restitution>,
+    friction: Option<&'static Friction>,
+    is_body: Has<MeshCollider>,
+    kind: Option<&'static RigidBody>,
+}
+
+impl BodyComponentsItem<'_, '_> {
+    /// Records components without effect.
+    pub fn note(&self, oddities: &mut Oddities) {
+        let (entity, params) = (self.entity, &self.params);
+        oddities.check_restitution(entity, self.surface.restitution.map(|r| r.coefficient));
+        oddities.check(entity, "Friction", self.surface.friction.map(|f| f.coefficient));
+        oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
+        oddities.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
+        oddities.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
+        oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
+    }
+
+    /// The body at this pose, without a mesh.
+    pub fn body(&self, posed: &Posed) -> Body {
+        let mut body = Body::at_rest(0, posed.position, posed.rotation, Vec3::ONE);
+        body.kind = self.kind.copied().unwrap_or(RigidBody::Static);
+        body.linear_velocity = self.linear_velocity.map_or(Vec3::ZERO, |v| v.0);
+        body.angular_velocity = self.angular_velocity.map_or(Vec3::ZERO, |w| w.0);
+        body.mass = self.mass.map(|m| m.0);
+        body.inertia = self.inertia.map(|i| i.0);
+        body.gravity_scale = self.gravity_scale.map_or(1.0, |g| g.0);
+        body.params = self.params.read();
+        body
+    }
+}
+
+impl SurfaceComponentsItem<'_, '_> {
+    pub fn read(&self) -> Surface {
+        Surface {
+            density: self.density.map(|d| d.0),
+            restitution: self.restitution.copied(),
+            friction: self.friction.copied(),
+            layers: self.layers.copied(),
+            culling: self.culling.map(|c| c.0),
+            sensor: self.sensor,
+        }
+    }
+}
+
+impl Surface {
+    /// The values of a collider, completed by those of its body.
+    pub fn or(self, body: &Self) -> Self {
+        Self {
+            density: self.density.or(body.density),
+            restitution: self.restitution.or(body.restitution),
+            friction: self.friction.or(body.friction),
+            layers: self.layers.or(body.layers),
+            culling: self.culling.or(body.culling),
+            sensor: self.sensor,
+        }
+    }
+
+    /// Sets the values of a collider.
+    pub fn apply(&self, collider: &mut Body, culling: Culling) {
+        let restitution = self.restitution.unwrap_or_default();
+        collider.density = self.density.unwrap_or(1.0);
+        collider.restitution = self.restitution.map_or(0.0, |r| r.coefficient);
+        collider.params.restitution_combine = restitution.combine;
+        collider.params.friction = self.friction.unwrap_or_default();
+        collider.layers = self.layers.unwrap_or_default();
+        collider.sensor = self.sensor;
+        collider.culling = culling;
+    }
+}
+
+impl HandlingComponentsItem<'_, '_> {
+    fn read(&self) -> BodyParams {
+        BodyParams {
+            linear_damping: self.linear_damping.map_or(0.0, |d| d.0),
+            angular_damping: self.angular_damping.map_or(0.0, |d| d.0),
+            max_linear_speed: self.max_linear_speed.map_or(f32::INFINITY, |m| m.0),
+            max_angular_speed: self.max_angular_speed.map_or(f32::INFINITY, |m| m.0),
+            locked_axes: self.locked_axes.copied().unwrap_or_default(),
+            forces: self.forces.copied().unwrap_or_default(),
+            can_sleep: !self.never_sleeps,
+            continuous: self.continuous,
+            woken: self.sleeping.is_some_and(|sleeping| !sleeping.0),
+            ..BodyParams::default()
+        }
+    }
+}
+
+impl PlaneComponentsItem<'_, '_> {
+    /// Records components without effect.
+    pub fn note(&self, oddities: &mut Oddities) {
+        oddities.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
+        oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
+        if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
+            oddities.add(self.entity, Oddity::PlaneDoesNotMove);
+        }
+    }
+
+    pub fn half_space(&self) -> Result<Plane, BodyFault> {
+        if self.is_body {
+            return Err(BodyFault::PlaneOnBody);
+        }
+        let PlaneCollider { normal, distance } = *self.plane;
+        let restitution = self.restitution.copied().unwrap_or_default();
+        let friction = self.friction.copied().unwrap_or_default();
+        // In double precision the length of a finite vector neither overflows nor underflows.
+        let unit = normal.as_dvec3().try_normalize();
+        let normal = unit.ok_or(BodyFault::PlaneNormal(normal))?.as_vec3();
+        if !distance.is_finite() {
+            return Err(BodyFault::PlaneDistance(distance));
+        }
+        let numbers = [
+            ("Restitution", restitution.coefficient),
+            ("Friction", friction.coefficient),
+        ];
+        if let Some((name, _)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) {
+            return Err(BodyFault::NonFinite(name));
+        }
+        Ok(Plane {
+            normal,
+            distance,
+            restitution: restitution.coefficient.clamp(0.0, 1.0),
+            restitution_combine: restitution.combine,
+            friction,
+        })
+    }
+}

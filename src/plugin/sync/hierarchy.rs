@@ -1,0 +1,305 @@
+//! Where colliders and bodies are in the world: products of the `Transform`s above them. `GlobalTransform`s are those of
+//! the last frame, so they are not used.
+
+use crate::plugin::components::RigidBodyDisabled;
+use crate::state::Place;
+use crate::state::fault::BodyFault;
+use crate::types::body::RigidBody;
+use bevy::ecs::query::QueryData;
+use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+
+/// How much of its size a mesh may be sheared by rounding.
+const MAX_SHEAR: f64 = 1.0e-5;
+
+/// An entity of the hierarchy.
+#[derive(QueryData)]
+pub(crate) struct Node {
+    transform: Option<&'static Transform>,
+    parent: Option<&'static ChildOf>,
+    is_body: Has<RigidBody>,
+    disabled: Has<RigidBodyDisabled>,
+}
+
+/// What is above a collider.
+pub(super) enum Above {
+    /// Its body, and the transformation from the collider's parent to the body.
+    Body(Entity, DAffine3),
+    /// No body. The transformation from its parent to the world.
+    World(DAffine3),
+    /// A body or entity that is disabled.
+    Disabled,
+}
+
+/// A pose, and the scale and shear along its axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Posed {
+    pub position: Vec3,
+    pub rotation: Quat,
+    /// From coordinates of the entity to the axes of the pose.
+    pub stretch: DMat3,
+}
+
+/// A body under other entities, as it was read or written last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Nested {
+    kind: RigidBody,
+    transform: Transform,
+    /// What was above it when `transform` gave the pose.
+    above: DAffine3,
+    posed: Posed,
+}
+
+/// The bodies under other entities.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct NestedBodies(HashMap<Entity, Nested>);
+
+impl NodeItem<'_, '_> {
+    fn affine(&self) -> DAffine3 {
+        self.transform.map_or(DAffine3::IDENTITY, affine)
+    }
+}
+
+/// What is above the collider `entity`, which has no `RigidBody` itself.
+pub(super) fn above(entity: Entity, nodes: &Query<Node>) -> Above {
+    let mut product = DAffine3::IDENTITY;
+    let mut parent = nodes.get(entity).ok().and_then(|node| node.parent);
+    while let Some(child_of) = parent {
+        let Ok(node) = nodes.get(child_of.parent()) else {
+            return Above::Disabled;
+        };
+        if node.is_body {
+            return if node.disabled {
+                Above::Disabled
+            } else {
+                Above::Body(child_of.parent(), product)
+            };
+        }
+        product = node.affine() * product;
+        parent = node.parent;
+    }
+    Above::World(product)
+}
+
+/// The transformation from the parent of `entity` to the world. The functions give the parent and the `Transform` of an
+/// entity.
+pub(crate) fn world_above(
+    entity: Entity,
+    parent_of: impl Fn(Entity) -> Option<Entity>,
+    transform_of: impl Fn(Entity) -> Option<Transform>,
+) -> DAffine3 {
+    let mut product = DAffine3::IDENTITY;
+    let mut next = parent_of(entity);
+    while let Some(parent) = next {
+        product = transform_of(parent).map_or(DAffine3::IDENTITY, |transform| affine(&transform)) * product;
+        next = parent_of(parent);
+    }
+    product
+}
+
+/// The transformation of a `Transform` in double precision.
+pub(super) fn affine(transform: &Transform) -> DAffine3 {
+    let &Transform {
+        translation,
+        rotation,
+        scale,
+    } = transform;
+    let rotation = rotation.as_dquat();
+    // An invalid rotation remains one, and is reported later.
+    let rotation = if rotation.length_squared() > 0.0 {
+        rotation.normalize()
+    } else {
+        rotation
+    };
+    DAffine3::from_scale_rotation_translation(scale.as_dvec3(), rotation, translation.as_dvec3())
+}
+
+/// Rotation and stretch of a transformation: the first axis keeps its direction, the second its plane.
+fn decompose(matrix: &DMat3) -> (DQuat, DMat3) {
+    let x = matrix.x_axis.normalize_or(DVec3::X);
+    let y = (matrix.y_axis - x * x.dot(matrix.y_axis)).normalize_or(x.any_orthonormal_vector());
+    // A mirrored mesh has a negative scale along its first axis, as in `GlobalTransform`.
+    let x = if matrix.determinant() < 0.0 { -x } else { x };
+    let axes = DMat3::from_cols(x, y, x.cross(y));
+    (DQuat::from_mat3(&axes).normalize(), axes.transpose() * *matrix)
+}
+
+/// Whether two transformations scale and shear alike, up to rounding.
+fn same_scale(one: &DAffine3, other: &DAffine3) -> bool {
+    let [one, other] = [one, other].map(|affine| affine.matrix3.transpose() * affine.matrix3);
+    one.abs_diff_eq(other, MAX_SHEAR * one.col(0).length())
+}
+
+/// The place of a collider in its body and its scale, from the transformation to the axes of the body.
+pub(super) fn place(to_body: &DAffine3) -> Result<(Place, Vec3), BodyFault> {
+    let (rotation, stretch) = decompose(&to_body.matrix3);
+    let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
+    let sheared = stretch - DMat3::from_diagonal(scale);
+    let shear = [0, 1, 2].map(|axis| sheared.col(axis).length() / stretch.col(axis).length());
+    let shear = shear.into_iter().fold(0.0, f64::max);
+    if shear > MAX_SHEAR {
+        return Err(BodyFault::Sheared(shear as f32));
+    }
+    let place = Place {
+        translation: to_body.translation,
+        rotation,
+    };
+    Ok((place, scale.as_vec3()))
+}
+
+impl Posed {
+    /// That of an entity without a parent.
+    pub fn root(transform: &Transform) -> Self {
+        Self {
+            position: transform.translation,
+            rotation: transform.rotation,
+            stretch: DMat3::from_diagonal(transform.scale.as_dvec3()),
+        }
+    }
+
+    fn of(to_world: &DAffine3) -> Self {
+        let (rotation, stretch) = decompose(&to_world.matrix3);
+        Self {
+            position: to_world.translation.as_vec3(),
+            rotation: rotation.as_quat(),
+            stretch,
+        }
+    }
+
+    /// From the coordinates of the entity to the axes of the pose.
+    pub fn stretched(&self, in_entity: &DAffine3) -> DAffine3 {
+        DAffine3::from_mat3(self.stretch) * *in_entity
+    }
+}
+
+impl NestedBodies {
+    /// Takes those of the last step, to be replaced by those of this one.
+    pub fn take(&mut self) -> Self {
+        std::mem::take(self)
+    }
+
+    /// Reads a body under other entities; `before` are those of the last step. A dynamic body keeps its pose in the world
+    /// unless its own `Transform` was written. An unchanged pose keeps its bits.
+    pub fn read(
+        &mut self,
+        before: &Self,
+        entity: Entity,
+        kind: RigidBody,
+        transform: &Transform,
+        above: DAffine3,
+    ) -> Posed {
+        let known = before.0.get(&entity).filter(|known| {
+            known.transform == *transform && known.kind == kind && (kind == RigidBody::Dynamic || known.above == above)
+        });
+        let fresh = || Posed::of(&(above * affine(transform)));
+        let posed = match known {
+            None => fresh(),
+            Some(known) if same_scale(&known.above, &above) => known.posed,
+            Some(known) => Posed {
+                stretch: fresh().stretch,
+                ..known.posed
+            },
+        };
+        let nested = Nested {
+            kind,
+            transform: *transform,
+            above: known.map_or(above, |known| known.above),
+            posed,
+        };
+        self.0.insert(entity, nested);
+        posed
+    }
+
+    /// The `Transform` with which a body has this pose in the world. Its scale stays. Remembers both.
+    pub fn write(&mut self, entity: Entity, before: &Transform, above: DAffine3, pose: (Vec3, Quat)) -> Transform {
+        let (position, rotation) = pose;
+        let Some(nested) = self.0.get_mut(&entity) else {
+            return *before;
+        };
+        let moved = (nested.posed.position, nested.posed.rotation) != pose || nested.above != above;
+        if moved {
+            let down = above.inverse();
+            let (turn, _) = decompose(&(down.matrix3 * DMat3::from_quat(rotation.as_dquat().normalize())));
+            // A negative scale turns the axes of the pose.
+            let (mirror, _) = decompose(&DMat3::from_diagonal(before.scale.as_dvec3()));
+            let transform = Transform {
+                translation: down.transform_point3(position.as_dvec3()).as_vec3(),
+                rotation: (turn * mirror.inverse()).normalize().as_quat(),
+                scale: before.scale,
+            };
+            // Above a flat entity there is no such `Transform`.
+            if transform.is_finite() {
+                nested.transform = transform;
+            }
+            nested.above = above;
+            (nested.posed.position, nested.posed.rotation) = pose;
+        }
+        nested.transform
+    }
+
+    /// The pose of a body in the world, as it was read or written last.
+    pub fn pose(&self, entity: Entity) -> Option<(Vec3, Quat)> {
+        self.0
+            .get(&entity)
+            .map(|nested| (nested.posed.position, nested.posed.rotation))
+    }
+
+    /// Dynamic bodies whose `Transform` is unchanged since the last step, in any order.
+    fn kept<'a>(&'a self, transforms: &'a Query<&mut Transform>) -> impl Iterator<Item = Entity> + 'a {
+        self.0.iter().filter_map(|(&entity, nested)| {
+            let same = transforms.get(entity).is_ok_and(|own| *own == nested.transform);
+            (same && nested.kind == RigidBody::Dynamic).then_some(entity)
+        })
+    }
+
+    /// All of them that exist, those above first.
+    pub fn from_the_top(&self, world: &World) -> Vec<Entity> {
+        let parent = |&entity: &Entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
+        let depth = |entity| std::iter::successors(Some(entity), parent).count();
+        let mut all: Vec<_> = self.0.keys().map(|&entity| (depth(entity), entity)).collect();
+        all.sort_unstable();
+        all.into_iter().map(|(_, entity)| entity).collect()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// Keeps dynamic bodies in place when what is above them moves between two steps.
+pub(crate) fn hold_nested(
+    mut step: ResMut<super::Step>,
+    mut transforms: Query<&mut Transform>,
+    parents: Query<&ChildOf>,
+) {
+    if step.nested.is_empty() {
+        return;
+    }
+    let mut kept: Vec<_> = step
+        .nested
+        .kept(&transforms)
+        .map(|entity| (depth(entity, &parents), entity))
+        .collect();
+    // Those above come first.
+    kept.sort_unstable();
+    for (_, entity) in kept {
+        let above = world_above(entity, parent_in(&parents), |entity| {
+            transforms.get(entity).ok().copied()
+        });
+        if let (Some(pose), Ok(mut transform)) = (step.nested.pose(entity), transforms.get_mut(entity)) {
+            let held = step.nested.write(entity, &transform, above, pose);
+            transform.set_if_neq(held);
+        }
+    }
+}
+
+/// The function that gives the parent of an entity.
+pub(crate) fn parent_in(parents: &Query<&ChildOf>) -> impl Fn(Entity) -> Option<Entity> {
+    |entity| parents.get(entity).ok().map(ChildOf::parent)
+}
+
+/// Number of entities above.
+pub(crate) fn depth(entity: Entity, parents: &Query<&ChildOf>) -> usize {
+    std::iter::successors(Some(entity), |&entity| parents.get(entity).ok().map(ChildOf::parent)).count()
+}
