@@ -286,7 +286,8 @@ impl Engine {
     pub fn keep_on_cpu(&mut self, on_cpu: bool) {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
             info_once!(
-                "steps run on the CPU because there are bodies with ContinuousCollision: there is no CCD on the GPU"
+                "steps run on the CPU because there are bodies with ContinuousCollision or with several colliders, \
+                 which the GPU does not have yet"
             );
         }
         self.on_cpu = on_cpu;

@@ -80,10 +80,12 @@ pub(crate) fn write_back(
             }
         }
     };
-    let mut is_written = false;
     #[cfg(feature = "gpu")]
-    if step.engine.latent().is_some() {
-        is_written = true;
+    let is_latent = step.engine.latent().is_some();
+    #[cfg(not(feature = "gpu"))]
+    let is_latent = false;
+    #[cfg(feature = "gpu")]
+    if is_latent {
         step.latent
             .write(results, &step.state.results.asleep, |entity, written| {
                 write(entity, written.pose, written.velocities, written.asleep)
@@ -91,7 +93,7 @@ pub(crate) fn write_back(
     }
     let bodies = &step.state.input.bodies;
     for (i, (&entity, &kind)) in results.bodies.iter().zip(&results.kinds).enumerate() {
-        if is_written || !bodies.is_body(i) {
+        if is_latent || !bodies.is_body(i) {
             continue;
         }
         let motion = bodies.body_motion(i);
