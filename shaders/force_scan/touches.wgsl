@@ -10,14 +10,14 @@
 @group(0) @binding(3) var<storage, read> contact_points: array<t::ContactPoint>;
 @group(0) @binding(4) var<storage, read> point_states: array<s::PointState>;
 @group(0) @binding(5) var<storage, read> motion_states: array<s::MotionState>;
-@group(0) @binding(6) var<storage, read> pose_changes: array<s::PoseChange>;
+@group(0) @binding(6) var<storage, read> body_states: array<s::BodyState>;
 @group(0) @binding(7) var<storage, read_write> tally: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> touches: array<t::Touch>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if 2u * i >= solver_counters[s::ENTRIES] {
+    if i >= solver_counters[s::ENTRIES] {
         return;
     }
     let pair = solver_pairs[i];
@@ -44,7 +44,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     // At the start of the collision substep.
-    let center = motion_states[pair.a].center + (motion_states[pair.a].center_low - pose_changes[pair.a].translation);
+    let travel = body_states[pair.a].pose_change.translation;
+    let center = motion_states[pair.a].center + (motion_states[pair.a].center_low - travel);
     let substep_number = atomicLoad(&tally[t::COLLISION_SUBSTEPS]);
     for (var k = 0u; k < pair.count; k += 1u) {
         let point = contact_points[pair.first + k];
@@ -57,5 +58,5 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 }
 
 fn impulse_of(point: s::PointState) -> f32 {
-    return point.total_normal_impulse + point.normal_impulse + point.restitution_impulse;
+    return point.total_normal_impulse + point.normal_impulse;
 }

@@ -1,8 +1,9 @@
 // Sleep: wakes the bodies of disturbed islands, or puts those of the others to sleep. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, collision_substep, islands, motion_states}
+#import faceoff::islands::{solver_bodies, constants, collision_substep, motion_states}
 #import faceoff::solver_types as s
+#import faceoff::union_find::{islands, root_of}
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -11,7 +12,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let asleep = motion_states[i].asleep != 0u;
-    let disturbed = atomicLoad(&islands[l::root_of(i)].disturbed) != 0u;
+    let disturbed = atomicLoad(&islands[root_of(i)].disturbed) != 0u;
     if constants.x == s::WAKE {
         if asleep && disturbed {
             motion_states[i].asleep = 0u;

@@ -1,6 +1,7 @@
 // Sleep: at first every body is an island of its own. One thread per body.
 #import faceoff::dispatch::group_index
-#import faceoff::islands::{collision_substep, islands}
+#import faceoff::islands::{collision_substep}
+#import faceoff::union_find::islands
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

@@ -1,9 +1,10 @@
 // Sleep: bodies that keep their island awake, or wake it. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, constants, forces, collision_substep, islands, motion_states}
+#import faceoff::islands::{solver_bodies, constants, forces, collision_substep, motion_states}
 #import faceoff::solver_types as s
 #import faceoff::types as t
+#import faceoff::union_find::islands
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {

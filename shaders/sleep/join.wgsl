@@ -1,8 +1,9 @@
 // Sleep: unites the islands of bodies that touch, and sums the keys of each body's neighbours. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
-#import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, islands, motion_states}
+#import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, motion_states}
 #import faceoff::solver_types as s
+#import faceoff::union_find::{islands, join}
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -18,6 +19,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     atomicAdd(&islands[pair.a].neighbours, motion_states[pair.b].key);
     atomicAdd(&islands[pair.b].neighbours, motion_states[pair.a].key);
     if l::has_mass(solver_bodies[pair.a]) && l::has_mass(solver_bodies[pair.b]) {
-        l::join(pair.a, pair.b);
+        join(pair.a, pair.b);
     }
 }

@@ -19,6 +19,8 @@ fn main() {
     solver_counters[s::PAIRS_FOUND] = pairs;
     solver_counters[s::POINTS_FOUND] = points;
     solver_counters[s::SKIPPED] = 0u;
+    solver_counters[s::SMALL_ISLANDS] = 0u;
+    solver_counters[s::LARGE_ISLANDS] = 0u;
     if pairs > collision_substep.pair_capacity
         || points > collision_substep.point_capacity
         || status[t::OVERFLOW] != 0u {
@@ -29,7 +31,7 @@ fn main() {
         && collision_substep.h > 0.0
         && finite(collision_substep.h)
         && finite_vector(collision_substep.gravity);
-    solver_counters[s::ENTRIES] = select(0u, 2u * pairs, runs);
+    solver_counters[s::ENTRIES] = select(0u, pairs, runs);
     if runs {
         solver_counters[s::SAVED_PAIRS] = solver_counters[s::PAIRS];
         solver_counters[s::SAVED_SUBSTEP] = solver_counters[s::SUBSTEP];
@@ -37,7 +39,7 @@ fn main() {
         solver_counters[s::POINTS] = points;
         solver_counters[s::SUBSTEP] = bitcast<u32>(collision_substep.h);
     }
-    let blocks = divide_up(2u * pairs, SORT_BLOCK);
+    let blocks = divide_up(pairs, SORT_BLOCK);
     put(s::GROUPS_PER_64_PAIRS, divide_up(pairs, 64u), runs);
     put(s::GROUPS_PER_SORT_BLOCK, blocks, runs);
     put(s::GROUPS_PER_DIGIT_BLOCK, divide_up(DIGITS * blocks, SCAN_BLOCK), runs);

@@ -1,22 +1,21 @@
-// Solver: loads pose and velocity of each body, applies external impulses, and integrates velocities for the first
-// substep. One thread per body.
+// Solver: loads pose and velocity of each body, and applies external impulses. Each body is an island of its own at
+// first. One thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::math::max_component
 #import faceoff::motion as m
-#import faceoff::solver_math::{decay, finite, finite_rotation, finite_vector}
+#import faceoff::solver_math::{finite, finite_rotation, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::tensor::{inverse_tensor, is_zero, Tensor}
 #import faceoff::types as t
+#import faceoff::union_find::islands
 
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(1) var<storage, read> solver_bodies: array<s::SolverBody>;
 @group(0) @binding(2) var<storage, read> motion_states: array<s::MotionState>;
 @group(0) @binding(3) var<storage, read_write> forces: array<s::BodyForces>;
 @group(0) @binding(4) var<storage, read_write> body_constants: array<s::BodyConstants>;
-@group(0) @binding(5) var<storage, read_write> velocities: array<s::Velocity>;
-@group(0) @binding(6) var<storage, read_write> masses: array<s::Mass>;
-@group(0) @binding(7) var<storage, read_write> pose_changes: array<s::PoseChange>;
-@group(0) @binding(8) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
+@group(0) @binding(5) var<storage, read_write> body_states: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read_write> old_numbers: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -28,7 +27,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let state = motion_states[i];
     var constants = body_constants_of(body, state, forces[i]);
     var mass: s::Mass;
-    mass.split_count = 1.0;
     mass.flags = constants.flags;
     var velocity: s::Velocity;
     if (constants.flags & s::MOVES) != 0u {
@@ -52,12 +50,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         forces[i].impulse = vec3(0.0);
         forces[i].angular_impulse = vec3(0.0);
     }
+    if (mass.flags & s::HAS_MASS) == 0u {
+        // Its velocity is the same in all substeps.
+        velocity = m::limited_velocity(velocity, constants);
+    }
     constants.flags = mass.flags;
     body_constants[i] = constants;
-    masses[i] = mass;
-    velocities[i] = m::with_integrated_velocity(velocity, mass, constants, collision_substep.h);
-    pose_changes[i] = s::PoseChange(vec3(0.0), 0.0, vec4(0.0, 0.0, 0.0, 1.0));
-    body_adjacency[i] = s::BodyAdjacency(0u, 0u, s::NOT_SAVED, 0u);
+    body_states[i] =
+        s::BodyState(velocity, velocity, mass, s::PoseChange(vec3(0.0), 0.0, vec4(0.0, 0.0, 0.0, 1.0)));
+    old_numbers[i] = s::NOT_SAVED;
+    atomicStore(&islands[i].parent, i);
 }
 
 fn body_constants_of(body: s::SolverBody, state: s::MotionState, external_forces: s::BodyForces) -> s::BodyConstants {
@@ -80,8 +82,8 @@ fn body_constants_of(body: s::SolverBody, state: s::MotionState, external_forces
     if valid && length > 1.0e-6 && finite(length) {
         constants.initial_rotation = rotation / length;
     }
-    constants.linear_decay = decay(body.linear_damping * collision_substep.h);
-    constants.angular_decay = decay(body.angular_damping * collision_substep.h);
+    constants.linear_damping = body.linear_damping;
+    constants.angular_damping = body.angular_damping;
     constants.max_linear_speed = body.max_linear_speed;
     constants.max_angular_speed = body.max_angular_speed;
     constants.flags = select(0u, s::FINITE, valid) | select(0u, s::MOVES, moves);

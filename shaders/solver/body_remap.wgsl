@@ -5,7 +5,7 @@
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 // New numbers by old ones; 0xffffffff for bodies that are gone.
 @group(0) @binding(1) var<storage, read> new_numbers: array<u32>;
-@group(0) @binding(2) var<storage, read_write> body_adjacency: array<s::BodyAdjacency>;
+@group(0) @binding(2) var<storage, read_write> old_numbers: array<u32>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -15,6 +15,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let body = new_numbers[old];
     if body < collision_substep.bodies {
-        body_adjacency[body].old_number = old;
+        old_numbers[body] = old;
     }
 }

@@ -1,5 +1,6 @@
 // Solver: the constraint of each pair, and its saved pair of the last collision substep. One thread per pair.
 #import faceoff::dispatch::group_index
+#import faceoff::solver_math::finite
 #import faceoff::solver_types as s
 #import faceoff::types as t
 
@@ -8,8 +9,8 @@
 @group(0) @binding(2) var<storage, read> contact_pairs: array<t::ContactPair>;
 @group(0) @binding(3) var<storage, read> solver_bodies: array<s::SolverBody>;
 @group(0) @binding(4) var<storage, read> motion_states: array<s::MotionState>;
-@group(0) @binding(5) var<storage, read> masses: array<s::Mass>;
-@group(0) @binding(6) var<storage, read> body_adjacency: array<s::BodyAdjacency>;
+@group(0) @binding(5) var<storage, read> body_states: array<s::BodyState>;
+@group(0) @binding(6) var<storage, read> old_numbers: array<u32>;
 @group(0) @binding(7) var<storage, read> saved_pairs: array<s::SavedPair>;
 @group(0) @binding(8) var<storage, read_write> solver_pairs: array<s::SolverPair>;
 
@@ -38,8 +39,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let exist = max(pair.a, pair.b) < collision_substep.bodies;
     if exist && pair.a != pair.b && pair.count > 0u {
-        let first = masses[pair.a].flags;
-        let second = masses[pair.b].flags;
+        let first = body_states[pair.a].mass.flags;
+        let second = body_states[pair.b].mass.flags;
         let solid = ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u;
         if (first & second & s::FINITE) != 0u && solid {
             fill(&pair, first, second);
@@ -74,6 +75,12 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     (*pair).center_offset = coarse + (motion_states[b].center_low - motion_states[a].center_low);
     (*pair).approach_velocity = motion_states[a].linear_velocity - motion_states[b].linear_velocity;
     (*pair).surface_speed = surface_speed_of(a) + surface_speed_of(b);
+    (*pair).mass_ratio = 1.0;
+    if (first & second & s::HAS_MASS) != 0u {
+        let ratio = solver_bodies[a].inverse_mass / solver_bodies[b].inverse_mass;
+        let larger = max(ratio, 1.0 / ratio);
+        (*pair).mass_ratio = select(1.0, larger, finite(larger));
+    }
 }
 
 // Upper bound of the speed of a body's surface relative to its centre, m/s.
@@ -108,8 +115,8 @@ fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
 
 // Finds the saved pair by binary search: saved pairs are in ascending order.
 fn find_saved_pair(pair: ptr<function, s::SolverPair>) {
-    let first = body_adjacency[(*pair).a].old_number;
-    let second = body_adjacency[(*pair).b].old_number;
+    let first = old_numbers[(*pair).a];
+    let second = old_numbers[(*pair).b];
     if first == s::NOT_SAVED || second == s::NOT_SAVED {
         return;
     }

@@ -1,15 +1,15 @@
-// Solver: writes poses and velocities back at the end of a collision substep. One thread per body.
+// Solver: moves bodies that are in no island, and writes poses and velocities back at the end of a collision substep. One
+// thread per body.
 #import faceoff::dispatch::group_index
 #import faceoff::math::compose
-#import faceoff::motion::limited_velocity
+#import faceoff::motion as m
 #import faceoff::solver_math::{coarse_part, coarse_rotation, finite_rotation, coarse_digit}
 #import faceoff::solver_types as s
 
 @group(0) @binding(0) var<uniform> collision_substep: s::CollisionSubstep;
 @group(0) @binding(1) var<storage, read> body_constants: array<s::BodyConstants>;
-@group(0) @binding(2) var<storage, read> velocities: array<s::Velocity>;
-@group(0) @binding(3) var<storage, read> pose_changes: array<s::PoseChange>;
-@group(0) @binding(4) var<storage, read_write> motion_states: array<s::MotionState>;
+@group(0) @binding(2) var<storage, read_write> body_states: array<s::BodyState>;
+@group(0) @binding(3) var<storage, read_write> motion_states: array<s::MotionState>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -17,18 +17,31 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if i >= collision_substep.bodies || (body_constants[i].flags & s::MOVES) == 0u {
         return;
     }
+    if (body_states[i].mass.flags & s::SOLVED) == 0u {
+        move_freely(i);
+    }
     var state = motion_states[i];
-    let velocity = limited_velocity(velocities[i], body_constants[i]);
+    let velocity = m::limited_velocity(body_states[i].velocity, body_constants[i]);
     state.linear_velocity = velocity.linear;
     state.angular_velocity = velocity.angular;
 
-    let fine = state.center_low + pose_changes[i].translation;
+    let fine = state.center_low + body_states[i].pose_change.translation;
     let carry = coarse_part(fine, coarse_digit(state.center));
     state.center += carry;
     state.center_low = fine - carry;
 
-    rotate_state(&state, pose_changes[i].rotation);
+    rotate_state(&state, body_states[i].pose_change.rotation);
     motion_states[i] = state;
+}
+
+fn move_freely(i: u32) {
+    let constants = body_constants[i];
+    var state = body_states[i];
+    for (var number = 0u; number < collision_substep.substeps; number += 1u) {
+        state.velocity = m::with_integrated_velocity(state.velocity, state.mass, constants, collision_substep.h);
+        m::integrate_pose(constants, &state, collision_substep.h);
+    }
+    body_states[i] = state;
 }
 
 fn rotate_state(state: ptr<function, s::MotionState>, rotation_change: vec4<f32>) {

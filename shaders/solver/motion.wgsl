@@ -4,7 +4,7 @@
 
 #import faceoff::constants::solver::{FREE_ANGLE, MAX_ROUNDS}
 #import faceoff::math::{compose, rotation_by}
-#import faceoff::solver_math::{rotation_displacement, finite_rotation, finite_vector, limited, rotated}
+#import faceoff::solver_math::{decay, rotation_displacement, finite_rotation, finite_vector, limited, rotated}
 #import faceoff::solver_types as s
 #import faceoff::tensor::{apply_tensor, inverse_tensor, is_zero, masked_tensor, rotated_tensor, Tensor}
 
@@ -73,8 +73,8 @@ fn with_integrated_velocity(velocity: s::Velocity, mass: s::Mass, constants: s::
     var next = velocity;
     next.linear += mass.inverse_mass * (constants.force * h);
     next.angular += apply_tensor(inertia_of(mass), constants.torque * h);
-    next.linear = (next.linear + constants.acceleration * h) * constants.linear_decay;
-    next.angular *= constants.angular_decay;
+    next.linear = (next.linear + constants.acceleration * h) * decay(constants.linear_damping * h);
+    next.angular *= decay(constants.angular_damping * h);
     if !(finite_vector(next.linear) && finite_vector(next.angular)) {
         next = velocity;
     }
@@ -82,34 +82,31 @@ fn with_integrated_velocity(velocity: s::Velocity, mass: s::Mass, constants: s::
 }
 
 // Moves and rotates a body over one substep.
-fn integrate_pose(
-    constants: s::BodyConstants,
-    velocity: ptr<function, s::Velocity>,
-    mass: ptr<function, s::Mass>,
-    pose_change: ptr<function, s::PoseChange>,
-    h: f32,
-) {
+fn integrate_pose(constants: s::BodyConstants, state: ptr<function, s::BodyState>, h: f32) {
     if (constants.flags & s::MOVES) == 0u {
         return;
     }
-    *velocity = limited_velocity(*velocity, constants);
-    (*pose_change).translation += (*velocity).linear * h;
-    let angular = (*velocity).angular;
+    let velocity = limited_velocity((*state).velocity, constants);
+    (*state).velocity = velocity;
+    (*state).pose_change.translation += velocity.linear * h;
+    let angular = velocity.angular;
     if all(angular == vec3(0.0)) {
         return;
     }
-    let turns = !is_zero(inertia_of(*mass));
+    let rotation_change = (*state).pose_change.rotation;
+    let turns = !is_zero(inertia_of((*state).mass));
     if !turns || (constants.flags & s::ISOTROPIC) != 0u || any(free_rotation(constants.flags) != vec3(1.0)) {
-        (*pose_change).rotation = rotated(angular * h, (*pose_change).rotation);
+        (*state).pose_change.rotation = rotated(angular * h, rotation_change);
     } else {
-        let freely = rotate_freely(constants, angular, (*pose_change).rotation, h);
-        (*velocity).angular = freely.angular;
-        (*pose_change).rotation = freely.rotation_change;
+        let freely = rotate_freely(constants, angular, rotation_change, h);
+        (*state).velocity.angular = freely.angular;
+        (*state).pose_change.rotation = freely.rotation_change;
     }
     if turns {
-        let inertia = world_inverse_inertia(constants, compose((*pose_change).rotation, constants.initial_rotation));
-        (*mass).inverse_inertia = inertia.diagonal;
-        (*mass).inverse_inertia_off_diagonal = inertia.off_diagonal;
+        let rotation = compose((*state).pose_change.rotation, constants.initial_rotation);
+        let inertia = world_inverse_inertia(constants, rotation);
+        (*state).mass.inverse_inertia = inertia.diagonal;
+        (*state).mass.inverse_inertia_off_diagonal = inertia.off_diagonal;
     }
 }
 

@@ -1,45 +1,53 @@
-// Solver: one restitution pass (Newton's law of restitution), with the friction that follows from it. One thread per
-// pair.
-#import faceoff::constants::restitution::RESTITUTION_SWEEPS
+#define_import_path faceoff::restitution
+
+// Restitution: impacts reverse the normal velocity (Newton's law of restitution). The twin of
+// `src/solver/restitution.rs`.
+
 #import faceoff::contact as c
-#import faceoff::contact::{solver_counters, solver_pairs, point_states}
-#import faceoff::dispatch::group_index
-#import faceoff::friction::apply_friction
+#import faceoff::contact::{collision_substep, point_states}
 #import faceoff::solver_types as s
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let i = group_index(group) * 64u + thread;
-    if i >= solver_counters[s::PAIRS] {
-        return;
+// Marks the points of a pair that have an impact in this substep, and returns the speed of the fastest one that needs
+// restitution, m/s; 0 if there is none.
+fn find_impacts(pair: s::SolverPair) -> f32 {
+    if (pair.flags & s::ACTIVE) == 0u || (pair.flags & s::DEPENETRATING) != 0u || !(pair.restitution > 0.0) {
+        return 0.0;
     }
-    let pair = solver_pairs[i];
+    var pair_velocities = c::initial_velocities_of(pair);
+    var fastest = 0.0;
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        var flags = point_states[k].flags;
+        if (flags & s::POINT_ACTIVE) == 0u {
+            continue;
+        }
+        let velocity = c::velocity_along(&pair_velocities, c::normal_row(&pair_velocities, k));
+        point_states[k].impact_velocity = velocity;
+        let pushes = (flags & s::MAY_IMPACT) != 0u && point_states[k].normal_impulse > 0.0;
+        let has_impact = pushes && velocity < -collision_substep.restitution_threshold;
+        // With a point that separates, an impact elsewhere may reverse its velocity too. If its velocity only fell to
+        // zero, the impulse would add energy.
+        flags &= ~(s::HAS_IMPACT | s::REBOUNDS);
+        flags |= select(0u, s::HAS_IMPACT, has_impact) | select(0u, s::REBOUNDS, has_impact || velocity > 0.0);
+        point_states[k].flags = flags;
+        if has_impact {
+            fastest = max(fastest, -velocity);
+        }
+    }
+    return fastest;
+}
+
+// Ends the impacts of a pair: the bodies separate, so the impulses must not be applied again.
+fn end_impacts(pair: s::SolverPair) {
     if (pair.flags & s::ACTIVE) == 0u {
         return;
     }
-    var pair_velocities = c::velocities_of(pair);
-    for (var sweep = 0u; sweep < RESTITUTION_SWEEPS; sweep += 1u) {
-        for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-            if (point_states[k].flags & s::POINT_ACTIVE) != 0u {
-                solve(pair, k, &pair_velocities);
-            }
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        if (point_states[k].flags & s::HAS_IMPACT) == 0u {
+            continue;
         }
+        point_states[k].total_normal_impulse += point_states[k].normal_impulse;
+        point_states[k].normal_impulse = 0.0;
+        point_states[k].friction_impulse = vec2(0.0);
+        point_states[k].flags |= s::BOUNCED;
     }
-    c::write_impulses(i, &pair_velocities);
-}
-
-fn solve(pair: s::SolverPair, k: u32, pair_velocities: ptr<function, c::PairVelocities>) {
-    let point = point_states[k];
-    let inverse_effective_mass = c::split_inverse_effective_mass(pair_velocities, point);
-    if !(inverse_effective_mass.x > 0.0) {
-        return;
-    }
-    let normal_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, point.normal);
-    let velocity_error = c::velocity_along(pair_velocities, normal_row) + pair.restitution * point.impact_velocity;
-    let impulse = max(point.restitution_impulse - velocity_error / inverse_effective_mass.x, 0.0);
-    c::apply_impulse(pair_velocities, normal_row, impulse - point.restitution_impulse);
-    point_states[k].restitution_impulse = impulse;
-    point_states[k].restitution_friction_impulse = apply_friction(
-        pair_velocities, point, inverse_effective_mass.y, point.restitution_friction_impulse, 1.0, pair.friction * impulse
-    );
 }

@@ -1,62 +1,42 @@
-// Solver: one pass over the active points of every pair. One thread per pair.
+#define_import_path faceoff::solve
+
+// One pass over one pair: impulses that change the velocities of its two bodies. The twin of `src/solver/solve.rs`.
+
+#import faceoff::constants::solver::MAX_STEP_ERROR
 #import faceoff::contact as c
-#import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
-#import faceoff::dispatch::group_index
-#import faceoff::friction::apply_friction
+#import faceoff::contact::{collision_substep, point_states}
+#import faceoff::friction::friction_impulse
 #import faceoff::solver_types as s
 
-// x: the bits `PASS_...`.
-@group(0) @binding(1) var<uniform> constants: vec4<u32>;
+// What a pass is for: overlapping bodies get a bias velocity that pushes them apart; the velocity that it added is
+// removed; points with an impact separate as Newton's law of restitution tells.
+const BIAS: u32 = 0u;
+const RELAX: u32 = 1u;
+const RESTITUTION: u32 = 2u;
 
-@compute @workgroup_size(64)
-fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let i = group_index(group) * 64u + thread;
-    if i >= solver_counters[s::PAIRS] {
-        return;
-    }
-    let pair = solver_pairs[i];
-    if (pair.flags & s::ACTIVE) == 0u {
-        // Its impulses are zero already.
-        return;
-    }
-    if (constants.x & s::PASS_UPDATES_POINTS) != 0u {
-        for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-            if (point_states[k].flags & s::POINT_ACTIVE) != 0u {
-                point_states[k] = c::updated_point(pair, k);
-            }
-        }
-    }
-    var pair_velocities = c::velocities_of(pair);
-    for (var sweep = 0u; sweep < collision_substep.sweeps; sweep += 1u) {
-        for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-            if (point_states[k].flags & s::POINT_ACTIVE) != 0u {
-                solve(pair, k, &pair_velocities);
-            }
-        }
-    }
-    c::write_impulses(i, &pair_velocities);
+// Parameters of a pass, the same for all pairs of an island.
+struct Pass {
+    // Length of the substep, seconds.
+    h: f32,
+    // Bias velocity per metre of overlap, 1/s.
+    bias_rate: f32,
+    purpose: u32,
+    // m/s.
+    convergence_speed: f32,
 }
 
-fn solve(pair: s::SolverPair, k: u32, pair_velocities: ptr<function, c::PairVelocities>) {
-    let point = point_states[k];
-    let inverse_effective_mass = c::split_inverse_effective_mass(pair_velocities, point);
-    if !(inverse_effective_mass.x > 0.0) {
-        return;
-    }
-    let bias = bias_of(pair, point.separation);
-    let normal_row = c::row((*pair_velocities).mass_a, (*pair_velocities).mass_b, point, point.normal);
-    let velocity_error = c::velocity_along(pair_velocities, normal_row) + bias.speed;
-    let change = -collision_substep.relaxation * bias.mass_scale * velocity_error / inverse_effective_mass.x
-        - bias.impulse_scale * point.normal_impulse;
-    let impulse = max(point.normal_impulse + change, 0.0);
-    c::apply_impulse(pair_velocities, normal_row, impulse - point.normal_impulse);
-    point_states[k].normal_impulse = impulse;
-    point_states[k].max_normal_impulse = max(point.max_normal_impulse, impulse);
+// How far a pass changed the impulses of the pairs of a thread.
+struct Residual {
+    // The largest change of a normal velocity, over that below which its pair has converged.
+    velocity: f32,
+    // The sum of the squared changes of impulses, each over its effective mass, joules.
+    energy: f32,
+}
 
-    let limit = select(pair.friction * impulse, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
-    point_states[k].friction_impulse = apply_friction(
-        pair_velocities, point, inverse_effective_mass.y, point.friction_impulse, collision_substep.relaxation, limit
-    );
+// The change of a normal velocity below which a pair has converged, m/s. A light body passes on only a small part of
+// what a heavy one needs, so it must be more exact.
+fn convergence_speed(pair: s::SolverPair, parameters: Pass) -> f32 {
+    return min(parameters.convergence_speed, MAX_STEP_ERROR * pair.diameter / parameters.h) / pair.mass_ratio;
 }
 
 // The bias velocity of a point, and the softness of its constraint.
@@ -66,19 +46,101 @@ struct Bias {
     impulse_scale: f32,
 }
 
-fn bias_of(pair: s::SolverPair, separation: f32) -> Bias {
+fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
+    let separation = point_states[k].separation;
+    if parameters.purpose == RESTITUTION && (point_states[k].flags & s::REBOUNDS) != 0u {
+        return Bias(pair.restitution * point_states[k].impact_velocity, 1.0, 0.0);
+    }
     if separation > 0.0 {
         // Speculative contact: the gap may close by the end of the substep, and no sooner.
-        return Bias(separation / collision_substep.h, 1.0, 0.0);
+        return Bias(separation / parameters.h, 1.0, 0.0);
     }
-    if (constants.x & s::PASS_BIASED) == 0u {
+    if parameters.purpose != BIAS {
         return Bias(0.0, 1.0, 0.0);
     }
-    let spring_speed = collision_substep.bias_rate * separation;
+    let spring_speed = parameters.bias_rate * separation;
     if (pair.flags & s::DEPENETRATING) != 0u {
         // Near the surface the bias falls below the maximum, to that of the contact spring of other pairs.
         return Bias(max(spring_speed, -collision_substep.deep_depenetration_speed), 1.0, 0.0);
     }
     let speed = max(spring_speed, -collision_substep.max_depenetration_speed);
     return Bias(speed, collision_substep.mass_scale, collision_substep.impulse_scale);
+}
+
+// One pass over a pair's active points: first the normals, then friction. Adds to the residual.
+fn solve(pair: s::SolverPair, parameters: Pass, residual: ptr<function, Residual>) {
+    if (pair.flags & s::ACTIVE) == 0u {
+        return;
+    }
+    var pair_velocities = c::velocities_of(pair);
+    var largest_change = 0.0;
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        let inverse_effective_mass = point_states[k].inverse_effective_mass.x;
+        if (point_states[k].flags & s::POINT_ACTIVE) == 0u || !(inverse_effective_mass > 0.0) {
+            continue;
+        }
+        let bias = bias_of(pair, k, parameters);
+        let row = c::normal_row(&pair_velocities, k);
+        let before = point_states[k].normal_impulse;
+        let velocity_error = c::velocity_along(&pair_velocities, row) + bias.speed;
+        let wanted = -bias.mass_scale * velocity_error / inverse_effective_mass - bias.impulse_scale * before;
+        let impulse = max(before + wanted, 0.0);
+        let change = impulse - before;
+        c::apply_impulse(&pair_velocities, row, change);
+        largest_change = max(largest_change, abs(change * inverse_effective_mass));
+        (*residual).energy += change * change * inverse_effective_mass;
+        point_states[k].change.x = change;
+        point_states[k].normal_impulse = impulse;
+        if impulse > 0.0 {
+            point_states[k].flags |= s::TOUCHED;
+        }
+    }
+    let friction = select(pair.friction, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
+            continue;
+        }
+        let rows = c::friction_rows(&pair_velocities, k);
+        let limit = friction * point_states[k].normal_impulse;
+        let impulse = friction_impulse(&pair_velocities, k, rows, limit, parameters.purpose == BIAS);
+        let change = impulse - point_states[k].friction_impulse;
+        c::apply_impulse(&pair_velocities, rows[0], change.x);
+        c::apply_impulse(&pair_velocities, rows[1], change.y);
+        (*residual).energy += dot(change, change) * point_states[k].inverse_effective_mass.y;
+        point_states[k].change.y = change.x;
+        point_states[k].change.z = change.y;
+        point_states[k].friction_impulse = impulse;
+    }
+    (*residual).velocity = max((*residual).velocity, largest_change / convergence_speed(pair, parameters));
+    c::store_velocities(pair, &pair_velocities);
+}
+
+// Moves the impulses on along the search direction. `keep` is the part of the last direction that the new one keeps.
+fn extrapolate(pair: s::SolverPair, keep: f32) {
+    if (pair.flags & s::ACTIVE) == 0u {
+        return;
+    }
+    if keep == 0.0 {
+        for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+            point_states[k].search = point_states[k].change;
+        }
+        return;
+    }
+    var pair_velocities = c::velocities_of(pair);
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
+            continue;
+        }
+        let step = keep * point_states[k].search;
+        let before = point_states[k].normal_impulse;
+        let impulse = max(before + step.x, 0.0);
+        c::apply_impulse(&pair_velocities, c::normal_row(&pair_velocities, k), impulse - before);
+        let rows = c::friction_rows(&pair_velocities, k);
+        c::apply_impulse(&pair_velocities, rows[0], step.y);
+        c::apply_impulse(&pair_velocities, rows[1], step.z);
+        point_states[k].normal_impulse = impulse;
+        point_states[k].friction_impulse += step.yz;
+        point_states[k].search = step + point_states[k].change;
+    }
+    c::store_velocities(pair, &pair_velocities);
 }

@@ -1,55 +1,246 @@
-// Solver, at the start of a substep: updates the points, decides which are active, and applies the impulses of the last
-// substep again. One thread per pair.
-#import faceoff::constants::solver::ACTIVATION_DISTANCE
+// Solver: a collision substep of one island: its substeps, and the passes of each. The twin of `src/solver/substep.rs`.
+// One workgroup per island.
+//
+// A pass visits the pairs by colour: those of one colour at once, one thread each. Conditions of loops with barriers are
+// the same for all threads.
+#import faceoff::constants::solver::{PASS_BUDGET, RESTITUTION_TOLERANCE}
 #import faceoff::contact as c
-#import faceoff::contact::{solver_counters, collision_substep, solver_pairs, point_states}
+#import faceoff::contact::{body_states, collision_substep, point_states, solver_pairs}
 #import faceoff::dispatch::group_index
-#import faceoff::solver_math::tangent
+#import faceoff::load::{compression, substep_factor}
+#import faceoff::motion as m
+#import faceoff::points::{begin_substep, update_points}
+#import faceoff::restitution::{end_impacts, find_impacts}
+#import faceoff::solve as v
 #import faceoff::solver_types as s
 
-@compute @workgroup_size(64)
+@group(0) @binding(5) var<storage, read> solver_counters: array<u32>;
+@group(0) @binding(6) var<storage, read> body_constants: array<s::BodyConstants>;
+@group(0) @binding(7) var<storage, read> island_ranges: array<s::IslandRange>;
+@group(0) @binding(8) var<storage, read> island_pairs: array<s::IslandPair>;
+
+#ifdef LARGE
+const THREADS: u32 = 128u;
+#else
+const THREADS: u32 = 16u;
+#endif
+
+var<workgroup> range: s::IslandRange;
+var<workgroup> parts: array<vec2<f32>, THREADS>;
+var<workgroup> result: vec2<f32>;
+
+// What a thread knows of its island.
+struct IslandThread {
+    range: s::IslandRange,
+    thread: u32,
+    // Number of points.
+    points: u32,
+}
+
+@compute @workgroup_size(THREADS)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let i = group_index(group) * 64u + thread;
-    if i >= solver_counters[s::PAIRS] {
+    let number = group_index(group);
+    if thread == 0u {
+        range = s::IslandRange(0u, 0u, 0u, 0u);
+#ifdef LARGE
+        if number < solver_counters[s::LARGE_ISLANDS] {
+            range = island_ranges[arrayLength(&island_ranges) - 1u - number];
+        }
+#else
+        if number < solver_counters[s::SMALL_ISLANDS] {
+            range = island_ranges[number];
+        }
+#endif
+    }
+    var island: IslandThread;
+    island.range = workgroupUniformLoad(&range);
+    island.thread = thread;
+    if island.range.first == island.range.end {
         return;
     }
-    let pair = solver_pairs[i];
-    if (pair.flags & s::FROZEN) != 0u {
-        c::clear_impulses(i);
-        return;
+    // The zeroth substep only updates the points.
+    var factor = 1u;
+    var last = 0u;
+    for (var number = 0u; number <= last; number += 1u) {
+        let h = collision_substep.h / f32(factor);
+        substep(island, number, h);
+        let all = reduced(thread, measure(island, number == 0u));
+        if number == 0u {
+            island.points = max(u32(all.y), 1u);
+            factor = substep_factor(all.x, island.points);
+            last = factor * collision_substep.substeps;
+            scale_impulses(island, 1.0 / f32(factor));
+        }
     }
-    var any_active = false;
-    var pair_velocities = c::velocities_of(pair);
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-        if (point_states[k].flags & s::POINT_VALID) == 0u {
+    // The saved impulses are those of a substep of the common length.
+    scale_impulses(island, f32(factor));
+}
+
+// The largest compression of the pairs of a thread and their number of points, if `needed`. Sums of floats are exact up
+// to 2^24 points.
+fn measure(island: IslandThread, needed: bool) -> vec2<f32> {
+    var own = vec2(0.0);
+    for (var k = island.range.first + island.thread; needed && k < island.range.end; k += THREADS) {
+        let pair = solver_pairs[island_pairs[k].pair];
+        own = vec2(max(own.x, compression(pair)), own.y + f32(pair.count));
+    }
+    return own;
+}
+
+// The maximum of the first component over all threads, and the sum of the second, in the order of threads.
+fn reduced(thread: u32, part: vec2<f32>) -> vec2<f32> {
+    parts[thread] = part;
+    workgroupBarrier();
+    if thread == 0u {
+        var all = vec2(0.0);
+        for (var other = 0u; other < THREADS; other += 1u) {
+            all = vec2(max(all.x, parts[other].x), all.y + parts[other].y);
+        }
+        result = all;
+    }
+    return workgroupUniformLoad(&result);
+}
+
+// The pairs of a colour, as a range.
+fn pairs_of(island: IslandThread, color: u32) -> vec2<u32> {
+    let end = island_pairs[island.range.first + color].color_end;
+    if color == 0u {
+        return vec2(island.range.first, end);
+    }
+    return vec2(island_pairs[island.range.first + color - 1u].color_end, end);
+}
+
+// Multiplies the impulses, for substeps of another length. The totals of the collision substep stay.
+fn scale_impulses(island: IslandThread, factor: f32) {
+    for (var k = island.range.first + island.thread; k < island.range.end; k += THREADS) {
+        let pair = solver_pairs[island_pairs[k].pair];
+        for (var point = pair.first; point < pair.first + pair.count; point += 1u) {
+            let before = point_states[point].normal_impulse;
+            let impulse = factor * before;
+            point_states[point].total_normal_impulse += before - impulse;
+            point_states[point].normal_impulse = impulse;
+            point_states[point].friction_impulse *= factor;
+        }
+    }
+}
+
+// One substep of `h` seconds. Each part stands here once, in a loop over what passes are for: compilers put all
+// functions in place.
+fn substep(island: IslandThread, number: u32, h: f32) {
+    let range = island.range;
+    let thread = island.thread;
+    let is_first = number == 0u;
+    let last = select(v::RESTITUTION, v::RELAX, is_first);
+    for (var purpose = select(v::BIAS, v::RELAX, is_first); purpose <= last; purpose += 1u) {
+        for (var k = range.first + thread; k < range.end; k += THREADS) {
+            if !is_first && purpose != v::RESTITUTION {
+                integrate_bodies(k, purpose, h);
+            }
+        }
+        storageBarrier();
+        var fastest = 0.0;
+        for (var k = range.first + thread; k < range.end; k += THREADS) {
+            let i = island_pairs[k].pair;
+            if purpose == v::BIAS {
+                begin_substep(i, h);
+            } else if purpose == v::RESTITUTION {
+                fastest = max(fastest, find_impacts(solver_pairs[i]));
+            }
+        }
+        storageBarrier();
+        fastest = reduced(thread, vec2(fastest, 0.0)).x;
+        for (var color = 0u; color < select(range.colors, 0u, purpose == v::RESTITUTION); color += 1u) {
+            let pairs = pairs_of(island, color);
+            for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
+                move_impulses(solver_pairs[island_pairs[k].pair], purpose, f32(number) * h);
+            }
+            storageBarrier();
+        }
+        // The rate of the spring is proportional to that of the substeps.
+        let bias_rate = collision_substep.bias_rate * (collision_substep.h / h);
+        var parameters = v::Pass(h, bias_rate, purpose, collision_substep.convergence_speed);
+        var least = collision_substep.bias_iterations;
+        if purpose == v::RELAX {
+            least = collision_substep.relax_iterations;
+        } else if purpose == v::RESTITUTION {
+            least = collision_substep.restitution_iterations;
+            parameters.convergence_speed = RESTITUTION_TOLERANCE * fastest;
+        }
+        var most = max(min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u)), least);
+        most = select(most, 0u, is_first || (purpose == v::RESTITUTION && fastest == 0.0));
+        solve(island, parameters, least, most);
+    }
+    for (var k = range.first + thread; k < range.end; k += THREADS) {
+        end_impacts(solver_pairs[island_pairs[k].pair]);
+    }
+    storageBarrier();
+}
+
+// Integrates the velocities of the bodies that a pair owns, or their poses.
+fn integrate_bodies(k: u32, purpose: u32, h: f32) {
+    let pair = solver_pairs[island_pairs[k].pair];
+    for (var side = 0u; side < 2u; side += 1u) {
+        if (island_pairs[k].flags & (s::OWNS_FIRST << side)) == 0u {
             continue;
         }
-        var point = c::updated_point(pair, k);
-        // All points are judged by the velocities before the warm start: its impulses change them only after this pass.
-        let normal_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, point.normal);
-        let normal_velocity = c::velocity_along(&pair_velocities, normal_row);
-        point.total_normal_impulse += point.normal_impulse;
-        if point.max_normal_impulse == 0.0 {
-            point.impact_velocity = normal_velocity;
-        }
-        let next_separation = point.separation + normal_velocity * collision_substep.h;
-        if point.normal_impulse > 0.0 || next_separation < ACTIVATION_DISTANCE * pair.rest_offset {
-            any_active = true;
-            point.flags |= s::POINT_ACTIVE;
-            let first_tangent = tangent(point.normal);
-            c::accumulate(&pair_velocities, normal_row, point.normal_impulse);
-            let first_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, first_tangent);
-            c::accumulate(&pair_velocities, first_row, point.friction_impulse.x);
-            let second_tangent = cross(point.normal, first_tangent);
-            let second_row = c::row(pair_velocities.mass_a, pair_velocities.mass_b, point, second_tangent);
-            c::accumulate(&pair_velocities, second_row, point.friction_impulse.y);
+        let i = select(pair.a, pair.b, side == 1u);
+        var state = body_states[i];
+        let constants = body_constants[i];
+        if purpose == v::BIAS {
+            // Bodies in no island move freely; see `finish.wgsl`.
+            state.mass.flags |= s::SOLVED;
+            state.velocity = m::with_integrated_velocity(state.velocity, state.mass, constants, h);
+            state.initial_velocity = state.velocity;
         } else {
-            point.flags &= ~s::POINT_ACTIVE;
-            point.normal_impulse = 0.0;
-            point.friction_impulse = vec2(0.0);
+            m::integrate_pose(constants, &state, h);
         }
-        point_states[k] = point;
+        body_states[i] = state;
     }
-    solver_pairs[i].flags = (pair.flags & ~s::ACTIVE) | select(0u, s::ACTIVE, any_active);
-    c::write_impulses(i, &pair_velocities);
+}
+
+// Applies the impulses of the last substep, or updates the points of a pair after its bodies have moved.
+//
+// An elastic body that meets an immovable one keeps its energy: its impulses move with the points. Between two bodies
+// they stay where they acted, which keeps the angular momentum.
+fn move_impulses(pair: s::SolverPair, purpose: u32, time: f32) {
+    let both = s::FIRST_HAS_MASS | s::SECOND_HAS_MASS;
+    let moves = pair.restitution > 0.0 && (pair.flags & both) != both;
+    for (var part = select(0u, 1u, purpose == v::BIAS); part < 2u; part += 1u) {
+        if moves || purpose == v::BIAS {
+            c::apply_impulses(pair, select(-1.0, 1.0, part == 1u));
+        }
+        if part == 0u {
+            update_points(pair, time);
+        }
+    }
+}
+
+// Passes over all pairs, at least `least` and at most `most`, until they have converged. Impulses are extrapolated along
+// a search direction, as in the method of conjugate gradients.
+fn solve(island: IslandThread, parameters: v::Pass, least: u32, most: u32) {
+    var last_energy = 0.0;
+    for (var iteration = 1u; iteration <= most; iteration += 1u) {
+        var own = v::Residual(0.0, 0.0);
+        for (var color = 0u; color < island.range.colors; color += 1u) {
+            let pairs = pairs_of(island, color);
+            for (var k = pairs.x + island.thread; k < pairs.y; k += THREADS) {
+                v::solve(solver_pairs[island_pairs[k].pair], parameters, &own);
+            }
+            storageBarrier();
+        }
+        let residual = reduced(island.thread, vec2(own.velocity, own.energy));
+        if iteration == most || (iteration >= least && residual.x <= 1.0) {
+            break;
+        }
+        // The first direction has no predecessor, and one that leads away is dropped.
+        let keep = select(0.0, residual.y / max(last_energy, 1.0e-37), residual.y < last_energy);
+        last_energy = residual.y;
+        for (var color = 0u; color < island.range.colors; color += 1u) {
+            let pairs = pairs_of(island, color);
+            for (var k = pairs.x + island.thread; k < pairs.y; k += THREADS) {
+                v::extrapolate(solver_pairs[island_pairs[k].pair], keep);
+            }
+            storageBarrier();
+        }
+    }
 }

@@ -19,8 +19,8 @@ struct CollisionSubstep {
     bias_rate: f32,
     mass_scale: f32,
     impulse_scale: f32,
-    relaxation: f32,
-    sweeps: u32,
+    // Its acceleration per metre, 1/s^2.
+    stiffness: f32,
     max_depenetration_speed: f32,
     deep_depenetration_speed: f32,
     deep_penetration: f32,
@@ -28,11 +28,16 @@ struct CollisionSubstep {
     restitution_threshold: f32,
     match_distance: f32,
     match_normal: f32,
+    convergence_speed: f32,
+    substeps: u32,
+    bias_iterations: u32,
+    relax_iterations: u32,
+    restitution_iterations: u32,
+    max_iterations: u32,
     // Length of the collision substep, seconds.
     dt: f32,
     sleep_speed: f32,
     sleep_time: f32,
-    padding: u32,
 }
 
 // Properties of a body, constant within a step.
@@ -94,10 +99,10 @@ struct BodyConstants {
     initial_rotation: vec4<f32>,
     // In the body's own axes; zero if the inverse is singular.
     local_inertia: vec3<f32>,
-    // Factors that damping applies to the velocities in each substep.
-    linear_decay: f32,
+    // Rates at which damping decreases the velocities, 1/s.
+    linear_damping: f32,
     local_inertia_off_diagonal: vec3<f32>,
-    angular_decay: f32,
+    angular_damping: f32,
     local_inverse_inertia: vec3<f32>,
     max_linear_speed: f32,
     local_inverse_inertia_off_diagonal: vec3<f32>,
@@ -123,15 +128,8 @@ const FINITE: u32 = 8u;
 // First bit of the locked axes: x, y, z of translation, then of rotation.
 const LOCKED: u32 = 8u;
 
-// The range of a body's sides among the sorted sides, and its number in the last collision substep.
-struct BodyAdjacency {
-    first_side: u32,
-    // One more than the last.
-    sides_end: u32,
-    // `NOT_SAVED` if it is new.
-    old_number: u32,
-    padding: u32,
-}
+// An island solves it.
+const SOLVED: u32 = 16u;
 
 // Velocity in world axes, m/s and rad/s.
 struct Velocity {
@@ -145,14 +143,13 @@ struct Velocity {
 struct Mass {
     // Along each world axis, 1/kg.
     inverse_mass: vec3<f32>,
-    // Into how many bodies it is split in this substep: its number of active pairs, at least 1.
-    split_count: f32,
-    // In world axes, 1/(kg m^2).
-    inverse_inertia: vec3<f32>,
     // Those of `BodyConstants`.
     flags: u32,
+    // In world axes, 1/(kg m^2).
+    inverse_inertia: vec3<f32>,
+    padding_a: f32,
     inverse_inertia_off_diagonal: vec3<f32>,
-    padding: f32,
+    padding_b: f32,
 }
 
 // Change of a body's pose since the start of the collision substep, in world axes.
@@ -160,6 +157,15 @@ struct PoseChange {
     translation: vec3<f32>,
     padding: f32,
     rotation: vec4<f32>,
+}
+
+// Velocity, mass and pose of a body during a collision substep.
+struct BodyState {
+    velocity: Velocity,
+    // Before the impulses of the substep.
+    initial_velocity: Velocity,
+    mass: Mass,
+    pose_change: PoseChange,
 }
 
 // The contact constraint of two bodies.
@@ -184,6 +190,12 @@ struct SolverPair {
     approach_velocity: vec3<f32>,
     // Upper bound for the sum of both surface speeds relative to the centres, m/s.
     surface_speed: f32,
+    // The mass of the heavier body over that of the lighter one, if impulses move both; 1 otherwise.
+    mass_ratio: f32,
+    // Pairs of one island with the same colour have no body in common that impulses move.
+    color: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // Its numbers are valid. Its impulses are saved even if it is frozen.
@@ -231,26 +243,42 @@ struct PointState {
     impulse_anchor_a: vec3<f32>,
     flags: u32,
     impulse_anchor_b: vec3<f32>,
-    // The normal velocity just before the first normal impulse, m/s; negative if the bodies approached each other.
+    // The normal velocity before the impulses of this substep, m/s.
     impact_velocity: f32,
-    // Change of velocity by a unit impulse: of the first body along the normal and along a tangent, then of the second.
-    inverse_effective_mass: vec4<f32>,
+    // From the point to where friction acts.
+    friction_offset: vec3<f32>,
+    // The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
+    total_normal_impulse: f32,
+    // Change of the relative velocity by a unit impulse along the normal, and along a tangent.
+    inverse_effective_mass: vec2<f32>,
+    // Relative velocity along the tangents by which the point drifts in a substep because its bodies rotate.
+    drift: vec2<f32>,
     // Impulses of this substep, along the tangents and along the normal.
     friction_impulse: vec2<f32>,
     normal_impulse: f32,
-    // The largest normal impulse of any pass so far.
-    max_normal_impulse: f32,
-    // Additional impulses by restitution.
-    restitution_friction_impulse: vec2<f32>,
-    restitution_impulse: f32,
-    // The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
-    total_normal_impulse: f32,
+    padding_a: f32,
+    // The change of the impulses in the last pass, along the normal and along the tangents.
+    change: vec3<f32>,
+    padding_b: f32,
+    // The direction in which they are extrapolated.
+    search: vec3<f32>,
+    padding_c: f32,
 }
 
 // Its numbers are valid, and it is part of the constraint.
 const POINT_VALID: u32 = 1u;
 // It is solved in this substep.
 const POINT_ACTIVE: u32 = 2u;
+// It had no impulse at the start of the substep, so an impulse now is an impact.
+const MAY_IMPACT: u32 = 4u;
+// It has an impact in this substep, with restitution.
+const HAS_IMPACT: u32 = 8u;
+// Its velocity after the impacts of this substep is at least the reversed one.
+const REBOUNDS: u32 = 16u;
+// It has had an impulse in this collision substep or at the end of the last one.
+const TOUCHED: u32 = 32u;
+// It has had restitution in this collision substep: the bodies separate.
+const BOUNCED: u32 = 64u;
 
 // A pair as it is saved for the next collision substep, by the present numbers of its bodies.
 struct SavedPair {
@@ -276,3 +304,28 @@ struct SavedPoint {
     friction_impulse: vec3<f32>,
     padding_c: f32,
 }
+
+// An island as a range of `island_pairs`.
+struct IslandRange {
+    first: u32,
+    // One more than the last.
+    end: u32,
+    // Number of colours.
+    colors: u32,
+    padding: u32,
+}
+
+// A pair of an island, sorted by colour.
+struct IslandPair {
+    // Its number among `solver_pairs`.
+    pair: u32,
+    // See the constants below.
+    flags: u32,
+    // Of the n-th pair of an island: one more than the last pair of colour n.
+    color_end: u32,
+    padding: u32,
+}
+
+// The thread that solves the pair also integrates this body. Each body has one such pair in its island.
+const OWNS_FIRST: u32 = 1u;
+const OWNS_SECOND: u32 = 2u;

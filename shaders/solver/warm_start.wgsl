@@ -4,6 +4,7 @@
 #import faceoff::math::{compose, conjugate, rotate}
 #import faceoff::overlap as o
 #import faceoff::overlap::{contact_points, collision_substep, saved_pairs, saved_points}
+#import faceoff::patch::{point_constants, point_states, spread_friction}
 #import faceoff::solver_math::{tangent, finite, finite_vector}
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -11,8 +12,6 @@
 @group(0) @binding(1) var<storage, read> solver_counters: array<u32>;
 @group(0) @binding(3) var<storage, read_write> solver_pairs: array<s::SolverPair>;
 @group(0) @binding(6) var<storage, read> body_constants: array<s::BodyConstants>;
-@group(0) @binding(7) var<storage, read_write> point_constants: array<s::PointConstants>;
-@group(0) @binding(8) var<storage, read_write> point_states: array<s::PointState>;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -61,6 +60,23 @@ fn default_point() -> s::PointState {
 }
 
 fn fill(pair: s::SolverPair) {
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        let contact = contact_points[k];
+        let conflicts = contact.separation < 0.0 && dot(contact.normal, pair.separating_direction) < 0.0;
+        if !conflicts && is_valid(contact) {
+            point_constants[k] = point_constants_of(pair, contact);
+            point_states[k].normal = contact.normal;
+            point_states[k].flags = s::POINT_VALID;
+        }
+    }
+    if pair.friction > 0.0 {
+        spread_friction(pair);
+    }
+    find_impulses(pair);
+}
+
+// Finds the saved impulses of all points.
+fn find_impulses(pair: s::SolverPair) {
     // From each body's present rotation back to its saved one.
     var back_a = vec4(0.0, 0.0, 0.0, 1.0);
     var back_b = back_a;
@@ -83,15 +99,10 @@ fn fill(pair: s::SolverPair) {
     // One bit for each saved point that is used.
     var used_points = vec2(0u);
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-        let contact = contact_points[k];
-        let conflicts = contact.separation < 0.0 && dot(contact.normal, pair.separating_direction) < 0.0;
-        if conflicts || !is_valid(contact) {
+        if (point_states[k].flags & s::POINT_VALID) == 0u {
             continue;
         }
-        point_constants[k] = point_constants_of(pair, contact);
-        var point = default_point();
-        point.normal = contact.normal;
-        point.flags = s::POINT_VALID;
+        let contact = contact_points[k];
         let anchor_a = rotate(back_a, contact.anchor_a);
         let anchor_b = rotate(back_b, contact.anchor_b);
         // The nearest saved point. Distances are measured on both bodies and the smaller one counts, because a point
@@ -116,14 +127,15 @@ fn fill(pair: s::SolverPair) {
         if found != s::NOT_SAVED {
             used_points[found / 32u] |= 1u << (found % 32u);
             let saved = saved_points[saved_pair.first + found];
-            point.normal_impulse = impulse_scale * saved.normal_impulse;
+            let impulse = impulse_scale * saved.normal_impulse;
+            point_states[k].normal_impulse = impulse;
             // This impulse belongs to the last collision substep, so it does not count in this one's total.
-            point.total_normal_impulse = -point.normal_impulse;
+            point_states[k].total_normal_impulse = -impulse;
+            point_states[k].flags |= s::TOUCHED;
             let friction = impulse_scale * o::saved_sign(pair) * saved.friction_impulse;
             let side = tangent(contact.normal);
-            point.friction_impulse = vec2(dot(side, friction), dot(cross(contact.normal, side), friction));
+            point_states[k].friction_impulse = vec2(dot(side, friction), dot(cross(contact.normal, side), friction));
         }
-        point_states[k] = point;
     }
 }
 

@@ -42,7 +42,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         saved_point.friction_impulse =
             first_tangent * point.friction_impulse.x + second_tangent * point.friction_impulse.y;
         // A point with restitution separates: the impulse of its impact must not be applied again.
-        if (point.flags & s::POINT_VALID) != 0u && point.restitution_impulse == 0.0 {
+        if (point.flags & (s::POINT_VALID | s::BOUNCED)) == s::POINT_VALID {
             saved_point.normal_impulse = point.normal_impulse;
         }
         saved_points[k] = saved_point;

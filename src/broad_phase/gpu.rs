@@ -20,7 +20,7 @@ const ENTRIES: Kernel = kernel!("broad_phase/entries");
 /// Counts the pairs of each body.
 const COUNT: Kernel = kernel!("broad_phase/pairs");
 /// Writes the pairs.
-const EMIT: Kernel = kernel!("broad_phase/pairs", emit);
+const EMIT: Kernel = kernel!("broad_phase/pairs", "EMIT");
 /// Computes workgroup counts for the following stages.
 pub const ARGUMENTS: Kernel = kernel!("broad_phase/arguments");
 

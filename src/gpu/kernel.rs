@@ -17,24 +17,24 @@ pub struct Kernel {
     pub name: &'static str,
     /// The WGSL source.
     pub source: &'static str,
-    /// Whether `EMIT` is defined. Lists of unknown length are counted by a kernel, and written by the same kernel with
-    /// `EMIT`.
-    pub emit: bool,
+    /// What is defined for the preprocessor. Lists of unknown length are counted by a kernel, and written by the same
+    /// kernel with `EMIT`. With `LARGE` it has large workgroups.
+    pub define: Option<&'static str>,
 }
 
-/// The kernel in a file below `shaders/`, without the extension. With `emit` it writes what it counts otherwise.
+/// The kernel in a file below `shaders/`, without the extension; optionally with a definition.
 macro_rules! kernel {
     ($path:literal) => {
         $crate::gpu::kernel::Kernel {
             name: $path,
             source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path, ".wgsl")),
-            emit: false,
+            define: None,
         }
     };
-    ($path:literal, emit) => {
+    ($path:literal, $define:literal) => {
         $crate::gpu::kernel::Kernel {
-            name: concat!($path, " emit"),
-            emit: true,
+            name: concat!($path, " ", $define),
+            define: Some($define),
             ..$crate::gpu::kernel::kernel!($path)
         }
     };
@@ -74,10 +74,8 @@ impl Kernel {
     /// # Errors
     /// If the WGSL is invalid.
     pub fn compose(&self, composer: &mut Composer) -> Result<naga::Module, Box<ComposerError>> {
-        let mut shader_defs = HashMap::new();
-        if self.emit {
-            shader_defs.insert("EMIT".to_string(), ShaderDefValue::Bool(true));
-        }
+        let define = |name: &str| (name.to_string(), ShaderDefValue::Bool(true));
+        let shader_defs = self.define.into_iter().map(define).collect();
         composer
             .make_naga_module(NagaModuleDescriptor {
                 source: self.source,

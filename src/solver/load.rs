@@ -9,11 +9,11 @@ use super::prepare::Source;
 use std::f32::consts::TAU;
 
 /// A contact at rest may give way by this fraction of D: a little more than the gap that it keeps.
-const MAX_COMPRESSION: f32 = 0.0007;
+pub(super) const MAX_COMPRESSION: f32 = 0.0007;
 /// Largest factor on the number of substeps.
-const MAX_FACTOR: f32 = 16.0;
+pub(super) const MAX_FACTOR: f32 = 16.0;
 /// Points times factor of an island.
-const POINT_BUDGET: f32 = 2000.0;
+pub(super) const POINT_BUDGET: f32 = 2000.0;
 
 /// Factor on the number of substeps of an island with this pace. The points have the impulses of the last collision substep.
 pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source, pace: Pace) -> u32 {

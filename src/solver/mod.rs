@@ -4,16 +4,14 @@
 //! substep integrates velocities, warm starts, runs bias passes that push overlapping bodies apart, integrates poses,
 //! runs relax passes that remove the velocity the bias added, and resolves impacts.
 //!
-//! Bodies that contacts connect form an island. On the CPU a pass is projected Gauss-Seidel over the pairs of an island
-//! with an extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent,
-//! so the result has the same bits for any number of threads. A single large island is solved by one thread: its passes
-//! are so short that threads would wait for each other longer than they compute.
+//! Bodies that contacts connect form an island. A pass is projected Gauss-Seidel over the pairs of an island with an
+//! extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent.
 //!
-//! On the GPU the pairs of a pass are independent: all start from the same velocities (Gauss-Seidel over a pair's own
-//! points, Jacobi across pairs), and each body sums the impulses of its pairs, in the order of pairs. A body with `n`
-//! active pairs is split into `n` bodies of `1/n` its mass, one for each pair (mass splitting: Tonge, "Mass Splitting
-//! for Jitter-Free Parallel Rigid Body Simulation", 2012). It converges more slowly: tall towers, rows that are pushed,
-//! and large mass ratios give way where they hold on the CPU.
+//! On the CPU an island is solved by one thread: its passes are so short that threads would wait for each other longer
+//! than they compute. So the result has the same bits for any number of threads.
+//!
+//! On the GPU an island is solved by one workgroup, in one dispatch. Its pairs are coloured, and pairs of one colour are
+//! solved at once. CPU and GPU visit pairs in another order, and so differ within the tolerance of convergence.
 //!
 //! | file | contents |
 //! |---|---|

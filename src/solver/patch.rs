@@ -8,13 +8,13 @@ use super::contact::Point;
 use glam::Vec2;
 
 /// Normals of one patch have at least this cosine.
-const SAME_NORMAL: f32 = 0.9999;
+pub(super) const SAME_NORMAL: f32 = 0.9999;
 /// Points of one patch lie in a plane, within this fraction of D.
-const FLATNESS: f32 = 1.0e-4;
+pub(super) const FLATNESS: f32 = 1.0e-4;
 /// A point is inside a patch if it is farther than this fraction of D from its outline.
-const INSIDE: f32 = 1.0e-3;
+pub(super) const INSIDE: f32 = 1.0e-3;
 /// Only the first points of a pair are searched for patches.
-const MAX_POINTS: usize = 64;
+pub(super) const MAX_POINTS: usize = 64;
 
 /// The outline of a patch, counter-clockwise.
 type Outline = arrayvec::ArrayVec<Vec2, MAX_POINTS>;

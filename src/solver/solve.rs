@@ -11,7 +11,7 @@ use glam::Vec3A;
 /// A point is active in a substep if the gap beyond the rest offset will be less than this many rest offsets.
 pub(super) const ACTIVATION_DISTANCE: f32 = 5.0;
 /// An error is too large if it moves a body by this fraction of D within a substep, however slow that is.
-const MAX_STEP_ERROR: f32 = 1.0e-4;
+pub(super) const MAX_STEP_ERROR: f32 = 1.0e-4;
 
 /// What a pass is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ use crate::types::solver_settings::SolverSettings;
 
 /// Points times passes of an island in one part of a substep. An island of more points than that over the iterations
 /// gets fewer passes: a pile needs less than a tower, and must not stop the game.
-const PASS_BUDGET: usize = 2000;
+pub(super) const PASS_BUDGET: usize = 2000;
 
 impl IslandsMut<'_> {
     /// Makes the constraints of an island and moves its bodies over the collision substep. `members` are the bodies of

@@ -11,7 +11,7 @@ use crate::solver::gpu as solver;
 use crate::solver::gpu::arguments::record_arguments;
 use crate::solver::gpu::layout::{self, COUNTERS, PAIRS_FOUND, POINTS, POINTS_FOUND, SKIPPED, SLOTS};
 use crate::solver::gpu::record::record;
-use crate::solver::gpu::{Passes, SolverBuffers, SolverCapacity, upload};
+use crate::solver::gpu::{SolverBuffers, SolverCapacity, upload};
 use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverMotion};
 use crate::step::gpu::StepError;
 use crate::step::gpu::record::all_modules;
@@ -27,8 +27,8 @@ pub struct GpuSolver {
     gpu: Gpu,
     handed: Handed,
     lists: SolverBuffers,
-    /// Programs for the current buffers, by iteration counts.
-    programs: HashMap<Passes, Program>,
+    /// Programs for the current buffers, by whether bodies may fall asleep.
+    programs: HashMap<bool, Program>,
     /// Number of dispatches in the last collision substep.
     dispatches: usize,
     bodies: u32,
@@ -225,7 +225,7 @@ impl GpuSolver {
         let points: Vec<layout::PointState> = self.read(&self.lists.point_states, counters[POINTS as usize])?;
         Ok(points
             .iter()
-            .map(|p| p.total_normal_impulse + p.normal_impulse + p.restitution_impulse)
+            .map(|p| p.total_normal_impulse + p.normal_impulse)
             .collect())
     }
 
@@ -235,7 +235,7 @@ impl GpuSolver {
         settings: &SolverSettings,
         collision_substep: &CollisionSubstep,
     ) -> Result<Vec<u32>, StepError> {
-        let passes = Passes::new(settings, collision_substep);
+        let may_sleep = settings.sleeping;
         let packed = upload::collision_substep(
             settings,
             collision_substep,
@@ -251,12 +251,12 @@ impl GpuSolver {
             ..
         } = self;
         device(scoped(gpu, || {
-            let program = programs.entry(passes).or_insert_with(|| {
+            let program = programs.entry(may_sleep).or_insert_with(|| {
                 let mut calls = Calls::new(STAGE);
                 record_arguments(&mut calls);
-                sleep::gpu::record_wake(&mut calls, passes.sleeping);
-                record(&mut calls, &lists.capacity, passes);
-                sleep::gpu::record_fall_asleep(&mut calls, passes.sleeping);
+                sleep::gpu::record_wake(&mut calls, may_sleep);
+                record(&mut calls, &lists.capacity);
+                sleep::gpu::record_fall_asleep(&mut calls, may_sleep);
                 Program::new(gpu, &calls, &[handed, lists])
             });
             *dispatches = program.len(STAGE);

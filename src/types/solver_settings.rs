@@ -6,7 +6,7 @@ use bevy::prelude::*;
 /// The largest [`SolverSettings::max_collision_substeps`].
 pub const MAX_COLLISION_SUBSTEPS: u32 = 64;
 
-/// The largest [`SolverSettings::substeps`], and the largest number of iterations and sweeps.
+/// The largest [`SolverSettings::substeps`], and the largest number of iterations.
 pub const MAX_PASSES: u32 = 256;
 
 /// Parameters of the contact solver, for all bodies. Used with
@@ -27,23 +27,18 @@ pub struct SolverSettings {
     /// Halving the substep helps stiff stacks and large mass ratios more than doubling the iterations, at the same cost
     /// (Macklin et al., "Small Steps in Physics Simulation", 2019).
     pub substeps: u32,
-    /// Passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart. Default 2, on the
-    /// CPU at least so many.
+    /// Passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart. Default 2:
+    /// at least so many.
     pub bias_iterations: u32,
     /// Passes per substep without bias velocity, after the bodies have moved. They remove the velocity that the bias
-    /// added. Default 2, on the CPU at least so many. Without them chains break.
+    /// added. Default 2: at least so many. Without them chains break.
     pub relax_iterations: u32,
-    /// On the CPU: most passes of either kind. Default 64. Small islands get as many as they need to converge, large
+    /// Most passes of either kind. Default 64. Small islands get as many as they need to converge, large
     /// ones fewer.
     pub max_iterations: u32,
-    /// On the CPU: an island has converged if no pass changes the velocity at a contact by more than this, in m/s.
+    /// An island has converged if no pass changes the velocity at a contact by more than this, in m/s.
     /// Default 0.001. Small bodies, and light ones below heavy ones, are solved more exactly.
     pub convergence_speed: f32,
-    /// On the GPU: Gauss-Seidel sweeps over the points of one pair within a pass. Default 2.
-    pub sweeps: u32,
-    /// On the GPU: relaxation factor: the fraction of a point's correction that one sweep applies, from 0 to 1. Default
-    /// 0.5. With 1, points of the same pair overshoot, and a stack creeps.
-    pub relaxation: f32,
     /// Frequency of the contact spring as a fraction of the substep rate. Default 0.25, the stiffest value that the
     /// time step supports with a margin (Catto, "Solver2D", 2024).
     pub frequency: f32,
@@ -72,9 +67,8 @@ pub struct SolverSettings {
     pub restitution_threshold: f32,
     /// Passes over all pairs that resolve impacts. Default 4.
     ///
-    /// On the CPU at least so many in each substep with impacts, until the impulses have converged: impacts of elastic
-    /// bodies keep the energy. On the GPU after the last substep: in a cloud of 500 elastic balls that all meet at once,
-    /// 94 % of the energy was left with 4 passes, 75 % with 2, and 102 % with 8. A single pair is exact after one pass.
+    /// At least so many in each substep with impacts, until the impulses have converged: impacts of elastic bodies keep
+    /// the energy. A single pair is exact after one pass.
     pub restitution_iterations: u32,
     /// Warm starting: a point keeps the impulse of a point of the last collision substep that is at most this far away.
     /// In D, default 0.05.
@@ -106,8 +100,6 @@ impl Default for SolverSettings {
             relax_iterations: 2,
             max_iterations: 64,
             convergence_speed: 0.001,
-            sweeps: 2,
-            relaxation: 0.5,
             frequency: 0.25,
             damping_ratio: 10.0,
             max_depenetration_speed: 3.0,
@@ -148,8 +140,6 @@ impl SolverSettings {
             relax_iterations,
             max_iterations,
             convergence_speed,
-            sweeps,
-            relaxation,
             frequency,
             damping_ratio,
             max_depenetration_speed,
@@ -172,7 +162,6 @@ impl SolverSettings {
             ("bias_iterations", bias_iterations, MAX_PASSES),
             ("relax_iterations", relax_iterations, MAX_PASSES),
             ("max_iterations", max_iterations, MAX_PASSES),
-            ("sweeps", sweeps, MAX_PASSES),
             ("restitution_iterations", restitution_iterations, MAX_PASSES),
             ("max_collision_substeps", max_collision_substeps, MAX_COLLISION_SUBSTEPS),
         ];
@@ -181,7 +170,6 @@ impl SolverSettings {
         }
         [
             ("convergence_speed", convergence_speed),
-            ("relaxation", relaxation),
             ("frequency", frequency),
             ("damping_ratio", damping_ratio),
             ("max_depenetration_speed", max_depenetration_speed),

@@ -8,15 +8,12 @@ use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
 use bevy_faceoff::gpu::scan;
 use bevy_faceoff::gpu::shader::{self, Shaders, Value};
 use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
-use bevy_faceoff::solver::CollisionSubstep;
-use bevy_faceoff::solver::gpu::{self as solver, Passes, SolverBuffers};
+use bevy_faceoff::solver::gpu::{self as solver, SolverBuffers};
 use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
 use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
 use bevy_faceoff::step::order::Place;
 use bevy_faceoff::types::settings::Response;
-use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
-use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -233,31 +230,21 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             bodies,
             touches: bodies,
         };
-        let recorder = |response, passes| Recorder {
+        let recorder = |response, may_sleep| Recorder {
             response,
             capacity: &capacity,
             contact_capacity: (response != Response::Impulse).then_some(&contact_capacity),
-            passes,
+            may_sleep,
         };
         let alone = Place::of(0, 1);
         add(
-            recorder(Response::Impulse, None).calls(&Stage::ALL, alone),
+            recorder(Response::Impulse, false).calls(&Stage::ALL, alone),
             &IMPULSE_SETS,
         );
-        add(recorder(Response::None, None).calls(&Stage::ALL, alone), &CONTACT_SETS);
-        for sleeping in [true, false] {
-            let settings = SolverSettings {
-                sleeping,
-                ..SolverSettings::default()
-            };
-            let collision_substep = CollisionSubstep {
-                dt: 0.01,
-                substeps: 3,
-                gravity: Vec3::ZERO,
-            };
-            let passes = Some(Passes::new(&settings, &collision_substep));
+        add(recorder(Response::None, false).calls(&Stage::ALL, alone), &CONTACT_SETS);
+        for may_sleep in [true, false] {
             for place in [alone, Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)] {
-                let calls = recorder(Response::Contacts, passes).calls(&Stage::ALL, place);
+                let calls = recorder(Response::Contacts, may_sleep).calls(&Stage::ALL, place);
                 add(calls, &CONTACT_SETS);
             }
         }
@@ -372,7 +359,7 @@ fn a_wrong_kernel_is_reported() {
         let wrong = complaints(&Kernel {
             name: "wrong",
             source,
-            emit: false,
+            define: None,
         });
         assert!(wrong.iter().any(|text| text.contains(what)), "{what}: {wrong:?}");
     };

@@ -473,7 +473,7 @@ pub fn a_snapshot_of_a_pile_goes_on_to_the_bit() {
 pub fn settings_and_components_that_cannot_be_used_are_told() {
     let (mut sim, cube) = on_the_ground();
     let body = sim.spawn(resting(&cube, Vec3::Y * 0.51));
-    sim.world().resource_mut::<SolverSettings>().relaxation = f32::NAN;
+    sim.world().resource_mut::<SolverSettings>().frequency = f32::NAN;
     sim.step(60);
     assert!((sim.position(body).y - 0.51).abs() < 0.01, "the defaults hold instead");
     assert_eq!(SolverSettings::default().fault(), None);

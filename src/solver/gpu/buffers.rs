@@ -2,9 +2,7 @@
 
 use super::layout::*;
 use crate::gpu::buffers::{buffers, grow};
-use crate::gpu::layout::Impulse;
 use crate::gpu::radix_sort::{self, DIGITS};
-use crate::gpu::scan;
 
 /// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,11 +25,6 @@ impl SolverCapacity {
         }
     }
 
-    /// Two sides per pair.
-    fn sides(&self) -> u32 {
-        self.pairs.saturating_mul(2)
-    }
-
     /// Number of bits of a body's index, or of the one after the last.
     pub(super) fn body_bits(&self) -> u32 {
         32 - self.bodies.leading_zeros()
@@ -46,23 +39,25 @@ buffers! {
         collision_substep: UNIFORM CollisionSubstep, 1u32, "collision substep";
         solver_counters: ARRAY u32, COUNTERS, "solver counters";
         body_constants: ARRAY BodyConstants, capacity.bodies, "body constants";
-        velocities: ARRAY Velocity, capacity.bodies, "velocities";
-        masses: ARRAY Mass, capacity.bodies, "masses";
-        pose_changes: ARRAY PoseChange, capacity.bodies, "pose changes";
-        body_adjacency: ARRAY BodyAdjacency, capacity.bodies, "body adjacency";
+        body_states: ARRAY BodyState, capacity.bodies, "body states";
+        body_colors: ARRAY BodyColors, capacity.bodies, "colours of bodies";
+        /// The number of each body in the last collision substep.
+        old_numbers: ARRAY u32, capacity.bodies, "old numbers of bodies";
         islands: ARRAY Island, capacity.bodies, "islands of bodies";
         solver_pairs: ARRAY SolverPair, capacity.pairs, "solver pairs";
         point_constants: ARRAY PointConstants, capacity.points, "point constants";
         point_states: ARRAY PointState, capacity.points, "point states";
         saved_pairs: ARRAY SavedPair, capacity.pairs, "saved pairs";
         saved_points: ARRAY SavedPoint, capacity.points, "saved points";
-        side_impulses: ARRAY Impulse, capacity.sides(), "impulses by side";
-        /// Keys and sides; the sort moves them between two pairs of arrays.
-        side_keys: ARRAY u32, capacity.sides(), "bodies of sides";
-        sides: ARRAY u32, capacity.sides(), "sides";
-        other_side_keys: ARRAY u32, capacity.sides(), "bodies of sides, scratch";
-        other_sides: ARRAY u32, capacity.sides(), "sides, scratch";
-        side_digits: ARRAY u32, DIGITS * capacity.sides().div_ceil(radix_sort::BLOCK) + 1, "sort digits";
-        side_sums: ARRAY u32, radix_sort::digit_groups(capacity.sides()).max(capacity.sides().div_ceil(scan::BLOCK)) + 1, "scan sums";
+        /// Small islands from the front, large ones from the back.
+        island_ranges: ARRAY IslandRange, capacity.bodies, "islands";
+        island_pairs: ARRAY IslandPair, capacity.pairs, "pairs of islands";
+        /// Pairs by island; the sort moves keys and pairs between two pairs of arrays.
+        island_keys: ARRAY u32, capacity.pairs, "islands of pairs";
+        pair_order: ARRAY u32, capacity.pairs, "order of pairs";
+        other_island_keys: ARRAY u32, capacity.pairs, "islands of pairs, scratch";
+        other_pair_order: ARRAY u32, capacity.pairs, "order of pairs, scratch";
+        island_digits: ARRAY u32, DIGITS * capacity.pairs.div_ceil(radix_sort::BLOCK) + 1, "sort digits";
+        island_sums: ARRAY u32, radix_sort::digit_groups(capacity.pairs) + 1, "scan sums";
     }
 }

@@ -12,10 +12,11 @@ layout! {
     CollisionSubstep {
         gravity: Vec3, h: f32,
         bodies: u32, old_bodies: u32, pair_capacity: u32, point_capacity: u32,
-        bias_rate: f32, mass_scale: f32, impulse_scale: f32, relaxation: f32,
-        sweeps: u32, max_depenetration_speed: f32, deep_depenetration_speed: f32, deep_penetration: f32,
-        rest_offset: f32, restitution_threshold: f32, match_distance: f32, match_normal: f32,
-        dt: f32, sleep_speed: f32, sleep_time: f32, padding: u32,
+        bias_rate: f32, mass_scale: f32, impulse_scale: f32, stiffness: f32,
+        max_depenetration_speed: f32, deep_depenetration_speed: f32, deep_penetration: f32, rest_offset: f32,
+        restitution_threshold: f32, match_distance: f32, match_normal: f32, convergence_speed: f32,
+        substeps: u32, bias_iterations: u32, relax_iterations: u32, restitution_iterations: u32,
+        max_iterations: u32, dt: f32, sleep_speed: f32, sleep_time: f32,
     }
     /// Properties of a body, constant within a step.
     SolverBody {
@@ -43,17 +44,13 @@ layout! {
     /// Properties of a body that are constant during a collision substep.
     BodyConstants {
         initial_rotation: Quat,
-        local_inertia: Vec3, linear_decay: f32,
-        local_inertia_off_diagonal: Vec3, angular_decay: f32,
+        local_inertia: Vec3, linear_damping: f32,
+        local_inertia_off_diagonal: Vec3, angular_damping: f32,
         local_inverse_inertia: Vec3, max_linear_speed: f32,
         local_inverse_inertia_off_diagonal: Vec3, max_angular_speed: f32,
         acceleration: Vec3, flags: u32,
         force: Vec3, padding_a: f32,
         torque: Vec3, padding_b: f32,
-    }
-    /// The range of a body's sides among the sorted sides, and its number in the last collision substep.
-    BodyAdjacency {
-        first_side: u32, sides_end: u32, old_number: u32, padding: u32,
     }
     /// Velocity of a body.
     Velocity {
@@ -62,14 +59,21 @@ layout! {
     }
     /// How impulses change the velocity of a body.
     Mass {
-        inverse_mass: Vec3, split_count: f32,
-        inverse_inertia: Vec3, flags: u32,
-        inverse_inertia_off_diagonal: Vec3, padding: f32,
+        inverse_mass: Vec3, flags: u32,
+        inverse_inertia: Vec3, padding_a: f32,
+        inverse_inertia_off_diagonal: Vec3, padding_b: f32,
     }
     /// Change of a body's pose since the start of the collision substep.
     PoseChange {
         translation: Vec3, padding: f32,
         rotation: Quat,
+    }
+    /// Velocity, mass and pose of a body during a collision substep.
+    BodyState {
+        velocity: Velocity,
+        initial_velocity: Velocity,
+        mass: Mass,
+        pose_change: PoseChange,
     }
     /// The contact constraint of two bodies.
     SolverPair {
@@ -78,6 +82,7 @@ layout! {
         separating_direction: Vec3, saved_pair: u32,
         center_offset: Vec3, diameter: f32,
         approach_velocity: Vec3, surface_speed: f32,
+        mass_ratio: f32, color: u32, padding_a: u32, padding_b: u32,
     }
     /// What is constant about a point during a collision substep.
     PointConstants {
@@ -93,9 +98,11 @@ layout! {
         normal: Vec3, separation: f32,
         impulse_anchor_a: Vec3, flags: u32,
         impulse_anchor_b: Vec3, impact_velocity: f32,
-        inverse_effective_mass: [f32; 4],
-        friction_impulse: [f32; 2], normal_impulse: f32, max_normal_impulse: f32,
-        restitution_friction_impulse: [f32; 2], restitution_impulse: f32, total_normal_impulse: f32,
+        friction_offset: Vec3, total_normal_impulse: f32,
+        inverse_effective_mass: [f32; 2], drift: [f32; 2],
+        friction_impulse: [f32; 2], normal_impulse: f32, padding_a: f32,
+        change: Vec3, padding_b: f32,
+        search: Vec3, padding_c: f32,
     }
     /// A pair as it is saved for the next collision substep.
     SavedPair {
@@ -114,6 +121,18 @@ layout! {
     /// A body in the union-find forest of islands.
     Island {
         parent: u32, neighbours: u32, disturbed: u32, padding: u32,
+    }
+    /// An island as a range of the list of pairs.
+    IslandRange {
+        first: u32, end: u32, colors: u32, padding: u32,
+    }
+    /// A pair of an island.
+    IslandPair {
+        pair: u32, flags: u32, color_end: u32, padding: u32,
+    }
+    /// What the search for colours knows of a body.
+    BodyColors {
+        claim: u32, used: u32,
     }
 }
 
@@ -139,6 +158,8 @@ constants! {
     /// The number found, even if the list is shorter.
     u32 PAIRS_FOUND = 7;
     u32 POINTS_FOUND = 8;
+    u32 SMALL_ISLANDS = 9;
+    u32 LARGE_ISLANDS = 10;
     u32 COUNTERS = 16;
 
     // Slots of `solver_arguments`.
@@ -147,15 +168,12 @@ constants! {
     u32 GROUPS_PER_DIGIT_BLOCK = 2;
     u32 GROUPS_PER_64_BODIES = 3;
     u32 GROUPS_PER_64_OLD_BODIES = 4;
-    u32 SLOTS = 5;
+    u32 GROUPS_PER_SMALL_ISLAND = 5;
+    u32 GROUPS_PER_LARGE_ISLAND = 6;
+    u32 SLOTS = 7;
 
-    // Bits of a pass: overlapping bodies get a bias velocity; points are updated first.
-    u32 PASS_BIASED = 1;
-    u32 PASS_UPDATES_POINTS = 2;
-
-    // What follows after impulses are applied.
-    u32 THEN_INTEGRATE_POSES = 1;
-    u32 THEN_INTEGRATE_VELOCITIES = 2;
+    // Islands of more pairs are solved by larger workgroups.
+    u32 SMALL_ISLAND_PAIRS = 128;
 
     // What the kernels of sleep do.
     u32 WAKE = 0;

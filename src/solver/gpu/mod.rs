@@ -1,9 +1,13 @@
-//! The solver on the GPU, with bodies, contacts and saved impulses in buffers. [`solver`](super) tells how its method
-//! differs from that of the CPU.
+//! The solver on the GPU, with bodies, contacts and saved impulses in buffers. Its method is that of the CPU.
 //!
-//! One thread per pair solves the pair's points; one thread per body sums the impulses of its sides. A side is one of
-//! the two bodies of a pair. Sides are sorted by body once per collision substep, and all sums are in the order of
-//! pairs, so the same input gives the same bits.
+//! Bodies are joined into islands by union-find, and pairs are sorted by island. One workgroup solves an island, with all
+//! its substeps and passes, in one dispatch. Before that it colours the pairs: those of one colour have no body in common
+//! that impulses move. A pass visits the colours one after the other, with a barrier between them, and the pairs of a
+//! colour at once, with one thread each. Colours and sums do not depend on the order of threads, so the same input gives
+//! the same bits.
+//!
+//! Limits: an island of many thousands of pairs occupies one workgroup while the rest of the device is idle. A body with a
+//! thousand pairs needs a thousand colours. Passes are bounded as on the CPU, so that no dispatch takes long.
 //!
 //! | file | contents |
 //! |---|---|
@@ -11,8 +15,8 @@
 //! | [`buffers`] | the buffers |
 //! | [`arguments`] | workgroup counts |
 //! | [`record`](mod@record) | the calls of a collision substep |
+//! | `islands` | islands, colours, and the calls that solve them |
 //! | `warm_start` | matching and saving of impulses |
-//! | `restitution` | restitution passes |
 //! | [`upload`] | conversion of the host's bodies and contacts |
 //! | `hand_over` | conversion of the impulses that the CPU has saved, and back |
 //!
@@ -29,16 +33,15 @@
 pub mod arguments;
 pub mod buffers;
 mod hand_over;
+mod islands;
 pub mod layout;
 pub mod record;
-mod restitution;
 pub mod upload;
 mod warm_start;
 
 pub use buffers::{SolverBuffers, SolverCapacity};
-pub use record::Passes;
 
-use super::{body_constants, overlap, solve};
+use super::{body_constants, load, overlap, patch, restitution, solve, substep};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
@@ -49,6 +52,16 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::solver", {
     f32 FREE_ANGLE = body_constants::FREE_ANGLE;
     f32 MAX_ROUNDS = body_constants::MAX_ROUNDS;
     f32 ACTIVATION_DISTANCE = solve::ACTIVATION_DISTANCE;
+    f32 MAX_STEP_ERROR = solve::MAX_STEP_ERROR;
+    f32 MAX_COMPRESSION = load::MAX_COMPRESSION;
+    f32 MAX_FACTOR = load::MAX_FACTOR;
+    f32 POINT_BUDGET = load::POINT_BUDGET;
+    u32 PASS_BUDGET = substep::PASS_BUDGET;
+    f32 RESTITUTION_TOLERANCE = restitution::TOLERANCE;
+    f32 SAME_NORMAL = patch::SAME_NORMAL;
+    f32 FLATNESS = patch::FLATNESS;
+    f32 INSIDE = patch::INSIDE;
+    u32 MAX_PATCH_POINTS = patch::MAX_POINTS;
     f32 COARSE_DIGIT = upload::COARSE_DIGIT;
 });
 
@@ -57,13 +70,18 @@ pub const SHADERS: Shaders = Shaders {
     modules: &[
         CONSTANTS,
         warm_start::CONSTANTS,
-        restitution::CONSTANTS,
         module!("solver/types", layout::CONSTANTS),
         module!("solver/math"),
         module!("solver/motion"),
         module!("solver/overlap"),
+        module!("solver/patch"),
+        module!("solver/union_find"),
         module!("solver/contact"),
+        module!("solver/points"),
         module!("solver/friction"),
+        module!("solver/solve"),
+        module!("solver/restitution"),
+        module!("solver/load"),
     ],
     kernels: &[
         &arguments::ARGUMENTS,
@@ -71,13 +89,14 @@ pub const SHADERS: Shaders = Shaders {
         &warm_start::BODY_REMAP,
         &record::CONSTRAINTS,
         &warm_start::WARM_START,
-        &record::PAIR_ADJACENCY,
-        &record::PAIR_ADJACENCY_RANGES,
-        &record::SUBSTEP_BEGIN,
-        &record::SOLVE,
-        &record::APPLY_IMPULSES,
-        &restitution::RESTITUTION_BEGIN,
-        &restitution::RESTITUTION,
+        &islands::ISLAND_JOIN,
+        &islands::ISLAND_KEYS,
+        &islands::ISLAND_RANGES,
+        &islands::ISLAND_ARGUMENTS,
+        &islands::ISLAND_COLORS[0],
+        &islands::ISLAND_COLORS[1],
+        &islands::SUBSTEP[0],
+        &islands::SUBSTEP[1],
         &record::FINISH,
         &warm_start::WARM_START_SAVE,
     ],

@@ -10,6 +10,7 @@ use crate::types::body::{ExternalForces, RigidBody};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
 use glam::{DQuat, DVec3, DVec4, Vec3};
+use std::f32::consts::TAU;
 
 /// The square of a speed limit must be finite.
 const FASTEST: f32 = 1.0e18;
@@ -36,8 +37,7 @@ pub fn collision_substep(
         bias_rate: softness.bias_rate,
         mass_scale: softness.mass_scale,
         impulse_scale: softness.impulse_scale,
-        relaxation: settings.relaxation,
-        sweeps: settings.sweeps,
+        stiffness: (TAU * settings.frequency / h).powi(2),
         max_depenetration_speed: settings.max_depenetration_speed,
         deep_depenetration_speed: settings.deep_depenetration_speed,
         deep_penetration: settings.deep_penetration,
@@ -45,10 +45,15 @@ pub fn collision_substep(
         restitution_threshold: settings.restitution_threshold,
         match_distance: settings.match_distance,
         match_normal: settings.match_normal,
+        convergence_speed: settings.convergence_speed,
+        substeps: collision_substep.substeps.max(1),
+        bias_iterations: settings.bias_iterations,
+        relax_iterations: settings.relax_iterations,
+        restitution_iterations: settings.restitution_iterations,
+        max_iterations: settings.max_iterations,
         dt: collision_substep.dt,
         sleep_speed: settings.sleep_speed,
         sleep_time: settings.sleep_time,
-        padding: 0,
     }
 }
 

@@ -12,11 +12,10 @@ use crate::gpu::device::Gpu;
 use crate::gpu::program::{Calls, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
-use crate::solver::gpu::{Passes, SolverBuffers};
+use crate::solver::gpu::SolverBuffers;
 use crate::step::order::Place;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
-use std::collections::HashMap;
 use wgpu::{Buffer, CommandEncoder};
 
 /// Initial capacity. Lists grow as needed.
@@ -35,9 +34,6 @@ pub const START: StepCapacity = StepCapacity {
     touches: 2048,
 };
 
-/// Number of programs that are kept: one per combination of iteration counts.
-const MAX_PROGRAMS: usize = 16;
-
 /// Stages that find contact points.
 const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest, Stage::Manifolds];
 
@@ -55,8 +51,8 @@ pub struct ContactPrograms {
     first: Program,
     /// Finds them in the later ones.
     later: Program,
-    /// Solves a collision substep, by iteration counts.
-    solve: HashMap<Passes, Program>,
+    /// Solves a collision substep: without sleep, and with it.
+    solve: [Program; 2],
     /// Ends a collision substep that is not the last.
     between: Program,
     /// Ends the step.
@@ -77,7 +73,7 @@ impl ContactPrograms {
             report: Program::default(),
             first: Program::default(),
             later: Program::default(),
-            solve: HashMap::new(),
+            solve: Default::default(),
             between: Program::default(),
             last: Program::default(),
         };
@@ -92,7 +88,13 @@ impl ContactPrograms {
             bind(contacts.calls(&[Stage::Integrate], middle)),
             bind(contacts.calls(&[Stage::Integrate], last)),
         ];
+        // It is the same in every collision substep.
+        let solve = [false, true].map(|may_sleep| {
+            let recorder = Recorder { may_sleep, ..contacts };
+            bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
+        });
         made.report = report;
+        made.solve = solve;
         [made.first, made.later, made.between, made.last] = programs;
         Ok(made)
     }
@@ -120,8 +122,8 @@ impl ContactPrograms {
 
     /// Number of dispatches of each stage in one collision substep, with contacts.
     pub fn dispatches(&self) -> [usize; Stage::COUNT] {
-        let solve = self.solve.values().next();
-        Stage::ALL.map(|stage| self.first.len(stage) + solve.map_or(0, |solve| solve.len(stage)) + self.last.len(stage))
+        let [_, solve] = &self.solve;
+        Stage::ALL.map(|stage| self.first.len(stage) + solve.len(stage) + self.last.len(stage))
     }
 
     /// Writes the lengths of the lists, and the numbers of bodies and half-spaces.
@@ -141,31 +143,10 @@ impl ContactPrograms {
         }
     }
 
-    /// Makes the program for these iteration counts, unless it exists.
-    pub fn prepare(&mut self, gpu: &Gpu, buffers: &Buffers, passes: Passes) {
-        if self.solve.contains_key(&passes) {
-            return;
-        }
-        if self.solve.len() >= MAX_PROGRAMS {
-            self.solve.clear();
-        }
-        let capacity = self.capacity();
-        let recorder = Recorder {
-            passes: Some(passes),
-            ..recorder(Response::Contacts, buffers, &capacity)
-        };
-        // It is the same in every collision substep.
-        let calls = recorder.calls(&[Stage::ForceScan], Place::of(0, 1));
-        let program = self.bind(gpu, buffers, &calls);
-        self.solve.insert(passes, program);
-    }
-
     /// Records a step with contacts.
     pub fn record(&self, encoder: &mut CommandEncoder, buffers: &Buffers, input: &SolverInput, timer: Option<&Timer>) {
         let Self { step, solver, .. } = self;
-        let Some(solve) = self.solve.get(&input.passes()) else {
-            return;
-        };
+        let solve = &self.solve[usize::from(input.may_sleep())];
         encoder.clear_buffer(&step.tally, 0, None);
         for (from, to) in [
             (&step.last_step_counters, &solver.solver_counters),
@@ -213,7 +194,7 @@ fn recorder<'s>(response: Response, buffers: &'s Buffers, capacity: &'s StepCapa
         response,
         capacity: &buffers.capacity,
         contact_capacity: Some(capacity),
-        passes: None,
+        may_sleep: false,
     }
 }
 

@@ -7,7 +7,6 @@ use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING};
 use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
-use crate::solver::gpu::Passes;
 use crate::solver::gpu::layout::{COUNTERS, PAIRS, POINTS, SavedPair, SavedPoint};
 use crate::step::order::{Part, Place, parts};
 use crate::types::settings::Response;
@@ -76,8 +75,8 @@ pub struct Recorder<'s> {
     pub capacity: &'s Capacity,
     /// Capacity of the lists for contact points.
     pub contact_capacity: Option<&'s StepCapacity>,
-    /// The solver's iteration counts.
-    pub passes: Option<Passes>,
+    /// Whether bodies may fall asleep.
+    pub may_sleep: bool,
 }
 
 impl Recorder<'_> {
@@ -115,15 +114,15 @@ impl Recorder<'_> {
             Part::ApplyImpulses => integrate::gpu::record(calls),
             Part::Wake => {
                 solver::gpu::arguments::record_arguments(calls);
-                sleep::gpu::record_wake(calls, self.may_sleep());
+                sleep::gpu::record_wake(calls, self.may_sleep);
             }
             Part::Solve => {
-                if let (Some(contact_capacity), Some(passes)) = (self.contact_capacity, self.passes) {
-                    solver::gpu::record::record(calls, &contact_capacity.solver(), passes);
+                if let Some(contact_capacity) = self.contact_capacity {
+                    solver::gpu::record::record(calls, &contact_capacity.solver());
                 }
             }
             Part::RecordTouches => force_scan::gpu::record_touches(calls),
-            Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep()),
+            Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep),
             // Steps with such bodies run on the CPU.
             Part::StopFastBodies => {}
             // In the last collision substep `Part::Remember` moves the bodies, so that a step that has to be repeated
@@ -144,10 +143,6 @@ impl Recorder<'_> {
             }
         }
     }
-
-    fn may_sleep(&self) -> bool {
-        self.passes.is_some_and(|passes| passes.sleeping)
-    }
 }
 
 /// The calls of a step with [`Response::Impulse`].
@@ -156,7 +151,7 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
         response: Response::Impulse,
         capacity,
         contact_capacity: None,
-        passes: None,
+        may_sleep: false,
     };
     recorder.calls(&Stage::ALL, Place::of(0, 1))
 }

@@ -4,7 +4,7 @@ use super::buffers::StepBuffers;
 use super::remap::BodyRemap;
 use crate::gpu::device::Gpu;
 use crate::sleep::cpu::hash;
-use crate::solver::gpu::{Passes, SolverCapacity, layout, upload};
+use crate::solver::gpu::{SolverCapacity, layout, upload};
 use crate::solver::speeds::Speeds;
 use crate::solver::{CollisionSubstep, SolverBodies};
 use crate::state::StepInput;
@@ -122,9 +122,9 @@ impl SolverInput {
         self.remap.bodies[i]
     }
 
-    /// Iteration counts of a collision substep.
-    pub fn passes(&self) -> Passes {
-        Passes::new(&self.settings, &self.collision_substep)
+    /// Whether bodies may fall asleep.
+    pub fn may_sleep(&self) -> bool {
+        self.settings.sleeping
     }
 
     /// Number of bodies and half-spaces.

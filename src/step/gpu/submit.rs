@@ -96,12 +96,8 @@ impl GpuStep {
             ..
         } = self;
         let wanted = input.response != Response::Impulse;
-        let mut contacts = contacts.as_mut().filter(|_| wanted);
+        let contacts = contacts.as_ref().filter(|_| wanted);
         let flight = scoped(gpu, || {
-            if let (Some(contacts), Some(solver)) = (&mut contacts, &input.solver) {
-                contacts.prepare(gpu, buffers, solver.passes());
-            }
-            let contacts = contacts.as_deref();
             let parts = Parts::new(&buffers.capacity, contacts, &input, detail);
             input.write(gpu, buffers, contacts);
             if flights.is_empty() {

@@ -32,7 +32,7 @@ const MARK: Kernel = Kernel {
             atomicAdd(&marks[min(i, wanted[0])], 1u);
         }
     ",
-    emit: false,
+    define: None,
 };
 
 /// The device's own `rows`, into the first slot.
@@ -50,7 +50,7 @@ const ROWS: Kernel = Kernel {
             arguments[2] = r.z;
         }
     ",
-    emit: false,
+    define: None,
 };
 
 fn buffer(gpu: &Gpu, words: &[u32], usage: BufferUsages) -> Buffer {

@@ -122,7 +122,6 @@ pub fn nothing_at_all(gpu: &Gpu) {
         bias_iterations: 0,
         relax_iterations: 0,
         restitution_iterations: 0,
-        sweeps: 0,
         ..settings
     };
     let mut world = World::heavy();

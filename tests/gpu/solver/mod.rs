@@ -1,5 +1,5 @@
-//! The solver on a device. Its method is not that of the CPU, so both are held to the same physical tests, those of
-//! `tests/solver`. What has no contacts must move as on the CPU.
+//! The solver on a device. It visits pairs in another order than the CPU, so both are held to the same physical tests,
+//! those of `tests/solver`. What has no contacts must move as on the CPU.
 
 #[macro_use]
 #[path = "../../solver/physical.rs"]

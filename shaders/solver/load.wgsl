@@ -1,0 +1,45 @@
+#define_import_path faceoff::load
+
+// How many substeps an island needs so that its contact springs hold their loads. The twin of `src/solver/load.rs`.
+
+#import faceoff::constants::solver::{MAX_COMPRESSION, MAX_FACTOR, POINT_BUDGET}
+#import faceoff::contact::{body_states, collision_substep, point_states}
+#import faceoff::math::max_component
+#import faceoff::solver_types as s
+
+// How far the springs of a pair give way under their loads, over how far they may. The points have the impulses of the
+// last collision substep.
+fn compression(pair: s::SolverPair) -> f32 {
+    if (pair.flags & s::DEPENETRATING) != 0u || !(pair.diameter > 0.0) {
+        return 0.0;
+    }
+    let inverse_mass_a = max_component(body_states[pair.a].mass.inverse_mass);
+    let inverse_mass_b = max_component(body_states[pair.b].mass.inverse_mass);
+    var most = 0.0;
+    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        if (point_states[k].flags & s::POINT_VALID) == 0u {
+            continue;
+        }
+        // Acceleration of the bodies by the load.
+        var load = 0.0;
+        let impulse = point_states[k].normal_impulse;
+        if impulse > 0.0 {
+            load = impulse * point_states[k].inverse_effective_mass.x / collision_substep.h;
+        } else if pair.saved_pair == s::NOT_SAVED && point_states[k].separation <= pair.rest_offset {
+            // The load is not known yet. The upper body rests on the lower one with at least its own weight.
+            let down = -dot(point_states[k].normal, collision_substep.gravity);
+            let upper = select(inverse_mass_a, inverse_mass_b, down > 0.0);
+            if upper > 0.0 {
+                load = abs(down) / upper * (inverse_mass_a + inverse_mass_b);
+            }
+        }
+        most = max(most, load / (collision_substep.stiffness * MAX_COMPRESSION * pair.diameter));
+    }
+    return most;
+}
+
+// Factor on the number of substeps of an island with this compression and so many points.
+fn substep_factor(compression: f32, points: u32) -> u32 {
+    let most = clamp(POINT_BUDGET / f32(max(points, 1u)), 1.0, MAX_FACTOR);
+    return u32(ceil(clamp(sqrt(compression), 1.0, most)));
+}
