@@ -26,9 +26,9 @@ struct BodyColors {
 @group(0) @binding(5) var<storage, read_write> body_colors: array<BodyColors>;
 
 #ifdef LARGE
-const THREADS: u32 = 128u;
+const THREADS: u32 = 64u;
 #else
-const THREADS: u32 = 16u;
+const THREADS: u32 = 8u;
 #endif
 
 // In place of a colour: waits for one of the 32 colours that are given at present, or for later ones.

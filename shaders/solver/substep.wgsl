@@ -20,9 +20,9 @@
 @group(0) @binding(8) var<storage, read> island_pairs: array<s::IslandPair>;
 
 #ifdef LARGE
-const THREADS: u32 = 128u;
+const THREADS: u32 = 64u;
 #else
-const THREADS: u32 = 16u;
+const THREADS: u32 = 8u;
 #endif
 
 var<workgroup> range: s::IslandRange;
