@@ -38,7 +38,7 @@ pub fn a_cloud_of_balls(gpu: &Gpu) {
             &format!("restitution {restitution}: energy, of the first"),
             other.kinetic / before.kinetic,
             one.kinetic / before.kinetic,
-            0.05,
+            1.0e-3,
         );
         check_below(
             "linear momentum, drift over the sum of sizes",

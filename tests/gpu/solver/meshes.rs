@@ -38,6 +38,7 @@ fn pile() -> Scene {
         let body = Body::at_rest(slots[i % 3], at, rotation, Vec3::ONE);
         state.input.bodies.push(&body, &state.input.meshes).unwrap();
     }
+    state.input.bodies.travel_time.fill(state.input.config.dt);
     let keys: Vec<u64> = (0..state.input.bodies.len() as u64).collect();
     let mut bodies = SolverBodies::default();
     bodies.read(&state.input.bodies, &state.input.planes, &keys);
