@@ -125,7 +125,7 @@ impl Snapshot {
     /// Restores the poses of bodies under other entities, which are in place already.
     fn restore_nested(&self, world: &mut World) {
         let mut nested = self.nested.clone();
-        for entity in nested.from_the_top(world) {
+        for entity in nested.top_down(world) {
             let Some(motion) = self.bodies.get(&entity) else {
                 continue;
             };

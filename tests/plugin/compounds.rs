@@ -182,9 +182,11 @@ fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
     sim.step(1);
     assert!(sim.rejected.is_empty(), "{:?}", sim.rejected);
     let forces = [root, one].map(|body| {
-        let mut push = ExternalForces::default();
-        push.angular_impulse = Vec3::new(0.01, 0.02, 0.03);
-        push.impulse = Vec3::new(0.1, 0.0, 0.0);
+        let push = ExternalForces {
+            angular_impulse: Vec3::new(0.01, 0.02, 0.03),
+            impulse: Vec3::new(0.1, 0.0, 0.0),
+            ..default()
+        };
         sim.set(body, push);
         body
     });

@@ -254,7 +254,7 @@ impl NestedBodies {
     }
 
     /// All of them that exist, those above first.
-    pub fn from_the_top(&self, world: &World) -> Vec<Entity> {
+    pub fn top_down(&self, world: &World) -> Vec<Entity> {
         let parent = |&entity: &Entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
         let depth = |entity| std::iter::successors(Some(entity), parent).count();
         let mut all: Vec<_> = self.0.keys().map(|&entity| (depth(entity), entity)).collect();
