@@ -15,9 +15,10 @@ const STAGES: [&str; 6] = [
     "integrate",
 ];
 /// What is counted of contacts and bodies, and measured.
-const MECHANICS: [&str; 7] = [
+const MECHANICS: [&str; 8] = [
     "contact_points",
     "collision_substeps",
+    "mean_collision_substeps",
     "sleeping",
     "kinetic_energy",
     "momentum",

@@ -2,6 +2,9 @@
 
 #[path = "../../plugin/bakes.rs"]
 mod bakes;
+#[path = "../../plugin/compounds.rs"]
+#[allow(dead_code)]
+mod compounds;
 #[path = "../../plugin/contacts.rs"]
 #[allow(dead_code)]
 mod contacts;
@@ -63,6 +66,14 @@ pub const TESTS: &[Test] = &tests! {
     the_walls_of_a_room_push_inward: bakes::the_walls_of_a_room_push_inward();
     the_same_mesh_as_a_solid_is_the_outward_one: bakes::the_same_mesh_as_a_solid_is_the_outward_one();
     no_ray_slips_through_a_seam: bakes::no_ray_slips_through_a_seam();
+    // Bodies of several colliders move the steps to the CPU.
+    a_hammer_flies_like_the_merged_mesh: compounds::a_hammer_of_two_children_flies_like_the_merged_mesh();
+    a_hammer_falls_and_rests: compounds::it_falls_rests_sleeps_and_names_its_children();
+    a_dynamic_body_stays_while_its_parent_moves: compounds::a_dynamic_body_stays_in_place_while_its_parent_moves();
+    what_lies_on_a_part_falls_when_the_part_goes: compounds::what_lies_on_a_part_falls_when_the_part_goes();
+    a_part_moves_to_another_body: compounds::a_part_moves_to_another_body();
+    a_child_takes_part_in_the_next_step: compounds::a_child_that_is_added_or_enabled_takes_part_in_the_next_step();
+    steps_come_back_from_the_cpu: there_and_back();
     a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
     a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
     a_dynamic_sensor_that_sleeps_reports: sensors::a_dynamic_sensor_that_falls_asleep_goes_on_reporting();
@@ -75,6 +86,29 @@ pub const TESTS: &[Test] = &tests! {
     what_stays_on_the_gpu_comes_to_rest_there: resident();
     a_response_may_change_between_steps: responses();
 };
+
+/// A body of two colliders falls beside a heap at rest, and goes again. The heap does not notice.
+fn there_and_back() {
+    for readback in [Readback::Lockstep, Readback::Latent] {
+        let (mut sim, cubes) = heap(readback);
+        sim.step(64);
+        let before: Vec<_> = cubes.iter().map(|&cube| sim.position(cube)).collect();
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let root = sim.spawn((RigidBody::Dynamic, Transform::from_xyz(8.0, 2.0, 0.0)));
+        for x in [-1.0, 1.0] {
+            sim.spawn((cube.clone(), Transform::from_xyz(x, 0.0, 0.0), ChildOf(root)));
+        }
+        sim.step(96);
+        let landed = sim.position(root);
+        assert!((landed.y - 0.5).abs() < 0.01, "{readback:?}: {landed}");
+        sim.world().despawn(root);
+        sim.step(64);
+        for (&cube, &at) in cubes.iter().zip(&before) {
+            let moved = (sim.position(cube) - at).length();
+            assert!(moved < 0.01, "{readback:?}: moved {moved} m");
+        }
+    }
+}
 
 /// A heap of cubes over ground, one of them kinematic, and what is on its way after `readback`.
 fn heap(readback: Readback) -> (Sim, Vec<Entity>) {

@@ -50,8 +50,10 @@ pub fn on_cpu(state: &StepState, pairs: &[MarginPair]) -> Manifolds {
         &mut found,
     );
     let mut scratch = planes::Scratch::default();
+    let mut bodies = state.input.bodies.clone();
+    bodies.travel_time.fill(state.input.config.dt);
     planes::find(
-        &state.input.bodies,
+        &bodies,
         &state.input.meshes,
         &state.input.planes,
         &state.input.config,
