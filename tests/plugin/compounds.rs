@@ -74,7 +74,7 @@ fn assert_told(sim: &Sim) {
 }
 
 #[test]
-pub fn a_hammer_of_two_children_flies_like_the_merged_mesh() {
+fn a_hammer_of_two_children_flies_like_the_merged_mesh() {
     let mut sim = Sim::new();
     let start = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_x(0.3));
     let velocities = (LinearVelocity(Vec3::X), AngularVelocity(Vec3::new(0.2, 3.0, 1.0)));
@@ -97,7 +97,7 @@ pub fn a_hammer_of_two_children_flies_like_the_merged_mesh() {
 }
 
 #[test]
-pub fn it_falls_rests_sleeps_and_names_its_children() {
+fn it_falls_rests_sleeps_and_names_its_children() {
     let mut sim = Sim::new();
     sim.world().insert_resource(fall());
     let floor = floor(&mut sim);
@@ -204,7 +204,7 @@ fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
 }
 
 #[test]
-pub fn a_dynamic_body_stays_in_place_while_its_parent_moves() {
+fn a_dynamic_body_stays_in_place_while_its_parent_moves() {
     let mut sim = Sim::new();
     let train = sim.spawn(Transform::default());
     let [root, _, head] = hammer(&mut sim, Transform::from_xyz(0.0, 2.0, 0.0));
@@ -297,7 +297,7 @@ fn the_load_falls(change: impl Fn(&mut Sim, [Entity; 4])) {
 }
 
 #[test]
-pub fn what_lies_on_a_part_falls_when_the_part_goes() {
+fn what_lies_on_a_part_falls_when_the_part_goes() {
     the_load_falls(|sim, [_, top, ..]| {
         sim.world().despawn(top);
     });
@@ -336,7 +336,7 @@ pub fn what_lies_on_a_part_falls_when_the_part_goes() {
 }
 
 #[test]
-pub fn a_part_moves_to_another_body() {
+fn a_part_moves_to_another_body() {
     let mut sim = Sim::new();
     let [_, top, leg, load] = table(&mut sim);
     let shelf = sim.spawn((RigidBody::Static, Transform::default()));
@@ -359,7 +359,7 @@ pub fn a_part_moves_to_another_body() {
 }
 
 #[test]
-pub fn a_child_that_is_added_or_enabled_takes_part_in_the_next_step() {
+fn a_child_that_is_added_or_enabled_takes_part_in_the_next_step() {
     let mut sim = Sim::new();
     let [root, _, head] = hammer(&mut sim, Transform::default());
     let cube = sim.mesh(&shapes::cube(0.2));

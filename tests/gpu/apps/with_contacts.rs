@@ -2,9 +2,6 @@
 
 #[path = "../../plugin/bakes.rs"]
 mod bakes;
-#[path = "../../plugin/compounds.rs"]
-#[allow(dead_code)]
-mod compounds;
 #[path = "../../plugin/contacts.rs"]
 #[allow(dead_code)]
 mod contacts;
@@ -66,13 +63,6 @@ pub const TESTS: &[Test] = &tests! {
     the_walls_of_a_room_push_inward: bakes::the_walls_of_a_room_push_inward();
     the_same_mesh_as_a_solid_is_the_outward_one: bakes::the_same_mesh_as_a_solid_is_the_outward_one();
     no_ray_slips_through_a_seam: bakes::no_ray_slips_through_a_seam();
-    // Bodies of several colliders move the steps to the CPU.
-    a_hammer_flies_like_the_merged_mesh: compounds::a_hammer_of_two_children_flies_like_the_merged_mesh();
-    a_hammer_falls_and_rests: compounds::it_falls_rests_sleeps_and_names_its_children();
-    a_dynamic_body_stays_while_its_parent_moves: compounds::a_dynamic_body_stays_in_place_while_its_parent_moves();
-    what_lies_on_a_part_falls_when_the_part_goes: compounds::what_lies_on_a_part_falls_when_the_part_goes();
-    a_part_moves_to_another_body: compounds::a_part_moves_to_another_body();
-    a_child_takes_part_in_the_next_step: compounds::a_child_that_is_added_or_enabled_takes_part_in_the_next_step();
     steps_come_back_from_the_cpu: there_and_back();
     a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
     a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
@@ -87,7 +77,8 @@ pub const TESTS: &[Test] = &tests! {
     a_response_may_change_between_steps: responses();
 };
 
-/// A body of two colliders falls beside a heap at rest, and goes again. The heap does not notice.
+/// A body of two colliders, with which steps run on the CPU, falls beside a heap at rest, and goes again. The heap does
+/// not notice.
 fn there_and_back() {
     for readback in [Readback::Lockstep, Readback::Latent] {
         let (mut sim, cubes) = heap(readback);
