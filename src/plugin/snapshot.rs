@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// the solver's memory.
 ///
 /// Steps after [`Snapshot::restore`] repeat those after [`Snapshot::take`] to the bit on the same machine if everything
-/// that users set is unchanged: components like [`RigidBody`](crate::types::body::RigidBody) and resources like
+/// that users set is unchanged: components like [`RigidBody`] and resources like
 /// [`Gravity`](crate::plugin::settings::Gravity). A snapshot contains neither these nor the clock. On a GPU with
 /// results that come later, the first steps with contacts after `restore` may have other numbers of collision substeps.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -32,7 +32,7 @@
 //! | `restitution` | impacts |
 //! | `softness` | the contact spring |
 //! | `overlap` | deep penetration, and contact points with opposed normals |
-//! | [`pace`] | how far a body goes in a collision substep |
+//! | `pace` | how far a body goes in a collision substep |
 //! | [`warm_start`] | impulses saved for the next collision substep |
 //! | `gpu` | the solver on a GPU, with the feature `gpu` |
 //!

@@ -160,7 +160,7 @@ pub struct ExternalForces {
 
 impl ExternalForces {
     /// Adds a force in newtons that acts at `point`. `center` is the body's centre of mass,
-    /// [`CenterOfMass::in_world`](crate::types::body::CenterOfMass::in_world). Both are in world coordinates.
+    /// [`ComputedCenterOfMass::in_world`]. Both are in world coordinates.
     pub fn add_force_at(&mut self, force: Vec3, point: Vec3, center: Vec3) {
         self.force += force;
         self.torque += (point - center).cross(force);
