@@ -99,14 +99,14 @@ pub(crate) fn sum_impulses(
 /// Wakes islands that something disturbs.
 pub(crate) fn wake(
     config: &StepConfig,
-    travel_times: &[f32],
+    colliders: &Bodies,
     manifolds: &Manifolds,
     inactive: &InactiveBodies,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
 ) {
     wake_on_changed_static(bodies, inactive, manifolds);
-    let dt = |i: u32| travel_times.get(i as usize).copied().unwrap_or(0.0);
+    let dt = |i: u32| colliders.travel_time_of(i as usize);
     sleeper.wake_each(bodies, manifolds, &config.solver, config.gravity, dt);
 }
 
@@ -122,17 +122,16 @@ pub(crate) fn solve(
     solver.solve_each(bodies, manifolds, warm, &config.solver, config.gravity, pace_of);
 }
 
-/// Puts islands to sleep that have been at rest for long enough, after a collision substep in which the bodies moved for
-/// these times, seconds. Bodies that woke in it become active.
+/// Puts islands to sleep that have been at rest for long enough, after a collision substep. Bodies that woke in it become
+/// active.
 pub(crate) fn fall_asleep(
     settings: &SolverSettings,
-    travel_times: &[f32],
+    colliders: &Bodies,
     manifolds: &Manifolds,
     sleeper: &mut Sleeper,
     bodies: &mut SolverBodies,
     inactive: &mut InactiveBodies,
 ) {
-    let dt = |i: usize| travel_times.get(i).copied().unwrap_or(0.0);
-    sleeper.settle_each(bodies, manifolds, settings, dt);
+    sleeper.settle_each(bodies, manifolds, settings, |i| colliders.travel_time_of(i));
     inactive.keep_only(|i| bodies.sleep[i].asleep || bodies.bodies[i].kind == RigidBody::Static);
 }

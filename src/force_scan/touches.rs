@@ -47,8 +47,7 @@ impl Touches {
                 continue;
             };
             let [a, b] = pair.bodies.map(|i| i as usize);
-            let moves = |i: usize| bodies.travel_time.get(i).is_some_and(|&time| time > 0.0);
-            if !moves(a) && !moves(b) {
+            if bodies.travel_time_of(a) == 0.0 && bodies.travel_time_of(b) == 0.0 {
                 // It was recorded in the collision substeps of its bodies.
                 continue;
             }

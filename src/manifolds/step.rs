@@ -52,7 +52,7 @@ pub(crate) fn find(
         scratch.meshes.renumber(|pair| inactive.renumbered(pair));
     }
     // Pairs that have completed their step go on in the next one.
-    let has_completed = |i: u32| bodies.travel_time.get(i as usize) == Some(&0.0);
+    let has_completed = |i: u32| bodies.travel_time_of(i as usize) == 0.0;
     let waits = |pair: [u32; 2]| pair.into_iter().all(has_completed);
     cpu::run_some(bodies, meshes, &scratch.pairs, waits, &mut scratch.meshes, manifolds);
     planes::find(bodies, meshes, planes, config, is_awake, &mut scratch.planes, manifolds);

@@ -5,7 +5,7 @@ use super::contact::{Pair, Point};
 use super::islands::{Island, Islands, Mobility};
 use super::motion::{BodyStates, StatesMut};
 use super::pace::Pace;
-use super::warm_start::WarmStart;
+use super::warm_start::{SavedPair, WarmStart};
 use crate::parallel::loops;
 use crate::state::Manifolds;
 use glam::Vec3;
@@ -28,8 +28,8 @@ pub(super) struct Constraints {
     solved: Vec<Option<[u32; 2]>>,
     /// For each point of the manifolds its number among `points`; `u32::MAX` if it is not solved.
     numbers: Vec<u32>,
-    /// The keys of the bodies of pairs that are not solved.
-    unsolved: Vec<[u64; 2]>,
+    /// What is saved of pairs that are not solved.
+    unsolved: Vec<SavedPair>,
     /// The points of these pairs in the manifolds that had an impulse when they were last solved, ascending.
     pushing: Vec<u32>,
 }
@@ -70,9 +70,9 @@ impl Constraints {
         )
     }
 
-    /// The keys of the bodies of pairs that are not solved.
-    pub fn unsolved(&self) -> impl Iterator<Item = [u64; 2]> {
-        self.unsolved.iter().copied()
+    /// What is saved of pairs that are not solved.
+    pub fn unsolved(&self) -> &[SavedPair] {
+        &self.unsolved
     }
 
     /// Sorts bodies and manifolds into islands, and makes room for the constraints.
@@ -100,21 +100,22 @@ impl Constraints {
         }));
         self.islands.build(mobility, paces, &self.solved);
         self.states.resize(self.islands.bodies.len());
-        self.add_pairs(bodies, manifolds);
+        self.add_pairs(manifolds);
         self.find_unsolved(bodies, manifolds, warm);
     }
 
-    fn add_pairs(&mut self, bodies: &SolverBodies, manifolds: &Manifolds) {
+    fn add_pairs(&mut self, manifolds: &Manifolds) {
         self.pairs.clear();
         self.points.clear();
         self.numbers.clear();
         self.numbers.resize(manifolds.points.len(), u32::MAX);
         let mut end = 0;
         for pair in &self.islands.pairs {
-            let manifold = &manifolds.pairs[pair.number as usize];
+            let number = pair.number as usize;
+            let manifold = &manifolds.pairs[number];
             self.pairs.push(Pair {
                 colliders: manifold.bodies,
-                bodies: manifold.bodies.map(|collider| bodies.body_of(collider)),
+                bodies: self.solved[number].expect("islands have only pairs that are solved"),
                 slots: pair.slots,
                 source: manifold.first_point,
                 first: end,
@@ -138,14 +139,12 @@ impl Constraints {
                 continue;
             }
             let keys = manifold.bodies.map(|body| bodies.keys[body as usize]);
-            self.unsolved.push(keys);
-            let last = warm
-                .find(keys)
-                .filter(|last| last.points.len() == manifold.point_count as usize);
-            for (index, point) in (manifold.first_point..).zip(last.map_or(&[][..], |last| last.points)) {
-                if point.normal_impulse > 0.0 {
-                    self.pushing.push(index);
-                }
+            let Some(last) = warm.find(keys) else { continue };
+            self.unsolved.push(*last.pair);
+            if last.points.len() == manifold.point_count as usize {
+                let indices = (manifold.first_point..).zip(last.points);
+                let pushing = indices.filter(|(_, point)| point.normal_impulse > 0.0);
+                self.pushing.extend(pushing.map(|(index, _)| index));
             }
         }
     }

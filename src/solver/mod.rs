@@ -134,6 +134,9 @@ impl Solver {
         collision_substep: &CollisionSubstep,
     ) {
         let pace = collision_substep.pace();
+        if pace.is_done() {
+            return;
+        }
         self.solve_each(bodies, manifolds, warm, settings, collision_substep.gravity, |_| pace);
     }
 
@@ -157,8 +160,7 @@ impl Solver {
         paces.clear();
         paces.extend((0..bodies.len()).map(pace_of));
         let is_valid = |pace: &Pace| pace.dt >= 0.0 && pace.dt.is_finite();
-        let time_passes = bodies.is_empty() || paces.iter().any(|pace| pace.h() > 0.0);
-        if !(time_passes && paces.iter().all(is_valid) && gravity.is_finite()) {
+        if !(paces.iter().all(is_valid) && gravity.is_finite()) {
             return;
         }
         mobility.clear();

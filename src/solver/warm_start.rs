@@ -77,12 +77,15 @@ impl WarmStart {
         let sorted = sorted(keys);
         let index = self.pairs.binary_search_by_key(&sorted, |pair| pair.keys).ok()?;
         let pair = &self.pairs[index];
-        let first = pair.first as usize;
         Some(LastContact {
             pair,
-            points: &self.points[first..first + pair.count as usize],
+            points: self.points_of(pair),
             swapped: pair.flipped != (sorted != keys),
         })
+    }
+
+    fn points_of(&self, pair: &SavedPair) -> &[SavedPoint] {
+        &self.points[pair.first as usize..][..pair.count as usize]
     }
 
     /// Saves the impulses at the end of a collision substep. `before` are those from its start; pairs that were not
@@ -92,12 +95,12 @@ impl WarmStart {
         let points = (&mut self.points, constraints.points()).into_par_iter();
         loops::for_each(points, 1024, |(saved, point)| *saved = SavedPoint::new(point));
         self.pairs.clear();
-        for last in constraints.unsolved().filter_map(|keys| before.find(keys)) {
+        for last in constraints.unsolved() {
             self.pairs.push(SavedPair {
                 first: self.points.len() as u32,
-                ..*last.pair
+                ..*last
             });
-            self.points.extend_from_slice(last.points);
+            self.points.extend_from_slice(before.points_of(last));
         }
         for pair in constraints.pairs() {
             let keys = pair.colliders.map(|i| bodies.keys[i as usize]);

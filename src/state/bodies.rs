@@ -158,6 +158,11 @@ impl Bodies {
         parts.clear();
     }
 
+    /// [`Bodies::travel_time`] of a collider; 0 for half-spaces, which are numbered after the colliders.
+    pub(crate) fn travel_time_of(&self, i: usize) -> f32 {
+        self.travel_time.get(i).copied().unwrap_or(0.0)
+    }
+
     /// Whether contacts between two colliders can move one of their bodies.
     pub(crate) fn push_each_other(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (a as usize, b as usize);

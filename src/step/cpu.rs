@@ -7,7 +7,6 @@ use super::begin::begin;
 use super::cost::is_small;
 use super::order::{Part, Place, parts_of};
 use crate::manifolds::report::report_points;
-use crate::state::Bodies;
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -106,7 +105,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         Part::FindSpherePairs => {
             broad_phase::cpu::run(&input.bodies, &mut scratch.broad_phase, &mut results.sphere_pairs);
             if number > 0 {
-                let still_moves = |&body: &u32| input.bodies.travel_time[body as usize] > 0.0;
+                let still_moves = |&body: &u32| input.bodies.travel_time_of(body as usize) > 0.0;
                 results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));
             }
         }
@@ -166,7 +165,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         }
         Part::Wake => force_scan::cpu::wake(
             &config,
-            &input.bodies.travel_time,
+            &input.bodies,
             &results.manifolds,
             &scratch.inactive,
             &mut scratch.sleeper,
@@ -189,7 +188,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         ),
         Part::FallAsleep => force_scan::cpu::fall_asleep(
             &config.solver,
-            &input.bodies.travel_time,
+            &input.bodies,
             &results.manifolds,
             &mut scratch.sleeper,
             &mut scratch.solver_bodies,
@@ -209,10 +208,10 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         Part::MoveBodies => {
             integrate::cpu::move_bodies(&scratch.solver_bodies, &input.meshes, &mut input.bodies);
             scratch.schedule.begin(number + 1, &config, &mut input.bodies);
-            let Bodies { travel_time, kind, .. } = &input.bodies;
+            let bodies = &input.bodies;
             scratch.inactive.advance(
-                |i| travel_time.get(i) == Some(&0.0),
-                |i| kind.get(i).is_none_or(|&kind| kind == RigidBody::Static),
+                |i| bodies.travel_time_of(i) == 0.0,
+                |i| bodies.kind.get(i).is_none_or(|&kind| kind == RigidBody::Static),
             );
             scratch.margins.set_speculative_radii(&mut input.bodies, &config);
         }

@@ -43,8 +43,8 @@ pub(super) struct Meeting {
 }
 
 impl Reach {
-    /// The number of collision substeps that each body needs; 0 for what does not move. `drift` is the velocity that they have in common, m/s.
-    /// Changes [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
+    /// The number of collision substeps that each body needs; 0 for what does not move. `drift` is the velocity that
+    /// they have in common, m/s. Changes [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
     pub fn collision_substeps(
         &mut self,
         input: &mut StepInput,

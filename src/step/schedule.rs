@@ -62,12 +62,13 @@ impl Schedule {
 
     /// How body `i` passes through the present collision substep. Half-spaces are numbered after the bodies.
     pub fn pace(&self, i: usize, config: &StepConfig, bodies: &Bodies) -> Pace {
-        match bodies.travel_time.get(i) {
-            Some(&dt) if dt > 0.0 => Pace {
-                dt,
-                substeps: config.solver.substeps_per_collision_substep(self.count(i)),
-            },
-            _ => Pace::DONE,
+        let dt = bodies.travel_time_of(i);
+        if dt == 0.0 {
+            return Pace::DONE;
+        }
+        Pace {
+            dt,
+            substeps: config.solver.substeps_per_collision_substep(self.count(i)),
         }
     }
 }

@@ -112,7 +112,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             report.narrow.push(narrow::measure(shape, &scene, rounds));
             eprintln!("{}: manifolds ..", shape.name());
             let pairs = narrow::sphere_pairs(&scene);
-            report.manifolds.extend(manifolds::measure(shape, &scene, &pairs, rounds));
+            report
+                .manifolds
+                .extend(manifolds::measure(shape, &scene, &pairs, rounds));
         }
         if !engines.is_empty() {
             eprintln!("{}: whole steps ..", shape.name());

@@ -1,14 +1,13 @@
 //! Contact manifolds of the same pairs within the same distance: from nothing, and from step to step with what each
 //! library keeps of a pair.
 
-use crate::parry::{Parry, Kept as ParryKept};
-use crate::scene::{STEP, Scene, Shape};
+use crate::ours::at_rest;
+use crate::parry::{Kept as ParryKept, Parry};
+use crate::scene::{Scene, Shape};
 use crate::timing::{median, pool, ratio, time};
-use bevy::prelude::*;
 use bevy_faceoff::manifolds::cpu::{self, Scratch};
 use bevy_faceoff::manifolds::{Manifolds, MarginPair};
 use bevy_faceoff::state::mesh_arena::MeshArena;
-use bevy_faceoff::state::{Bodies, Body};
 use serde::Serialize;
 
 /// The distances in metres within which contacts are found.
@@ -38,20 +37,7 @@ pub fn measure(shape: Shape, scene: &Scene, pairs: &[[u32; 2]], rounds: usize) -
 fn row(shape: Shape, scene: &Scene, pairs: &[[u32; 2]], margin: f32, rounds: usize) -> Row {
     let mut meshes = MeshArena::default();
     let mesh = meshes.add(scene.mesh.clone());
-    let at = |step: usize| {
-        let mut bodies = Bodies::default();
-        for body in &scene.bodies {
-            let Transform {
-                translation,
-                rotation,
-                scale,
-            } = body.pose;
-            let moved = translation + body.velocity * (step as f32 * STEP.as_secs_f32());
-            let body = Body::at_rest(mesh, moved, rotation, scale);
-            bodies.push(&body, &meshes).expect("a usable body");
-        }
-        bodies
-    };
+    let at = |steps| at_rest(scene, steps, mesh, &meshes);
     let margin_pairs: Vec<MarginPair> = pairs.iter().map(|&bodies| MarginPair { bodies, margin }).collect();
     let (mut scratch, mut found) = (Scratch::default(), Manifolds::default());
     let mut parry = Parry::new(scene);
@@ -90,7 +76,9 @@ fn row(shape: Shape, scene: &Scene, pairs: &[[u32; 2]], margin: f32, rounds: usi
 
 /// Prints the rows of all scenes.
 pub fn print(rows: &[Row]) {
-    println!("\nContact manifolds within the same distance, one thread, medians; ratios are medians of the rounds' ratios\n");
+    println!(
+        "\nContact manifolds within the same distance, one thread, medians; ratios are medians of the rounds' ratios\n"
+    );
     println!(
         "| shape | within, m | pairs | ours from nothing, us per pair | parry3d from nothing | times ours | ours from step to step | \
          parry3d from step to step | times ours | pairs with contacts, ours and parry3d |"

@@ -6,10 +6,26 @@ use crate::timing::time;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
-use bevy_faceoff::state::Body;
+use bevy_faceoff::state::mesh_arena::MeshArena;
+use bevy_faceoff::state::{Bodies, Body};
 use bevy_faceoff::step::StepState;
 use bevy_faceoff::types::stage::Stage;
 use std::collections::HashMap;
+
+/// The bodies of `scene` with its mesh after this number of steps in which nothing stops them, at rest.
+pub fn at_rest(scene: &Scene, steps: usize, mesh: u32, meshes: &MeshArena) -> Bodies {
+    let mut bodies = Bodies::default();
+    for body in &scene.bodies {
+        let Transform {
+            translation,
+            rotation,
+            scale,
+        } = body.pose_after(steps);
+        let body = Body::at_rest(mesh, translation, rotation, scale);
+        bodies.push(&body, meshes).expect("a usable body");
+    }
+    bodies
+}
 
 /// The stages without an app.
 pub struct Stages {
@@ -21,15 +37,7 @@ impl Stages {
     pub fn new(scene: &Scene) -> Self {
         let mut state = StepState::default();
         let mesh = state.input.meshes.add(scene.mesh.clone());
-        for body in &scene.bodies {
-            let Transform {
-                translation,
-                rotation,
-                scale,
-            } = body.pose;
-            let body = Body::at_rest(mesh, translation, rotation, scale);
-            state.input.bodies.push(&body, &state.input.meshes).expect("a usable body");
-        }
+        state.input.bodies = at_rest(scene, 0, mesh, &state.input.meshes);
         Self { state }
     }
 
@@ -68,7 +76,13 @@ impl Stages {
 
     /// The number of pairs of which one body is wholly inside the other.
     pub fn contained(&self) -> usize {
-        self.state.results.contacts.pairs.iter().filter(|p| p.face_count == 0).count()
+        self.state
+            .results
+            .contacts
+            .pairs
+            .iter()
+            .filter(|p| p.face_count == 0)
+            .count()
     }
 
     /// The number of pairs of faces that intersect.

@@ -75,8 +75,7 @@ impl Parry {
     /// Moves all bodies to where they are after so many steps. The boxes stay.
     pub fn move_to(&mut self, scene: &Scene, step: usize) {
         for (at, body) in self.poses.iter_mut().zip(&scene.bodies) {
-            let way = body.velocity * (step as f32 * STEP.as_secs_f32());
-            *at = pose(&body.pose.with_translation(body.pose.translation + way));
+            *at = pose(&body.pose_after(step));
         }
     }
 

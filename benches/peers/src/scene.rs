@@ -42,6 +42,14 @@ pub struct Body {
     pub velocity: Vec3,
 }
 
+impl Body {
+    /// Its pose after this number of steps in which nothing stops it.
+    pub fn pose_after(&self, steps: usize) -> Transform {
+        let way = self.velocity * (steps as f32 * STEP.as_secs_f32());
+        self.pose.with_translation(self.pose.translation + way)
+    }
+}
+
 impl Shape {
     /// As the command line and tables write it.
     pub fn name(self) -> &'static str {

@@ -255,11 +255,13 @@ impl NestedBodies {
 
     /// All of them that exist, those above first.
     pub fn top_down(&self, world: &World) -> Vec<Entity> {
-        let parent = |&entity: &Entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
-        let depth = |entity| std::iter::successors(Some(entity), parent).count();
-        let mut all: Vec<_> = self.0.keys().map(|&entity| (depth(entity), entity)).collect();
-        all.sort_unstable();
-        all.into_iter().map(|(_, entity)| entity).collect()
+        let mut all: Vec<_> = self.0.keys().copied().collect();
+        sort_top_down(
+            &mut all,
+            |&entity| entity,
+            |entity| world.get::<ChildOf>(entity).map(ChildOf::parent),
+        );
+        all
     }
 
     pub fn is_empty(&self) -> bool {
@@ -276,14 +278,9 @@ pub(crate) fn hold_nested(
     if step.nested.is_empty() {
         return;
     }
-    let mut kept: Vec<_> = step
-        .nested
-        .kept(&transforms)
-        .map(|entity| (depth(entity, &parents), entity))
-        .collect();
-    // Those above come first.
-    kept.sort_unstable();
-    for (_, entity) in kept {
+    let mut kept: Vec<_> = step.nested.kept(&transforms).collect();
+    sort_top_down(&mut kept, |&entity| entity, parent_in(&parents));
+    for entity in kept {
         let above = world_above(entity, parent_in(&parents), |entity| {
             transforms.get(entity).ok().copied()
         });
@@ -299,7 +296,15 @@ pub(crate) fn parent_in(parents: &Query<&ChildOf>) -> impl Fn(Entity) -> Option<
     |entity| parents.get(entity).ok().map(ChildOf::parent)
 }
 
-/// Number of entities above.
-pub(crate) fn depth(entity: Entity, parents: &Query<&ChildOf>) -> usize {
-    std::iter::successors(Some(entity), |&entity| parents.get(entity).ok().map(ChildOf::parent)).count()
+/// Sorts items by the depth of their entities, those above first.
+pub(crate) fn sort_top_down<T>(
+    items: &mut [T],
+    entity_of: impl Fn(&T) -> Entity,
+    parent_of: impl Fn(Entity) -> Option<Entity>,
+) {
+    let depth = |entity| std::iter::successors(Some(entity), |&entity| parent_of(entity)).count();
+    items.sort_by_cached_key(|item| {
+        let entity = entity_of(item);
+        (depth(entity), entity)
+    });
 }

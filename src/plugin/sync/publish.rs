@@ -1,6 +1,6 @@
 //! Writes results to components, resources, messages and events, after a step.
 
-use super::hierarchy::{depth, parent_in, world_above};
+use super::hierarchy::{parent_in, sort_top_down, world_above};
 use super::{Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
@@ -62,7 +62,7 @@ pub(crate) fn write_back(
         if let Some((translation, rotation)) = pose
             && parents.contains(entity)
         {
-            nested.push((depth(entity, &parents), entity, (translation, rotation)));
+            nested.push((entity, (translation, rotation)));
         } else if let Some((translation, rotation)) = pose {
             let scale = transform.scale;
             transform.set_if_neq(Transform {
@@ -104,8 +104,8 @@ pub(crate) fn write_back(
             Some(step.state.results.asleep.get(i) == Some(&true)),
         );
     }
-    nested.sort_unstable_by_key(|&(depth, entity, _)| (depth, entity));
-    for (_, entity, pose) in nested {
+    sort_top_down(&mut nested, |&(entity, _)| entity, parent_in(&parents));
+    for (entity, pose) in nested {
         let transform_of = |entity| moving.get(entity).ok().map(|(transform, ..)| *transform);
         let above = world_above(entity, parent_in(&parents), transform_of);
         if let Ok((mut transform, ..)) = moving.get_mut(entity) {

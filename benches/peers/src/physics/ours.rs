@@ -3,13 +3,13 @@
 use super::mass::Mass;
 use super::world::{State, World};
 use crate::scene::STEP;
+use bevy_faceoff::state::{Body, BodyParams, StepConfig};
+use bevy_faceoff::step::StepState;
 use bevy_faceoff::testing::scenes::Scene;
 use bevy_faceoff::types::body::RigidBody;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::solver_settings::SolverSettings;
 use bevy_faceoff::types::stage::Stage;
-use bevy_faceoff::state::{Body, BodyParams, StepConfig};
-use bevy_faceoff::step::StepState;
 
 /// The stages without an app.
 pub struct Faceoff(StepState);
@@ -47,7 +47,11 @@ impl Faceoff {
                 },
                 ..Body::at_rest(mesh, body.position, body.rotation, body.scale)
             };
-            state.input.bodies.push(&body, &state.input.meshes).expect("a usable body");
+            state
+                .input
+                .bodies
+                .push(&body, &state.input.meshes)
+                .expect("a usable body");
         }
         Self(state)
     }
