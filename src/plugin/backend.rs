@@ -339,6 +339,15 @@ impl Engine {
     pub fn take_failure(&mut self) -> Option<String> {
         self.failure.take()
     }
+
+    /// Whether results come later than in the step that finds them.
+    pub fn is_latent(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        let is_latent = self.latent().is_some();
+        #[cfg(not(feature = "gpu"))]
+        let is_latent = false;
+        is_latent
+    }
 }
 
 #[cfg(feature = "gpu")]

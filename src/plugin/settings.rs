@@ -22,6 +22,8 @@ impl Default for Gravity {
 /// hysteresis each gap would be an end and a new start. With hysteresis a start is sent at once, and an end after this
 /// time. An end is sent at once
 /// * if one of the two is despawned, loses its collider or is rejected,
+/// * if a written `Transform` puts one of the two elsewhere, so that their bounding spheres are apart (not where results
+///   come later),
 /// * for a fast body that passed a sensor within one step
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)).
 ///
@@ -83,7 +85,9 @@ pub enum Backend {
 ///
 /// So, in every mode: **insert** a component to set a state, for example to place a body, to stop it or to hold it in
 /// place. **Change** a field to modify the state, for example to push a body or to rotate it. For a kinematic body
-/// without velocity the components hold the current state, so a change sets the value too.
+/// without velocity the components hold the current state, so a change sets the value too, and is a move
+/// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). A dynamic body whose `Transform` is written is
+/// placed: it keeps its velocity, and collisions with what is no longer near it end at once.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[reflect(Default, Debug, PartialEq)]
 #[non_exhaustive]

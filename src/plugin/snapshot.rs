@@ -2,6 +2,7 @@
 
 use crate::manifolds::Manifolds;
 use crate::plugin::components::MeshCollider;
+use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
 use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
@@ -25,6 +26,8 @@ pub struct Snapshot {
     touching: Vec<Touching>,
     /// Bodies under other entities.
     nested: NestedBodies,
+    /// Kinematic bodies that move by their `Transform`.
+    driven: DrivenBodies,
     /// The solver's memory from step to step.
     memory: StepMemory,
     manifolds: Manifolds,
@@ -70,6 +73,7 @@ impl Snapshot {
             bodies,
             touching: step.touching.clone(),
             nested: step.nested.clone(),
+            driven: step.driven.clone(),
             memory: step.state.memory.clone(),
             manifolds: step.state.results.manifolds.clone(),
             asleep: Vec::new(),
@@ -115,6 +119,7 @@ impl Snapshot {
             step.remember(&self.device);
             #[cfg(not(feature = "gpu"))]
             step.forget();
+            step.driven.clone_from(&self.driven);
             step.touching.clone_from(&self.touching);
             step.state.memory.clone_from(&self.memory);
             step.state.results.manifolds.copy_from(&self.manifolds);

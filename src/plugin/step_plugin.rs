@@ -12,7 +12,7 @@ use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::latent;
-use crate::plugin::sync::{Step, collect, hierarchy, publish};
+use crate::plugin::sync::{Step, collect, driven, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::Poses;
 use crate::types::body::*;
@@ -94,7 +94,8 @@ impl Plugin for StepPlugin {
                     .ambiguous_with_all(),
                 collect::collect.in_set(FaceoffSystems::Collect),
                 (
-                    publish::use_up_impulses,
+                    (publish::use_up_impulses, driven::use_up_teleports),
+                    publish::find_written,
                     publish::write_back,
                     publish::publish,
                     publish::report_failure,
@@ -205,6 +206,7 @@ fn register_types(app: &mut App) {
         .register_type::<ComputedCenterOfMass>()
         .register_type::<ColliderDisabled>()
         .register_type::<RigidBodyDisabled>()
+        .register_type::<Teleport>()
         .register_type::<Mass>()
         .register_type::<Density>()
         .register_type::<AngularInertia>()

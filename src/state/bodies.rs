@@ -311,8 +311,13 @@ pub(crate) fn bounding_radius(unpadded_radius: f32, center: Vec3) -> f32 {
 impl Frame {
     /// `rotation` has unit length; `mesh_center` is the centre of mass in the mesh.
     pub(crate) fn new(position: DVec3, rotation: DQuat, scale: DVec3, mesh_center: Vec3) -> Self {
+        Self::from_arm(position, rotation, scale, scale * mesh_center.as_dvec3())
+    }
+
+    /// `arm` is the centre of mass in the collider's axes, from its origin.
+    pub(super) fn from_arm(position: DVec3, rotation: DQuat, scale: DVec3, arm: DVec3) -> Self {
         let rotation = DMat3::from_quat(rotation);
-        let center = position + rotation * (scale * mesh_center.as_dvec3());
+        let center = position + rotation * arm;
         Self {
             position,
             rotation,

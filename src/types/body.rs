@@ -49,10 +49,16 @@ pub enum RigidBody {
     /// Moved by forces and collisions.
     #[default]
     Dynamic,
-    /// Moved by its velocity alone. It pushes dynamic bodies and is never pushed.
+    /// Moved by the game. It pushes dynamic bodies and is never pushed. There are two ways:
     ///
-    /// Like every body it rotates about its centre of mass. For a door that rotates about a hinge, set the
-    /// [`LinearVelocity`] of the door's centre too, or set its `Transform` in every step.
+    /// * **By its velocity**, while [`LinearVelocity`] or [`AngularVelocity`] is not zero. Like every body it rotates about
+    ///   its centre of mass. A written `Transform` places it.
+    /// * **By its `Transform`**, while both are zero: a lift, a door that turns about its hinge, an animated part of a
+    ///   scene. In the next step it goes from its last pose to the new one, and with
+    ///   [`Response::Contacts`](crate::types::settings::Response::Contacts) its contacts have the velocity of that move. At
+    ///   the end of the step it is exactly where it was put. Write the `Transform`, or that of an entity above it, in
+    ///   `FixedUpdate`: in `Update` a frame may have no step or several, and the velocity jerks. To place it without a
+    ///   velocity insert [`Teleport`](crate::plugin::components::Teleport) too. Sensors are always placed.
     Kinematic,
     /// Never moved by the step.
     Static,

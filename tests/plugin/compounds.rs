@@ -243,7 +243,8 @@ fn static_and_kinematic_bodies_follow_their_parents() {
         sim.step(1);
         assert!(sim.touching().is_empty());
         sim.set(parent, Transform::from_xyz(0.2, 0.0, 0.0));
-        sim.step(1);
+        // A kinematic body is on its way during a step. The next one finds it there.
+        sim.step(if kind == Some(RigidBody::Kinematic) { 2 } else { 1 });
         assert!(sim.touch(child, probe), "{kind:?}");
         sim.set(parent, Transform::from_xyz(-5.0, 0.0, 0.0));
         sim.step(20);

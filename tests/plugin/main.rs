@@ -8,6 +8,7 @@ mod clock;
 mod compounds;
 mod contacts;
 mod culling;
+mod driven;
 mod groups;
 mod kinds;
 #[path = "../common/log.rs"]
@@ -20,7 +21,7 @@ mod response;
 mod sensors;
 mod warnings;
 
-/// `bakes`, `contacts` and `sensors` have no tests but functions: some of them are tests on a GPU too.
+/// `bakes`, `contacts`, `driven` and `sensors` have no tests but functions: some of them are tests on a GPU too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
         mod $tests {
@@ -60,6 +61,17 @@ tests_of! {
     a_bullet_flagged_so_does_not_pass_a_sheet
     a_snapshot_of_a_pile_goes_on_to_the_bit
     settings_and_components_that_cannot_be_used_are_told
+}
+
+tests_of! {
+    driven as driven_on_the_cpu:
+    a_lift_moved_by_its_transform_carries_what_stands_on_it
+    a_door_turned_by_its_transform_sweeps_a_ball_away
+    a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does
+    a_body_of_several_colliders_is_moved_by_its_transform_too
+    a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once
+    a_sensor_is_tested_where_it_is_put
+    without_response_a_body_is_tested_where_it_is_put
 }
 
 tests_of! {

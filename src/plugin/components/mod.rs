@@ -66,6 +66,12 @@ pub struct ColliderDisabled;
 #[reflect(Component, Default, Debug, PartialEq)]
 pub struct RigidBodyDisabled;
 
+/// Places a kinematic body at its `Transform` in the next step, without the velocity of the move
+/// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). The step removes it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct Teleport;
+
 /// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
 /// pair chooses among that body's triangles.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut)]

@@ -1,6 +1,7 @@
 //! Reads components into the stages' arrays, before a step.
 
 use super::components::{BodyComponents, BodyComponentsItem, PlaneComponents, Surface};
+use super::driven::DrivenBodies;
 use super::hierarchy::{self, Above, NestedBodies, Node, Posed, affine};
 use super::tables::Tables;
 use super::{Assembly, AssemblyPart, Step, named};
@@ -108,11 +109,16 @@ pub(crate) fn collect(
     step.parts.clear();
     step.tables.poll();
     hierarchy.find_children(&mut step.children);
-    let nested_before = step.nested.take();
+    let before = Before {
+        nested: step.nested.take(),
+        driven: step.driven.take(),
+    };
     let mut reader = Reader {
         step,
         meshes: &meshes,
         culling: *rules.culling,
+        response: *rules.response,
+        before: &before,
     };
     // Those that are not single bodies without a parent. They are few in most worlds.
     let mut others = std::mem::take(&mut reader.step.others);
@@ -141,7 +147,7 @@ pub(crate) fn collect(
         if let Ok(mut body) = bodies.get_mut(entity)
             && !body.body_disabled
         {
-            reader.any(&mut body, &hierarchy, &nested_before);
+            reader.any(&mut body, &hierarchy);
         }
     }
     reader.children(&mut bodies);
@@ -149,6 +155,7 @@ pub(crate) fn collect(
     // The order of a query depends on archetypes. The order of entities does not.
     step.bodies.sort_unstable_by_key(|&(entity, _)| entity);
     step.fill();
+    step.check_driven();
     for (assembly, center) in step.centers() {
         if let Ok(mut body) = bodies.get_mut(assembly)
             && let Some(computed) = &mut body.computed_center
@@ -263,12 +270,20 @@ impl Hierarchy<'_, '_> {
     }
 }
 
+/// What bodies were in the last step.
+struct Before {
+    nested: NestedBodies,
+    driven: DrivenBodies,
+}
+
 /// Reads bodies and their colliders.
 struct Reader<'a, 'w> {
     step: &'a mut Step,
     meshes: &'a Meshes<'w>,
     /// Of colliders without one of their own.
     culling: Culling,
+    response: Response,
+    before: &'a Before,
 }
 
 impl Reader<'_, '_> {
@@ -283,6 +298,7 @@ impl Reader<'_, '_> {
                 self.step.state.input.meshes[mesh].mesh.mass.center,
             ));
         }
+        self.step.driven.read(&self.before.driven, body, posed, self.response);
         let stretch = posed.stretch;
         let mut own = body.body(posed);
         own.mesh = mesh;
@@ -296,14 +312,16 @@ impl Reader<'_, '_> {
     }
 
     /// Adds a body with any number of colliders, anywhere in the hierarchy.
-    fn any(&mut self, body: &mut BodyComponentsItem, hierarchy: &Hierarchy, before: &NestedBodies) {
+    fn any(&mut self, body: &mut BodyComponentsItem, hierarchy: &Hierarchy) {
         let entity = body.entity;
         let kind = body.kind.copied().unwrap_or(RigidBody::Static);
         let posed = match body.parent {
             None => Posed::root(body.transform),
             Some(_) => {
                 let above = hierarchy.above(entity);
-                self.step.nested.read(before, entity, kind, body.transform, above)
+                self.step
+                    .nested
+                    .read(&self.before.nested, entity, kind, body.transform, above)
             }
         };
         let has_children = self.step.has_children(entity);
@@ -329,6 +347,7 @@ impl Reader<'_, '_> {
             self.step.new_faults.push((entity, fault));
             return;
         }
+        self.step.driven.read(&self.before.driven, body, &posed, self.response);
         let surface = body.surface.read();
         let number = self.step.assemblies.len() as u32;
         self.step.assemblies.push(Assembly {

@@ -19,6 +19,7 @@ pub(crate) struct BodyComponents {
     pub collider: Option<&'static MeshCollider>,
     pub collider_disabled: Has<ColliderDisabled>,
     pub body_disabled: Has<RigidBodyDisabled>,
+    pub teleports: Has<Teleport>,
     pub surface: SurfaceComponents,
     pub transform: &'static Transform,
     pub parent: Option<&'static ChildOf>,
@@ -93,6 +94,12 @@ impl BodyComponentsItem<'_, '_> {
         oddities.check_limit(entity, "MaxAngularSpeed", params.max_angular_speed.map(|m| m.0));
     }
 
+    /// Whether neither velocity is other than zero.
+    pub fn has_no_velocity(&self) -> bool {
+        let (linear, angular) = (self.linear_velocity, self.angular_velocity);
+        linear.is_none_or(|v| v.0 == Vec3::ZERO) && angular.is_none_or(|w| w.0 == Vec3::ZERO)
+    }
+
     /// The body at this pose, without a mesh.
     pub fn body(&self, posed: &Posed) -> Body {
         let mut body = Body::at_rest(0, posed.position, posed.rotation, Vec3::ONE);
@@ -108,6 +115,10 @@ impl BodyComponentsItem<'_, '_> {
 }
 
 impl SurfaceComponentsItem<'_, '_> {
+    pub fn is_sensor(&self) -> bool {
+        self.sensor
+    }
+
     pub fn read(&self) -> Surface {
         Surface {
             density: self.density.map(|d| d.0),

@@ -35,9 +35,15 @@ pub(crate) struct Latent {
 
 impl Latent {
     /// Determines for a step of `entities` which of them continue from the step before, and what users wrote. `bodies`
-    /// has the components of these entities, and maybe of others. Both are ascending. `resident` bodies stay on the
-    /// device.
-    pub fn link(&mut self, entities: &[Entity], bodies: &[(Entity, Body)], resident: bool) {
+    /// has the components of these entities, and maybe of others. Both are ascending. `is_driven` says which of them move
+    /// by their `Transform`. `resident` bodies stay on the device.
+    pub fn link(
+        &mut self,
+        entities: &[Entity],
+        bodies: &[(Entity, Body)],
+        is_driven: impl Fn(Entity) -> bool,
+        resident: bool,
+    ) {
         self.now += 1;
         self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
@@ -55,6 +61,7 @@ impl Latent {
             let (shadow, carried, woken) = match sources.next().flatten() {
                 Some(source) => {
                     let (_, mut shadow) = before[source as usize];
+                    shadow.drive(is_driven(entity));
                     let carried = shadow.carry(source, &seen, resident);
                     let woken = shadow.wake(says_asleep, self.now);
                     shadow.send(&seen, &carried, body.kind, self.now);
@@ -77,6 +84,12 @@ impl Latent {
         if let Ok(at) = self.shadows.binary_search_by_key(&entity, |&(entity, _)| entity) {
             self.shadows[at].1.insert(part);
         }
+    }
+
+    /// Whether a body moves by its `Transform`, which holds its current pose.
+    pub fn is_driven(&self, entity: Entity) -> bool {
+        let at = self.shadows.binary_search_by_key(&entity, |&(entity, _)| entity);
+        at.is_ok_and(|at| self.shadows[at].1.is_driven())
     }
 
     /// The bodies of the last step.
@@ -167,7 +180,7 @@ pub(crate) fn release(
     >,
     children: Query<(), With<ChildOf>>,
 ) {
-    if step.engine.latent().is_none() {
+    if !step.engine.is_latent() {
         return;
     }
     let mut leaving = BTreeMap::new();

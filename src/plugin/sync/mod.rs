@@ -3,6 +3,7 @@
 mod assemblies;
 pub(crate) mod collect;
 mod components;
+pub(crate) mod driven;
 pub(crate) mod hierarchy;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
@@ -27,9 +28,11 @@ use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use assemblies::{Assembly, AssemblyPart};
+use bevy::ecs::change_detection::Tick;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use collect::Child;
+use driven::DrivenBodies;
 use hierarchy::NestedBodies;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -60,6 +63,8 @@ pub(crate) struct Step {
     pub others: Vec<Entity>,
     /// Bodies under other entities.
     pub nested: NestedBodies,
+    /// Kinematic bodies that move by their `Transform`.
+    pub driven: DrivenBodies,
     /// Scratch: half-spaces in the order of entities.
     pub planes: Vec<(Entity, Plane)>,
     /// Arena slots by asset.
@@ -80,6 +85,10 @@ pub(crate) struct Step {
     pub lingering: Vec<Touching>,
     /// Scratch: the pairs of `touching_now` in both orders.
     pub touching_both_ways: Vec<[Entity; 2]>,
+    /// Scratch: colliders and bodies of `touching` whose `Transform` others wrote since the last step, ascending.
+    pub written: Vec<Entity>,
+    /// When the step last wrote `Transform`s.
+    pub written_at: Option<Tick>,
     /// When the step began.
     pub begun: Instant,
     /// Whether a user ran the schedule. Then the step waits for its results.
@@ -153,6 +162,7 @@ impl Step {
             children: Vec::new(),
             others: Vec::new(),
             nested: NestedBodies::default(),
+            driven: DrivenBodies::default(),
             planes: Vec::new(),
             slots: HashMap::default(),
             tables: tables::Tables::default(),
@@ -163,6 +173,8 @@ impl Step {
             touching_now: Vec::new(),
             lingering: Vec::new(),
             touching_both_ways: Vec::new(),
+            written: Vec::new(),
+            written_at: None,
             begun: Instant::now(),
             by_hand: false,
             outer_time: None,
@@ -202,7 +214,7 @@ impl Step {
     /// Updates the collected bodies, which have the state of their components, to the state after the pending steps.
     #[cfg(feature = "gpu")]
     fn catch_up_collected(&mut self) {
-        if self.engine.latent().is_none() {
+        if !self.engine.is_latent() {
             return;
         }
         let arrays = &self.state.input.bodies;
@@ -216,6 +228,9 @@ impl Step {
 
     /// Runs a stage. A device runs all stages in the call for the first one.
     pub fn run(&mut self, stage: Stage) {
+        if stage == Stage::BroadPhase {
+            self.begin();
+        }
         #[cfg(feature = "gpu")]
         if self.advance(stage) {
             return;
@@ -229,6 +244,24 @@ impl Step {
         }
     }
 
+    /// Completes the input of the stages.
+    fn begin(&mut self) {
+        #[cfg(feature = "gpu")]
+        if let Some(detail) = self.engine.latent() {
+            let resident = detail == Detail::Counts;
+            let is_driven = |entity| self.driven.contains(entity);
+            self.latent
+                .link(&self.collected.entities, &self.bodies, is_driven, resident);
+            let params = &mut self.state.input.bodies.params;
+            for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
+                params.woken = woken;
+            }
+            self.depart(|step, entity| step.latent.is_driven(entity));
+            return;
+        }
+        self.depart(|_, _| true);
+    }
+
     /// Number of bodies asleep after a step on the CPU.
     fn bodies_asleep(&self) -> usize {
         let bodies = &self.state.input.bodies;
@@ -240,15 +273,7 @@ impl Step {
     #[cfg(feature = "gpu")]
     fn advance(&mut self, stage: Stage) -> bool {
         if stage != Stage::BroadPhase {
-            return self.engine.latent().is_some();
-        }
-        if let Some(detail) = self.engine.latent() {
-            let resident = detail == Detail::Counts;
-            self.latent.link(&self.collected.entities, &self.bodies, resident);
-            let params = &mut self.state.input.bodies.params;
-            for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
-                params.woken = woken;
-            }
+            return self.engine.is_latent();
         }
         while let Some(detail) = self.engine.latent() {
             let carried = &self.latent.carried;
@@ -270,7 +295,7 @@ impl Step {
     /// Waits for the results of the oldest pending step. Returns false if there is none.
     pub fn land(&mut self) -> bool {
         #[cfg(feature = "gpu")]
-        if self.engine.latent().is_some() && self.engine.flights().0 > 0 {
+        if self.engine.is_latent() && self.engine.flights().0 > 0 {
             self.begun = Instant::now();
             match self.engine.land() {
                 Some(output) => self.take_in(output),

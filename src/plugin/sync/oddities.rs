@@ -27,6 +27,11 @@ pub(crate) enum Oddity {
          RigidBody, or give it a MeshCollider instead of the plane"
     )]
     PlaneDoesNotMove,
+    #[error(
+        "it is kinematic, and its Transform was moved by {0} m in one step: it pushes what is on its way. To place it \
+         without that, insert Teleport too"
+    )]
+    LongWay(f32),
 }
 
 impl Oddity {

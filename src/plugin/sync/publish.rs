@@ -1,13 +1,15 @@
 //! Writes results to components, resources, messages and events, after a step.
 
 use super::hierarchy::{parent_in, sort_top_down, world_above};
-use super::{Step, Touching};
+use super::{Collected, Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
 use crate::plugin::events::{CollisionEnd, CollisionStart};
 use crate::plugin::settings::EventHysteresis;
+use crate::state::StepInput;
 use crate::types::body::*;
+use bevy::ecs::system::SystemChangeTick;
 use bevy::prelude::*;
 
 /// Sets external impulses to zero, because they act once.
@@ -37,8 +39,23 @@ pub(crate) fn land(world: &mut World) -> bool {
     true
 }
 
+/// Finds which of the colliders and bodies that touched were placed by others since the last step.
+pub(crate) fn find_written(mut step: ResMut<Step>, transforms: Query<Ref<Transform>>, ticks: SystemChangeTick) {
+    let step = &mut *step;
+    step.written.clear();
+    let Some(written_at) = step.written_at else { return };
+    let is_written = |&entity: &Entity| {
+        let changed = transforms.get(entity).map(|transform| transform.last_changed());
+        changed.is_ok_and(|tick| tick.is_newer_than(written_at, ticks.this_run()))
+    };
+    let touching = step.touching.iter().flat_map(|touching| touching.key()).flatten();
+    step.written.extend(touching.filter(is_written));
+    step.written.sort_unstable();
+}
+
 /// Writes poses, velocities and sleep states to components.
 pub(crate) fn write_back(
+    ticks: SystemChangeTick,
     mut step: ResMut<Step>,
     mut moving: Query<(
         &mut Transform,
@@ -49,6 +66,7 @@ pub(crate) fn write_back(
     parents: Query<&ChildOf>,
 ) {
     let step = &mut *step;
+    step.written_at = Some(ticks.this_run());
     let Some(results) = &step.results else { return };
     // Bodies under other entities are written last, because these may be bodies too.
     let mut nested = Vec::new();
@@ -80,10 +98,7 @@ pub(crate) fn write_back(
             }
         }
     };
-    #[cfg(feature = "gpu")]
-    let is_latent = step.engine.latent().is_some();
-    #[cfg(not(feature = "gpu"))]
-    let is_latent = false;
+    let is_latent = step.engine.is_latent();
     #[cfg(feature = "gpu")]
     if is_latent {
         step.latent
@@ -97,9 +112,10 @@ pub(crate) fn write_back(
             continue;
         }
         let motion = bodies.body_motion(i);
+        let moves_by_itself = kind != RigidBody::Static && !step.driven.contains(entity);
         write(
             entity,
-            (kind != RigidBody::Static).then_some((motion.position, motion.rotation)),
+            moves_by_itself.then_some((motion.position, motion.rotation)),
             (kind == RigidBody::Dynamic).then_some([motion.linear_velocity, motion.angular_velocity]),
             Some(step.state.results.asleep.get(i) == Some(&true)),
         );
@@ -185,12 +201,18 @@ pub(crate) fn publish(
     touching.extend(pairs.chain(planes));
     touching.sort_unstable_by_key(Touching::key);
     let dt = step.state.input.config.dt;
+    let is_latent = step.engine.is_latent();
+    let was_taken_away = |before: &Touching| {
+        let is_written = |entity: &Entity| step.written.binary_search(entity).is_ok();
+        // Where results come late, the arrays are those of another step.
+        !is_latent && before.key().iter().flatten().any(is_written) && !is_near(results, &step.state.input, before.pair)
+    };
     step.lingering.clear();
     step.lingering.extend(step.touching.iter().filter_map(|before| {
         let touches = touching.binary_search_by_key(&before.key(), Touching::key);
         let left = before.left.min(hold) - dt;
         let same_bodies = before.pair.map(|entity| results.body_of(entity)) == before.bodies.map(Some);
-        let lingers = touches.is_err() && left > 0.0 && same_bodies;
+        let lingers = touches.is_err() && left > 0.0 && same_bodies && !was_taken_away(before);
         lingers.then_some(Touching { left, ..*before })
     }));
     touching.append(&mut step.lingering);
@@ -259,6 +281,21 @@ pub(crate) fn publish(
     std::mem::swap(&mut collisions.planes, &mut results.planes);
     // Copied, because the next step reuses the manifolds of bodies asleep.
     collisions.manifolds.copy_from(&step.state.results.manifolds);
+}
+
+/// Whether the bounding spheres of a pair overlap, or one of them a plane.
+fn is_near(collected: &Collected, input: &StepInput, pair: [Entity; 2]) -> bool {
+    let bodies = &input.bodies;
+    let number = |entity: &Entity| collected.entities.binary_search(entity).ok();
+    match [number(&pair[0]), number(&pair[1])] {
+        [Some(a), Some(b)] => bodies.center[a].distance(bodies.center[b]) <= bodies.radius[a] + bodies.radius[b],
+        [Some(i), None] | [None, Some(i)] => {
+            let mut planes = collected.planes.iter().zip(&input.planes);
+            let plane = planes.find(|&(entity, _)| pair.contains(entity));
+            plane.is_some_and(|(_, plane)| plane.normal.dot(bodies.center[i]) - plane.distance <= bodies.radius[i])
+        }
+        [None, None] => false,
+    }
 }
 
 /// The hysteresis in seconds, 0 or more.

@@ -31,6 +31,8 @@ pub(super) struct Shadow {
     asleep: bool,
     /// The last step that woke the body. Results of earlier steps do not contain that.
     woken: u64,
+    /// Whether it moves by its `Transform`, which holds its current pose.
+    driven: bool,
 }
 
 /// Shadow of a vector whose axes are written independently.
@@ -99,6 +101,7 @@ impl Shadow {
             inserted: Inserted::default(),
             asleep: false,
             woken: now,
+            driven: false,
         };
         shadow.moves(kind, now);
         shadow
@@ -128,6 +131,15 @@ impl Shadow {
             Part::Angular => self.inserted.angular = true,
             Part::Sleeping => self.inserted.sleeping = true,
         }
+    }
+
+    /// Records whether a body without velocities moves by its `Transform`: once its components hold its current state.
+    pub fn drive(&mut self, is_driven: bool) {
+        self.driven = is_driven && self.moved <= self.read && self.pushed <= self.read;
+    }
+
+    pub fn is_driven(&self) -> bool {
+        self.driven
     }
 
     /// The state that the next step carries over from body `source` of the last one, if the components hold `seen`.
@@ -186,7 +198,7 @@ impl Shadow {
     pub fn receive(&mut self, step: u64, now: u64, kind: RigidBody, motion: &Motion, asleep: bool) -> Written {
         self.read = step;
         let mut pose = false;
-        if kind != RigidBody::Static {
+        if kind != RigidBody::Static && !self.driven {
             pose = self.position.receive(step, now, motion.position);
             if step >= self.turned {
                 self.rotation = motion.rotation;

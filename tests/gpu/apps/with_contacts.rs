@@ -5,6 +5,9 @@ mod bakes;
 #[path = "../../plugin/contacts.rs"]
 #[allow(dead_code)]
 mod contacts;
+#[path = "../../plugin/driven.rs"]
+#[allow(dead_code)]
+mod driven;
 #[path = "../../plugin/sensors.rs"]
 #[allow(dead_code)]
 mod sensors;
@@ -63,6 +66,13 @@ pub const TESTS: &[Test] = &tests! {
     the_walls_of_a_room_push_inward: bakes::the_walls_of_a_room_push_inward();
     the_same_mesh_as_a_solid_is_the_outward_one: bakes::the_same_mesh_as_a_solid_is_the_outward_one();
     no_ray_slips_through_a_seam: bakes::no_ray_slips_through_a_seam();
+    a_lift_moved_by_its_transform_carries: driven::a_lift_moved_by_its_transform_carries_what_stands_on_it();
+    a_door_turned_by_its_transform_sweeps: driven::a_door_turned_by_its_transform_sweeps_a_ball_away();
+    a_slab_that_teleports_pushes_nothing: driven::a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does();
+    a_tray_of_several_colliders_is_moved: driven::a_body_of_several_colliders_is_moved_by_its_transform_too();
+    what_is_put_elsewhere_ends_its_collisions:
+        driven::a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once();
+    a_lift_carries_whenever_results_come: lifts();
     steps_come_back_from_the_cpu: there_and_back();
     a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
     a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
@@ -76,6 +86,37 @@ pub const TESTS: &[Test] = &tests! {
     what_stays_on_the_gpu_comes_to_rest_there: resident();
     a_response_may_change_between_steps: responses();
 };
+
+/// A game raises a slab with a body on it by 1 m in a second, by writing its `Transform`.
+fn lifts() {
+    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
+        let (mut sim, bodies) = heap(readback);
+        let slab = bodies[0];
+        sim.set(slab, RigidBody::Kinematic);
+        sim.step(32);
+        for step in 0..64 {
+            let mut transform = sim.get::<Transform>(slab);
+            transform.translation.y += 1.0 / 64.0;
+            *sim.world().get_mut::<Transform>(slab).unwrap() = transform;
+            sim.step(1);
+            assert_eq!(sim.get::<Transform>(slab), transform, "{readback:?}");
+            if step == 48 {
+                let moving = Snapshot::take(sim.world());
+                let (_, rider) = moving.bodies().find(|&(entity, _)| entity == bodies[1]).unwrap();
+                let speed = rider.linear_velocity.y;
+                assert!((speed - 1.0).abs() < 0.02, "{readback:?}: {speed} m/s");
+            }
+        }
+        sim.step(32);
+        let end = Snapshot::take(sim.world());
+        for (i, &body) in bodies.iter().enumerate() {
+            let (_, motion) = end.bodies().find(|&(entity, _)| entity == body).unwrap();
+            let height = motion.position.y - (1.52 + i as f32);
+            assert!(height.abs() < 0.03, "{readback:?}: {i} at {height} m");
+            assert!(motion.linear_velocity.length() < 0.02, "{readback:?}: {motion:?}");
+        }
+    }
+}
 
 /// A body of two colliders, with which steps run on the CPU, falls beside a heap at rest, and goes again. The heap does
 /// not notice.
