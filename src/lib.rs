@@ -105,6 +105,7 @@ pub mod prelude {
     pub use crate::plugin::collisions::{Collision, Collisions, StepReport};
     pub use crate::plugin::components::*;
     pub use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
+    pub use crate::plugin::hooks::{CollisionHooks, CollisionHooksPlugin, ContactPair, ContactSurface};
     #[cfg(feature = "bevy_mesh")]
     pub use crate::plugin::mesh_collider_from::MeshColliderFrom;
     pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
@@ -116,6 +117,7 @@ pub mod prelude {
         AngularVelocity, CenterOfMass, CollisionLayers, ComputedCenterOfMass, ExternalForces, LinearVelocity,
         LockedAxes, RigidBody, Sleeping,
     };
+    pub use crate::types::hooks::ActiveCollisionHooks;
     pub use crate::types::material::{CombineRule, Friction, Restitution};
     pub use crate::types::settings::{Culling, Response};
     pub use crate::types::solver_settings::SolverSettings;

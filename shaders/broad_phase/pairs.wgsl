@@ -4,6 +4,7 @@
 #import faceoff::constants::broad_phase::SPHERE_SLACK
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of}
+#import faceoff::math::layers_interact
 #import faceoff::types::{Body, GridEntry, Step, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, SENSOR}
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -80,5 +81,5 @@ fn may_collide(a: GridEntry, b: GridEntry) -> bool {
     }
     let of_a = bodies[a.body];
     let of_b = bodies[b.body];
-    return (of_a.memberships & of_b.filters) != 0u && (of_b.memberships & of_a.filters) != 0u;
+    return layers_interact(vec2(of_a.memberships, of_a.filters), vec2(of_b.memberships, of_b.filters));
 }

@@ -5,7 +5,7 @@
 #import faceoff::constants::shared::SAFETY
 #import faceoff::contact_slots::slot_of_plane
 #import faceoff::dispatch::group_index
-#import faceoff::math::{conjugate, direction, norm1, rotate}
+#import faceoff::math::{conjugate, direction, layers_interact, norm1, rotate}
 #import faceoff::sides
 #import faceoff::smooth
 #import faceoff::types as t
@@ -76,6 +76,9 @@ fn height_of(body: t::Body, plane: t::Plane) -> f32 {
 // Selects vertices: the lowest, then repeatedly the one farthest from those selected. Returns their number.
 fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     if (body.flags & t::KIND_MASK) != t::DYNAMIC || (body.flags & t::SENSOR) != 0u || !(body.radius > 0.0) {
+        return 0u;
+    }
+    if !layers_interact(vec2(body.memberships, body.filters), vec2(plane.memberships, plane.filters)) {
         return 0u;
     }
     let height = height_of(body, plane);

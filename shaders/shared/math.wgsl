@@ -117,3 +117,8 @@ fn angle_of(y: f32, x: f32) -> f32 {
     }
     return select(a, -a, y < 0.0);
 }
+
+// Whether two colliders may collide, by the memberships and filters of their collision layers.
+fn layers_interact(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return (a.x & b.y) != 0u && (b.x & a.y) != 0u;
+}

@@ -72,9 +72,10 @@ struct Plane {
     normal: vec3<f32>,
     distance: f32,
     restitution: f32,
-    padding_a: f32,
-    padding_b: f32,
-    padding_c: f32,
+    // Collision layers.
+    memberships: u32,
+    filters: u32,
+    padding: u32,
 }
 
 // Where the data of a mesh lies in the array of words. Coordinates are relative to the centre of mass.

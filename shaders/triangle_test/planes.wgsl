@@ -1,7 +1,7 @@
 // TriangleTest: the vertices of each body that lie inside half-spaces. One workgroup per body.
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::dispatch::group_index
-#import faceoff::math::{conjugate, rotate}
+#import faceoff::math::{conjugate, layers_interact, rotate}
 #import faceoff::types as t
 
 @group(0) @binding(2) var<uniform> step: t::Step;
@@ -30,7 +30,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let center = body.position + rotate(body.rotation, body.scale * mesh.center);
     var near = 0u;
     for (var k = 0u; k < step.planes; k += 1u) {
-        near += u32(height(planes[k], center) < body.radius);
+        near += u32(meets(body, planes[k]) && height(planes[k], center) < body.radius);
     }
     if near == 0u {
         return;
@@ -48,7 +48,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var k = 0u; k < step.planes; k += 1u) {
         let plane = planes[k];
         let above = height(plane, center);
-        if !(above < body.radius) {
+        if !(meets(body, plane) && above < body.radius) {
             continue;
         }
         let direction = body.scale * rotate(conjugate(body.rotation), plane.normal);
@@ -83,6 +83,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         at += 1u;
         workgroupBarrier();
     }
+}
+
+fn meets(body: t::Body, plane: t::Plane) -> bool {
+    return layers_interact(vec2(body.memberships, body.filters), vec2(plane.memberships, plane.filters));
 }
 
 fn height(plane: t::Plane, center: vec3<f32>) -> f32 {

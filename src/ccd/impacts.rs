@@ -277,6 +277,9 @@ fn merge_groups(bodies: &Bodies, planes: &[Plane], motions: &mut [Motion], group
 /// have already limited.
 fn limit_penetration(bodies: &Bodies, planes: &[Plane], i: usize, own: &Sweep, mut travel: DVec3) -> DVec3 {
     for plane in planes {
+        if !bodies.layers[i].interacts_with(plane.layers) {
+            continue;
+        }
         let normal = plane.normal.as_dvec3();
         let height = normal.dot(own.before.center + travel) - f64::from(plane.distance);
         let lowest = normal.dot(own.travel).min(0.0);

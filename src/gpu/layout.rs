@@ -87,7 +87,7 @@ layout! {
     /// A half-space.
     Plane {
         normal: Vec3, distance: f32,
-        restitution: f32, padding_a: f32, padding_b: f32, padding_c: f32,
+        restitution: f32, memberships: u32, filters: u32, padding: u32,
     }
     /// Where the data of a mesh lies in the array of words.
     Mesh {

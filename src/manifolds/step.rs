@@ -25,8 +25,8 @@ impl Scratch {
     }
 }
 
-/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`. The previous ones are kept for
-/// [`reuse`].
+/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`; of pairs with planes those that are
+/// `wanted`. The previous ones are kept for [`reuse`].
 pub(crate) fn find(
     config: &StepConfig,
     bodies: &Bodies,
@@ -34,6 +34,7 @@ pub(crate) fn find(
     planes: &[Plane],
     near_pairs: &[NearPair],
     inactive: &InactiveBodies,
+    wanted: impl Fn([u32; 2]) -> bool + Sync,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
@@ -55,7 +56,8 @@ pub(crate) fn find(
     let has_completed = |i: u32| bodies.travel_time_of(i as usize) == 0.0;
     let waits = |pair: [u32; 2]| pair.into_iter().all(has_completed);
     cpu::run_some(bodies, meshes, &scratch.pairs, waits, &mut scratch.meshes, manifolds);
-    planes::find(bodies, meshes, planes, config, is_awake, &mut scratch.planes, manifolds);
+    let wanted = |pair| is_awake(pair) && wanted(pair);
+    planes::find(bodies, meshes, planes, config, wanted, &mut scratch.planes, manifolds);
 }
 
 /// Adds the manifolds that inactive pairs had in the last collision substep. Plane `i` has the number `first_plane +
@@ -83,6 +85,7 @@ fn join(
     let mut kept = kept
         .filter_map(|pair| Some((renumbered(pair.bodies)?, before.points_of(pair))))
         .peekable();
+    let surfaces = &found.surfaces;
     let mut found = found
         .pairs
         .iter()
@@ -95,9 +98,14 @@ fn join(
             (kept, _) => kept.is_some(),
         };
         let next = if kept_first { kept.next() } else { found.next() };
-        let Some((bodies, points)) = next else { return };
+        let Some((bodies, points)) = next else { break };
         let first = all.points.len();
         all.points.extend_from_slice(points);
         all.end_pair(bodies, first);
     }
+    let kept = before.surfaces.iter();
+    all.surfaces
+        .extend(kept.filter_map(|&(pair, surface)| Some((renumbered(pair)?, surface))));
+    all.surfaces.extend_from_slice(surfaces);
+    all.surfaces.sort_unstable_by_key(|&(pair, _)| pair);
 }

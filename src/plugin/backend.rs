@@ -15,6 +15,7 @@ use crate::plugin::settings::{Backend, Readback};
 #[cfg(feature = "gpu")]
 use crate::state::StepInput;
 use crate::step::StepState;
+use crate::step::hooks::StepHooks;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use rayon::ThreadPool;
@@ -286,8 +287,8 @@ impl Engine {
     pub fn keep_on_cpu(&mut self, on_cpu: bool) {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
             info_once!(
-                "steps run on the CPU because there are bodies with ContinuousCollision or with several colliders, \
-                 which the GPU does not have yet"
+                "steps run on the CPU because there are bodies with ContinuousCollision, with several colliders or \
+                 with ActiveCollisionHooks, which the GPU does not have"
             );
         }
         self.on_cpu = on_cpu;
@@ -297,7 +298,7 @@ impl Engine {
     ///
     /// If the device fails, no body has moved. The same step runs again on a new device or on the CPU. It does not run
     /// if the renderer's new device is still to come.
-    pub fn run(&mut self, stage: Stage, state: &mut StepState) {
+    pub fn run(&mut self, stage: Stage, state: &mut StepState, hooks: &mut dyn StepHooks) {
         if stage == Stage::BroadPhase {
             self.parallel_stages = 0;
         }
@@ -312,7 +313,7 @@ impl Engine {
             }
         }
         if self.runs() {
-            self.parallel_stages += u32::from(crate::step::cpu::run_on(&self.pool, stage, state));
+            self.parallel_stages += u32::from(crate::step::cpu::run_on(&self.pool, stage, state, hooks));
         }
     }
 

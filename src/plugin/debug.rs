@@ -31,7 +31,7 @@ pub struct FaceoffGizmosPlugin;
 /// Which gizmos are drawn, and their colours. `None` hides a kind of gizmo.
 #[derive(GizmoConfigGroup, Reflect, Clone, Debug)]
 pub struct FaceoffGizmos {
-    /// The bounding sphere of every body, as the broad phase tests it. Default `None`.
+    /// The bounding sphere of every collider, as the broad phase tests it. Default `None`.
     pub bounding_spheres: Option<Color>,
     /// An arrow for every touching pair, along the contact normal from the first body to the second. Default orange.
     pub contacts: Option<Color>,
@@ -76,22 +76,24 @@ impl Plugin for FaceoffGizmosPlugin {
             depth_bias: -0.002,
             ..default()
         };
-        app.insert_gizmo_config(FaceoffGizmos::default(), config)
-            .add_systems(PostUpdate, (spheres, contacts, faces));
+        app.insert_gizmo_config(FaceoffGizmos::default(), config).add_systems(
+            PostUpdate,
+            (spheres, contacts, faces).after(TransformSystems::Propagate),
+        );
     }
 }
 
 fn spheres(
     mut gizmos: Gizmos<FaceoffGizmos>,
-    bodies: Query<(&MeshCollider, &Transform)>,
+    colliders: Query<(&MeshCollider, &GlobalTransform)>,
     meshes: Res<Assets<CollisionMesh>>,
 ) {
     let Some(color) = gizmos.config_ext.bounding_spheres else {
         return;
     };
-    for (collider, pose) in &bodies {
+    for (collider, pose) in &colliders {
         if let Some(mesh) = meshes.get(&collider.0) {
-            let radius = mesh.radius * pose.scale.abs().max_element();
+            let radius = mesh.radius * pose.scale().abs().max_element();
             gizmos.sphere(pose.transform_point(mesh.mass.center), radius, color);
         }
     }
@@ -120,8 +122,8 @@ fn contacts(mut gizmos: Gizmos<FaceoffGizmos>, collisions: Option<Res<Collisions
 
 fn faces(
     mut gizmos: Gizmos<FaceoffGizmos>,
-    lit: Query<(&ShowFacesTowards, &MeshCollider, &Transform)>,
-    others: Query<(&MeshCollider, &Transform)>,
+    lit: Query<(&ShowFacesTowards, &MeshCollider, &GlobalTransform)>,
+    others: Query<(&MeshCollider, &GlobalTransform)>,
     meshes: Res<Assets<CollisionMesh>>,
 ) {
     let Some(color) = gizmos.config_ext.faces else { return };
@@ -132,7 +134,11 @@ fn faces(
         };
         let Some(other) = meshes.get(&other.0) else { continue };
         let center = other_pose.transform_point(other.mass.center);
-        for t in mesh.faces_towards(pose, center).into_iter().flatten() {
+        for t in mesh
+            .faces_towards(&pose.compute_transform(), center)
+            .into_iter()
+            .flatten()
+        {
             gizmos.lineloop(mesh.mesh.corners(t as usize).map(|c| pose.transform_point(c)), color);
         }
     }

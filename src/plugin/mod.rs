@@ -10,6 +10,7 @@
 //! | set gravity, backend and other global settings | [`settings`], and [`types::settings`](crate::types::settings) |
 //! | read results | [`collisions`], [`events`], [`diagnostics`] |
 //! | order systems against the step | [`FaceoffStep`], [`FaceoffSystems`] |
+//! | decide which pairs collide, and change contacts | [`hooks`] |
 //! | pause, slow down, step by hand | [`clock`] |
 //! | save and restore the state of the simulation | [`snapshot`] |
 //! | see where the step runs | [`backend`] |
@@ -24,6 +25,7 @@ pub mod debug;
 pub mod diagnostics;
 pub mod events;
 mod groups;
+pub mod hooks;
 #[cfg(feature = "bevy_mesh")]
 pub mod mesh_collider_from;
 mod renderer;

@@ -7,15 +7,17 @@ use crate::plugin::clock::{self, Physics};
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
 use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
+use crate::plugin::hooks;
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::latent;
-use crate::plugin::sync::{Step, collect, driven, hierarchy, publish};
+use crate::plugin::sync::{Step, collect, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::Poses;
 use crate::types::body::*;
+use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::{Friction, Restitution};
 use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
@@ -94,7 +96,7 @@ impl Plugin for StepPlugin {
                     .ambiguous_with_all(),
                 collect::collect.in_set(FaceoffSystems::Collect),
                 (
-                    (publish::use_up_impulses, driven::use_up_teleports),
+                    (publish::use_up_impulses, publish::use_up_teleports),
                     publish::find_written,
                     publish::write_back,
                     publish::publish,
@@ -106,14 +108,8 @@ impl Plugin for StepPlugin {
                 clock::end.after(FaceoffSystems::Publish).ambiguous_with_all(),
             ));
         for stage in Stage::ALL {
-            let run = move |mut step: ResMut<Step>| {
-                step.run(stage);
-                if !step.engine.runs() {
-                    // The device is lost. The next step starts on another device, from the components.
-                    step.forget();
-                }
-            };
-            schedule.add_systems(run.in_set(FaceoffSystems::from(stage)));
+            let run = hooks::run_without_hooks(stage);
+            schedule.add_systems(run.in_set(FaceoffSystems::from(stage)).ambiguous_with_all());
         }
         #[cfg(feature = "gpu")]
         {
@@ -222,6 +218,7 @@ fn register_types(app: &mut App) {
         .register_type::<Sleeping>()
         .register_type::<SleepingDisabled>()
         .register_type::<ContinuousCollision>()
+        .register_type::<ActiveCollisionHooks>()
         .register_type::<CollisionLayers>()
         .register_type::<Sensor>()
         .register_type::<BodyCulling>()

@@ -219,6 +219,13 @@ impl SolverBodies {
         at.ok().map(|at| &self.parts[at])
     }
 
+    /// Wakes the body of a collider.
+    pub(crate) fn wake(&mut self, collider: u32) {
+        let body = self.body_of(collider);
+        self.sleep[body as usize] = SleepState::default();
+        self.share_sleep();
+    }
+
     /// Copies the sleep states of bodies to their other colliders.
     pub(crate) fn share_sleep(&mut self) {
         for part in &self.parts {

@@ -17,6 +17,8 @@ pub(super) struct Pair {
     pub count: u32,
     pub friction: f32,
     pub restitution: f32,
+    /// See [`ContactSurface::tangent_velocity`](crate::state::ContactSurface::tangent_velocity).
+    pub tangent_velocity: Vec3,
     /// D: the bounding diameter of the smaller collider, metres.
     pub diameter: f32,
     /// The gap that the contact keeps, metres.
@@ -80,6 +82,8 @@ pub(super) struct Point {
     pub search: [f32; 3],
     /// Relative velocity along the tangents by which the point drifts in a substep because its bodies rotate.
     pub drift: [f32; 2],
+    /// Relative velocity of the surfaces along the tangents, in addition to that of the bodies.
+    pub surface_speed: [f32; 2],
     /// From the point to where friction acts; see [`patch`](super::patch).
     pub friction_offset: Vec3A,
     /// The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
@@ -136,6 +140,7 @@ impl Point {
         change: [0.0; 3],
         search: [0.0; 3],
         drift: [0.0; 2],
+        surface_speed: [0.0; 2],
         friction_offset: Vec3A::ZERO,
         total_normal_impulse: 0.0,
         impact_velocity: 0.0,
@@ -174,11 +179,15 @@ impl Point {
         self.rows[0].direction
     }
 
-    /// Sets the drift for a substep of `h` seconds in which the bodies rotate with these angular velocities.
-    pub fn set_drift(&mut self, spins: [Vec3A; 2], h: f32) {
+    /// Sets the drift for a substep of `h` seconds in which the bodies rotate with these angular velocities, and the speed
+    /// of surfaces that move with this velocity.
+    pub fn set_drift(&mut self, spins: [Vec3A; 2], tangent_velocity: Vec3, h: f32) {
         let [a, b] = [0, 1].map(|side| spins[side].cross(spins[side].cross(self.anchors[side])));
         let drift = 0.5 * h * (b - a);
-        self.drift = [1, 2].map(|i| drift.dot(self.rows[i].direction));
+        let moving = Vec3A::from(tangent_velocity);
+        self.surface_speed = [1, 2].map(|i| moving.dot(self.rows[i].direction));
+        let [t, u] = self.surface_speed;
+        self.drift = [(1, t), (2, u)].map(|(i, speed)| drift.dot(self.rows[i].direction) + speed);
     }
 
     /// Sets the place at which impulses act, from each centre of mass.

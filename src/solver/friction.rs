@@ -13,7 +13,8 @@ pub(super) fn friction_impulse(velocities: &PairVelocities, point: &Point, limit
         return point.friction_impulse;
     }
     let unclamped = [0, 1].map(|d| {
-        let sliding = velocities.along(&point.rows[d + 1]) + if keeps_place { point.drift[d] } else { 0.0 };
+        let offset = if keeps_place { point.drift } else { point.surface_speed };
+        let sliding = velocities.along(&point.rows[d + 1]) + offset[d];
         point.friction_impulse[d] - sliding / k
     });
     let square = unclamped[0] * unclamped[0] + unclamped[1] * unclamped[1];

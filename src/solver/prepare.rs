@@ -41,6 +41,11 @@ impl Source<'_> {
         pair.friction = CombineRule::combine(colliders.map(|e| e.friction_combine), colliders.map(|e| e.friction));
         let restitution = colliders.map(|e| e.restitution);
         pair.restitution = CombineRule::combine(colliders.map(|e| e.restitution_combine), restitution).min(1.0);
+        pair.tangent_velocity = Vec3::ZERO;
+        if let Some(surface) = self.manifolds.surface_of(pair.colliders) {
+            (pair.friction, pair.restitution) = (surface.friction, surface.restitution);
+            pair.tangent_velocity = surface.tangent_velocity;
+        }
 
         let center_offset = motions[1].center - motions[0].center;
         let surface_speeds = [0, 1].map(|side| motions[side].angular_velocity.length() * bodies[side].extent);

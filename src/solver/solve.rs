@@ -100,7 +100,7 @@ pub(super) fn begin_substep(pair: &mut Pair, points: &mut [Point], states: &Stat
     let velocities = PairVelocities::new(pair, states);
     let spins = pair.slots.map(|slot| states.velocities[slot as usize].angular);
     for point in points.iter_mut().filter(|p| p.valid) {
-        point.set_drift(spins, pass.h);
+        point.set_drift(spins, pair.tangent_velocity, pass.h);
         // All points are judged by the velocities before the warm start.
         let normal_velocity = velocities.along(&point.rows[0]);
         point.total_normal_impulse += point.normal_impulse;

@@ -1,6 +1,7 @@
 //! A body as the caller describes it: the input of [`Bodies::push`](super::bodies::Bodies::push).
 
 use crate::types::body::{CollisionLayers, ExternalForces, LockedAxes, RigidBody};
+use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::{CombineRule, Friction};
 use crate::types::settings::Culling;
 use glam::{Mat3, Quat, Vec3};
@@ -69,6 +70,8 @@ pub struct BodyParams {
     /// Continuous collision detection: the body stops at its first time of impact within a step, and follows the
     /// obstacle for the rest of the step.
     pub continuous: bool,
+    /// Which hooks are called for pairs with the collider.
+    pub hooks: ActiveCollisionHooks,
 }
 
 impl Default for BodyParams {
@@ -85,6 +88,7 @@ impl Default for BodyParams {
             can_sleep: true,
             woken: false,
             continuous: false,
+            hooks: ActiveCollisionHooks::NONE,
         }
     }
 }

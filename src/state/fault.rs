@@ -47,12 +47,12 @@ pub enum BodyFault {
     /// The normal of a plane is zero or not finite.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),
-    /// The unequal scale of an entity above it shears its mesh, by this part of its size.
+    /// The unequal scale of an entity above it shears its mesh, and there is no such mesh: it is flat or too large.
     #[error(
-        "the unequal scale of an entity above it, about other axes than its own, shears its mesh by {0:.1e}: scale it alone, \
-         or all axes equally, or turn it by quarter turns only"
+        "the unequal scale of an entity above it, about other axes than its own, shears its mesh, and the sheared mesh \
+         cannot be baked: scale it alone, or all axes equally, or turn it by quarter turns only"
     )]
-    Sheared(f32),
+    Sheared,
     /// Its mesh does not exist and is not being loaded.
     #[error("its CollisionMesh is not in Assets<CollisionMesh>: insert it, or change its MeshCollider")]
     MeshMissing,

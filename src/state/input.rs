@@ -4,6 +4,8 @@ use super::bodies::Bodies;
 use super::config::StepConfig;
 use super::mesh_arena::MeshArena;
 use super::planes::Plane;
+#[cfg(feature = "bevy")]
+use crate::types::hooks::ActiveCollisionHooks;
 
 /// The input of a step. The step updates the bodies.
 #[derive(Default)]
@@ -22,6 +24,14 @@ pub struct StepInput {
 }
 
 impl StepInput {
+    /// Whether a collider or plane has hooks.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn has_hooks(&self) -> bool {
+        let colliders = self.bodies.params.iter().map(|params| params.hooks);
+        let mut all = colliders.chain(self.planes.iter().map(|plane| plane.hooks));
+        all.any(|hooks| hooks != ActiveCollisionHooks::NONE)
+    }
+
     /// Writes the identifier of each body: [`StepInput::keys`], or the index.
     pub(crate) fn write_keys(&self, keys: &mut Vec<u64>) {
         if self.keys.len() == self.bodies.len() {

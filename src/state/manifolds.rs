@@ -38,6 +38,18 @@ pub struct ManifoldPoint {
     pub faces: [u32; 2],
 }
 
+/// How the surfaces of a pair touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactSurface {
+    /// Coefficient of friction, 0 or more.
+    pub friction: f32,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: f32,
+    /// The velocity with which the second surface moves relative to the first, in addition to the motion of the bodies, m/s
+    /// in world axes: that of a conveyor belt if it is the second, the opposite if it is the first.
+    pub tangent_velocity: Vec3,
+}
+
 /// The contact manifolds of all pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Manifolds {
@@ -45,6 +57,8 @@ pub struct Manifolds {
     pub pairs: Vec<Manifold>,
     /// Contact points, grouped by pair.
     pub points: Vec<ManifoldPoint>,
+    /// Colliders and surface of pairs whose surface is not that of the colliders, ascending.
+    pub surfaces: Vec<([u32; 2], ContactSurface)>,
 }
 
 impl Manifolds {
@@ -53,12 +67,14 @@ impl Manifolds {
     pub(crate) fn copy_from(&mut self, others: &Self) {
         self.pairs.clone_from(&others.pairs);
         self.points.clone_from(&others.points);
+        self.surfaces.clone_from(&others.surfaces);
     }
 
-    /// Empties both lists and keeps the memory.
+    /// Empties the lists and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();
         self.points.clear();
+        self.surfaces.clear();
     }
 
     /// Completes a pair whose points start at `first`. A pair without points is not added.
@@ -83,10 +99,32 @@ impl Manifolds {
         found.map_or(&[], |at| self.points_of(&self.pairs[at]))
     }
 
+    /// The surface of a pair, if it is not that of the colliders.
+    pub(crate) fn surface_of(&self, bodies: [u32; 2]) -> Option<&ContactSurface> {
+        let found = self.surfaces.binary_search_by_key(&bodies, |&(pair, _)| pair);
+        found.ok().map(|at| &self.surfaces[at].1)
+    }
+
     /// The points of one of [`Manifolds::pairs`].
     pub fn points_of(&self, pair: &Manifold) -> &[ManifoldPoint] {
         let first = pair.first_point as usize;
         &self.points[first..first + pair.point_count as usize]
+    }
+}
+
+impl ContactSurface {
+    /// With the values of `other` in place of those that are not valid.
+    pub(crate) fn checked(self, other: &Self) -> Self {
+        let coefficient = |own: f32, other: f32| if own.is_finite() { own.max(0.0) } else { other };
+        Self {
+            friction: coefficient(self.friction, other.friction),
+            restitution: coefficient(self.restitution, other.restitution).min(1.0),
+            tangent_velocity: if self.tangent_velocity.is_finite() {
+                self.tangent_velocity
+            } else {
+                other.tangent_velocity
+            },
+        }
     }
 }
 

@@ -38,7 +38,7 @@ pub use contacts::{Contact, ContactPoint, Contacts, FacePair, PairContact, Plane
 pub use departure::Departure;
 pub use fault::BodyFault;
 pub use input::StepInput;
-pub use manifolds::{Manifold, ManifoldPoint, Manifolds};
+pub use manifolds::{ContactSurface, Manifold, ManifoldPoint, Manifolds};
 pub use pairs::{NearPair, View};
 pub use planes::Plane;
 pub use results::{Counts, Impulse, StepResults};

@@ -1,5 +1,7 @@
 //! Planes: solid half-spaces.
 
+use crate::types::body::CollisionLayers;
+use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::{CombineRule, Friction};
 use glam::Vec3;
 
@@ -16,6 +18,10 @@ pub struct Plane {
     pub restitution_combine: CombineRule,
     /// Coulomb friction coefficient and its combine rule.
     pub friction: Friction,
+    /// Collision filter.
+    pub layers: CollisionLayers,
+    /// Which hooks are called for pairs with the plane.
+    pub hooks: ActiveCollisionHooks,
 }
 
 impl Default for Plane {
@@ -27,6 +33,8 @@ impl Default for Plane {
             restitution: 0.0,
             restitution_combine: CombineRule::default(),
             friction: Friction::default(),
+            layers: CollisionLayers::default(),
+            hooks: ActiveCollisionHooks::NONE,
         }
     }
 }

@@ -5,6 +5,7 @@
 use super::StepState;
 use super::begin::begin;
 use super::cost::is_small;
+use super::hooks::{NoHooks, StepHooks, filter_pairs, modify_contacts};
 use super::order::{Part, Place, parts_of};
 use crate::manifolds::report::report_points;
 use crate::types::body::RigidBody;
@@ -26,7 +27,12 @@ pub fn run_all(step: &mut StepState) {
 /// The last stage also runs all stages of the other collision substeps, if there are any. So a step is complete when
 /// all stages have run once, in order.
 pub fn run(stage: Stage, step: &mut StepState) {
-    in_pool(stage, step, |step| run_here(stage, step));
+    run_with(stage, step, &mut NoHooks);
+}
+
+/// The same with hooks.
+pub fn run_with(stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) {
+    in_pool(stage, step, |step| run_here(stage, step, hooks));
 }
 
 /// Calls `f` in rayon's current thread pool, or in the global one if `stage` is not small.
@@ -38,24 +44,24 @@ fn in_pool<R: Send>(stage: Stage, step: &mut StepState, f: impl FnOnce(&mut Step
     }
 }
 
-/// [`run`] on `pool`. Returns whether the stage needed it.
-pub fn run_on(pool: &ThreadPool, stage: Stage, step: &mut StepState) -> bool {
+/// [`run_with`] on `pool`. Returns whether the stage needed it.
+pub fn run_on(pool: &ThreadPool, stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) -> bool {
     let needs_pool = pool.current_num_threads() > 1 && !is_small(stage, step);
     if needs_pool {
-        pool.install(|| run_here(stage, step));
+        pool.install(|| run_here(stage, step, hooks));
     } else {
-        run_here(stage, step);
+        run_here(stage, step, hooks);
     }
     needs_pool
 }
 
-fn run_here(stage: Stage, step: &mut StepState) {
+fn run_here(stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) {
     step.results.times[stage as usize] = Default::default();
-    run_stage(stage, 0, step);
+    run_stage(stage, 0, step, hooks);
     if stage == Stage::Integrate {
         for number in 1..step.results.collision_substeps {
             for stage in Stage::ALL {
-                run_stage(stage, number, step);
+                run_stage(stage, number, step, hooks);
             }
         }
     }
@@ -81,12 +87,16 @@ pub fn touching(step: &mut StepState) -> Vec<[u32; 2]> {
 }
 
 /// Runs the parts of a stage in collision substep `number` and adds their time.
-fn run_stage(stage: Stage, number: u32, step: &mut StepState) {
+fn run_stage(stage: Stage, number: u32, step: &mut StepState, hooks: &mut dyn StepHooks) {
     let start = Instant::now();
     // The number of collision substeps is known after the first part. Only the last stage needs it.
     let place = Place::of(number, step.results.collision_substeps);
     for part in parts_of(stage, step.input.config.response, place) {
-        run_part(part, number, step);
+        match part {
+            Part::FilterPairs => filter_pairs(step, hooks),
+            Part::ModifyContacts => modify_contacts(step, number, hooks),
+            _ => run_part(part, number, step),
+        }
     }
     step.results.times[stage as usize] += start.elapsed();
 }
@@ -109,6 +119,8 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
                 results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));
             }
         }
+        // They need the hooks.
+        Part::FilterPairs | Part::ModifyContacts => {}
         Part::FindNearPairs => {
             results.approximate_pairs = angles::cpu::run(
                 &config,
@@ -127,6 +139,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             &results.near_pairs,
             &results.manifolds,
             &scratch.inactive,
+            |pair| !scratch.left_out.contains_plane_pair(pair),
             &mut scratch.triangle_test,
             &mut results.contacts,
         ),
@@ -137,6 +150,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             &input.planes,
             &results.near_pairs,
             &scratch.inactive,
+            |pair| !scratch.left_out.contains_plane_pair(pair),
             &mut scratch.manifolds,
             &mut results.manifolds,
         ),

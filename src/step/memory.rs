@@ -21,6 +21,8 @@ pub struct StepMemory {
     pub(super) gravity: Vec3,
     /// The impulses of the last collision substep.
     pub(super) warm: WarmStart,
+    /// The keys of pairs that a hook left out, ascending.
+    pub(super) left_out: Vec<[u64; 2]>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

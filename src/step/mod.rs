@@ -9,9 +9,11 @@
 //! |---|---|---|---|---|
 //! | [`broad_phase`] | begin (first) | restores sleeping bodies, chooses the number of collision substeps and the speculative margins | [`StepInput`], [`StepMemory`] | solver bodies, margins |
 //! | | find sphere pairs | finds overlapping bounding spheres with a hashed grid | bounding spheres and margins | pairs |
+//! | | filter pairs | leaves out pairs by the caller's [`hooks`] | pairs | pairs |
 //! | [`angles`] | find near pairs | separates most of these pairs by support planes | pairs, poses, support heights, face tables | near pairs with relative poses |
 //! | [`triangle_test`] | test triangles (first) | tests the remaining pairs triangle by triangle | near pairs, triangles | touching pairs, intersecting faces, contacts |
 //! | [`manifolds`] | find contact points (N, C) | computes points with normals from vertices, edges and faces that are near each other | near pairs, features | manifolds |
+//! | | modify contacts (N, C) | has contacts modified by the caller's [`hooks`] | manifolds | manifolds |
 //! | | reuse contact points (C) | keeps the points of sleeping pairs | manifolds of the last collision substep | manifolds |
 //! | | report contact points (N) | reports the points of touching pairs | manifolds | contacts |
 //! | [`force_scan`] | sum impulses (N, I) | computes one impulse per contact and sums them for each body | contacts | impulses |
@@ -27,8 +29,8 @@
 //!
 //! N, I, C: only with the response None, Impulse, Contacts. First, last: only in the first or last collision substep.
 //! [`order`] is this table as code, and both backends run it. `step::cpu` calls one function per part, which is in the
-//! folder of its stage; `step::gpu` records the kernels of that folder. Continuous collision detection and bodies of
-//! several colliders exist on the CPU only: steps with such bodies run there.
+//! folder of its stage; `step::gpu` records the kernels of that folder. Continuous collision detection, bodies of several
+//! colliders and hooks exist on the CPU only: steps with them run there.
 //!
 //! A [`StepState`] owns all data of a step in four structs, and the function of a stage takes those that it needs:
 //! * [`StepInput`]: the caller's input. The step moves its bodies.
@@ -53,6 +55,7 @@ mod cost;
 pub mod cpu;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod hooks;
 pub mod memory;
 pub mod order;
 mod reach;

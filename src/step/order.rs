@@ -12,12 +12,16 @@ pub enum Part {
     Begin,
     /// Finds the pairs of bodies whose bounding spheres overlap.
     FindSpherePairs,
+    /// Leaves out pairs by the caller's hooks. Runs on the CPU only: steps with hooks run there.
+    FilterPairs,
     /// Finds those of these pairs that no support plane separates.
     FindNearPairs,
     /// Tests the triangles of these pairs.
     TestTriangles,
     /// Finds the contact points of pairs that are awake.
     FindContactPoints,
+    /// Has contacts modified by the caller's hooks. Runs on the CPU only: steps with hooks run there.
+    ModifyContacts,
     /// Reuses the contact points of sleeping pairs from the last collision substep.
     ReuseContactPoints,
     /// Reports the contact points of pairs that touch, without impulses.
@@ -87,13 +91,15 @@ const fn with(none: bool, impulse: bool, contacts: bool) -> With {
 }
 
 /// The whole step.
-const ORDER: [(Part, When, With); 17] = [
+const ORDER: [(Part, When, With); 19] = [
     (Part::Begin, When::First, ANY),
     (Part::FindSpherePairs, When::All, ANY),
+    (Part::FilterPairs, When::All, ANY),
     (Part::FindNearPairs, When::All, ANY),
     // Its results are those at the start of the step.
     (Part::TestTriangles, When::First, ANY),
     (Part::FindContactPoints, When::All, POINTS),
+    (Part::ModifyContacts, When::All, POINTS),
     (Part::ReuseContactPoints, When::All, CONTACTS),
     (Part::ReportContactPoints, When::First, NONE),
     // With `Response::None` all sums are zero.
@@ -126,10 +132,12 @@ impl Part {
     /// The stage that runs it and whose time includes it.
     pub fn stage(self) -> Stage {
         match self {
-            Self::Begin | Self::FindSpherePairs => Stage::BroadPhase,
+            Self::Begin | Self::FindSpherePairs | Self::FilterPairs => Stage::BroadPhase,
             Self::FindNearPairs => Stage::Angles,
             Self::TestTriangles => Stage::TriangleTest,
-            Self::FindContactPoints | Self::ReuseContactPoints | Self::ReportContactPoints => Stage::Manifolds,
+            Self::FindContactPoints | Self::ModifyContacts | Self::ReuseContactPoints | Self::ReportContactPoints => {
+                Stage::Manifolds
+            }
             Self::SumImpulses | Self::Wake | Self::Solve | Self::RecordTouches | Self::FallAsleep => Stage::ForceScan,
             Self::ApplyImpulses | Self::StopFastBodies | Self::MoveBodies | Self::ReportTouches | Self::Remember => {
                 Stage::Integrate

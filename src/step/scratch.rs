@@ -1,6 +1,7 @@
 //! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. No result
 //! depends on it.
 
+use super::hooks::LeftOut;
 use super::reach::Reach;
 use super::schedule::Schedule;
 use crate::ccd::stage::Ccd;
@@ -20,6 +21,8 @@ pub struct StepScratch {
     pub(crate) solver_bodies: SolverBodies,
     /// Which of them are unchanged since the last collision substep.
     pub(crate) inactive: InactiveBodies,
+    /// The pairs that a hook left out of this collision substep.
+    pub(crate) left_out: LeftOut,
     /// Which bodies can meet in this step.
     pub(crate) reach: Reach,
     /// The collision substeps of this step.

@@ -223,6 +223,7 @@ impl GpuManifolds {
         Ok(Manifolds {
             pairs: cast_slice(&pairs).iter().map(Manifold::from).collect(),
             points: cast_slice(&points).iter().map(ManifoldPoint::from).collect(),
+            surfaces: Vec::new(),
         })
     }
 }

@@ -61,7 +61,7 @@ impl Scratch {
 const TASK: usize = 16;
 
 /// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies penetrate
-/// `planes`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
+/// `planes`, if the pair is `wanted`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
 pub(crate) fn run(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -69,6 +69,7 @@ pub(crate) fn run(
     near_pairs: &[NearPair],
     manifolds: &Manifolds,
     inactive: &InactiveBodies,
+    wanted: impl Fn([u32; 2]) -> bool + Sync,
     scratch: &mut Scratch,
     contacts: &mut Contacts,
 ) {
@@ -100,7 +101,14 @@ pub(crate) fn run(
         contacts.triangle_tests += found.triangle_tests;
     }
     scratch.overlapping = overlapping;
-    planes::find(bodies, meshes, planes, &mut scratch.planes, &mut contacts.planes);
+    planes::find(
+        bodies,
+        meshes,
+        planes,
+        wanted,
+        &mut scratch.planes,
+        &mut contacts.planes,
+    );
 }
 
 /// Finds the inactive pairs whose contact points of the last collision substep overlap.

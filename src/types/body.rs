@@ -13,8 +13,8 @@ use glam::Vec3;
 ///
 /// A body may be anywhere in the hierarchy. A dynamic body keeps its pose in the world when what is above it moves: the
 /// step writes its `Transform` so that its `GlobalTransform` is right. A kinematic or static body follows what is above
-/// it. Scale counts, also where it is unequal, but a mesh must not be sheared
-/// ([`BodyFault::Sheared`](crate::state::fault::BodyFault::Sheared)).
+/// it. Scale counts, also where it is unequal. Where an unequal scale above a turned collider shears its mesh, it gets a copy of
+/// the mesh with the shear, baked in the background and shared by all colliders with the same shear.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -34,13 +34,25 @@ impl Sim {
     }
 
     pub fn with_threads(threads: usize) -> Self {
+        Self::with_step(Self::step_plugin(threads))
+    }
+
+    /// On one thread, with another plugin.
+    pub fn with_plugin(plugin: impl Plugin) -> Self {
+        let mut app = App::new();
+        let step = Self::step_plugin(1);
+        app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }, plugin));
+        Self::of(app)
+    }
+
+    fn step_plugin(threads: usize) -> StepPlugin {
         // Most of these tests expect the bits of the CPU.
         let backend = if ON_GPU.get() { Backend::Gpu } else { Backend::Cpu };
-        Self::with_step(StepPlugin {
+        StepPlugin {
             backend,
             threads,
             ..default()
-        })
+        }
     }
 
     /// With these settings of the step plugin.

@@ -420,24 +420,103 @@ fn parts_have_their_own_density_friction_and_layers() {
     assert!(sim.touch(head, probe) && !sim.touch(handle, probe));
 }
 
+/// Steps until a copy of a mesh is baked in the background.
+fn wait_until(sim: &mut Sim, done: impl Fn(&Sim) -> bool) {
+    for _ in 0..2000 {
+        if done(sim) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        sim.step(1);
+    }
+    panic!("it takes too long");
+}
+
+/// A turned head under an unequal scale is sheared: mass and centre are those of the mesh with the shear applied.
 #[test]
-fn a_sheared_part_is_rejected_and_the_others_go_on() {
+fn a_sheared_part_has_a_mesh_of_its_own() {
     let mut sim = Sim::new();
-    let [root, handle, head] = hammer(&mut sim, Transform::from_scale(Vec3::new(1.0, 2.0, 1.0)));
+    let scale = Vec3::new(1.0, 2.0, 0.5);
+    let [root, handle, head] = hammer(&mut sim, Transform::from_scale(scale));
     let turned = sim.get::<Transform>(head).with_rotation(Quat::from_rotation_z(0.5));
     sim.set(head, turned);
-    sim.step(3);
-    assert_eq!(sim.rejected.len(), 1);
-    assert_eq!(sim.rejected[0].entity, head);
-    assert!(matches!(sim.rejected[0].fault, BodyFault::Sheared(_)));
-    assert_near(*sim.get::<ComputedCenterOfMass>(root), Vec3::ZERO, 1e-6);
-    // A quarter turn exchanges axes only.
-    let turned = turned.with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+    let whole = |head: Transform| {
+        let cube = shapes::cube(1.0);
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for pose in [Transform::from_scale(HANDLE), head] {
+            let first = vertices.len() as u32;
+            vertices.extend(cube.vertices().iter().map(|&v| scale * pose.transform_point(v)));
+            triangles.extend(cube.triangles().iter().map(|t| t.map(|i| i + first)));
+        }
+        CollisionMesh::new(&TriMesh::new(vertices, triangles).unwrap()).mass
+    };
+    let wanted = whole(turned).center;
+    let center = |sim: &Sim| *sim.get::<ComputedCenterOfMass>(root) * scale;
+    wait_until(&mut sim, |sim| center(sim).distance(wanted) < 1e-4);
+    assert!(sim.rejected.is_empty());
+    // It touches with the sheared head. Its highest corner is above that of the head that is only turned.
+    let reach = |v: Vec3| scale * turned.transform_point(v);
+    let corner = reach(Vec3::new(-0.5, 0.5, 0.5));
+    let small = sim.mesh(&shapes::cube(0.05));
+    let probe = sim.spawn((
+        RigidBody::Dynamic,
+        Sensor,
+        small,
+        Transform::from_translation(corner),
+        SleepingDisabled,
+    ));
+    sim.step(1);
+    assert!(sim.touch(head, probe));
+    // Its turn changes while it touches. It collides all the time, and soon with the new shear.
+    let turned = turned.with_rotation(Quat::from_rotation_z(0.52));
     sim.set(head, turned);
-    sim.step(3);
-    assert_eq!(sim.rejected.len(), 1);
-    assert!(sim.get::<ComputedCenterOfMass>(root).y > 0.1);
-    assert!(sim.app.world().get_entity(handle).is_ok());
+    let wanted = whole(turned).center;
+    for _ in 0..3 {
+        sim.step(1);
+        assert!(sim.touch(head, probe));
+    }
+    wait_until(&mut sim, |sim| center(sim).distance(wanted) < 1e-5);
+    // A quarter turn exchanges axes only.
+    sim.set(
+        head,
+        turned.with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
+    );
+    sim.step(1);
+    assert!(!sim.touch(head, probe) && sim.get::<ComputedCenterOfMass>(root).y > 0.1);
+    assert!(sim.app.world().get_entity(handle).is_ok() && sim.rejected.is_empty());
+    sim.step(16);
+    assert_told(&sim);
+}
+
+/// A static wall under sheared entities, mirrored: a ball is pushed out of it, not in.
+#[test]
+fn a_mirrored_sheared_wall_pushes_outward() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let parent = sim.spawn(Transform::from_scale(Vec3::new(-1.0, 3.0, 1.0)));
+    let turned = Transform::from_rotation(Quat::from_rotation_z(0.4));
+    sim.spawn((cube.clone(), turned, ChildOf(parent)));
+    let ball = sim.mesh(&shapes::ball(0.25, 2));
+    let at = Vec3::new(3.0, 0.0, 0.0);
+    let flyer = sim.spawn((
+        RigidBody::Dynamic,
+        ball,
+        Transform::from_translation(at),
+        LinearVelocity(Vec3::ZERO),
+    ));
+    // The wall is there once its copy is baked.
+    for _ in 0..100 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        sim.step(1);
+    }
+    sim.set(flyer, LinearVelocity(Vec3::NEG_X * 2.0));
+    sim.step(128);
+    assert!(
+        !sim.started.is_empty() && sim.position(flyer).x > 0.3,
+        "{}",
+        sim.position(flyer)
+    );
+    assert_told(&sim);
 }
 
 #[test]

@@ -488,3 +488,33 @@ pub fn settings_and_components_that_cannot_be_used_are_told() {
     assert_eq!(sim.rejected.len(), 1);
     assert!(sim.rejected[0].fault.to_string().contains("AngularInertia::principal"));
 }
+
+/// A plane that collides with layer 2 alone holds a body of this layer. Another one falls through it.
+pub fn planes_obey_layers() {
+    for response in [Response::Contacts, Response::Impulse, Response::None] {
+        let mut sim = Sim::new();
+        sim.world().insert_resource(response);
+        sim.world().insert_resource(Gravity::default());
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let only_two = CollisionLayers {
+            memberships: 1,
+            filters: 2,
+        };
+        let plane = sim.spawn((PlaneCollider::through(Vec3::ZERO, Vec3::Y), only_two));
+        let [held, falls] = [2, 1].map(|memberships| {
+            let layers = CollisionLayers {
+                memberships,
+                ..default()
+            };
+            sim.spawn((resting(&cube, Vec3::new(4.0 * memberships as f32, 0.49, 0.0)), layers))
+        });
+        sim.step(2);
+        assert!(sim.touch(plane, held), "{response:?}");
+        assert!(!sim.touch(plane, falls), "{response:?}");
+        sim.step(30);
+        assert!(sim.position(falls).y < -0.5);
+        if response == Response::Contacts {
+            assert!((sim.position(held).y - 0.5).abs() < 0.01);
+        }
+    }
+}

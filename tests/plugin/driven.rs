@@ -188,3 +188,45 @@ pub fn without_response_a_body_is_tested_where_it_is_put() {
     sim.step(1);
     assert!(sim.touch(moved, body));
 }
+
+/// A plane is in the coordinates of its entity, and follows it.
+pub fn a_plane_follows_its_entity() {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Response::Contacts);
+    sim.world().insert_resource(Gravity::default());
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let parent = sim.spawn(Transform::from_xyz(0.0, 1.0, 0.0));
+    let ground = sim.spawn((
+        PlaneCollider::through(Vec3::Y * 0.5, Vec3::Y),
+        Transform::from_xyz(3.0, 0.5, 0.0),
+        ChildOf(parent),
+    ));
+    let body = sim.spawn(resting(&cube, Vec3::Y * 2.5));
+    sim.step(128);
+    assert!(sim.touch(ground, body));
+    assert!((sim.position(body).y - 2.5).abs() < 0.002, "{}", sim.position(body));
+    assert!(sim.get::<Sleeping>(body).0);
+    // It sinks, the body wakes and follows.
+    shift(&mut sim, parent, Vec3::Y * -1.0);
+    sim.step(96);
+    assert!((sim.position(body).y - 1.5).abs() < 0.002, "{}", sim.position(body));
+    // It rises slowly, and pushes the body out.
+    for _ in 0..64 {
+        shift(&mut sim, ground, Vec3::Y * 0.005);
+        sim.step(1);
+    }
+    sim.step(64);
+    assert!((sim.position(body).y - 1.82).abs() < 0.004, "{}", sim.position(body));
+    // Turned and scaled unequally: at 45 degrees and twice as wide, the surface rises by a half.
+    let turned = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4);
+    sim.set(parent, Transform::from_scale(Vec3::new(2.0, 1.0, 1.0)));
+    sim.set(ground, Transform::from_rotation(turned));
+    sim.step(1);
+    sim.set(body, Transform::from_xyz(-2.0, 5.0, 0.0));
+    sim.set(body, LinearVelocity(Vec3::ZERO));
+    sim.set(body, Friction::new(0.0).with_combine(CombineRule::Min));
+    sim.step(192);
+    // It slides down along the surface.
+    let down = Vec3::new(-2.0, -1.0, 0.0).normalize();
+    assert_near(sim.velocity(body).normalize(), down, 0.01);
+}

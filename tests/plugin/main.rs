@@ -10,6 +10,7 @@ mod contacts;
 mod culling;
 mod driven;
 mod groups;
+mod hooks;
 mod kinds;
 #[path = "../common/log.rs"]
 mod log;
@@ -21,7 +22,8 @@ mod response;
 mod sensors;
 mod warnings;
 
-/// `bakes`, `contacts`, `driven` and `sensors` have no tests but functions: some of them are tests on a GPU too.
+/// `bakes`, `contacts`, `driven`, `hooks` and `sensors` have no tests but functions: some of them are tests on a GPU
+/// too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
         mod $tests {
@@ -59,6 +61,7 @@ tests_of! {
     density_mass_and_inertia_decide_how_an_impulse_answers
     a_platform_that_moves_carries_what_stands_on_it
     a_bullet_flagged_so_does_not_pass_a_sheet
+    planes_obey_layers
     a_snapshot_of_a_pile_goes_on_to_the_bit
     settings_and_components_that_cannot_be_used_are_told
 }
@@ -71,7 +74,17 @@ tests_of! {
     a_body_of_several_colliders_is_moved_by_its_transform_too
     a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once
     a_sensor_is_tested_where_it_is_put
+    a_plane_follows_its_entity
     without_response_a_body_is_tested_where_it_is_put
+}
+
+tests_of! {
+    hooks as hooks_on_the_cpu:
+    a_belt_carries_a_crate_at_its_speed
+    a_ball_jumps_through_a_platform_from_below_and_lands_on_it
+    friction_of_a_pair_is_what_the_hook_says
+    friends_pass_through_each_other_and_foes_do_not
+    a_sleeper_wakes_when_the_filter_changes_its_mind
 }
 
 tests_of! {

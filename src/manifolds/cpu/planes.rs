@@ -87,6 +87,14 @@ pub fn find(
     }
 }
 
+/// The height of vertices over a plane below which there are contact points, metres.
+pub(crate) fn margin(bodies: &Bodies, body: usize, config: &StepConfig) -> f32 {
+    let (radius, dt) = (bodies.radius[body], bodies.travel_time[body]);
+    let fall = config.gravity.length() * bodies.gravity_scale[body].abs() * dt;
+    let speed = bodies.linear_velocity[body].length() + bodies.angular_velocity[body].length() * radius + fall;
+    2.0 * MARGIN * radius + SAFETY * speed * dt
+}
+
 fn manifold(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -96,16 +104,14 @@ fn manifold(
     config: &StepConfig,
     vertices: &mut Vec<LowVertex>,
 ) -> Option<Found> {
-    if bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
+    let meet = bodies.layers[body].interacts_with(plane.layers);
+    if !meet || bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
         return None;
     }
     let (frame, radius) = (&bodies.frame[body], bodies.radius[body]);
     let normal = plane.normal.as_dvec3();
     let above = normal.dot(frame.center) - plane.distance as f64;
-    let dt = bodies.travel_time[body];
-    let fall = config.gravity.length() * bodies.gravity_scale[body].abs() * dt;
-    let speed = bodies.linear_velocity[body].length() + bodies.angular_velocity[body].length() * radius + fall;
-    let margin = 2.0 * MARGIN * radius + SAFETY * speed * dt;
+    let margin = margin(bodies, body, config);
     let height = above as f32;
     if height >= radius + margin {
         return None;

@@ -19,18 +19,21 @@ use bevy::prelude::*;
 #[require(Transform)]
 pub struct MeshCollider(pub Handle<CollisionMesh>);
 
-/// A solid half-space: the points `p` with `normal . p < distance` are solid. Dynamic bodies collide with it.
+/// A solid half-space: the points `p` with `normal . p < distance` are solid, in the coordinates of its entity. Dynamic
+/// bodies collide with it.
 ///
-/// Spawn it on an entity of its own, not on a body. It may have [`Friction`](crate::types::material::Friction) and
-/// [`Restitution`](crate::types::material::Restitution). Planes are fixed in the world: a `Transform` has no effect.
-/// They ignore [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those
-/// with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
+/// It follows the `Transform` of its entity and of those above it. A plane that is moved pushes bodies out of itself, but it
+/// has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
+///
+/// Spawn it on an entity of its own. It is never part of a body. It may have [`Friction`](crate::types::material::Friction) and
+/// [`Restitution`](crate::types::material::Restitution), and obeys
+/// [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct PlaneCollider {
     /// Points away from the solid side. It need not have unit length.
     pub normal: Vec3,
-    /// Signed distance of the surface from the origin along the unit normal, in metres.
+    /// Signed distance of the surface from the entity's origin along the unit normal, in metres.
     pub distance: f32,
 }
 

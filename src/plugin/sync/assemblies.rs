@@ -1,7 +1,8 @@
 //! From collected bodies and colliders to the stages' arrays.
 
+use super::Step;
+use super::collected::Collected;
 use super::components::Surface;
-use super::{Collected, Step};
 #[cfg(feature = "gpu")]
 use crate::state::Motion;
 use crate::state::fault::BodyFault;
@@ -100,6 +101,17 @@ impl Step {
             debug_assert!(joined.is_ok(), "the body was checked");
         }
         arrays.end_joins();
+    }
+
+    /// The number of a body in the arrays.
+    pub fn number_of(&self, body: Entity) -> Option<usize> {
+        match self.assemblies.binary_search_by_key(&body, |assembly| assembly.body) {
+            Ok(at) => {
+                let compound = self.assemblies[at].compound?;
+                Some(self.state.input.bodies.compounds[compound as usize].number as usize)
+            }
+            Err(_) => self.collected.entities.binary_search(&body).ok(),
+        }
     }
 
     /// Fills the arrays again, with the poses and velocities that `motion_of` gives for bodies. A body whose new state is

@@ -1,9 +1,10 @@
 //! Reads components into the stages' arrays, before a step.
 
-use super::components::{BodyComponents, BodyComponentsItem, PlaneComponents, Surface};
+use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
-use super::hierarchy::{self, Above, NestedBodies, Node, Posed, affine};
-use super::tables::Tables;
+use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed, affine};
+use super::planes::{self, PlaneComponents};
+use super::sheared::Sheared;
 use super::{Assembly, AssemblyPart, Step, named};
 use crate::asset::CollisionMesh;
 use crate::plugin::clock::Physics;
@@ -19,7 +20,7 @@ use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
 use bevy::asset::LoadState;
 use bevy::ecs::system::SystemParam;
-use bevy::math::DAffine3;
+use bevy::math::{DAffine3, DMat3};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::time::Instant;
@@ -88,7 +89,7 @@ pub(crate) struct Child {
 pub(crate) fn collect(
     mut step: ResMut<Step>,
     mut bodies: Query<BodyComponents, Or<(With<MeshCollider>, With<RigidBody>)>>,
-    planes: Query<PlaneComponents>,
+    plane_query: Query<PlaneComponents>,
     hierarchy: Hierarchy,
     names: Query<&Name>,
     meshes: Meshes,
@@ -98,6 +99,7 @@ pub(crate) fn collect(
 ) {
     let step = &mut *step;
     step.begun = Instant::now();
+    let has_hooks = step.hooks.is_some();
     step.state.input.config.dt = time.delta_secs();
     step.state.input.config.response = *rules.response;
     step.state.input.config.gravity = rules.gravity();
@@ -124,7 +126,7 @@ pub(crate) fn collect(
     let mut others = std::mem::take(&mut reader.step.others);
     others.clear();
     for mut body in &mut bodies {
-        body.note(&mut reader.step.oddities);
+        body.note(has_hooks, &mut reader.step.oddities);
         if body.kind.is_none() && body.parent.is_some() {
             continue;
         }
@@ -168,15 +170,14 @@ pub(crate) fn collect(
     keys.clear();
     keys.extend(step.collected.entities.iter().map(|entity| entity.to_bits()));
 
-    step.planes.clear();
-    for plane in &planes {
-        plane.note(&mut step.oddities);
-        match plane.half_space() {
-            Ok(half_space) => step.planes.push((plane.entity, half_space)),
-            Err(fault) => step.new_faults.push((plane.entity, fault)),
-        }
-    }
-    step.planes.sort_unstable_by_key(|&(entity, _)| entity);
+    planes::read(
+        &plane_query,
+        |entity| hierarchy.to_world(entity),
+        has_hooks,
+        &mut step.planes,
+        &mut step.new_faults,
+        &mut step.oddities,
+    );
     let plane_entities = &mut step.collected.planes;
     plane_entities.clear();
     plane_entities.extend(step.planes.iter().map(|&(entity, _)| entity));
@@ -206,6 +207,7 @@ pub(crate) fn collect(
     step.choose_place();
 
     step.tables.retain(|id| meshes.meshes.contains(id));
+    step.sheared.end_step(&mut step.state.input.meshes);
     let (arena, slots) = (&mut step.state.input.meshes, &mut step.slots);
     slots.retain(|&id, &mut slot| {
         let keep = meshes.meshes.contains(id);
@@ -263,6 +265,12 @@ impl Hierarchy<'_, '_> {
         self.to_come.iter().any(is_above)
     }
 
+    /// The transformation from the coordinates of an entity to the world.
+    fn to_world(&self, entity: Entity) -> DAffine3 {
+        let own = self.transforms.get(entity).map_or(DAffine3::IDENTITY, affine);
+        self.above(entity) * own
+    }
+
     /// The transformation from the parent of an entity to the world.
     fn above(&self, entity: Entity) -> DAffine3 {
         let transform_of = |entity| self.transforms.get(entity).ok().copied();
@@ -290,7 +298,7 @@ impl Reader<'_, '_> {
     /// Adds a body that is its only collider.
     fn single(&mut self, body: &mut BodyComponentsItem, posed: &Posed) {
         let surface = body.surface.read();
-        let Some(mesh) = self.mesh(body.entity, body.collider, &surface) else {
+        let Some(mesh) = self.mesh(body.entity, body.collider, &surface, None) else {
             return;
         };
         if let Some(center) = &mut body.computed_center {
@@ -298,7 +306,7 @@ impl Reader<'_, '_> {
                 self.step.state.input.meshes[mesh].mesh.mass.center,
             ));
         }
-        self.step.driven.read(&self.before.driven, body, posed, self.response);
+        self.drive(body, posed);
         let stretch = posed.stretch;
         let mut own = body.body(posed);
         own.mesh = mesh;
@@ -309,6 +317,17 @@ impl Reader<'_, '_> {
         );
         surface.apply(&mut own, surface.culling.unwrap_or(self.culling));
         self.step.bodies.push((body.entity, own));
+    }
+
+    /// Notes a kinematic body that moves by its `Transform`. What pushes nothing is better tested where it is put.
+    fn drive(&mut self, body: &BodyComponentsItem, posed: &Posed) {
+        let pushes = self.response == Response::Contacts && !body.surface.is_sensor();
+        if pushes && body.kind == Some(&RigidBody::Kinematic) && body.has_no_velocity() {
+            let pose = (posed.position, posed.rotation);
+            self.step
+                .driven
+                .add(&self.before.driven, body.entity, pose, body.teleports);
+        }
     }
 
     /// Adds a body with any number of colliders, anywhere in the hierarchy.
@@ -326,8 +345,7 @@ impl Reader<'_, '_> {
         };
         let has_children = self.step.has_children(entity);
         let own = body.collider.filter(|_| !body.collider_disabled);
-        // A sheared mesh is an error below.
-        let is_plain = own.is_some() && hierarchy::place(&posed.stretched(&DAffine3::IDENTITY)).is_ok();
+        let is_plain = own.is_some() && hierarchy::place(&posed.stretched(&DAffine3::IDENTITY)).shear.is_none();
         if !has_children && body.center.is_none() && is_plain {
             self.single(body, &posed);
             return;
@@ -347,7 +365,7 @@ impl Reader<'_, '_> {
             self.step.new_faults.push((entity, fault));
             return;
         }
-        self.step.driven.read(&self.before.driven, body, &posed, self.response);
+        self.drive(body, &posed);
         let surface = body.surface.read();
         let number = self.step.assemblies.len() as u32;
         self.step.assemblies.push(Assembly {
@@ -386,19 +404,17 @@ impl Reader<'_, '_> {
 
     /// Adds a collider of an [`Assembly`]. `up` leads to the coordinates of its body.
     fn part(&mut self, number: u32, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface, up: &DAffine3) {
-        let Some(mesh) = self.mesh(entity, collider, surface) else {
-            return;
-        };
         let assembly = &self.step.assemblies[number as usize];
         let posed = Posed {
             position: assembly.values.position,
             rotation: assembly.values.rotation,
             stretch: assembly.stretch,
         };
-        let (place, scale) = match hierarchy::place(&posed.stretched(up)) {
-            Ok(placed) => placed,
-            Err(fault) => return self.step.new_faults.push((entity, fault)),
+        let Placed { place, scale, shear } = hierarchy::place(&posed.stretched(up));
+        let Some(mesh) = self.mesh(entity, collider, surface, shear.as_ref()) else {
+            return;
         };
+        let assembly = &self.step.assemblies[number as usize];
         let mut part = assembly.values.collider(mesh, &place, scale);
         surface.apply(&mut part, surface.culling.unwrap_or(self.culling));
         self.step.parts.push(AssemblyPart {
@@ -412,12 +428,9 @@ impl Reader<'_, '_> {
 
     /// Adds a static collider below other entities. `up` leads to the world.
     fn fixed(&mut self, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface, up: &DAffine3) {
-        let Some(mesh) = self.mesh(entity, collider, surface) else {
+        let Placed { place, scale, shear } = hierarchy::place(up);
+        let Some(mesh) = self.mesh(entity, collider, surface, shear.as_ref()) else {
             return;
-        };
-        let (place, scale) = match hierarchy::place(up) {
-            Ok(placed) => placed,
-            Err(fault) => return self.step.new_faults.push((entity, fault)),
         };
         let origin = Body {
             kind: RigidBody::Static,
@@ -428,49 +441,62 @@ impl Reader<'_, '_> {
         self.step.bodies.push((entity, fixed));
     }
 
-    /// The slot of a collider's mesh. `None`, and maybe a fault, if it is not there.
-    fn mesh(&mut self, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface) -> Option<u32> {
+    /// The slot of a collider's mesh, with this shear applied. `None`, and maybe a fault, if it is not there.
+    fn mesh(
+        &mut self,
+        entity: Entity,
+        collider: Option<&MeshCollider>,
+        surface: &Surface,
+        shear: Option<&DMat3>,
+    ) -> Option<u32> {
         let Meshes { meshes, assets } = self.meshes;
         let id = collider?.0.id();
-        let culling = surface.culling.unwrap_or(self.culling);
-        if culling == Culling::FacesOfCollision
-            && let Some(mesh) = meshes.get(id).filter(|mesh| mesh.faces.is_none())
-        {
-            let name = || {
-                assets
-                    .get_path(id)
-                    .map_or_else(|| id.to_string(), |path| path.to_string())
-            };
-            self.step.tables.request(id, mesh, name);
-        }
         let step = &mut *self.step;
-        let found = slot(&mut step.state.input.meshes, &mut step.slots, &step.tables, meshes, id);
-        if found.is_none() {
+        let Some(mesh) = meshes.get(id) else {
             match assets.load_state(id) {
                 LoadState::Loading | LoadState::Loaded => {}
                 LoadState::NotLoaded => step.new_faults.push((entity, BodyFault::MeshMissing)),
                 LoadState::Failed(_) => step.new_faults.push((entity, BodyFault::MeshFailed)),
             }
+            return None;
+        };
+        let name = || {
+            assets
+                .get_path(id)
+                .map_or_else(|| id.to_string(), |path| path.to_string())
+        };
+        if surface.culling.unwrap_or(self.culling) == Culling::FacesOfCollision && mesh.faces.is_none() {
+            step.tables.request(id, mesh, name);
         }
-        found
+        let mesh = step.tables.best(id, mesh);
+        let arena = &mut step.state.input.meshes;
+        let Some(shear) = shear else {
+            return Some(slot(arena, &mut step.slots, id, mesh));
+        };
+        match step.sheared.request(entity, mesh, shear, arena, name) {
+            Sheared::Ready(slot) => Some(slot),
+            Sheared::Waits => None,
+            Sheared::Failed => {
+                step.new_faults.push((entity, BodyFault::Sheared));
+                None
+            }
+        }
     }
 }
 
-/// The arena slot of a mesh, if it is loaded. If the asset was replaced, for example by a hot reload, so is the mesh in
-/// the slot.
+/// The arena slot of the mesh with this asset. If the asset was replaced, for example by a hot reload, so is the mesh in the
+/// slot.
 fn slot(
     arena: &mut MeshArena,
     slots: &mut HashMap<AssetId<CollisionMesh>, u32>,
-    tables: &Tables,
-    meshes: &Assets<CollisionMesh>,
     id: AssetId<CollisionMesh>,
-) -> Option<u32> {
-    let mesh = tables.best(id, meshes.get(id)?);
+    mesh: &CollisionMesh,
+) -> u32 {
     let slot = *slots.entry(id).or_insert_with(|| arena.add(mesh.clone()));
     if !arena[slot].mesh.is_same(mesh) {
         arena.replace(slot, mesh.clone());
     }
-    Some(slot)
+    slot
 }
 
 impl Rules<'_> {

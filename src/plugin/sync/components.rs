@@ -1,11 +1,11 @@
-//! What the step reads of colliders, bodies and planes.
+//! What the step reads of colliders and bodies.
 
 use super::hierarchy::Posed;
-use super::oddities::{Oddities, Oddity};
+use super::oddities::Oddities;
 use crate::plugin::components::*;
-use crate::state::fault::BodyFault;
-use crate::state::{Body, BodyParams, Plane};
+use crate::state::{Body, BodyParams};
 use crate::types::body::*;
+use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::material::{Friction, Restitution};
 use crate::types::settings::Culling;
 use bevy::ecs::query::QueryData;
@@ -43,6 +43,7 @@ pub(crate) struct SurfaceComponents {
     friction: Option<&'static Friction>,
     layers: Option<&'static CollisionLayers>,
     culling: Option<&'static BodyCulling>,
+    hooks: Option<&'static ActiveCollisionHooks>,
     sensor: Has<Sensor>,
 }
 
@@ -54,6 +55,7 @@ pub(crate) struct Surface {
     friction: Option<Friction>,
     layers: Option<CollisionLayers>,
     pub culling: Option<Culling>,
+    hooks: Option<ActiveCollisionHooks>,
     sensor: bool,
 }
 
@@ -71,21 +73,11 @@ pub(crate) struct HandlingComponents {
     continuous: Has<ContinuousCollision>,
 }
 
-/// The components of a plane.
-#[derive(QueryData)]
-pub(crate) struct PlaneComponents {
-    pub entity: Entity,
-    plane: &'static PlaneCollider,
-    restitution: Option<&'static Restitution>,
-    friction: Option<&'static Friction>,
-    is_body: Has<MeshCollider>,
-    kind: Option<&'static RigidBody>,
-}
-
 impl BodyComponentsItem<'_, '_> {
-    /// Records components without effect.
-    pub fn note(&self, oddities: &mut Oddities) {
+    /// Records components without effect. `has_hooks` says whether the app has hooks.
+    pub fn note(&self, has_hooks: bool, oddities: &mut Oddities) {
         let (entity, params) = (self.entity, &self.params);
+        oddities.check_hooks(entity, self.surface.hooks, has_hooks);
         oddities.check_restitution(entity, self.surface.restitution.map(|r| r.coefficient));
         oddities.check(entity, "Friction", self.surface.friction.map(|f| f.coefficient));
         oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
@@ -126,6 +118,7 @@ impl SurfaceComponentsItem<'_, '_> {
             friction: self.friction.copied(),
             layers: self.layers.copied(),
             culling: self.culling.map(|c| c.0),
+            hooks: self.hooks.copied(),
             sensor: self.sensor,
         }
     }
@@ -140,6 +133,7 @@ impl Surface {
             friction: self.friction.or(body.friction),
             layers: self.layers.or(body.layers),
             culling: self.culling.or(body.culling),
+            hooks: self.hooks.or(body.hooks),
             sensor: self.sensor,
         }
     }
@@ -152,6 +146,7 @@ impl Surface {
         collider.params.restitution_combine = restitution.combine;
         collider.params.friction = self.friction.unwrap_or_default();
         collider.layers = self.layers.unwrap_or_default();
+        collider.params.hooks = self.hooks.unwrap_or_default();
         collider.sensor = self.sensor;
         collider.culling = culling;
     }
@@ -171,45 +166,5 @@ impl HandlingComponentsItem<'_, '_> {
             woken: self.sleeping.is_some_and(|sleeping| !sleeping.0),
             ..BodyParams::default()
         }
-    }
-}
-
-impl PlaneComponentsItem<'_, '_> {
-    /// Records components without effect.
-    pub fn note(&self, oddities: &mut Oddities) {
-        oddities.check_restitution(self.entity, self.restitution.map(|r| r.coefficient));
-        oddities.check(self.entity, "Friction", self.friction.map(|f| f.coefficient));
-        if self.kind.is_some_and(|&kind| kind != RigidBody::Static) && !self.is_body {
-            oddities.add(self.entity, Oddity::PlaneDoesNotMove);
-        }
-    }
-
-    pub fn half_space(&self) -> Result<Plane, BodyFault> {
-        if self.is_body {
-            return Err(BodyFault::PlaneOnBody);
-        }
-        let PlaneCollider { normal, distance } = *self.plane;
-        let restitution = self.restitution.copied().unwrap_or_default();
-        let friction = self.friction.copied().unwrap_or_default();
-        // In double precision the length of a finite vector neither overflows nor underflows.
-        let unit = normal.as_dvec3().try_normalize();
-        let normal = unit.ok_or(BodyFault::PlaneNormal(normal))?.as_vec3();
-        if !distance.is_finite() {
-            return Err(BodyFault::PlaneDistance(distance));
-        }
-        let numbers = [
-            ("Restitution", restitution.coefficient),
-            ("Friction", friction.coefficient),
-        ];
-        if let Some((name, _)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) {
-            return Err(BodyFault::NonFinite(name));
-        }
-        Ok(Plane {
-            normal,
-            distance,
-            restitution: restitution.coefficient.clamp(0.0, 1.0),
-            restitution_combine: restitution.combine,
-            friction,
-        })
     }
 }

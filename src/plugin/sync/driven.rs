@@ -1,13 +1,7 @@
 //! Kinematic bodies that move by their `Transform`: in each step they go from their last pose to the written one.
 
-use super::Step;
-use super::components::BodyComponentsItem;
-use super::hierarchy::Posed;
-use super::oddities::Oddity;
-use crate::plugin::components::Teleport;
-use crate::state::Departure;
-use crate::types::body::RigidBody;
-use crate::types::settings::Response;
+use super::oddities::{Oddities, Oddity};
+use crate::state::{Bodies, Departure};
 use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 
@@ -29,20 +23,15 @@ impl DrivenBodies {
         std::mem::take(self)
     }
 
-    /// Reads a body; `before` are those of the last step.
-    pub fn read(&mut self, before: &Self, body: &BodyComponentsItem, posed: &Posed, response: Response) {
-        let is_driven = body.kind == Some(&RigidBody::Kinematic) && body.has_no_velocity();
-        // What pushes nothing is better tested where it is put.
-        if !is_driven || body.surface.is_sensor() || response != Response::Contacts {
-            return;
-        }
-        let pose = (posed.position, posed.rotation);
-        self.poses.insert(body.entity, pose);
-        if let Some(&start) = before.poses.get(&body.entity)
+    /// Adds a body with its pose in the world; `before` are those of the last step. One that `teleports` does not move
+    /// there but is placed.
+    pub fn add(&mut self, before: &Self, entity: Entity, pose: (Vec3, Quat), teleports: bool) {
+        self.poses.insert(entity, pose);
+        if let Some(&start) = before.poses.get(&entity)
             && start != pose
-            && !body.teleports
+            && !teleports
         {
-            self.departures.push((body.entity, start));
+            self.departures.push((entity, start));
         }
     }
 
@@ -50,62 +39,29 @@ impl DrivenBodies {
     pub fn contains(&self, entity: Entity) -> bool {
         self.poses.contains_key(&entity)
     }
-}
 
-impl Step {
-    /// The number of a body in the arrays.
-    fn number_of(&self, body: Entity) -> Option<usize> {
-        let assembly = self.assemblies.binary_search_by_key(&body, |assembly| assembly.body);
-        match assembly {
-            Ok(at) => {
-                let compound = self.assemblies[at].compound?;
-                Some(self.state.input.bodies.compounds[compound as usize].number as usize)
-            }
-            Err(_) => self.collected.entities.binary_search(&body).ok(),
-        }
-    }
-
-    /// Forgets driven bodies that are left out of this step, and notes those that move very far in it.
-    pub fn check_driven(&mut self) {
-        let mut poses = std::mem::take(&mut self.driven.poses);
-        poses.retain(|&entity, _| self.number_of(entity).is_some());
-        self.driven.poses = poses;
-        for &(entity, (start, _)) in &self.driven.departures {
-            let Some(i) = self.number_of(entity) else { continue };
-            let bodies = &self.state.input.bodies;
+    /// Forgets bodies that are left out of this step, and notes those that move very far in it. `number_of` gives the number
+    /// of a body.
+    pub fn check(&mut self, bodies: &Bodies, number_of: impl Fn(Entity) -> Option<usize>, oddities: &mut Oddities) {
+        self.poses.retain(|&entity, _| number_of(entity).is_some());
+        for &(entity, (start, _)) in &self.departures {
+            let Some(i) = number_of(entity) else { continue };
             let way = bodies.body_motion(i).position.distance(start);
-            let diameter = 2.0 * bodies.radius[i];
-            if way > LONG_WAY * diameter {
-                self.oddities.add(entity, Oddity::LongWay(way));
+            if way > LONG_WAY * 2.0 * bodies.radius[i] {
+                oddities.add(entity, Oddity::LongWay(way));
             }
         }
     }
 
-    /// Moves driven bodies back to where their way begins, and gives them the velocities of the way. Where components are
-    /// behind the device, only `known` bodies: those whose components hold their current state.
-    pub fn depart(&mut self, known: impl Fn(&Self, Entity) -> bool) {
-        let departures: Vec<_> = (self.driven.departures.iter())
-            .filter(|&&(entity, _)| known(self, entity))
-            .filter_map(|&(entity, (position, rotation))| {
-                let body = self.number_of(entity)?;
-                Some(Departure {
-                    body,
-                    position,
-                    rotation,
-                })
+    /// Where bodies begin that move in this step. `number_of` gives the number of a body that does.
+    pub fn departures(&self, number_of: impl Fn(Entity) -> Option<usize>) -> Vec<Departure> {
+        let departure = |&(entity, (position, rotation)): &(Entity, (Vec3, Quat))| {
+            Some(Departure {
+                body: number_of(entity)?,
+                position,
+                rotation,
             })
-            .collect();
-        let dt = self.state.input.config.dt;
-        self.state.input.bodies.depart(&departures, dt);
-    }
-}
-
-/// Removes the markers [`Teleport`], which the step has read.
-pub(crate) fn use_up_teleports(step: Res<Step>, teleported: Query<Entity, With<Teleport>>, mut commands: Commands) {
-    if !step.engine.runs() {
-        return;
-    }
-    for entity in &teleported {
-        commands.entity(entity).remove::<Teleport>();
+        };
+        self.departures.iter().filter_map(departure).collect()
     }
 }

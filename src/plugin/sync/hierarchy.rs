@@ -3,7 +3,6 @@
 
 use crate::plugin::components::RigidBodyDisabled;
 use crate::state::Place;
-use crate::state::fault::BodyFault;
 use crate::types::body::RigidBody;
 use bevy::ecs::query::QueryData;
 use bevy::math::{DAffine3, DMat3, DQuat, DVec3};
@@ -30,6 +29,14 @@ pub(super) enum Above {
     World(DAffine3),
     /// A body or entity that is disabled.
     Disabled,
+}
+
+/// Where a collider is in its body.
+pub(super) struct Placed {
+    pub place: Place,
+    pub scale: Vec3,
+    /// Applied to the vertices before the scale, if the mesh is sheared.
+    pub shear: Option<DMat3>,
 }
 
 /// A pose, and the scale and shear along its axes.
@@ -131,21 +138,31 @@ fn same_scale(one: &DAffine3, other: &DAffine3) -> bool {
     one.abs_diff_eq(other, MAX_SHEAR * one.col(0).length())
 }
 
-/// The place of a collider in its body and its scale, from the transformation to the axes of the body.
-pub(super) fn place(to_body: &DAffine3) -> Result<(Place, Vec3), BodyFault> {
+/// The place of a collider in its body, from the transformation to the axes of the body.
+pub(super) fn place(to_body: &DAffine3) -> Placed {
     let (rotation, stretch) = decompose(&to_body.matrix3);
     let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
     let sheared = stretch - DMat3::from_diagonal(scale);
     let shear = [0, 1, 2].map(|axis| sheared.col(axis).length() / stretch.col(axis).length());
-    let shear = shear.into_iter().fold(0.0, f64::max);
-    if shear > MAX_SHEAR {
-        return Err(BodyFault::Sheared(shear as f32));
-    }
+    let is_sheared = shear.into_iter().any(|shear| shear > MAX_SHEAR);
     let place = Place {
         translation: to_body.translation,
         rotation,
     };
-    Ok((place, scale.as_vec3()))
+    if !is_sheared {
+        return Placed {
+            place,
+            scale: scale.as_vec3(),
+            shear: None,
+        };
+    }
+    // A mirrored copy would be inside out.
+    let mirror = DVec3::new(stretch.determinant().signum(), 1.0, 1.0);
+    Placed {
+        place,
+        scale: mirror.as_vec3(),
+        shear: Some(DMat3::from_diagonal(mirror) * stretch),
+    }
 }
 
 impl Posed {

@@ -5,8 +5,9 @@
 //!
 //! Writes of users are found by comparing components with a [`Shadow`] of them.
 
+use super::Step;
+use super::collected::Collected;
 use super::shadow::{Part, Shadow, Written};
-use super::{Collected, Step};
 use crate::state::{Body, Motion};
 use crate::step::gpu::upload::Carried;
 use crate::step::remap;

@@ -2,15 +2,19 @@
 
 mod assemblies;
 pub(crate) mod collect;
+mod collected;
 mod components;
 pub(crate) mod driven;
+pub(crate) mod entity_hooks;
 pub(crate) mod hierarchy;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 mod oddities;
+mod planes;
 pub(crate) mod publish;
 #[cfg(feature = "gpu")]
 mod shadow;
+mod sheared;
 mod tables;
 
 use crate::asset::CollisionMesh;
@@ -24,7 +28,6 @@ use crate::step::StepState;
 use crate::step::gpu::memory::DeviceMemory;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
-use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use assemblies::{Assembly, AssemblyPart};
@@ -32,7 +35,9 @@ use bevy::ecs::change_detection::Tick;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use collect::Child;
+pub(crate) use collected::Collected;
 use driven::DrivenBodies;
+use entity_hooks::{EntityHooks, Numbered};
 use hierarchy::NestedBodies;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -71,6 +76,8 @@ pub(crate) struct Step {
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
     /// Face tables that culling modes need and meshes lack.
     pub tables: tables::Tables,
+    /// Copies of meshes that are sheared.
+    pub sheared: sheared::ShearedMeshes,
     /// Rejected bodies and planes with the reason, ascending.
     pub faults: Vec<(Entity, BodyFault)>,
     /// Scratch: those of this step.
@@ -89,6 +96,8 @@ pub(crate) struct Step {
     pub written: Vec<Entity>,
     /// When the step last wrote `Transform`s.
     pub written_at: Option<Tick>,
+    /// The name of the app's hooks.
+    pub hooks: Option<&'static str>,
     /// When the step began.
     pub begun: Instant,
     /// Whether a user ran the schedule. Then the step waits for its results.
@@ -121,31 +130,6 @@ impl Touching {
     }
 }
 
-/// The colliders, bodies and planes of a step.
-#[derive(Default)]
-pub(crate) struct Collected {
-    /// Entity of each collider, ascending.
-    pub entities: Vec<Entity>,
-    /// The body of each collider; without a body the collider itself.
-    pub bodies: Vec<Entity>,
-    /// Kind of the body of each collider.
-    pub kinds: Vec<RigidBody>,
-    /// Number of bodies.
-    pub body_count: usize,
-    /// Entity of each plane, ascending.
-    pub planes: Vec<Entity>,
-}
-
-impl Collected {
-    /// The body of a collider, or the plane itself, if it took part.
-    pub fn body_of(&self, entity: Entity) -> Option<Entity> {
-        match self.entities.binary_search(&entity) {
-            Ok(at) => Some(self.bodies[at]),
-            Err(_) => self.planes.binary_search(&entity).is_ok().then_some(entity),
-        }
-    }
-}
-
 impl Step {
     pub fn new(engine: Engine) -> Self {
         Self {
@@ -166,6 +150,7 @@ impl Step {
             planes: Vec::new(),
             slots: HashMap::default(),
             tables: tables::Tables::default(),
+            sheared: sheared::ShearedMeshes::default(),
             faults: Vec::new(),
             new_faults: Vec::new(),
             oddities: oddities::Oddities::default(),
@@ -175,19 +160,20 @@ impl Step {
             touching_both_ways: Vec::new(),
             written: Vec::new(),
             written_at: None,
+            hooks: None,
             begun: Instant::now(),
             by_hand: false,
             outer_time: None,
         }
     }
 
-    /// Moves the simulation to the CPU while a body needs CCD or has several colliders, and back to the GPU afterwards.
-    /// Bodies keep their state.
+    /// Moves the simulation to the CPU while a body needs CCD or has several colliders, or hooks are active, and back to the
+    /// GPU afterwards. Bodies keep their state.
     pub fn choose_place(&mut self) {
         let bodies = &self.state.input.bodies;
         let stops = bodies.params.iter().any(|params| params.continuous);
         let stops = stops && self.state.input.config.response == Response::Contacts;
-        let on_cpu = stops || !bodies.compounds.is_empty();
+        let on_cpu = stops || !bodies.compounds.is_empty() || self.state.input.has_hooks();
         #[cfg(feature = "gpu")]
         if self.engine.changes_place(on_cpu) {
             self.hand_over(on_cpu);
@@ -227,7 +213,7 @@ impl Step {
     }
 
     /// Runs a stage. A device runs all stages in the call for the first one.
-    pub fn run(&mut self, stage: Stage) {
+    pub fn run(&mut self, stage: Stage, hooks: &mut dyn EntityHooks) {
         if stage == Stage::BroadPhase {
             self.begin();
         }
@@ -235,7 +221,11 @@ impl Step {
         if self.advance(stage) {
             return;
         }
-        self.engine.run(stage, &mut self.state);
+        let mut hooks = Numbered {
+            hooks,
+            collected: &self.collected,
+        };
+        self.engine.run(stage, &mut self.state, &mut hooks);
         if stage == Stage::Integrate {
             self.counts = self.state.results.counts();
             self.counts.asleep = self.bodies_asleep();
@@ -256,10 +246,27 @@ impl Step {
             for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
                 params.woken = woken;
             }
+            // Of others the components are behind the device.
             self.depart(|step, entity| step.latent.is_driven(entity));
             return;
         }
         self.depart(|_, _| true);
+    }
+
+    /// Checks the driven bodies of this step.
+    pub fn check_driven(&mut self) {
+        let (mut driven, mut oddities) = (std::mem::take(&mut self.driven), std::mem::take(&mut self.oddities));
+        let number_of = |entity| self.number_of(entity);
+        driven.check(&self.state.input.bodies, number_of, &mut oddities);
+        (self.driven, self.oddities) = (driven, oddities);
+    }
+
+    /// Moves those of the driven bodies back to where their way begins that `moves` selects.
+    fn depart(&mut self, moves: impl Fn(&Self, Entity) -> bool) {
+        let number_of = |entity| self.number_of(entity).filter(|_| moves(self, entity));
+        let departures = self.driven.departures(number_of);
+        let dt = self.state.input.config.dt;
+        self.state.input.bodies.depart(&departures, dt);
     }
 
     /// Number of bodies asleep after a step on the CPU.

@@ -1,5 +1,6 @@
 //! Warnings about components without effect. Each is logged once; the body or plane takes part in the step.
 
+use crate::types::hooks::ActiveCollisionHooks;
 use bevy::prelude::*;
 use std::mem::discriminant;
 use thiserror::Error;
@@ -23,10 +24,12 @@ pub(crate) enum Oddity {
     )]
     NoCollider,
     #[error(
-        "it has both a RigidBody and a PlaneCollider, and does not move: planes are fixed in the world. Remove its \
-         RigidBody, or give it a MeshCollider instead of the plane"
+        "it has both a RigidBody and a PlaneCollider, and the step does not move it: planes only follow their Transform. \
+         Remove its RigidBody, or give it a MeshCollider instead of the plane"
     )]
     PlaneDoesNotMove,
+    #[error("it has ActiveCollisionHooks, but the app has no hooks: add a CollisionHooksPlugin")]
+    NoHooks,
     #[error(
         "it is kinematic, and its Transform was moved by {0} m in one step: it pushes what is on its way. To place it \
          without that, insert Teleport too"
@@ -60,6 +63,13 @@ impl Oddities {
     /// Records an oddity of this step.
     pub fn add(&mut self, entity: Entity, oddity: Oddity) {
         self.found.push((entity, oddity));
+    }
+
+    /// Records active hooks where the app has none.
+    pub fn check_hooks(&mut self, entity: Entity, hooks: Option<&ActiveCollisionHooks>, has_hooks: bool) {
+        if !has_hooks && hooks.is_some_and(|&hooks| hooks != ActiveCollisionHooks::NONE) {
+            self.add(entity, Oddity::NoHooks);
+        }
     }
 
     /// Records a negative coefficient or rate.

@@ -1,7 +1,8 @@
 //! Writes results to components, resources, messages and events, after a step.
 
+use super::collected::Collected;
 use super::hierarchy::{parent_in, sort_top_down, world_above};
-use super::{Collected, Step, Touching};
+use super::{Step, Touching};
 use crate::plugin::backend::{ActiveBackend, BackendFailed};
 use crate::plugin::collisions::{Collisions, StepReport};
 use crate::plugin::components::*;
@@ -22,6 +23,16 @@ pub(crate) fn use_up_impulses(step: Res<Step>, mut acted_on: Query<&mut External
         if (forces.impulse, forces.angular_impulse) != (Vec3::ZERO, Vec3::ZERO) {
             (forces.impulse, forces.angular_impulse) = (Vec3::ZERO, Vec3::ZERO);
         }
+    }
+}
+
+/// Removes the markers [`Teleport`], which the step has read.
+pub(crate) fn use_up_teleports(step: Res<Step>, teleported: Query<Entity, With<Teleport>>, mut commands: Commands) {
+    if !step.engine.runs() {
+        return;
+    }
+    for entity in &teleported {
+        commands.entity(entity).remove::<Teleport>();
     }
 }
 

@@ -98,12 +98,14 @@ impl DeviceMemory {
             planes: planes.clone(),
             gravity: *gravity,
             warm: WarmStart::from_device(&saved.0[..pairs], &saved.1[..points], substep, key_of),
+            left_out: Vec::new(),
         };
         let mut last_pairs: Vec<_> = last.0[..pairs].iter().map(Manifold::from).collect();
         last_pairs.sort_unstable_by_key(|pair| pair_order(pair.bodies, keys.len() as u32));
         let manifolds = Manifolds {
             pairs: last_pairs,
             points: last.1.iter().map(ManifoldPoint::from).collect(),
+            surfaces: Vec::new(),
         };
         (memory, manifolds)
     }

@@ -123,8 +123,8 @@ impl Recorder<'_> {
             }
             Part::RecordTouches => force_scan::gpu::record_touches(calls),
             Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep),
-            // Steps with such bodies run on the CPU.
-            Part::StopFastBodies => {}
+            // Steps with such bodies or hooks run on the CPU.
+            Part::FilterPairs | Part::ModifyContacts | Part::StopFastBodies => {}
             // In the last collision substep `Part::Remember` moves the bodies, so that a step that has to be repeated
             // starts from their old poses.
             Part::MoveBodies if place.is_last => {}

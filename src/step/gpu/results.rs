@@ -250,6 +250,7 @@ impl Raw {
         output.manifolds = Manifolds {
             pairs,
             points: self.contact_points.iter().map(ManifoldPoint::from).collect(),
+            surfaces: Vec::new(),
         };
         if input.response == Response::None && !output.motions.is_empty() {
             let center_of = |body: u32| input.center_before(body, &output.motions[body as usize]);

@@ -286,6 +286,8 @@ fn plane(plane: &Plane) -> layout::Plane {
         normal: plane.normal.to_array(),
         distance: plane.distance,
         restitution: plane.restitution,
+        memberships: plane.layers.memberships,
+        filters: plane.layers.filters,
         ..Default::default()
     }
 }

@@ -16,11 +16,13 @@ pub type Scratch = InOrder<PlaneContact>;
 /// Bodies per task.
 const TASK: usize = 64;
 
-/// Appends the contacts of all dynamic bodies with all planes, ascending by body, then plane.
+/// Appends the contacts of all dynamic bodies with all planes, ascending by body, then plane, if the pair is `wanted`.
+/// Plane `i` has the number `bodies.len() + i`.
 pub fn find(
     bodies: &Bodies,
     meshes: &MeshArena,
     planes: &[Plane],
+    wanted: impl Fn([u32; 2]) -> bool + Sync,
     scratch: &mut Scratch,
     contacts: &mut Vec<PlaneContact>,
 ) {
@@ -28,13 +30,14 @@ pub fn find(
         return;
     }
     scratch.extend(contacts, &bodies.kind, TASK, |body, _, contacts| {
-        let planes = planes.iter().enumerate();
+        let wanted = |&(i, _): &(usize, &Plane)| wanted([body as u32, (bodies.len() + i) as u32]);
+        let planes = planes.iter().enumerate().filter(wanted);
         contacts.extend(planes.filter_map(|(i, plane)| contact(bodies, meshes, body, i as u32, plane)));
     });
 }
 
 fn contact(bodies: &Bodies, meshes: &MeshArena, body: usize, index: u32, plane: &Plane) -> Option<PlaneContact> {
-    if bodies.kind[body] != RigidBody::Dynamic {
+    if bodies.kind[body] != RigidBody::Dynamic || !bodies.layers[body].interacts_with(plane.layers) {
         return None;
     }
     let frame = &bodies.frame[body];

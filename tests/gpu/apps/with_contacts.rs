@@ -8,6 +8,9 @@ mod contacts;
 #[path = "../../plugin/driven.rs"]
 #[allow(dead_code)]
 mod driven;
+#[path = "../../plugin/hooks.rs"]
+#[allow(dead_code)]
+mod hooks;
 #[path = "../../plugin/sensors.rs"]
 #[allow(dead_code)]
 mod sensors;
@@ -72,6 +75,9 @@ pub const TESTS: &[Test] = &tests! {
     a_tray_of_several_colliders_is_moved: driven::a_body_of_several_colliders_is_moved_by_its_transform_too();
     what_is_put_elsewhere_ends_its_collisions:
         driven::a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once();
+    a_belt_carries_beside_a_gpu: hooks::a_belt_carries_a_crate_at_its_speed();
+    a_sleeper_wakes_when_the_filter_changes: hooks::a_sleeper_wakes_when_the_filter_changes_its_mind();
+    planes_obey_layers: contacts::planes_obey_layers();
     a_lift_carries_whenever_results_come: lifts();
     steps_come_back_from_the_cpu: there_and_back();
     a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
