@@ -61,6 +61,18 @@ pub const GAMES: &[Game] = &[
         sleeping_pile(world);
         far_bullet(world);
     }),
+    game("500 bodies of 8 cubes in flight", 64, |world| {
+        cubes_of_eight(world, true)
+    }),
+    game("4,000 cubes at the same places that do not collide", 64, |world| {
+        cubes_of_eight(world, false)
+    }),
+    game("10,000 cubes in flight, far from each other", 64, |world| {
+        let cube = mesh(world, &shapes::cube(1.0));
+        for place in lattice(10_000, 3.0) {
+            world.spawn((RigidBody::Dynamic, cube.clone(), place));
+        }
+    }),
     game("ball in a room", 256, |world| {
         let room = shapes::cube(4.0);
         let inward = room.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
@@ -126,6 +138,32 @@ fn block(world: &mut World, shape: &TriMesh, height: f32, velocity: LinearVeloci
         let at = Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) * 0.6;
         let place = Transform::from_translation(at + Vec3::Y * height);
         world.spawn((RigidBody::Dynamic, mesh.clone(), place, velocity));
+    }
+}
+
+/// Places on a lattice.
+fn lattice(count: usize, distance: f32) -> impl Iterator<Item = Transform> {
+    let side = (count as f32).cbrt().ceil() as usize;
+    let place = move |i: usize| Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
+    (0..count).map(move |i| Transform::from_translation(distance * place(i)))
+}
+
+/// 500 groups of eight cubes each: bodies of eight colliders, or cubes that do not collide. Each group, or cube, rotates.
+fn cubes_of_eight(world: &mut World, joined: bool) {
+    let cube = mesh(world, &shapes::cube(1.0));
+    let spin = AngularVelocity(Vec3::Y);
+    let none = CollisionLayers {
+        memberships: 0,
+        filters: 0,
+    };
+    for place in lattice(500, 8.0) {
+        let body = joined.then(|| world.spawn((RigidBody::Dynamic, place, spin)).id());
+        for own in lattice(8, 1.1) {
+            match body {
+                Some(body) => world.spawn((cube.clone(), own, ChildOf(body))),
+                None => world.spawn((RigidBody::Dynamic, cube.clone(), place * own, spin, none)),
+            };
+        }
     }
 }
 
