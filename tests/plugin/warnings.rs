@@ -27,6 +27,8 @@ fn what_does_not_do_what_it_says_is_told_by_entity_and_name() {
     components();
     without_collider();
     planes();
+    long_ways();
+    hooks();
     faults();
     #[cfg(feature = "bevy_mesh")]
     without_meshes();
@@ -117,6 +119,41 @@ fn planes() {
     let floor = sim.spawn((plane(), Restitution::new(2.0), Name::new("floor")));
     sim.step(10);
     assert_told(floor, "floor", &["Restitution", "2"]);
+}
+
+/// A platform that jumps home is told once. With `Teleport` it is not told.
+fn long_ways() {
+    for teleports in [false, true] {
+        let mut sim = Sim::new();
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let platform = sim.spawn((RigidBody::Kinematic, cube, Transform::default(), Name::new("platform")));
+        sim.step(1);
+        for x in [20.0, -20.0, 20.0] {
+            sim.set(platform, Transform::from_xyz(x, 0.0, 0.0));
+            if teleports {
+                sim.set(platform, Teleport);
+            }
+            sim.step(2);
+        }
+        if teleports {
+            assert_eq!(told(), [""; 0]);
+        } else {
+            assert_told(platform, "platform", &["20 m", "Teleport"]);
+        }
+    }
+}
+
+/// Hooks that nobody answers.
+fn hooks() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let body = sim.spawn((
+        resting(&cube, Vec3::ZERO),
+        ActiveCollisionHooks::ALL,
+        Name::new("ghost"),
+    ));
+    sim.step(3);
+    assert_told(body, "ghost", &["ActiveCollisionHooks", "CollisionHooksPlugin"]);
 }
 
 /// What takes a body out has its name too.

@@ -2,7 +2,7 @@
 
 use super::oddities::{Oddities, Oddity};
 use crate::state::{Bodies, Departure};
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::prelude::*;
 
 /// A body that moves farther than this many of its diameters in one step causes a warning.
@@ -15,12 +15,17 @@ pub(crate) struct DrivenBodies {
     poses: EntityHashMap<(Vec3, Quat)>,
     /// Where those begin that move in this step.
     departures: Vec<(Entity, (Vec3, Quat))>,
+    /// Those that have moved very far in one step.
+    far: EntityHashSet,
 }
 
 impl DrivenBodies {
     /// Takes those of the last step, to be replaced by those of this one.
     pub fn take(&mut self) -> Self {
-        std::mem::take(self)
+        let far = std::mem::take(&mut self.far);
+        let before = std::mem::take(self);
+        self.far = far;
+        before
     }
 
     /// Adds a body with its pose in the world; `before` are those of the last step. One that `teleports` does not move
@@ -40,14 +45,15 @@ impl DrivenBodies {
         self.poses.contains_key(&entity)
     }
 
-    /// Forgets bodies that are left out of this step, and notes those that move very far in it. `number_of` gives the number
-    /// of a body.
+    /// Forgets bodies that are left out of this step, and notes once each that moves very far in it. `number_of` gives the
+    /// number of a body.
     pub fn check(&mut self, bodies: &Bodies, number_of: impl Fn(Entity) -> Option<usize>, oddities: &mut Oddities) {
         self.poses.retain(|&entity, _| number_of(entity).is_some());
+        self.far.retain(|entity| self.poses.contains_key(entity));
         for &(entity, (start, _)) in &self.departures {
             let Some(i) = number_of(entity) else { continue };
             let way = bodies.body_motion(i).position.distance(start);
-            if way > LONG_WAY * 2.0 * bodies.radius[i] {
+            if way > LONG_WAY * 2.0 * bodies.radius[i] && self.far.insert(entity) {
                 oddities.add(entity, Oddity::LongWay(way));
             }
         }
