@@ -93,7 +93,7 @@ fn run_stage(stage: Stage, number: u32, step: &mut StepState, hooks: &mut dyn St
     let place = Place::of(number, step.results.collision_substeps);
     for part in parts_of(stage, step.input.config.response, place) {
         match part {
-            Part::FilterPairs => filter_pairs(step, hooks),
+            Part::FilterPairs => filter_pairs(step, number, hooks),
             Part::ModifyContacts => modify_contacts(step, number, hooks),
             _ => run_part(part, number, step),
         }

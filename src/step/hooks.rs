@@ -64,8 +64,9 @@ impl LeftOut {
     }
 }
 
-/// Leaves out pairs by the filter. A sleeping body wakes if the answer about one of its pairs has changed.
-pub(super) fn filter_pairs(step: &mut StepState, hooks: &mut dyn StepHooks) {
+/// Leaves out pairs by the filter in collision substep `number`. A sleeping body wakes if the answer about one of its pairs
+/// has changed since the last step.
+pub(super) fn filter_pairs(step: &mut StepState, number: u32, hooks: &mut dyn StepHooks) {
     let StepState {
         input,
         results,
@@ -84,12 +85,12 @@ pub(super) fn filter_pairs(step: &mut StepState, hooks: &mut dyn StepHooks) {
         before.clear();
         return;
     }
-    // Without contacts nothing sleeps.
-    let may_sleep = input.config.response == Response::Contacts;
+    // Without contacts nothing sleeps. Later collision substeps leave out what sleeps.
+    let may_wake = input.config.response == Response::Contacts && number == 0;
     let keys = &scratch.solver_bodies.keys;
     let mut decide = |pair: [u32; 2]| {
         let is_tested = hooks.filter_pair(pair);
-        if !may_sleep {
+        if !may_wake {
             return is_tested;
         }
         let keys = pair.map(|i| keys[i as usize]);
@@ -112,8 +113,10 @@ pub(super) fn filter_pairs(step: &mut StepState, hooks: &mut dyn StepHooks) {
             }
         }
     }
-    left_out.keys.sort_unstable();
-    before.clone_from(&left_out.keys);
+    if may_wake {
+        left_out.keys.sort_unstable();
+        before.clone_from(&left_out.keys);
+    }
     for &i in left_out.changed.iter().flatten() {
         if scratch.solver_bodies.bodies[i as usize].kind == RigidBody::Dynamic {
             scratch.solver_bodies.wake(i);

@@ -178,6 +178,34 @@ pub fn friends_pass_through_each_other_and_foes_do_not() {
     assert!(sim.app.world().get::<Asked>(a).is_some());
 }
 
+/// A crate sleeps beside a ghost of its team. Far away a fast, thin plate needs several collision substeps.
+pub fn a_sleeper_beside_a_ghost_sleeps_on() {
+    let mut sim = with_rules();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let floor = Transform::from_xyz(0.0, -0.5, 0.0).with_scale(FLOOR);
+    sim.spawn((cube.clone(), floor));
+    sim.spawn((cube.clone(), Transform::from_xyz(0.5, 0.5, 0.0), Team(1)));
+    let body = sim.spawn((resting(&cube, Vec3::Y * 0.5), Team(1)));
+    for i in 0..2 {
+        let plate = Transform::from_xyz(100.0 + 1.5 * i as f32, 0.5, 0.0).with_scale(Vec3::new(0.02, 1.0, 1.0));
+        sim.spawn((
+            RigidBody::Dynamic,
+            cube.clone(),
+            plate,
+            AngularVelocity(Vec3::X * 10.0),
+            LinearVelocity(Vec3::X * -3.0 * i as f32),
+            GravityScale(0.0),
+            SleepingDisabled,
+        ));
+    }
+    sim.step(64);
+    assert!(sim.report().collision_substeps > 1, "{:?}", sim.report());
+    for _ in 0..8 {
+        sim.step(1);
+        assert!(sim.get::<Sleeping>(body).0);
+    }
+}
+
 /// A crate sleeps on a floor of another team. When the floor changes sides, the crate wakes and falls; so it does on a
 /// plane.
 pub fn a_sleeper_wakes_when_the_filter_changes_its_mind() {

@@ -85,6 +85,7 @@ tests_of! {
     friction_of_a_pair_is_what_the_hook_says
     friends_pass_through_each_other_and_foes_do_not
     a_sleeper_wakes_when_the_filter_changes_its_mind
+    a_sleeper_beside_a_ghost_sleeps_on
 }
 
 tests_of! {
