@@ -307,6 +307,26 @@ impl TriMesh {
         }
     }
 
+    /// The same faces with each vertex moved. They keep their ids.
+    ///
+    /// # Errors
+    /// If a vertex has an invalid coordinate, or no face has an area; see [`MeshError`].
+    #[cfg(feature = "bevy")]
+    pub(crate) fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Result<Self, MeshError> {
+        let mut faces = vec![None; self.triangles.len() + self.dropped.len()];
+        for (&id, &triangle) in self.face_ids.iter().zip(&self.triangles) {
+            faces[id as usize] = Some(triangle);
+        }
+        let mut dropped = self.dropped.iter().copied();
+        let faces = faces.into_iter().filter_map(|face| face.or_else(|| dropped.next()));
+        let vertices = self.vertices.iter().map(|&v| map(v)).collect();
+        let mesh = Self::new(vertices, faces.collect())?;
+        Ok(Self {
+            is_flipped: self.is_flipped,
+            ..mesh
+        })
+    }
+
     /// Rebuilds a mesh from stored parts. Validates ranges, coordinates and areas again, because all other code relies
     /// on them, and recomputes the connectivity.
     ///

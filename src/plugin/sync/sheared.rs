@@ -1,7 +1,6 @@
 //! Meshes that the transforms above their colliders shear: copies with the shear applied, baked in the background.
 
 use crate::asset::{CollisionMesh, ImportError};
-use crate::geometry::TriMesh;
 use crate::plugin::assets::LoadError;
 use crate::plugin::assets::jobs::on_bake_pool;
 use crate::state::mesh_arena::MeshArena;
@@ -136,9 +135,8 @@ impl ShearedMeshes {
         );
         let (mesh, stretch) = (source.clone(), *stretch);
         let bake = on_bake_pool(move |pool, progress| {
-            let vertices = mesh.mesh.vertices().iter();
-            let vertices = vertices.map(|v| (stretch * v.as_dvec3()).as_vec3()).collect();
-            let sheared = TriMesh::new(vertices, mesh.mesh.triangles().to_vec()).map_err(ImportError::from)?;
+            let sheared = mesh.mesh.mapped(|v| (stretch * v.as_dvec3()).as_vec3());
+            let sheared = sheared.map_err(ImportError::from)?;
             Ok(CollisionMesh::bake(&sheared, mesh.settings, pool, progress)?)
         });
         self.copies.push(ShearedCopy {
