@@ -27,6 +27,8 @@ impl PluginGroup for FaceoffPlugins {
             .add(FaceoffDiagnosticsPlugin);
         #[cfg(feature = "bevy_mesh")]
         let group = group.add(crate::plugin::mesh_collider_from::MeshColliderFromPlugin);
+        #[cfg(feature = "bevy_gltf")]
+        let group = group.add(crate::plugin::prefab::MeshColliderHierarchyPlugin);
         group
     }
 }

@@ -7,6 +7,7 @@
 //! | add the plugins | [`FaceoffPlugins`], [`FaceoffHeadlessPlugins`] |
 //! | spawn bodies | [`components`], and [`types`](crate::types) for the components that the core shares |
 //! | load meshes | [`assets`] |
+//! | give colliders to a glTF scene | `prefab`, with the feature `bevy_gltf` |
 //! | set gravity, backend and other global settings | [`settings`], and [`types::settings`](crate::types::settings) |
 //! | read results | [`collisions`], [`events`], [`diagnostics`] |
 //! | order systems against the step | [`FaceoffStep`], [`FaceoffSystems`] |
@@ -28,6 +29,8 @@ mod groups;
 pub mod hooks;
 #[cfg(feature = "bevy_mesh")]
 pub mod mesh_collider_from;
+#[cfg(feature = "bevy_gltf")]
+pub mod prefab;
 mod renderer;
 mod schedule;
 pub mod settings;

@@ -14,27 +14,13 @@ use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::prelude::*;
 use serde_json::json;
 
-/// A torus and a cube. Bevy's loader is stricter than ours: materials and normals have to be right, or absent, and
-/// positions need bounds.
+/// A torus and a cube.
 fn two_meshes() -> Vec<u8> {
     let mut gltf = Gltf::of(&shapes::torus_240());
     let primitive = gltf.primitive(&shapes::cube(1.0), U16);
     let cube = gltf.mesh("Cube", vec![primitive]);
     gltf.root_node(json!({"mesh": cube, "translation": [9, 0, 0]}));
-    let object = gltf.json.as_object_mut().unwrap();
-    object.remove("materials");
-    for mesh in object["meshes"].as_array_mut().unwrap() {
-        let primitive = mesh["primitives"][0].as_object_mut().unwrap();
-        primitive.remove("material");
-        primitive["attributes"].as_object_mut().unwrap().remove("NORMAL");
-    }
-    for accessor in object["accessors"].as_array_mut().unwrap() {
-        if accessor["type"] == "VEC3" {
-            accessor["min"] = json!([-1.0, -1.0, -1.0]);
-            accessor["max"] = json!([1.0, 1.0, 1.0]);
-        }
-    }
-    gltf.glb()
+    gltf.for_bevy().glb()
 }
 
 /// An app with Bevy's glTF loader and all that it needs, and ours, in one order or the other.

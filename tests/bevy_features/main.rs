@@ -1,5 +1,8 @@
 //! What needs more of Bevy than the plugin itself does: its meshes, its glTF loader, its gizmos.
 
+#[cfg(feature = "bevy_gltf")]
+#[path = "../common/app.rs"]
+mod app;
 #[path = "../common/asset_app.rs"]
 mod asset_app;
 #[cfg(feature = "bevy_gltf")]
@@ -10,3 +13,5 @@ mod bevy_mesh;
 mod debug_gizmos;
 #[path = "../common/gltf_files.rs"]
 mod gltf_files;
+#[cfg(feature = "bevy_gltf")]
+mod prefabs;

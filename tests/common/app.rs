@@ -198,3 +198,25 @@ pub fn assert_near(found: Vec3, wanted: Vec3, tolerance: f32) {
         "found {found}, wanted {wanted} to within {tolerance}"
     );
 }
+
+/// Every start has had its end but for the pairs that touch now, and no pair has a despawned collider.
+#[track_caller]
+pub fn assert_told(sim: &Sim) {
+    let pair = |[a, b]: [Entity; 2]| sorted(a, b);
+    let mut open: Vec<_> = sim.started.iter().map(|s| pair([s.collider1, s.collider2])).collect();
+    for end in &sim.ended {
+        let ended = pair([end.collider1, end.collider2]);
+        let at = open
+            .iter()
+            .position(|&started| started == ended)
+            .expect("an end without a start");
+        open.remove(at);
+    }
+    let mut now: Vec<_> = sim.touching().into_iter().map(pair).collect();
+    now.sort();
+    open.sort();
+    assert_eq!(open, now);
+    for entity in now.into_iter().flatten() {
+        assert!(sim.app.world().get_entity(entity).is_ok());
+    }
+}

@@ -95,6 +95,52 @@ impl Gltf {
         node
     }
 
+    /// The document as Bevy's loader accepts it. That one is stricter than ours: materials and normals have to be right,
+    /// or absent, and positions need bounds.
+    pub fn for_bevy(mut self) -> Self {
+        let bin = &self.bin;
+        let views = self.json["bufferViews"].clone();
+        let object = self.json.as_object_mut().unwrap();
+        for mesh in object["meshes"].as_array_mut().unwrap() {
+            for primitive in mesh["primitives"].as_array_mut().unwrap() {
+                if primitive["material"] == 5 {
+                    primitive.as_object_mut().unwrap().remove("material");
+                }
+                primitive["attributes"].as_object_mut().unwrap().remove("NORMAL");
+            }
+        }
+        object["materials"].as_array_mut().unwrap().remove(0);
+        for mesh in object["meshes"].as_array_mut().unwrap() {
+            for primitive in mesh["primitives"].as_array_mut().unwrap() {
+                if let Some(material) = primitive.get_mut("material") {
+                    *material = json!(material.as_u64().unwrap() - 1);
+                }
+            }
+        }
+        if object["materials"].as_array().unwrap().is_empty() {
+            object.remove("materials");
+        }
+        for accessor in object["accessors"].as_array_mut().unwrap() {
+            if accessor["type"] != "VEC3" {
+                continue;
+            }
+            let view = &views[accessor["bufferView"].as_u64().unwrap() as usize];
+            let [start, length] = ["byteOffset", "byteLength"].map(|key| view[key].as_u64().unwrap() as usize);
+            let (mut min, mut max) = ([f32::MAX; 3], [f32::MIN; 3]);
+            for (i, number) in bin[start..start + length].as_chunks().0.iter().enumerate() {
+                let number = f32::from_le_bytes(*number);
+                (min[i % 3], max[i % 3]) = (min[i % 3].min(number), max[i % 3].max(number));
+            }
+            (accessor["min"], accessor["max"]) = (json!(min), json!(max));
+        }
+        self
+    }
+
+    /// Adds a material of this name and returns its number.
+    pub fn material(&mut self, name: &str) -> usize {
+        self.push("materials", json!({"name": name}))
+    }
+
     pub fn glb(&self) -> Vec<u8> {
         let mut gltf = self.clone();
         gltf.fit();

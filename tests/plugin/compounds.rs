@@ -1,6 +1,6 @@
 //! Bodies of several colliders, and bodies and colliders anywhere in the hierarchy.
 
-use crate::app::{Sim, assert_near, sorted};
+use crate::app::{Sim, assert_near, assert_told, sorted};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::prelude::*;
@@ -50,27 +50,6 @@ fn in_world(sim: &Sim, entity: Entity) -> GlobalTransform {
 
 fn fall() -> Gravity {
     Gravity(Vec3::NEG_Y * 9.81)
-}
-
-/// Every start has had its end but for the pairs that touch now, and no pair has a despawned collider.
-fn assert_told(sim: &Sim) {
-    let pair = |[a, b]: [Entity; 2]| sorted(a, b);
-    let mut open: Vec<_> = sim.started.iter().map(|s| pair([s.collider1, s.collider2])).collect();
-    for end in &sim.ended {
-        let ended = pair([end.collider1, end.collider2]);
-        let at = open
-            .iter()
-            .position(|&started| started == ended)
-            .expect("an end without a start");
-        open.remove(at);
-    }
-    let mut now: Vec<_> = sim.touching().into_iter().map(pair).collect();
-    now.sort();
-    open.sort();
-    assert_eq!(open, now);
-    for entity in now.into_iter().flatten() {
-        assert!(sim.app.world().get_entity(entity).is_ok());
-    }
 }
 
 #[test]
@@ -333,7 +312,23 @@ fn what_lies_on_a_part_falls_when_the_part_goes() {
         let ball = sim.mesh(&shapes::ball(0.1, 2));
         sim.set(top, ball);
     });
+    // A hot reload.
+    the_load_falls(|sim, [_, top, ..]| {
+        let MeshCollider(mesh) = sim.get(top);
+        let ball = CollisionMesh::new(&shapes::ball(0.1, 2));
+        let mut meshes = sim.world().resource_mut::<Assets<CollisionMesh>>();
+        // The leg has the same mesh as the top.
+        meshes.insert(&mesh, ball).unwrap();
+    });
+    // To a parent elsewhere.
+    the_load_falls(|sim, [_, top, ..]| {
+        let elsewhere = sim.spawn(Transform::from_xyz(20.0, 0.0, 0.0));
+        sim.set(top, ChildOf(elsewhere));
+    });
     the_load_falls(|sim, [table, ..]| sim.set(table, Transform::from_xyz(10.0, 0.001, 0.0)));
+    the_load_falls(|sim, [table, ..]| {
+        sim.set(table, Transform::from_xyz(0.0, 0.001, 0.0).with_scale(Vec3::splat(0.3)))
+    });
 }
 
 #[test]

@@ -93,6 +93,31 @@ impl Triangles {
         Ok(Self { vertices, faces })
     }
 
+    /// Those of several meshes, joined.
+    pub(crate) fn of_all(meshes: &[&Mesh]) -> Result<Self, BevyMeshError> {
+        if let [mesh] = meshes {
+            return Self::of(mesh);
+        }
+        let mut all = Self {
+            vertices: Vec::new(),
+            faces: Vec::new(),
+        };
+        for mesh in meshes {
+            let Self { vertices, faces } = Self::of(mesh)?;
+            // An index beyond the vertices of its own mesh stays one beyond those of all, and is reported later.
+            let (first, beyond) = (all.vertices.len() as u32, vertices.len() as u32);
+            let shifted = |i: u32| if i < beyond { i + first } else { u32::MAX };
+            all.faces.extend(faces.into_iter().map(|face| face.map(shifted)));
+            all.vertices.extend(vertices);
+        }
+        Ok(all)
+    }
+
+    /// The memory that they take.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.vertices) + size_of_val(&*self.faces)
+    }
+
     pub(crate) fn into_mesh(self) -> Result<TriMesh, MeshError> {
         TriMesh::new(self.vertices, self.faces)
     }

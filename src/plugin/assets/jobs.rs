@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Runs `job` on Bevy's pool for asynchronous computations. For jobs of milliseconds, because it cannot be cancelled.
-pub(super) async fn on_compute_pool<T: Send + 'static>(
+pub(crate) async fn on_compute_pool<T: Send + 'static>(
     job: impl FnOnce() -> Result<T, LoadError> + Send + 'static,
 ) -> Result<T, LoadError> {
     finish(job, |run| {

@@ -6,10 +6,14 @@ mod error;
 mod hot_reload;
 pub(crate) mod jobs;
 pub mod loader;
+#[cfg(feature = "bevy_mesh")]
+pub(crate) mod mesh_bakes;
 pub mod processor;
 
 pub use error::LoadError;
 pub use loader::{CollisionMeshLoader, CollisionMeshSettings};
+#[cfg(feature = "bevy_mesh")]
+pub use mesh_bakes::MeshBakeError;
 
 use crate::asset::CollisionMesh;
 use bevy::prelude::*;

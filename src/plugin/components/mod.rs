@@ -19,6 +19,10 @@ use bevy::prelude::*;
 #[require(Transform)]
 pub struct MeshCollider(pub Handle<CollisionMesh>);
 
+/// Its entity, or one below it, gets a [`MeshCollider`] later. Until then a body without colliders is not reported.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub(crate) struct ColliderToCome;
+
 /// A solid half-space: the points `p` with `normal . p < distance` are solid, in the coordinates of its entity. Dynamic
 /// bodies collide with it.
 ///

@@ -25,13 +25,6 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::time::Instant;
 
-/// A component that becomes a collider later.
-#[cfg(feature = "bevy_mesh")]
-use crate::plugin::mesh_collider_from::MeshColliderFrom as ColliderToCome;
-/// Without the feature there is no such component.
-#[cfg(not(feature = "bevy_mesh"))]
-use MeshCollider as ColliderToCome;
-
 /// Colliders that may be parts of a body above them.
 type Children = (
     With<MeshCollider>,

@@ -1,0 +1,301 @@
+//! Which entities of a hierarchy get a collider, of which meshes and with which settings.
+
+use super::error::{PrefabError, PrefabFault};
+use super::extras::{self, Place};
+use super::make::{MadeBody, MadeFrom};
+use super::scenes::Scenes;
+use super::settings::{ColliderSettings, Layer, MeshColliderHierarchy};
+use crate::plugin::assets::mesh_bakes::Source;
+use crate::plugin::components::MeshCollider;
+use crate::plugin::mesh_collider_from::MeshColliderFrom;
+use crate::types::body::RigidBody;
+use bevy::asset::AssetPath;
+use bevy::ecs::query::QueryData;
+use bevy::gltf::{GltfExtras, GltfMaterialExtras, GltfMeshExtras, GltfMeshName};
+use bevy::platform::collections::HashSet;
+use bevy::prelude::*;
+use std::task::Poll;
+
+/// An entity of the hierarchy.
+#[derive(QueryData)]
+pub(super) struct Node {
+    children: Option<&'static Children>,
+    name: Option<&'static Name>,
+    transform: Option<&'static Transform>,
+    mesh: Option<&'static Mesh3d>,
+    mesh_name: Option<&'static GltfMeshName>,
+    extras: Option<&'static GltfExtras>,
+    mesh_extras: Option<&'static GltfMeshExtras>,
+    material_extras: Option<&'static GltfMaterialExtras>,
+    made: Option<&'static MadeFrom>,
+    made_body: Has<MadeBody>,
+    has_collider: Has<MeshCollider>,
+    will_have_collider: Has<MeshColliderFrom>,
+    is_body: Has<RigidBody>,
+    is_hierarchy: Has<MeshColliderHierarchy>,
+}
+
+/// A collider to make.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub entity: Entity,
+    /// The name of its node.
+    pub node: String,
+    pub made: MadeFrom,
+}
+
+/// What is to be done.
+#[derive(Default)]
+pub(super) struct Plan {
+    pub parts: Vec<Part>,
+    /// Nodes that become bodies.
+    pub bodies: Vec<(Entity, ColliderSettings)>,
+    /// Entities whose colliders are no longer wanted.
+    pub unwanted: Vec<Entity>,
+    pub errors: Vec<PrefabError>,
+    /// Names of nodes, meshes and entities that have settings.
+    pub found: HashSet<String>,
+}
+
+/// A mesh of a node, with its settings.
+struct Primitive<'a> {
+    entity: Entity,
+    mesh: &'a Handle<Mesh>,
+    settings: ColliderSettings,
+}
+
+/// Plans the colliders below `root`. `None` if Bevy has still to spawn one of the scenes.
+pub(super) fn plan(
+    root: Entity,
+    hierarchy: &MeshColliderHierarchy,
+    nodes: &Query<Node>,
+    scenes: &Scenes,
+) -> Option<Plan> {
+    let mut planner = Planner {
+        hierarchy,
+        nodes,
+        file: scenes.file(root),
+        plan: Plan::default(),
+    };
+    // Those whose collider is planned with their node.
+    let mut planned = HashSet::default();
+    let mut open = vec![root];
+    while let Some(entity) = open.pop() {
+        let Ok(node) = nodes.get(entity) else { continue };
+        if entity != root && node.is_hierarchy {
+            continue;
+        }
+        match scenes.state(entity) {
+            Poll::Pending => return None,
+            Poll::Ready(Err(error)) => planner.error(entity, &node, PrefabFault::Scene(error)),
+            Poll::Ready(Ok(())) => {}
+        }
+        if entity != root && !planned.contains(&entity) {
+            planner.node(entity, &node, &mut planned);
+        }
+        open.extend(node.children.into_iter().flatten().rev());
+    }
+    Some(planner.plan)
+}
+
+struct Planner<'a, 'w, 's> {
+    hierarchy: &'a MeshColliderHierarchy,
+    nodes: &'a Query<'w, 's, Node>,
+    file: Option<AssetPath<'static>>,
+    plan: Plan,
+}
+
+impl Planner<'_, '_, '_> {
+    /// Plans the colliders of a node: of its own mesh, or of the primitives of its glTF mesh, which are its children.
+    fn node(&mut self, entity: Entity, node: &NodeItem, planned: &mut HashSet<Entity>) {
+        let nodes = self.nodes;
+        let of_gltf = node.children.into_iter().flatten().copied().filter(|&child| {
+            let child = nodes.get(child);
+            child.is_ok_and(|child| child.mesh.is_some_and(|mesh| primitive_of(mesh).is_some()) && !child.is_hierarchy)
+        });
+        let own: Vec<Entity> = match node.mesh {
+            Some(_) => vec![entity],
+            None => of_gltf.collect(),
+        };
+        planned.extend(own.iter().copied());
+
+        let place = Place::Node {
+            has_mesh: !own.is_empty(),
+        };
+        let of_node = self.extras(entity, node, node.extras.map(|extras| &*extras.value), place);
+        let mut body = of_node.clone();
+        let mut primitives = Vec::new();
+        for (i, primitive) in own.iter().copied().enumerate() {
+            let Ok(item) = nodes.get(primitive) else { continue };
+            let Some(mesh) = item.mesh else { continue };
+            let below = self.mesh_layer(entity, node, &item, primitive == entity, i == 0);
+            let mut layer = of_node.over(&below);
+            let names = [item.mesh_name.map(|name| &*name.0), item.name.map(Name::as_str)];
+            for name in names.into_iter().chain([node.name.map(Name::as_str)]).flatten() {
+                if let Some(settings) = self.named(name) {
+                    layer = settings.over(&layer);
+                }
+            }
+            // Another body or a mass is the node's.
+            let settings = &mut layer.settings;
+            body.settings.body = body.settings.body.or(settings.body.take());
+            body.settings.mass = body.settings.mass.or(settings.mass.take());
+            let is_free = item.made.is_some() || !item.has_collider && !item.will_have_collider;
+            if layer.collider == Some(true) && is_free {
+                primitives.push(Primitive {
+                    entity: primitive,
+                    mesh: &mesh.0,
+                    settings: layer.settings,
+                });
+            } else if item.made.is_some() {
+                self.plan.unwanted.push(primitive);
+            }
+        }
+        if let Some(settings) = node.name.and_then(|name| self.named(name)) {
+            body = settings.over(&body);
+        }
+        if body.settings.body.is_some() && !node.is_body && !node.made_body {
+            self.plan.bodies.push((entity, body.settings));
+        }
+        self.parts(entity, node, primitives, own.len());
+    }
+
+    /// The settings of a mesh before those of its node.
+    fn mesh_layer(
+        &mut self,
+        entity: Entity,
+        node: &NodeItem,
+        primitive: &NodeItem,
+        is_node: bool,
+        is_first: bool,
+    ) -> Layer {
+        let errors = self.plan.errors.len();
+        let of_material = primitive.material_extras.map(|extras| &*extras.value);
+        let of_material = self.extras(entity, node, of_material, Place::Mesh);
+        let end_of_material = self.plan.errors.len();
+        let of_mesh = self.extras(
+            entity,
+            node,
+            primitive.mesh_extras.map(|extras| &*extras.value),
+            Place::Mesh,
+        );
+        // All primitives have the extras of the mesh.
+        if !is_first {
+            self.plan.errors.truncate(end_of_material);
+        }
+        debug_assert!(errors <= self.plan.errors.len());
+        let own = primitive.extras.filter(|_| !is_node).map(|extras| &*extras.value);
+        let own = self.extras(entity, node, own, Place::Mesh);
+        let default = Layer::of(&self.hierarchy.default);
+        own.over(&of_mesh.over(&of_material.over(&default)))
+    }
+
+    /// Joins the primitives with the same settings of the same glTF mesh.
+    fn parts(&mut self, entity: Entity, node: &NodeItem, primitives: Vec<Primitive>, count: usize) {
+        let mut groups: Vec<Vec<Primitive>> = Vec::new();
+        for primitive in primitives {
+            let belongs = |group: &&mut Vec<Primitive>| {
+                let first = &group[0];
+                let file = |primitive: &Primitive| {
+                    Some((
+                        primitive_of(primitive.mesh)?,
+                        primitive.mesh.path()?.without_label().into_owned(),
+                    ))
+                };
+                let same =
+                    first.settings == primitive.settings && file(first).is_some() && file(first) == file(&primitive);
+                same && group.iter().all(|other| other.mesh != primitive.mesh)
+            };
+            match groups.iter_mut().find(belongs) {
+                Some(group) => group.push(primitive),
+                None => groups.push(vec![primitive]),
+            }
+        }
+        for group in groups {
+            let (first, others) = (&group[0], &group[1..]);
+            self.plan.unwanted.extend(
+                others
+                    .iter()
+                    .map(|other| other.entity)
+                    .filter(|&other| self.nodes.get(other).is_ok_and(|other| other.made.is_some())),
+            );
+            let beside = (group.len() == count && first.settings.bake.is_none()).then(|| self.beside(first));
+            let made = MadeFrom {
+                source: Source {
+                    meshes: group.iter().map(|primitive| primitive.mesh.clone()).collect(),
+                    settings: first.settings.bake,
+                    beside: beside.flatten(),
+                },
+                settings: first.settings.clone(),
+                stale: false,
+            };
+            if self.nodes.get(first.entity).is_ok_and(|item| item.made == Some(&made)) {
+                continue;
+            }
+            self.plan.parts.push(Part {
+                entity: first.entity,
+                node: name_of(entity, node),
+                made,
+            });
+        }
+    }
+
+    /// The path of a baked mesh or recipe beside the file of a glTF mesh, without extension.
+    fn beside(&self, primitive: &Primitive) -> Option<AssetPath<'static>> {
+        let item = self.nodes.get(primitive.entity).ok()?;
+        primitive_of(primitive.mesh)?;
+        // A file has the mesh as it is in the glTF file, which Bevy's loader may have turned.
+        if item
+            .transform
+            .is_some_and(|transform| *transform != Transform::IDENTITY)
+        {
+            return None;
+        }
+        let file = primitive.mesh.path()?;
+        let stem = file.path().file_stem()?.to_string_lossy();
+        let name = format!("{}_{}", plain(&stem), plain(&item.mesh_name?.0));
+        Some(AssetPath::from_path_buf(file.path().with_file_name(name)).with_source(file.source().clone_owned()))
+    }
+
+    /// The settings of a name.
+    fn named(&mut self, name: &str) -> Option<Layer> {
+        let settings = self.hierarchy.by_name.get(name)?;
+        self.plan.found.insert(name.to_owned());
+        Some(Layer::of(settings))
+    }
+
+    /// The settings in a glTF file.
+    fn extras(&mut self, entity: Entity, node: &NodeItem, json: Option<&str>, place: Place) -> Layer {
+        let (layer, errors) = json.map(|json| extras::read(json, place)).unwrap_or_default();
+        for error in errors {
+            self.error(entity, node, error.into());
+        }
+        layer
+    }
+
+    fn error(&mut self, entity: Entity, node: &NodeItem, fault: PrefabFault) {
+        self.plan.errors.push(PrefabError {
+            entity,
+            node: name_of(entity, node),
+            file: self.file.clone(),
+            fault,
+        });
+    }
+}
+
+fn name_of(entity: Entity, node: &NodeItem) -> String {
+    node.name.map_or_else(|| entity.to_string(), Name::to_string)
+}
+
+/// The number of the glTF mesh that this is a primitive of.
+fn primitive_of(mesh: &Handle<Mesh>) -> Option<u32> {
+    let (mesh, primitive) = mesh.path()?.label()?.strip_prefix("Mesh")?.split_once("/Primitive")?;
+    primitive.parse::<u32>().ok()?;
+    mesh.parse().ok()
+}
+
+/// A name with nothing in it that has a meaning in paths.
+fn plain(name: &str) -> String {
+    let keep = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
+    name.chars().map(keep).collect()
+}
