@@ -23,6 +23,10 @@ use std::time::Duration;
 /// Length of a fixed step, Bevy's default.
 const STEP: Duration = Duration::from_nanos(15_625_000);
 
+/// The example is not ready: the steps or frames that are counted have not begun.
+#[derive(Component)]
+pub struct NotReady;
+
 /// The command line.
 #[derive(Resource, Clone, Default)]
 pub struct Options {
@@ -97,8 +101,8 @@ fn run_headless(mut app: App, steps: u32) -> AppExit {
             return exit;
         }
         match meshes_loaded(app.world_mut()) {
-            Ok(true) => break,
-            Ok(false) => std::thread::sleep(Duration::from_millis(1)),
+            Ok(true) if is_ready(app.world_mut()) => break,
+            Ok(_) => std::thread::sleep(Duration::from_millis(1)),
             Err(error) => {
                 eprintln!("{error}");
                 return AppExit::error();
@@ -113,6 +117,10 @@ fn run_headless(mut app: App, steps: u32) -> AppExit {
         }
     }
     AppExit::Success
+}
+
+fn is_ready(world: &mut World) -> bool {
+    world.query_filtered::<(), With<NotReady>>().iter(world).len() == 0
 }
 
 fn meshes_loaded(world: &mut World) -> Result<bool, String> {

@@ -1,6 +1,6 @@
 //! The window of the examples: camera, lights, and a visible mesh for every body.
 
-use super::Options;
+use super::{NotReady, Options};
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy_faceoff::plugin::debug::FaceoffGizmosPlugin;
@@ -87,11 +87,11 @@ fn count_frames(
     mut commands: Commands,
     mut count: Local<u32>,
     options: Res<Options>,
-    bare: Query<(), (With<MeshCollider>, Without<Mesh3d>)>,
+    waiting: Query<(), Or<(With<NotReady>, (With<MeshCollider>, Without<Mesh3d>))>>,
     mut exit: MessageWriter<AppExit>,
 ) {
     let Some(frames) = options.frames else { return };
-    if !bare.is_empty() {
+    if !waiting.is_empty() {
         return;
     }
     *count += 1;

@@ -14,4 +14,4 @@ mod debug_gizmos;
 #[path = "../common/gltf_files.rs"]
 mod gltf_files;
 #[cfg(feature = "bevy_gltf")]
-mod prefabs;
+mod prefab;

@@ -75,6 +75,7 @@ pub(super) fn plan(
         hierarchy,
         nodes,
         file: scenes.file(root),
+        at: (root, String::new()),
         plan: Plan::default(),
     };
     // Those whose collider is planned with their node.
@@ -85,9 +86,10 @@ pub(super) fn plan(
         if entity != root && node.is_hierarchy {
             continue;
         }
+        planner.at = (entity, node.name.map_or_else(|| entity.to_string(), Name::to_string));
         match scenes.state(entity) {
             Poll::Pending => return None,
-            Poll::Ready(Err(error)) => planner.error(entity, &node, PrefabFault::Scene(error)),
+            Poll::Ready(Err(error)) => planner.error(PrefabFault::Scene(error)),
             Poll::Ready(Ok(())) => {}
         }
         if entity != root && !planned.contains(&entity) {
@@ -102,6 +104,8 @@ struct Planner<'a, 'w, 's> {
     hierarchy: &'a MeshColliderHierarchy,
     nodes: &'a Query<'w, 's, Node>,
     file: Option<AssetPath<'static>>,
+    /// The entity whose colliders are planned, and its name.
+    at: (Entity, String),
     plan: Plan,
 }
 
@@ -122,13 +126,13 @@ impl Planner<'_, '_, '_> {
         let place = Place::Node {
             has_mesh: !own.is_empty(),
         };
-        let of_node = self.extras(entity, node, node.extras.map(|extras| &*extras.value), place);
+        let of_node = self.extras(node.extras.map(|extras| &*extras.value), place, true);
         let mut body = of_node.clone();
         let mut primitives = Vec::new();
         for (i, primitive) in own.iter().copied().enumerate() {
             let Ok(item) = nodes.get(primitive) else { continue };
             let Some(mesh) = item.mesh else { continue };
-            let below = self.mesh_layer(entity, node, &item, primitive == entity, i == 0);
+            let below = self.mesh_layer(&item, primitive == entity, i == 0);
             let mut layer = of_node.over(&below);
             let names = [item.mesh_name.map(|name| &*name.0), item.name.map(Name::as_str)];
             for name in names.into_iter().chain([node.name.map(Name::as_str)]).flatten() {
@@ -136,12 +140,16 @@ impl Planner<'_, '_, '_> {
                     layer = settings.over(&layer);
                 }
             }
-            // Another body or a mass is the node's.
+            let is_wanted = layer.collider == Some(true);
+            // A body and its mass are the node's.
             let settings = &mut layer.settings;
-            body.settings.body = body.settings.body.or(settings.body.take());
-            body.settings.mass = body.settings.mass.or(settings.mass.take());
+            let of_body = (settings.body.take(), settings.mass.take());
+            if is_wanted {
+                body.settings.body = of_body.0.or(body.settings.body);
+                body.settings.mass = of_body.1.or(body.settings.mass);
+            }
             let is_free = item.made.is_some() || !item.has_collider && !item.will_have_collider;
-            if layer.collider == Some(true) && is_free {
+            if is_wanted && is_free {
                 primitives.push(Primitive {
                     entity: primitive,
                     mesh: &mesh.0,
@@ -157,54 +165,33 @@ impl Planner<'_, '_, '_> {
         if body.settings.body.is_some() && !node.is_body && !node.made_body {
             self.plan.bodies.push((entity, body.settings));
         }
-        self.parts(entity, node, primitives, own.len());
+        self.parts(primitives, own.len());
     }
 
     /// The settings of a mesh before those of its node.
-    fn mesh_layer(
-        &mut self,
-        entity: Entity,
-        node: &NodeItem,
-        primitive: &NodeItem,
-        is_node: bool,
-        is_first: bool,
-    ) -> Layer {
-        let errors = self.plan.errors.len();
-        let of_material = primitive.material_extras.map(|extras| &*extras.value);
-        let of_material = self.extras(entity, node, of_material, Place::Mesh);
-        let end_of_material = self.plan.errors.len();
-        let of_mesh = self.extras(
-            entity,
-            node,
-            primitive.mesh_extras.map(|extras| &*extras.value),
-            Place::Mesh,
-        );
-        // All primitives have the extras of the mesh.
-        if !is_first {
-            self.plan.errors.truncate(end_of_material);
-        }
-        debug_assert!(errors <= self.plan.errors.len());
-        let own = primitive.extras.filter(|_| !is_node).map(|extras| &*extras.value);
-        let own = self.extras(entity, node, own, Place::Mesh);
+    fn mesh_layer(&mut self, mesh: &NodeItem, is_node: bool, is_first: bool) -> Layer {
+        let of_material = mesh.material_extras.map(|extras| &*extras.value);
+        let of_material = self.extras(of_material, Place::Mesh, true);
+        let of_mesh = mesh.mesh_extras.map(|extras| &*extras.value);
+        // All primitives of a mesh have its extras.
+        let of_mesh = self.extras(of_mesh, Place::Mesh, is_first);
+        let own = mesh.extras.filter(|_| !is_node).map(|extras| &*extras.value);
+        let own = self.extras(own, Place::Mesh, true);
         let default = Layer::of(&self.hierarchy.default);
         own.over(&of_mesh.over(&of_material.over(&default)))
     }
 
     /// Joins the primitives with the same settings of the same glTF mesh.
-    fn parts(&mut self, entity: Entity, node: &NodeItem, primitives: Vec<Primitive>, count: usize) {
+    fn parts(&mut self, primitives: Vec<Primitive>, count: usize) {
         let mut groups: Vec<Vec<Primitive>> = Vec::new();
         for primitive in primitives {
+            let mesh = primitive_of(primitive.mesh);
             let belongs = |group: &&mut Vec<Primitive>| {
                 let first = &group[0];
-                let file = |primitive: &Primitive| {
-                    Some((
-                        primitive_of(primitive.mesh)?,
-                        primitive.mesh.path()?.without_label().into_owned(),
-                    ))
-                };
-                let same =
-                    first.settings == primitive.settings && file(first).is_some() && file(first) == file(&primitive);
-                same && group.iter().all(|other| other.mesh != primitive.mesh)
+                let is_same_mesh = mesh.is_some() && mesh == primitive_of(first.mesh);
+                is_same_mesh
+                    && first.settings == primitive.settings
+                    && group.iter().all(|other| other.mesh != primitive.mesh)
             };
             match groups.iter_mut().find(belongs) {
                 Some(group) => group.push(primitive),
@@ -213,14 +200,14 @@ impl Planner<'_, '_, '_> {
         }
         for group in groups {
             let (first, others) = (&group[0], &group[1..]);
-            self.plan.unwanted.extend(
-                others
-                    .iter()
-                    .map(|other| other.entity)
-                    .filter(|&other| self.nodes.get(other).is_ok_and(|other| other.made.is_some())),
-            );
+            let made = |entity: Entity| self.nodes.get(entity).ok().and_then(|item| item.made);
+            let unwanted = others
+                .iter()
+                .map(|other| other.entity)
+                .filter(|&other| made(other).is_some());
+            self.plan.unwanted.extend(unwanted);
             let beside = (group.len() == count && first.settings.bake.is_none()).then(|| self.beside(first));
-            let made = MadeFrom {
+            let wanted = MadeFrom {
                 source: Source {
                     meshes: group.iter().map(|primitive| primitive.mesh.clone()).collect(),
                     settings: first.settings.bake,
@@ -229,14 +216,13 @@ impl Planner<'_, '_, '_> {
                 settings: first.settings.clone(),
                 stale: false,
             };
-            if self.nodes.get(first.entity).is_ok_and(|item| item.made == Some(&made)) {
-                continue;
+            if made(first.entity) != Some(&wanted) {
+                self.plan.parts.push(Part {
+                    entity: first.entity,
+                    node: self.at.1.clone(),
+                    made: wanted,
+                });
             }
-            self.plan.parts.push(Part {
-                entity: first.entity,
-                node: name_of(entity, node),
-                made,
-            });
         }
     }
 
@@ -245,13 +231,8 @@ impl Planner<'_, '_, '_> {
         let item = self.nodes.get(primitive.entity).ok()?;
         primitive_of(primitive.mesh)?;
         // A file has the mesh as it is in the glTF file, which Bevy's loader may have turned.
-        if item
-            .transform
-            .is_some_and(|transform| *transform != Transform::IDENTITY)
-        {
-            return None;
-        }
-        let file = primitive.mesh.path()?;
+        let is_turned = item.transform.is_some_and(|own| *own != Transform::IDENTITY);
+        let file = primitive.mesh.path().filter(|_| !is_turned)?;
         let stem = file.path().file_stem()?.to_string_lossy();
         let name = format!("{}_{}", plain(&stem), plain(&item.mesh_name?.0));
         Some(AssetPath::from_path_buf(file.path().with_file_name(name)).with_source(file.source().clone_owned()))
@@ -265,33 +246,31 @@ impl Planner<'_, '_, '_> {
     }
 
     /// The settings in a glTF file.
-    fn extras(&mut self, entity: Entity, node: &NodeItem, json: Option<&str>, place: Place) -> Layer {
+    fn extras(&mut self, json: Option<&str>, place: Place, tells: bool) -> Layer {
         let (layer, errors) = json.map(|json| extras::read(json, place)).unwrap_or_default();
-        for error in errors {
-            self.error(entity, node, error.into());
+        for error in errors.into_iter().filter(|_| tells) {
+            self.error(error.into());
         }
         layer
     }
 
-    fn error(&mut self, entity: Entity, node: &NodeItem, fault: PrefabFault) {
+    fn error(&mut self, fault: PrefabFault) {
+        let (entity, node) = self.at.clone();
         self.plan.errors.push(PrefabError {
             entity,
-            node: name_of(entity, node),
+            node,
             file: self.file.clone(),
             fault,
         });
     }
 }
 
-fn name_of(entity: Entity, node: &NodeItem) -> String {
-    node.name.map_or_else(|| entity.to_string(), Name::to_string)
-}
-
-/// The number of the glTF mesh that this is a primitive of.
-fn primitive_of(mesh: &Handle<Mesh>) -> Option<u32> {
-    let (mesh, primitive) = mesh.path()?.label()?.strip_prefix("Mesh")?.split_once("/Primitive")?;
+/// The file and the number of the glTF mesh that this is a primitive of.
+fn primitive_of(mesh: &Handle<Mesh>) -> Option<(AssetPath<'_>, u32)> {
+    let path = mesh.path()?;
+    let (number, primitive) = path.label()?.strip_prefix("Mesh")?.split_once("/Primitive")?;
     primitive.parse::<u32>().ok()?;
-    mesh.parse().ok()
+    Some((path.without_label(), number.parse().ok()?))
 }
 
 /// A name with nothing in it that has a meaning in paths.
