@@ -2,6 +2,7 @@
 
 use super::error::{PrefabError, PrefabFault};
 use super::plan::{Node, Part, plan};
+use super::scene_types;
 use super::scenes::Scenes;
 use super::settings::{ColliderSettings, MeshColliderHierarchy, MeshColliderHierarchyReady};
 use crate::asset::CollisionMesh;
@@ -27,6 +28,7 @@ impl Plugin for MeshColliderHierarchyPlugin {
             .after(SceneSpawnerSystems::WorldInstanceSpawn)
             .run_if(any_with_component::<MeshColliderHierarchy>)
             .run_if(resource_exists::<Assets<Mesh>>);
+        scene_types::register(app);
         app.init_resource::<MeshBakes>()
             .register_type::<MeshColliderHierarchy>()
             .register_type::<ColliderSettings>()

@@ -48,6 +48,7 @@ mod error;
 mod extras;
 mod make;
 mod plan;
+mod scene_types;
 mod scenes;
 mod settings;
 

@@ -119,5 +119,5 @@ fn without_a_body_a_scene_is_static() {
     sim.step(64);
     let part = entity(&mut sim, "BoxMesh");
     assert!(sim.touch(part, ball));
-    assert!((sim.position(ball).y - 0.35).abs() < 0.01, "{}", sim.position(ball));
+    assert!((sim.position(ball).y - 0.3).abs() < 0.01, "{}", sim.position(ball));
 }

@@ -8,7 +8,6 @@ mod settings;
 use crate::app::Sim;
 use crate::asset_app::{plain, update_until};
 use crate::gltf_files::{Gltf, U16};
-use bevy::ecs::message::Messages;
 use bevy::gltf::GltfPlugin;
 use bevy::image::ImagePlugin;
 use bevy::mesh::MeshPlugin;
@@ -24,6 +23,10 @@ use std::path::Path;
 /// What [`MeshColliderHierarchyReady`] told.
 #[derive(Resource, Default)]
 pub struct Told(pub Vec<MeshColliderHierarchyReady>);
+
+/// Number of collision meshes that were made.
+#[derive(Resource, Default)]
+struct Made(usize);
 
 /// A simulation that loads scenes from `folder`.
 pub fn sim(folder: &Path) -> Sim {
@@ -45,6 +48,16 @@ pub fn sim(folder: &Path) -> Sim {
     .init_asset::<SkinnedMeshInverseBindposes>()
     .add_plugins(GltfPlugin::default())
     .init_resource::<Told>()
+    .init_resource::<Made>()
+    .add_systems(
+        First,
+        |mut events: MessageReader<AssetEvent<CollisionMesh>>, mut made: ResMut<Made>| {
+            made.0 += events
+                .read()
+                .filter(|event| matches!(event, AssetEvent::Added { .. }))
+                .count();
+        },
+    )
     .add_observer(|ready: On<MeshColliderHierarchyReady>, mut told: ResMut<Told>| {
         told.0.push(ready.event().clone());
     });
@@ -100,11 +113,9 @@ pub fn collision_mesh(sim: &Sim, entity: Entity) -> CollisionMesh {
 
 /// Number of collision meshes that were made since the last call.
 pub fn made(sim: &mut Sim) -> usize {
-    let mut events = sim.world().resource_mut::<Messages<AssetEvent<CollisionMesh>>>();
-    events
-        .drain()
-        .filter(|event| matches!(event, AssetEvent::Added { .. }))
-        .count()
+    // Bevy tells at the end of the frame.
+    sim.step(2);
+    std::mem::take(&mut sim.world().resource_mut::<Made>().0)
 }
 
 pub fn faults(errors: &[PrefabError]) -> Vec<(String, String)> {

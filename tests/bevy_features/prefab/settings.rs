@@ -50,11 +50,13 @@ fn settings_by_name() {
     // Settings that change are followed.
     let mut hierarchy: MeshColliderHierarchy = sim.get(root);
     hierarchy.default = None;
-    let hierarchy = hierarchy.with_collider_for_name("C", ColliderSettings::default());
+    let hierarchy = hierarchy
+        .with_collider_for_name("BMesh", ColliderSettings::default())
+        .with_collider_for_name("C", ColliderSettings::default());
     sim.set(root, hierarchy);
     let told = ready_again(&mut sim, root, 2);
     assert_eq!(told.colliders, [b, c]);
-    assert!(!has::<MeshCollider>(&sim, a) && !has::<Density>(&sim, b));
+    assert!(!has::<MeshCollider>(&sim, a) && !has::<Density>(&sim, b) && has::<Friction>(&sim, b));
 }
 
 #[test]
