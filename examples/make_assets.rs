@@ -172,7 +172,7 @@ impl Gltf {
             {"attributes": {"POSITION": positions}, "indices": indices, "material": index},
         ]}));
         self.nodes.push(json!({
-            "name": name, "mesh": index, "translation": place.to_array(), "scale": [scale; 3], "extras": extras,
+            "name": name, "mesh": index, "translation": place.to_array(), "scale": Vec3::splat(scale).to_array(), "extras": extras,
         }));
     }
 
