@@ -81,5 +81,9 @@ fn may_collide(a: GridEntry, b: GridEntry) -> bool {
     }
     let of_a = bodies[a.body];
     let of_b = bodies[b.body];
+    // Colliders of one body do not collide.
+    if of_a.body == of_b.body {
+        return false;
+    }
     return layers_interact(vec2(of_a.memberships, of_a.filters), vec2(of_b.memberships, of_b.filters));
 }

@@ -1,8 +1,8 @@
 // BroadPhase, first: the pose of each body at the start of the step. Bodies continue from the last step, whose results
-// the host need not know yet. One thread per body.
+// the host need not know yet. Those of compounds follow. One thread per collider.
 #import faceoff::carried::carry_over
 #import faceoff::dispatch::group_index
-#import faceoff::margins::with_speculative_radius
+#import faceoff::margins::{with_rounded_center, with_speculative_radius}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -12,12 +12,9 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= step.bodies {
+    if i >= step.bodies || (bodies[i].flags & t::PART) != 0u {
         return;
     }
-    var body = carry_over(bodies[i], moved[bodies[i].source]);
-    // The sphere grows by the rounding error of its centre: four units in the last place.
-    let place = abs(body.position);
-    body.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
-    bodies[i] = with_speculative_radius(step, body);
+    let body = carry_over(bodies[i], moved[bodies[i].source]);
+    bodies[i] = with_speculative_radius(step, with_rounded_center(body));
 }

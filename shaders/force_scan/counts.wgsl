@@ -1,5 +1,5 @@
-// ForceScan: counts the contacts that apply an impulse to each body. Contacts that separate do not count, so they take
-// no part of the body's mass. One thread per body.
+// ForceScan: counts the contacts that apply an impulse to each collider. Contacts that separate do not count, so they
+// take no part of the body's mass. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::response::plane_pushes
 #import faceoff::types as t

@@ -1,4 +1,5 @@
-// ForceScan: each body sums the impulses of its entries, in their order, and of its planes. One thread per body.
+// ForceScan: each collider sums the impulses of its entries, in their order, and of its planes, as changes of its body's
+// velocity. One thread per collider.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::math::rotate
@@ -41,7 +42,14 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     impulses[i] = sum;
 }
 
-// Change of velocity along n by a unit impulse at `anchor`, if the body's mass is split among its contacts.
+// From the centre of mass of a collider's body to a point at `anchor` from that of the collider.
+fn body_anchor(collider: u32, anchor: vec3<f32>) -> vec3<f32> {
+    let contacts = body_contacts[collider];
+    return vec3(contacts.offset_x, contacts.offset_y, contacts.offset_z) + anchor;
+}
+
+// Change of velocity along n by a unit impulse at `anchor` from the body's centre of mass, if the body's mass is split
+// among its contacts.
 fn side_inverse_effective_mass(body: t::Body, active_contacts: u32, anchor: vec3<f32>, n: vec3<f32>) -> f32 {
     let spin = r::inverse_inertia(body, cross(anchor, n));
     return f32(active_contacts) * (body.inverse_mass + dot(cross(spin, anchor), n));
@@ -61,8 +69,10 @@ fn of_pair(result: t::PairResult, first: bool) -> t::Impulse {
     let anchor_a = result.point;
     let anchor_b = result.point - ((b.position - a.position) + (center_b - center_a));
     let closing = dot(r::velocity(step, a, anchor_a) - r::velocity(step, b, anchor_b), n);
-    let inverse_effective_mass = side_inverse_effective_mass(a, body_contacts[result.a].active_contacts, anchor_a, n)
-        + side_inverse_effective_mass(b, body_contacts[result.b].active_contacts, anchor_b, n);
+    let arm_a = body_anchor(result.a, anchor_a);
+    let arm_b = body_anchor(result.b, anchor_b);
+    let inverse_effective_mass = side_inverse_effective_mass(a, body_contacts[result.a].active_contacts, arm_a, n)
+        + side_inverse_effective_mass(b, body_contacts[result.b].active_contacts, arm_b, n);
     var none: t::Impulse;
     if !(closing > 0.0 && inverse_effective_mass > 0.0) {
         return none;
@@ -73,9 +83,9 @@ fn of_pair(result: t::PairResult, first: bool) -> t::Impulse {
     }
     let size = (1.0 + restitution) * closing / inverse_effective_mass;
     if first {
-        return impulse(a, anchor_a, n, -size);
+        return impulse(a, arm_a, n, -size);
     }
-    return impulse(b, anchor_b, n, size);
+    return impulse(b, arm_b, n, size);
 }
 
 // The change of velocity of a body that penetrates a half-space.
@@ -86,10 +96,11 @@ fn of_plane(body: t::Body, contact: t::PlaneContact, active_contacts: u32) -> t:
         return none;
     }
     let speed = dot(r::velocity(step, body, contact.anchor), plane.normal);
-    let inverse_effective_mass = side_inverse_effective_mass(body, active_contacts, contact.anchor, plane.normal);
+    let arm = body_anchor(contact.body, contact.anchor);
+    let inverse_effective_mass = side_inverse_effective_mass(body, active_contacts, arm, plane.normal);
     if !(inverse_effective_mass > 0.0) {
         return none;
     }
     let size = (r::target_speed(step, body, plane, contact.depth, speed) - speed) / inverse_effective_mass;
-    return impulse(body, contact.anchor, plane.normal, size);
+    return impulse(body, arm, plane.normal, size);
 }

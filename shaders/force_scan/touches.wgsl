@@ -36,7 +36,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if !(has_impulse || contact_points[nearest].separation <= pair.rest_offset) {
         return;
     }
-    if pair.b < step.bodies {
+    if pair.collider_b < step.bodies {
         atomicAdd(&tally[t::TOUCHING_NOW], 1u);
     }
     let first = atomicAdd(&tally[t::TOUCHES], pair.count);
@@ -52,7 +52,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         let middle = center + (point.anchor_a + point.normal * (0.5 * point.separation));
         let impulse = impulse_of(point_states[pair.first + k]);
         touches[first + k] = t::Touch(
-            middle, pair.a, point.normal, pair.b, point.separation, impulse, substep_number, k
+            middle, pair.collider_a, point.normal, pair.collider_b, point.separation, impulse, substep_number, k
         );
     }
 }

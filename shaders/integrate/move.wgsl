@@ -1,5 +1,5 @@
-// Integrate: semi-implicit Euler. If a list was too short nothing moves, and the host repeats the step. One thread per
-// body.
+// Integrate: semi-implicit Euler. If a list was too short nothing moves, and the host repeats the step. Compounds
+// follow. One thread per collider.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::math::{compose, rotate, rotation_by}
@@ -25,6 +25,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let body = bodies[i];
+    if (body.flags & t::PART) != 0u {
+        return;
+    }
     let kind = body.flags & t::KIND_MASK;
     var v = body.linear_velocity;
     var w = body.angular_velocity;

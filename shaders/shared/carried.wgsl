@@ -14,6 +14,19 @@ fn carry_over(body: t::Body, last: t::Moved) -> t::Body {
     return next;
 }
 
+// The same for a compound.
+fn carry_over_compound(compound: t::Compound, last: t::Moved) -> t::Compound {
+    let carried = compound.carried;
+    var next = compound;
+    next.position = carry_axes(carried, t::CARRIED_POSITION, last.position, compound.position);
+    next.linear_velocity = carry_axes(carried, t::CARRIED_LINEAR, last.linear_velocity, compound.linear_velocity);
+    next.angular_velocity = carry_axes(carried, t::CARRIED_ANGULAR, last.angular_velocity, compound.angular_velocity);
+    if (carried & t::CARRIED_ROTATION) != 0u {
+        next.rotation = last.rotation;
+    }
+    return next;
+}
+
 // Axis by axis: the value that the host sent, or the last value plus what the host adds.
 fn carry_axes(carried: u32, first: u32, last: vec3<f32>, sent: vec3<f32>) -> vec3<f32> {
     let goes_on = (vec3(carried) & (vec3(1u, 2u, 4u) * first)) != vec3(0u);

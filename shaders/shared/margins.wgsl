@@ -18,6 +18,14 @@ fn with_speculative_radius(step: t::Step, body: t::Body) -> t::Body {
     return placed;
 }
 
+// The body with its sphere enlarged by the rounding error of its centre: four units in the last place.
+fn with_rounded_center(body: t::Body) -> t::Body {
+    var placed = body;
+    let place = abs(body.position);
+    placed.radius += 4.8e-7 * max(place.x, max(place.y, place.z));
+    return placed;
+}
+
 // The speculative margin of a pair, metres.
 fn speculative_margin(step: t::Step, a: t::Body, b: t::Body) -> f32 {
     let diameter = 2.0 * min(a.radius, b.radius);

@@ -122,3 +122,9 @@ fn angle_of(y: f32, x: f32) -> f32 {
 fn layers_interact(a: vec2<u32>, b: vec2<u32>) -> bool {
     return (a.x & b.y) != 0u && (b.x & a.y) != 0u;
 }
+
+// Maps floats to integers in the same order; never 0.
+fn ascending(x: f32) -> u32 {
+    let bits = bitcast<u32>(x);
+    return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);
+}

@@ -24,7 +24,7 @@ struct Step {
     speculative_time: f32,
     // Not 0: the half-spaces differ from those of the last step.
     planes_changed: u32,
-    padding_a: u32,
+    compounds: u32,
     // The common velocity of the bodies, m/s.
     drift: vec3<f32>,
     padding_b: u32,
@@ -49,7 +49,7 @@ struct Body {
     inverse_inertia: vec3<f32>,
     gravity_scale: f32,
     inverse_inertia_off_diagonal: vec3<f32>,
-    // Two bits for the kind, one for sensors, two for culling; see the constants.
+    // Two bits for the kind, one for sensors, two for culling, one for colliders of compounds; see the constants.
     flags: u32,
     // Collision layers.
     memberships: u32,
@@ -64,6 +64,46 @@ struct Body {
     // Not 0: nothing about it has changed since the last detection, where its number was `source`. It sleeps or is
     // static.
     inactive: u32,
+    // Number of its body: that of the body's first collider.
+    body: u32,
+}
+
+// A moving body whose colliders are placed in it. Its row in `moved` follows those of the colliders.
+struct Compound {
+    // Position of its origin.
+    position: vec3<f32>,
+    // Its number: that of its first collider.
+    collider: u32,
+    // Unit quaternion.
+    rotation: vec4<f32>,
+    // Centre of mass in its own axes, from its origin.
+    center: vec3<f32>,
+    // Distance of its farthest point from the centre of mass.
+    radius: f32,
+    // Of the centre of mass.
+    linear_velocity: vec3<f32>,
+    // The range of its colliders among the parts.
+    first_part: u32,
+    angular_velocity: vec3<f32>,
+    part_count: u32,
+    // Its row in `moved` in the last step, and what carries over from it; see the constants.
+    source: u32,
+    carried: u32,
+    // The number that it had in the last step.
+    last_collider: u32,
+    padding: u32,
+}
+
+// A collider of a compound, in the compound's axes.
+struct Part {
+    // From the compound's centre of mass to the origin of the mesh.
+    translation: vec3<f32>,
+    // Number of the collider.
+    collider: u32,
+    // From the axes of the mesh to those of the compound.
+    rotation: vec4<f32>,
+    // From the compound's centre of mass to that of the collider.
+    offset: vec3<f32>,
     padding: u32,
 }
 
@@ -212,7 +252,7 @@ struct PlaneContact {
     padding_c: u32,
 }
 
-// The contacts of a body.
+// The contacts of a collider.
 struct BodyContacts {
     // The range of its entries among the sorted entries.
     first_entry: u32,
@@ -220,11 +260,13 @@ struct BodyContacts {
     // The range of its plane contacts. Some may not touch.
     first_plane: u32,
     planes: u32,
-    // Number of contacts of both kinds that apply an impulse.
+    // Number of contacts of both kinds that apply an impulse to its body.
     active_contacts: u32,
-    padding_a: u32,
-    padding_b: u32,
-    padding_c: u32,
+    // From the centre of mass of the body to that of the collider, in world axes. Zero unless the collider belongs to a
+    // compound.
+    offset_x: f32,
+    offset_y: f32,
+    offset_z: f32,
 }
 
 // Motion of a body after a step. It persists until the next step.

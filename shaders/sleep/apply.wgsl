@@ -1,4 +1,4 @@
-// Sleep: wakes the bodies of disturbed islands, or puts those of the others to sleep. One thread per body.
+// Sleep: wakes the bodies of disturbed islands, or puts those of the others to sleep. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, collision_substep, motion_states}
@@ -8,7 +8,7 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= collision_substep.bodies {
+    if i >= collision_substep.bodies || solver_bodies[i].body != i {
         return;
     }
     let asleep = motion_states[i].asleep != 0u;

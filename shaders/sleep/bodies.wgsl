@@ -1,4 +1,4 @@
-// Sleep: bodies that keep their island awake, or wake it. One thread per body.
+// Sleep: bodies that keep their island awake, or wake it. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, constants, forces, collision_substep, motion_states}
@@ -9,7 +9,7 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= collision_substep.bodies {
+    if i >= collision_substep.bodies || solver_bodies[i].body != i {
         return;
     }
     let asleep = motion_states[i].asleep != 0u;

@@ -36,16 +36,17 @@ fn has_mass(body: s::SolverBody) -> bool {
 fn speed_of(i: u32) -> f32 {
     let v = motion_states[i].linear_velocity;
     let w = motion_states[i].angular_velocity;
-    return sqrt(dot(v, v)) + sqrt(dot(w, w)) * solver_bodies[i].radius;
+    return sqrt(dot(v, v)) + sqrt(dot(w, w)) * solver_bodies[i].extent;
 }
 
-// Whether the pair names two different solid bodies and its points are in the list.
+// Whether the pair names solid colliders of two bodies and its points are in the list.
 fn is_pair(pair: t::ContactPair) -> bool {
     let points = solver_counters[s::POINTS];
-    if pair.a >= collision_substep.bodies || pair.b >= collision_substep.bodies || pair.a == pair.b {
+    if pair.a >= collision_substep.bodies || pair.b >= collision_substep.bodies {
         return false;
     }
-    return ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u
+    return solver_bodies[pair.a].body != solver_bodies[pair.b].body
+        && ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u
         && pair.first_point <= points
         && pair.point_count <= points - pair.first_point;
 }
@@ -53,6 +54,11 @@ fn is_pair(pair: t::ContactPair) -> bool {
 // Bodies touch up to this separation.
 fn touch_distance(pair: t::ContactPair) -> f32 {
     return TOUCH * rest_offset(pair);
+}
+
+// The numbers of the bodies.
+fn bodies_of(pair: t::ContactPair) -> vec2<u32> {
+    return vec2(solver_bodies[pair.a].body, solver_bodies[pair.b].body);
 }
 
 // The separation that a pair keeps at rest.

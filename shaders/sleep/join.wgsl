@@ -1,4 +1,5 @@
-// Sleep: unites the islands of bodies that touch, and sums the keys of each body's neighbours. One thread per pair.
+// Sleep: unites the islands of bodies that touch, and sums the keys of the colliders that each body
+// touches. One thread per pair.
 #import faceoff::dispatch::group_index
 #import faceoff::islands as l
 #import faceoff::islands::{solver_bodies, contact_pairs, solver_counters, motion_states}
@@ -16,9 +17,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     // A sum of integers does not depend on the order of pairs.
-    atomicAdd(&islands[pair.a].neighbours, motion_states[pair.b].key);
-    atomicAdd(&islands[pair.b].neighbours, motion_states[pair.a].key);
-    if l::has_mass(solver_bodies[pair.a]) && l::has_mass(solver_bodies[pair.b]) {
-        join(pair.a, pair.b);
+    let bodies = l::bodies_of(pair);
+    atomicAdd(&islands[bodies.x].neighbours, motion_states[pair.b].key);
+    atomicAdd(&islands[bodies.y].neighbours, motion_states[pair.a].key);
+    if l::has_mass(solver_bodies[bodies.x]) && l::has_mass(solver_bodies[bodies.y]) {
+        join(bodies.x, bodies.y);
     }
 }

@@ -17,18 +17,19 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if !l::is_pair(pair) {
         return;
     }
+    let bodies = l::bodies_of(pair);
     if constants.x != s::WAKE && l::overlaps(pair) {
-        keep_awake(pair.a);
-        keep_awake(pair.b);
+        keep_awake(bodies.x);
+        keep_awake(bodies.y);
     }
-    if !will_touch(pair) {
+    if !will_touch(pair, bodies) {
         return;
     }
-    if disturbs_others(pair.a) {
-        l::disturb(pair.b);
+    if disturbs_others(bodies.x) {
+        l::disturb(bodies.y);
     }
-    if disturbs_others(pair.b) {
-        l::disturb(pair.a);
+    if disturbs_others(bodies.y) {
+        l::disturb(bodies.x);
     }
 }
 
@@ -41,7 +42,7 @@ fn keep_awake(i: u32) {
 }
 
 // Whether the bodies touch, now or by the end of the collision substep.
-fn will_touch(pair: t::ContactPair) -> bool {
+fn will_touch(pair: t::ContactPair, bodies: vec2<u32>) -> bool {
     if constants.x != s::WAKE {
         return l::touches(pair);
     }
@@ -49,7 +50,7 @@ fn will_touch(pair: t::ContactPair) -> bool {
     let fall = sqrt(dot(collision_substep.gravity, collision_substep.gravity)) * collision_substep.dt;
     for (var k = pair.first_point; k < pair.first_point + pair.point_count; k += 1u) {
         let point = contact_points[k];
-        let velocity = velocity_at(pair.a, point.anchor_a) - velocity_at(pair.b, point.anchor_b);
+        let velocity = velocity_at(bodies.x, point.anchor_a) - velocity_at(bodies.y, point.anchor_b);
         let approach_speed = dot(velocity, point.normal);
         if point.separation - (max(approach_speed, 0.0) + fall) * collision_substep.dt <= near {
             return true;

@@ -1,5 +1,5 @@
 // Solver: loads pose and velocity of each body, and applies external impulses. Each body is an island of its own at
-// first. One thread per body.
+// first. One thread per collider.
 #import faceoff::dispatch::group_index
 #import faceoff::math::max_component
 #import faceoff::motion as m
@@ -25,7 +25,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let body = solver_bodies[i];
     let state = motion_states[i];
-    var constants = body_constants_of(body, state, forces[i]);
+    var constants = body_constants_of(i, body, state, forces[i]);
     var mass: s::Mass;
     mass.flags = constants.flags;
     var velocity: s::Velocity;
@@ -62,13 +62,19 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     atomicStore(&islands[i].parent, i);
 }
 
-fn body_constants_of(body: s::SolverBody, state: s::MotionState, external_forces: s::BodyForces) -> s::BodyConstants {
+// Only the first collider of a body moves.
+fn body_constants_of(
+    number: u32,
+    body: s::SolverBody,
+    state: s::MotionState,
+    external_forces: s::BodyForces,
+) -> s::BodyConstants {
     let valid = finite_vector(state.center)
         && finite_rotation(state.rotation)
         && finite_vector(state.linear_velocity)
         && finite_vector(state.angular_velocity);
     let kind = body.flags & t::KIND_MASK;
-    let moves = valid && kind != t::STATIC && state.asleep == 0u;
+    let moves = valid && kind != t::STATIC && state.asleep == 0u && body.body == number;
     let has_mass = moves
         && kind == t::DYNAMIC
         && body.inverse_mass > 0.0

@@ -1,5 +1,6 @@
 // Solver: the constraint of each pair, and its saved pair of the last collision substep. One thread per pair.
 #import faceoff::dispatch::group_index
+#import faceoff::math::rotate
 #import faceoff::solver_math::finite
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -24,6 +25,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var pair: s::SolverPair;
     pair.a = contact.a;
     pair.b = contact.b;
+    pair.collider_a = contact.a;
+    pair.collider_b = contact.b;
     pair.flags = s::FROZEN;
     pair.saved_pair = s::NOT_SAVED;
     // A pair whose range of points exceeds the list or overlaps an earlier one gets no points.
@@ -37,11 +40,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         pair.first = contact.first_point;
         pair.count = contact.point_count;
     }
-    let exist = max(pair.a, pair.b) < collision_substep.bodies;
+    let exist = max(contact.a, contact.b) < collision_substep.bodies;
+    if exist {
+        pair.a = solver_bodies[contact.a].body;
+        pair.b = solver_bodies[contact.b].body;
+    }
     if exist && pair.a != pair.b && pair.count > 0u {
         let first = body_states[pair.a].mass.flags;
         let second = body_states[pair.b].mass.flags;
-        let solid = ((solver_bodies[pair.a].flags | solver_bodies[pair.b].flags) & t::SENSOR) == 0u;
+        let solid = ((solver_bodies[contact.a].flags | solver_bodies[contact.b].flags) & t::SENSOR) == 0u;
         if (first & second & s::FINITE) != 0u && solid {
             fill(&pair, first, second);
         }
@@ -60,17 +67,28 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
         flags |= s::FROZEN;
     }
     (*pair).flags = flags;
-    let smaller = 2.0 * min(solver_bodies[a].radius, solver_bodies[b].radius);
+    let collider_a = (*pair).collider_a;
+    let collider_b = (*pair).collider_b;
+    let smaller = 2.0 * min(solver_bodies[collider_a].radius, solver_bodies[collider_b].radius);
     (*pair).diameter = select(0.0, smaller, smaller > 0.0 && smaller < s::INFINITE_LENGTH);
     (*pair).rest_offset = collision_substep.rest_offset * (*pair).diameter;
-    let flags_a = solver_bodies[a].flags;
-    let flags_b = solver_bodies[b].flags;
-    (*pair).friction =
-        combined(s::FRICTION_RULE, flags_a, flags_b, solver_bodies[a].friction, solver_bodies[b].friction);
-    (*pair).restitution = min(
-        combined(s::RESTITUTION_RULE, flags_a, flags_b, solver_bodies[a].restitution, solver_bodies[b].restitution),
-        1.0,
+    (*pair).friction = combined(
+        s::FRICTION_RULE,
+        solver_bodies[collider_a].flags,
+        solver_bodies[collider_b].flags,
+        solver_bodies[collider_a].friction,
+        solver_bodies[collider_b].friction,
     );
+    (*pair).restitution = combined(
+        s::RESTITUTION_RULE,
+        solver_bodies[collider_a].flags,
+        solver_bodies[collider_b].flags,
+        solver_bodies[collider_a].restitution,
+        solver_bodies[collider_b].restitution,
+    );
+    (*pair).restitution = min((*pair).restitution, 1.0);
+    (*pair).offset_a = offset_of(collider_a, a);
+    (*pair).offset_b = offset_of(collider_b, b);
     let coarse = motion_states[b].center - motion_states[a].center;
     (*pair).center_offset = coarse + (motion_states[b].center_low - motion_states[a].center_low);
     (*pair).approach_velocity = motion_states[a].linear_velocity - motion_states[b].linear_velocity;
@@ -83,10 +101,16 @@ fn fill(pair: ptr<function, s::SolverPair>, first: u32, second: u32) {
     }
 }
 
+// From the centre of mass of a body to that of its collider, in world axes.
+fn offset_of(collider: u32, body: u32) -> vec3<f32> {
+    let rotation = motion_states[body].rotation + motion_states[body].rotation_low;
+    return rotate(rotation, solver_bodies[collider].offset);
+}
+
 // Upper bound of the speed of a body's surface relative to its centre, m/s.
 fn surface_speed_of(i: u32) -> f32 {
     let w = motion_states[i].angular_velocity;
-    return sqrt(dot(w, w)) * min(solver_bodies[i].radius, s::INFINITE_LENGTH);
+    return sqrt(dot(w, w)) * min(solver_bodies[i].extent, s::INFINITE_LENGTH);
 }
 
 // The combined coefficient of two bodies, by the rule that comes later in the order of `CombineRule`. `shift` is that
@@ -115,8 +139,8 @@ fn combined(shift: u32, first: u32, second: u32, x: f32, y: f32) -> f32 {
 
 // Finds the saved pair by binary search: saved pairs are in ascending order.
 fn find_saved_pair(pair: ptr<function, s::SolverPair>) {
-    let first = old_numbers[(*pair).a];
-    let second = old_numbers[(*pair).b];
+    let first = old_numbers[(*pair).collider_a];
+    let second = old_numbers[(*pair).collider_b];
     if first == s::NOT_SAVED || second == s::NOT_SAVED {
         return;
     }

@@ -59,7 +59,7 @@ fn classify(pair: s::SolverPair) -> Overlap {
         separating = unit_or(saved_normal_impulse(pair), 0.0, vec3(0.0));
     }
     if all(separating == vec3(0.0)) {
-        separating = unit_or(pair.center_offset, 0.0, DEFAULT_DIRECTION);
+        separating = unit_or(collider_offset(pair), 0.0, DEFAULT_DIRECTION);
     }
     return Overlap(CONFLICTING, separating);
 }
@@ -102,6 +102,11 @@ fn has_opposed_normals(pair: s::SolverPair, depth: f32) -> bool {
     return false;
 }
 
+// From the centre of mass of the first collider to that of the second.
+fn collider_offset(pair: s::SolverPair) -> vec3<f32> {
+    return pair.center_offset + (pair.offset_b - pair.offset_a);
+}
+
 // v normalised, if it is longer than `least`; else `otherwise`.
 fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
     let length = sqrt(dot(v, v));
@@ -111,11 +116,11 @@ fn unit_or(v: vec3<f32>, least: f32, otherwise: vec3<f32>) -> vec3<f32> {
     return otherwise;
 }
 
-// The line of centres. If one body has no mass it is the depth-weighted mean normal, because that body's centre says
+// The line through the centres of the colliders. If one body has no mass it is the depth-weighted mean normal, because that body's centre says
 // little about where its surface is.
 fn depenetration_direction(pair: s::SolverPair) -> vec3<f32> {
     let least = MIN_DIRECTION_LENGTH * pair.diameter;
-    let centers = unit_or(pair.center_offset, least, DEFAULT_DIRECTION);
+    let centers = unit_or(collider_offset(pair), least, DEFAULT_DIRECTION);
     if (pair.flags & s::FIRST_HAS_MASS) != 0u && (pair.flags & s::SECOND_HAS_MASS) != 0u {
         return centers;
     }

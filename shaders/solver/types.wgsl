@@ -40,7 +40,7 @@ struct CollisionSubstep {
     sleep_time: f32,
 }
 
-// Properties of a body, constant within a step.
+// Properties of a collider and its body, constant within a step. A body has the number of its first collider.
 struct SolverBody {
     // In the body's own axes, 1/(kg m^2).
     inverse_inertia: vec3<f32>,
@@ -57,6 +57,15 @@ struct SolverBody {
     // Small enough that its square is finite.
     max_linear_speed: f32,
     max_angular_speed: f32,
+    // From the body's centre of mass to the collider's, in the body's axes.
+    offset: vec3<f32>,
+    // Number of the body.
+    body: u32,
+    // Distance of the body's farthest point from its centre of mass.
+    extent: f32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // Lengths from here on count as infinite.
@@ -74,7 +83,7 @@ struct MotionState {
     rotation: vec4<f32>,
     rotation_low: vec4<f32>,
     linear_velocity: vec3<f32>,
-    // The bodies that it touched when it fell asleep, as the sum of their keys.
+    // The colliders that it touched when it fell asleep, as the sum of their keys.
     neighbours: u32,
     angular_velocity: vec3<f32>,
     // A hash of the body's key.
@@ -168,8 +177,9 @@ struct BodyState {
     pose_change: PoseChange,
 }
 
-// The contact constraint of two bodies.
+// The contact constraint of two colliders.
 struct SolverPair {
+    // Numbers of the bodies.
     a: u32,
     b: u32,
     first: u32,
@@ -190,6 +200,11 @@ struct SolverPair {
     approach_velocity: vec3<f32>,
     // Upper bound for the sum of both surface speeds relative to the centres, m/s.
     surface_speed: f32,
+    // From each body's centre of mass to that of its collider, in world axes.
+    offset_a: vec3<f32>,
+    collider_a: u32,
+    offset_b: vec3<f32>,
+    collider_b: u32,
     // The mass of the heavier body over that of the lighter one, if impulses move both; 1 otherwise.
     mass_ratio: f32,
     // Pairs of one island with the same colour have no body in common that impulses move.
@@ -280,7 +295,7 @@ const TOUCHED: u32 = 32u;
 // It has had restitution in this collision substep: the bodies separate.
 const BOUNCED: u32 = 64u;
 
-// A pair as it is saved for the next collision substep, by the present numbers of its bodies.
+// A pair as it is saved for the next collision substep, by the present numbers of its colliders.
 struct SavedPair {
     a: u32,
     b: u32,

@@ -153,8 +153,9 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::Point
     var constants = default_constants();
     constants.anchor_a = contact.anchor_a;
     constants.anchor_b = contact.anchor_b;
-    constants.curvature_center_a = curvature_center(contact.anchor_a, contact.normal, contact.curvature_radius_a);
-    constants.curvature_center_b = curvature_center(contact.anchor_b, -contact.normal, contact.curvature_radius_b);
+    let n = contact.normal;
+    constants.curvature_center_a = curvature_center(contact.anchor_a, pair.offset_a, n, contact.curvature_radius_a);
+    constants.curvature_center_b = curvature_center(contact.anchor_b, pair.offset_b, -n, contact.curvature_radius_b);
     constants.anchor_offset = pair.center_offset + (contact.anchor_b - contact.anchor_a);
     constants.initial_normal = contact.normal;
     constants.normal_rotation = contact.normal_rotation;
@@ -167,10 +168,10 @@ fn point_constants_of(pair: s::SolverPair, contact: t::ContactPoint) -> s::Point
     return constants;
 }
 
-// The centre of curvature, but no deeper than the centre of mass. For a ball that is exactly its centre of curvature.
-fn curvature_center(anchor: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> vec3<f32> {
+// The centre of curvature, but no deeper than the centre of mass of the collider, which is at `offset`. For a ball that is exactly its centre of curvature.
+fn curvature_center(anchor: vec3<f32>, offset: vec3<f32>, out: vec3<f32>, curvature_radius: f32) -> vec3<f32> {
     if !finite(curvature_radius) || curvature_radius >= s::INFINITE_LENGTH {
         return anchor;
     }
-    return anchor - min(curvature_radius, max(dot(anchor, out), 0.0)) * out;
+    return anchor - min(curvature_radius, max(dot(anchor - offset, out), 0.0)) * out;
 }

@@ -20,8 +20,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let pair = solver_pairs[i];
     var saved_pair: s::SavedPair;
-    saved_pair.a = pair.a;
-    saved_pair.b = pair.b;
+    saved_pair.a = pair.collider_a;
+    saved_pair.b = pair.collider_b;
     saved_pair.first = pair.first;
     if pair.a < collision_substep.bodies && pair.b < collision_substep.bodies {
         saved_pair.count = pair.count;

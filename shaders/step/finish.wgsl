@@ -1,7 +1,8 @@
 // Integrate of a step with contacts: writes the results of the solver. If a list was too short nothing is written, and
-// the host repeats the step. One thread per body.
+// the host repeats the step. Compounds follow. One thread per collider.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
+#import faceoff::math::ascending
 #import faceoff::placed::{position_of, rotation_of}
 #import faceoff::solver_types as s
 #import faceoff::types as t
@@ -23,6 +24,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let state = motion_states[i];
     let body = bodies[i];
+    if (body.flags & t::PART) != 0u {
+        return;
+    }
     var after: t::Moved;
     after.position = body.position;
     after.rotation = body.rotation;
@@ -47,10 +51,4 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         atomicMax(&tally[t::MAX_SPIN], ascending(sqrt(dot(w, w)) * body.radius));
     }
-}
-
-// Maps floats to integers in the same order; never 0.
-fn ascending(x: f32) -> u32 {
-    let bits = bitcast<u32>(x);
-    return select(bits | 0x80000000u, ~bits, (bits >> 31u) != 0u);
 }

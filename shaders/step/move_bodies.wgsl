@@ -1,5 +1,5 @@
-// Integrate between collision substeps: moves the bodies of the step to where the solver has put them. One thread per
-// body.
+// Integrate between collision substeps: moves the bodies of the step to where the solver has put them. Compounds follow. One
+// thread per collider.
 #import faceoff::arena::meshes
 #import faceoff::dispatch::group_index
 #import faceoff::margins::with_speculative_radius
@@ -28,6 +28,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     var body = bodies[i];
+    if (body.flags & t::PART) != 0u {
+        return;
+    }
     let state = motion_states[i];
     if (body_constants[i].flags & s::MOVES) != 0u {
         body.position = position_of(state, body.scale * meshes[body.mesh].center);

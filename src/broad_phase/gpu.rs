@@ -13,6 +13,8 @@ use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 /// Places the bodies at the start of a step.
 const PLACE: Kernel = kernel!("broad_phase/place");
+/// Places compounds and their colliders.
+const PLACE_COMPOUNDS: Kernel = kernel!("broad_phase/place_compounds");
 /// Computes the bucket of each body.
 const CELLS: Kernel = kernel!("broad_phase/cells");
 /// Writes the bodies in the order of their buckets.
@@ -31,7 +33,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::broad_phase", {
 /// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS, module!("broad_phase/grid")],
-    kernels: &[&PLACE, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS],
+    kernels: &[&PLACE, &PLACE_COMPOUNDS, &CELLS, &ENTRIES, &COUNT, &EMIT, &ARGUMENTS],
 };
 
 /// Sorts `keys` with `values`.
@@ -43,9 +45,10 @@ pub const SORT: Sort = Sort {
     sums: "sums",
 };
 
-/// Adds the call that places the bodies.
+/// Adds the calls that place the bodies.
 pub fn record_place(calls: &mut Calls) {
     calls.call(&PLACE, Groups::PerBodies(64));
+    calls.call(&PLACE_COMPOUNDS, Groups::PerCompounds(64));
 }
 
 /// Adds the calls that find the sphere pairs.

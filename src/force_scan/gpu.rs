@@ -1,5 +1,5 @@
-//! ForceScan on the GPU. For impulses each pair has two entries, which are sorted by body; one thread per body sums its
-//! impulses. Touches are recorded by one thread per pair.
+//! ForceScan on the GPU. For impulses each pair has two entries, which are sorted by collider; one thread per collider sums
+//! its impulses. Integrate adds those of the colliders of a compound. Touches are recorded by one thread per pair.
 
 use super::impulse;
 use crate::broad_phase::gpu::SORT;
@@ -10,12 +10,14 @@ use crate::gpu::program::{Calls, Groups};
 use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 use crate::solver::gpu::arguments::per_pair as per_solver_pair;
 
-/// Writes the entries of pairs, keyed by body.
+/// Writes the entries of pairs, keyed by collider.
 const ENTRIES: Kernel = kernel!("force_scan/entries");
-/// Finds the range of each body's entries.
+/// Finds the range of each collider's entries.
 const SEGMENTS: Kernel = kernel!("force_scan/segments");
-/// Counts the active contacts of each body.
+/// Counts the active contacts of each collider.
 const COUNTS: Kernel = kernel!("force_scan/counts");
+/// Adds up those of the colliders of each compound.
+const COMPOUND_COUNTS: Kernel = kernel!("force_scan/compound_counts");
 /// Sums the impulses.
 const SUMS: Kernel = kernel!("force_scan/sums");
 /// Records the touching pairs.
@@ -29,7 +31,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::force_scan", {
 /// This stage's modules and kernels.
 pub const SHADERS: Shaders = Shaders {
     modules: &[CONSTANTS, module!("force_scan/response")],
-    kernels: &[&ENTRIES, &SEGMENTS, &COUNTS, &SUMS, &TOUCHES],
+    kernels: &[&ENTRIES, &SEGMENTS, &COUNTS, &COMPOUND_COUNTS, &SUMS, &TOUCHES],
 };
 
 /// Adds the calls that sum impulses.
@@ -46,6 +48,7 @@ pub fn record_impulses(calls: &mut Calls, capacity: &Capacity) {
     );
     calls.call(&SEGMENTS, per_pair).bind("keys", keys);
     calls.call(&COUNTS, per_body);
+    calls.call(&COMPOUND_COUNTS, Groups::PerCompounds(64));
     calls.call(&SUMS, per_body).bind("values", values);
 }
 

@@ -9,8 +9,12 @@ use wgpu::{Buffer, BufferDescriptor, BufferUsages};
 /// Capacity of the lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Capacity {
-    /// Body slots.
+    /// Colliders.
     pub bodies: u32,
+    /// Bodies whose colliders are placed in them.
+    pub compounds: u32,
+    /// Their colliders.
+    pub parts: u32,
     /// Half-spaces.
     pub planes: u32,
     /// Pairs of bodies whose spheres overlap.
@@ -52,6 +56,8 @@ impl Capacity {
     pub fn grown(self, needed: Self) -> Self {
         Self {
             bodies: grow(self.bodies, needed.bodies),
+            compounds: grow(self.compounds, needed.compounds),
+            parts: grow(self.parts, needed.parts),
             planes: grow(self.planes, needed.planes),
             pairs: grow(self.pairs, needed.pairs),
             hits: grow(self.hits, needed.hits),
@@ -153,6 +159,9 @@ buffers! {
         bodies: ARRAY Body, capacity.bodies, "bodies";
         /// Copy for rendering.
         before: ARRAY Body, capacity.bodies, "bodies before the step";
+        compounds: ARRAY Compound, capacity.compounds, "compounds";
+        /// Those of a compound follow each other.
+        parts: ARRAY Part, capacity.parts, "colliders of compounds";
         planes: ARRAY Plane, capacity.planes, "half-spaces";
         meshes: ARRAY Mesh, capacity.meshes, "meshes";
         words: ARRAY u32, capacity.words, "mesh data";
@@ -177,8 +186,8 @@ buffers! {
         plane_contacts: ARRAY PlaneContact, capacity.plane_contacts, "contacts with half-spaces";
         body_contacts: ARRAY BodyContacts, capacity.bodies, "contacts by body";
         impulses: ARRAY Impulse, capacity.bodies, "impulses";
-        /// Motions after the step. They persist until the next step.
-        moved: ARRAY Moved, capacity.bodies, "moved bodies";
+        /// Motions after the step, first of colliders, then of compounds. They persist until the next step.
+        moved: ARRAY Moved, capacity.bodies.saturating_add(capacity.compounds), "moved bodies";
     }
 }
 

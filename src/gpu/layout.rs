@@ -69,7 +69,7 @@ layout! {
         gravity: Vec3, dt: f32,
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
-        contact_margin: f32, speculative_time: f32, planes_changed: u32, padding_a: u32,
+        contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, padding_b: u32,
     }
     /// Input and state of a body.
@@ -82,7 +82,22 @@ layout! {
         inverse_inertia: Vec3, gravity_scale: f32,
         inverse_inertia_off_diagonal: Vec3, flags: u32,
         memberships: u32, filters: u32, source: u32, carried: u32,
-        speculative_radius: f32, thickness: f32, inactive: u32, padding: u32,
+        speculative_radius: f32, thickness: f32, inactive: u32, body: u32,
+    }
+    /// A moving body whose colliders are placed in it.
+    Compound {
+        position: Vec3, collider: u32,
+        rotation: [f32; 4],
+        center: Vec3, radius: f32,
+        linear_velocity: Vec3, first_part: u32,
+        angular_velocity: Vec3, part_count: u32,
+        source: u32, carried: u32, last_collider: u32, padding: u32,
+    }
+    /// A collider of a compound.
+    Part {
+        translation: Vec3, collider: u32,
+        rotation: [f32; 4],
+        offset: Vec3, padding: u32,
     }
     /// A half-space.
     Plane {
@@ -140,7 +155,7 @@ layout! {
     /// The contacts of a body.
     BodyContacts {
         first_entry: u32, last_entry: u32, first_plane: u32, planes: u32,
-        active_contacts: u32, padding_a: u32, padding_b: u32, padding_c: u32,
+        active_contacts: u32, offset_x: f32, offset_y: f32, offset_z: f32,
     }
     /// Motion of a body after a step.
     Moved {
@@ -244,8 +259,11 @@ constants! {
     u32 CULLING_MASK = 24;
     u32 CULLING_FACES = 8;
     u32 CULLING_FRONT = 16;
+    /// The collider belongs to a compound, which places it.
+    u32 PART = 32;
 
-    // Bits of `Body::carried`: what carries over from the last step, in which the body had the number `Body::source`.
+    // Bits of `Body::carried` and `Compound::carried`: what carries over from the last step, in which the body had the
+    // number `source`.
     /// The rotation is that of `moved[source]`; otherwise it is the one that the host sent.
     u32 CARRIED_ROTATION = 1;
     /// The body was in that step, and its centre of mass is at the same place in its axes. If its pose is that of

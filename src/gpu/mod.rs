@@ -66,6 +66,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/tree"),
         module!("shared/tensor"),
         module!("shared/carried"),
+        module!("shared/compound"),
     ],
     kernels: &[
         &scan::SUMS,

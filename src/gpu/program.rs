@@ -17,6 +17,8 @@ pub enum Groups {
     Exactly(u32),
     /// One per this many bodies.
     PerBodies(u32),
+    /// One per this many compounds.
+    PerCompounds(u32),
     /// Indirect: the buffer of this name, and the slot in it.
     Indirect(&'static str, u32),
 }
@@ -35,6 +37,23 @@ pub struct Call {
     pub groups: Groups,
     constants: Option<[u32; 4]>,
     bound: Vec<Bound>,
+    /// It is left out of steps without compounds.
+    for_compounds: bool,
+}
+
+/// The numbers on which the workgroups of calls depend.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Population {
+    /// Number of bodies.
+    pub bodies: u32,
+    /// Number of compounds.
+    pub compounds: u32,
+}
+
+impl From<u32> for Population {
+    fn from(bodies: u32) -> Self {
+        Self { bodies, compounds: 0 }
+    }
 }
 
 /// A variable that is bound to a buffer of another name.
@@ -70,6 +89,12 @@ impl Call {
             buffer,
             words: true,
         });
+        self
+    }
+
+    /// Leaves it out of steps without compounds.
+    pub fn for_compounds(&mut self) -> &mut Self {
+        self.for_compounds = true;
         self
     }
 
@@ -121,6 +146,7 @@ impl Calls {
             groups,
             constants: None,
             bound: Vec::new(),
+            for_compounds: matches!(groups, Groups::PerCompounds(_)),
         });
         let last = self.calls.len() - 1;
         &mut self.calls[last]
@@ -150,6 +176,7 @@ struct BoundCall {
     pipeline: ComputePipeline,
     bind_group: BindGroup,
     groups: Groups,
+    for_compounds: bool,
     /// The buffer of an indirect dispatch.
     arguments: Option<Buffer>,
 }
@@ -183,19 +210,21 @@ impl Program {
         &self,
         stage: Stage,
         encoder: &mut CommandEncoder,
-        bodies: u32,
+        Population { bodies, compounds }: Population,
         timestamps: Option<ComputePassTimestampWrites>,
     ) {
         let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
             label: Some(stage.name()),
             timestamp_writes: timestamps,
         });
-        for call in &self.stages[stage as usize] {
+        let calls = self.stages[stage as usize].iter();
+        for call in calls.filter(|call| compounds > 0 || !call.for_compounds) {
             pass.set_pipeline(&call.pipeline);
             pass.set_bind_group(0, &call.bind_group, &[]);
             match (call.groups, &call.arguments) {
                 (Groups::Exactly(n), _) => dispatch(&mut pass, n),
                 (Groups::PerBodies(per), _) => dispatch(&mut pass, bodies.div_ceil(per)),
+                (Groups::PerCompounds(per), _) => dispatch(&mut pass, compounds.div_ceil(per)),
                 (Groups::Indirect(_, slot), Some(arguments)) => {
                     pass.dispatch_workgroups_indirect(arguments, u64::from(slot) * 12);
                 }
@@ -204,9 +233,10 @@ impl Program {
         }
     }
 
-    /// Number of dispatches of a stage.
-    pub fn len(&self, stage: Stage) -> usize {
-        self.stages[stage as usize].len()
+    /// Number of dispatches of a stage, in a step with or without compounds.
+    pub fn len(&self, stage: Stage, with_compounds: bool) -> usize {
+        let calls = self.stages[stage as usize].iter();
+        calls.filter(|call| with_compounds || !call.for_compounds).count()
     }
 }
 
@@ -248,6 +278,7 @@ impl Binder<'_> {
             pipeline,
             bind_group,
             groups: call.groups,
+            for_compounds: call.for_compounds,
             arguments: match call.groups {
                 Groups::Indirect(arguments, _) => Some(self.find(call, arguments).clone()),
                 _ => None,

@@ -287,8 +287,8 @@ impl Engine {
     pub fn keep_on_cpu(&mut self, on_cpu: bool) {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
             info_once!(
-                "steps run on the CPU because there are bodies with ContinuousCollision, with several colliders or \
-                 with ActiveCollisionHooks, which the GPU does not have"
+                "steps run on the CPU because there are bodies with ContinuousCollision or with ActiveCollisionHooks, \
+                 which the GPU does not have"
             );
         }
         self.on_cpu = on_cpu;

@@ -246,7 +246,7 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
     world.get_resource::<Step>()?.engine.device()
 }
 
-/// The poses of all bodies on the GPU, for shaders that draw them without reading results back: buffers with the poses
+/// The poses of all colliders on the GPU, for shaders that draw them without reading results back: buffers with the poses
 /// before and after the last submitted step, and the entities in the same order.
 ///
 /// `None` unless the stages run on a GPU with [`Readback::Latent`] or [`Readback::Resident`]. There are no entities
@@ -255,5 +255,5 @@ pub fn gpu(world: &World) -> Option<&Gpu> {
 pub fn poses(world: &World) -> Option<(Poses<'_>, impl Iterator<Item = Entity> + '_)> {
     let step = world.get_resource::<Step>()?;
     step.engine.latent()?;
-    Some((step.engine.gpu()?.poses(), step.latent.entities()))
+    Some((step.engine.gpu()?.poses(), step.latent.colliders()))
 }

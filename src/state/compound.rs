@@ -227,6 +227,23 @@ impl Bodies {
         }
     }
 
+    /// Sets poses and velocities of all colliders, which are followed by those of compounds. Values derived from the poses
+    /// of bodies of one collider are not updated.
+    pub fn set_motions(&mut self, motions: &[Motion]) {
+        let (colliders, compounds) = motions.split_at(self.len().min(motions.len()));
+        for (i, motion) in colliders.iter().enumerate() {
+            if self.part(i as u32).is_none() {
+                self.set_motion(i, motion);
+            }
+        }
+        for (compound, motion) in self.compounds.iter_mut().zip(compounds) {
+            compound.motion = *motion;
+            compound.rotation = motion.rotation.as_dquat().normalize();
+            compound.center = motion.position.as_dvec3() + compound.rotation * compound.local_center;
+        }
+        self.place_parts(0..self.parts.len());
+    }
+
     /// Adds up the masses of colliders.
     fn total(&self, body: &Body, center: Option<Vec3>, parts: &[NewPart], meshes: &MeshArena) -> Total {
         let all_sensors = parts.iter().all(|part| self.sensor[part.collider as usize]);

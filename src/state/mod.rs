@@ -32,7 +32,7 @@ pub(crate) mod union_find;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};
-pub use compound::{NewPart, Place};
+pub use compound::{Compound, NewPart, Part, Place};
 pub use config::StepConfig;
 pub use contacts::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 pub use departure::Departure;

@@ -29,6 +29,8 @@ pub struct StepMemory {
 pub(super) struct SavedBody {
     pub sleep: SleepState,
     pub inputs: PlacedSleepInputs,
+    /// The number of its body.
+    pub body: u32,
     /// It had an impact in continuous collision detection.
     pub had_impact: bool,
 }
@@ -58,6 +60,7 @@ impl StepMemory {
                 mut sleep,
                 inputs,
                 had_impact,
+                ..
             } = self.bodies[before];
             let same = inputs == PlacedSleepInputs::of(input, i);
             let params = &bodies.params[i];
@@ -89,6 +92,7 @@ impl StepMemory {
         self.bodies.extend((0..count).map(|i| SavedBody {
             sleep: solver_bodies.sleep[i],
             inputs: PlacedSleepInputs::of(input, i),
+            body: input.bodies.body_of(i as u32),
             had_impact: ccd.had_impact(input.bodies.body_of(i as u32) as usize),
         }));
         input.planes.clone_into(&mut self.planes);

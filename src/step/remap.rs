@@ -1,7 +1,7 @@
 //! Body remap: the numbers of bodies in the last step and in this one.
 //!
 //! Bodies are renumbered in every step, but their keys stay the same. Both lists are in ascending order of keys, so one
-//! merge matches them. [`StepMemory`](super::StepMemory), the GPU's memory and the plugin use it.
+//! merge matches them. [`StepMemory`](super::StepMemory) and the GPU's memory use it.
 
 use crate::state::inactive::GONE;
 

@@ -188,7 +188,7 @@ impl GpuManifolds {
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
             let program = self.program(scene, buffers);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(Stage::Manifolds, &mut encoder, scene.bodies, None);
+            program.record(Stage::Manifolds, &mut encoder, scene.bodies.into(), None);
             gpu.queue.submit([encoder.finish()]);
         })?;
         self.words(&buffers.contact_counters, CONTACT_COUNTERS as usize)

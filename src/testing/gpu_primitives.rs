@@ -122,7 +122,7 @@ impl<'g> RunOnce<'g> {
             add(&mut calls);
             let program = Program::new(self.gpu, &calls, &[buffers]);
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            program.record(STAGE, &mut encoder, 0, None);
+            program.record(STAGE, &mut encoder, 0.into(), None);
             self.gpu.queue.submit([encoder.finish()]);
         })
     }

@@ -112,7 +112,7 @@ impl GpuSolver {
             bodies: self.bodies,
             ..SolverCapacity::default()
         })?;
-        let own: Vec<_> = bodies.bodies.iter().map(upload::body).collect();
+        let own = upload::bodies(bodies);
         let states = bodies.motions.iter().zip(&bodies.sleep).zip(&bodies.keys);
         let states: Vec<_> = states
             .map(|((m, s), k)| upload::state(m, s, sleep::cpu::hash(*k)))
@@ -259,12 +259,12 @@ impl GpuSolver {
                 sleep::gpu::record_fall_asleep(&mut calls, may_sleep);
                 Program::new(gpu, &calls, &[handed, lists])
             });
-            *dispatches = program.len(STAGE);
+            *dispatches = program.len(STAGE, false);
             gpu.queue
                 .write_buffer(&lists.collision_substep, 0, bytemuck::bytes_of(&packed));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
             let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(STAGE, &mut encoder, packed.bodies, None);
+            program.record(STAGE, &mut encoder, packed.bodies.into(), None);
             gpu.queue.submit([encoder.finish()]);
         }))?;
         self.read(&self.lists.solver_counters, COUNTERS)

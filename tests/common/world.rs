@@ -129,7 +129,7 @@ impl World {
     #[cfg(feature = "gpu")]
     pub fn place_frames(&mut self) {
         let StepInput { bodies, meshes, .. } = &mut self.state.input;
-        for i in 0..bodies.len() {
+        for i in (0..bodies.len()).filter(|&i| bodies.parts.iter().all(|part| part.collider != i as u32)) {
             let arm = (bodies.scale[i] * meshes[bodies.mesh[i]].mesh.mass.center).as_dvec3();
             let frame = &mut bodies.frame[i];
             frame.rotation = glam::DMat3::from_quat(bodies.rotation[i].as_dquat().normalize());

@@ -7,6 +7,7 @@ mod cloud;
 mod compounds;
 mod elastic;
 mod groups;
+mod hammers;
 mod incline;
 mod instruction_sets;
 mod meshes;

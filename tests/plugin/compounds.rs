@@ -52,8 +52,7 @@ fn fall() -> Gravity {
     Gravity(Vec3::NEG_Y * 9.81)
 }
 
-#[test]
-fn a_hammer_of_two_children_flies_like_the_merged_mesh() {
+pub fn a_hammer_of_two_children_flies_like_the_merged_mesh() {
     let mut sim = Sim::new();
     let start = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_x(0.3));
     let velocities = (LinearVelocity(Vec3::X), AngularVelocity(Vec3::new(0.2, 3.0, 1.0)));
@@ -75,8 +74,7 @@ fn a_hammer_of_two_children_flies_like_the_merged_mesh() {
     assert_eq!(sim.report().bodies, 2);
 }
 
-#[test]
-fn it_falls_rests_sleeps_and_names_its_children() {
+pub fn it_falls_rests_sleeps_and_names_its_children() {
     let mut sim = Sim::new();
     sim.world().insert_resource(fall());
     let floor = floor(&mut sim);
@@ -106,8 +104,7 @@ fn it_falls_rests_sleeps_and_names_its_children() {
     assert_told(&sim);
 }
 
-#[test]
-fn events_reach_the_body_and_the_collider() {
+pub fn events_reach_the_body_and_the_collider() {
     #[derive(Resource, Default)]
     struct Heard(Vec<[Entity; 3]>);
     let mut sim = Sim::new();
@@ -137,8 +134,7 @@ fn events_reach_the_body_and_the_collider() {
     assert!(heard.iter().all(|&[target, ..]| target != head));
 }
 
-#[test]
-fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
+pub fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
     let mut sim = Sim::new();
     sim.world().insert_resource(fall());
     let above = Transform {
@@ -182,8 +178,7 @@ fn a_scene_under_a_moved_turned_and_scaled_parent_is_one_body() {
     assert_told(&sim);
 }
 
-#[test]
-fn a_dynamic_body_stays_in_place_while_its_parent_moves() {
+pub fn a_dynamic_body_stays_in_place_while_its_parent_moves() {
     let mut sim = Sim::new();
     let train = sim.spawn(Transform::default());
     let [root, _, head] = hammer(&mut sim, Transform::from_xyz(0.0, 2.0, 0.0));
@@ -202,8 +197,7 @@ fn a_dynamic_body_stays_in_place_while_its_parent_moves() {
     assert_near(in_world(&sim, root).translation(), Vec3::new(1.9, 0.0, 0.0), 1e-5);
 }
 
-#[test]
-fn static_and_kinematic_bodies_follow_their_parents() {
+pub fn static_and_kinematic_bodies_follow_their_parents() {
     for kind in [None, Some(RigidBody::Static), Some(RigidBody::Kinematic)] {
         let mut sim = Sim::new();
         let cube = sim.mesh(&shapes::cube(1.0));
@@ -276,8 +270,7 @@ fn the_load_falls(change: impl Fn(&mut Sim, [Entity; 4])) {
     assert_told(&sim);
 }
 
-#[test]
-fn what_lies_on_a_part_falls_when_the_part_goes() {
+pub fn what_lies_on_a_part_falls_when_the_part_goes() {
     the_load_falls(|sim, [_, top, ..]| {
         sim.world().despawn(top);
     });
@@ -331,8 +324,7 @@ fn what_lies_on_a_part_falls_when_the_part_goes() {
     });
 }
 
-#[test]
-fn a_part_moves_to_another_body() {
+pub fn a_part_moves_to_another_body() {
     let mut sim = Sim::new();
     let [_, top, leg, load] = table(&mut sim);
     let shelf = sim.spawn((RigidBody::Static, Transform::default()));
@@ -354,8 +346,7 @@ fn a_part_moves_to_another_body() {
     assert!(sim.position(load).y > 1.2);
 }
 
-#[test]
-fn a_child_that_is_added_or_enabled_takes_part_in_the_next_step() {
+pub fn a_child_that_is_added_or_enabled_takes_part_in_the_next_step() {
     let mut sim = Sim::new();
     let [root, _, head] = hammer(&mut sim, Transform::default());
     let cube = sim.mesh(&shapes::cube(0.2));
@@ -384,8 +375,7 @@ fn a_child_that_is_added_or_enabled_takes_part_in_the_next_step() {
     assert_told(&sim);
 }
 
-#[test]
-fn parts_have_their_own_density_friction_and_layers() {
+pub fn parts_have_their_own_density_friction_and_layers() {
     let mut sim = Sim::new();
     let [root, handle, head] = hammer(&mut sim, Transform::default());
     sim.set(root, Density(2.0));
@@ -428,8 +418,7 @@ fn wait_until(sim: &mut Sim, done: impl Fn(&Sim) -> bool) {
 }
 
 /// A turned head under an unequal scale is sheared: mass and centre are those of the mesh with the shear applied.
-#[test]
-fn a_sheared_part_has_a_mesh_of_its_own() {
+pub fn a_sheared_part_has_a_mesh_of_its_own() {
     let mut sim = Sim::new();
     let scale = Vec3::new(1.0, 2.0, 0.5);
     let [root, handle, head] = hammer(&mut sim, Transform::from_scale(scale));
@@ -484,8 +473,7 @@ fn a_sheared_part_has_a_mesh_of_its_own() {
 }
 
 /// A static wall under sheared entities, mirrored: a ball is pushed out of it, not in.
-#[test]
-fn a_mirrored_sheared_wall_pushes_outward() {
+pub fn a_mirrored_sheared_wall_pushes_outward() {
     let mut sim = Sim::new();
     let cube = sim.mesh(&shapes::cube(1.0));
     let parent = sim.spawn(Transform::from_scale(Vec3::new(-1.0, 3.0, 1.0)));
@@ -514,8 +502,7 @@ fn a_mirrored_sheared_wall_pushes_outward() {
     assert_told(&sim);
 }
 
-#[test]
-fn a_snapshot_of_a_nested_hammer_repeats_to_the_bit() {
+pub fn a_snapshot_of_a_nested_hammer_repeats_to_the_bit() {
     let mut sim = Sim::new();
     sim.world().insert_resource(fall());
     floor(&mut sim);
@@ -534,8 +521,7 @@ fn a_snapshot_of_a_nested_hammer_repeats_to_the_bit() {
     assert_eq!((sim.get::<Transform>(root), sim.get::<LinearVelocity>(root)), wanted);
 }
 
-#[test]
-fn a_body_without_colliders_of_its_own_waits_for_its_children() {
+pub fn a_body_without_colliders_of_its_own_waits_for_its_children() {
     let mut sim = Sim::new();
     let root = sim.spawn((RigidBody::Dynamic, Transform::default(), LinearVelocity(Vec3::X)));
     sim.step(2);

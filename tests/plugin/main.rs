@@ -22,8 +22,8 @@ mod response;
 mod sensors;
 mod warnings;
 
-/// `bakes`, `contacts`, `driven`, `hooks` and `sensors` have no tests but functions: some of them are tests on a GPU
-/// too.
+/// `bakes`, `compounds`, `contacts`, `driven`, `hooks` and `sensors` have no tests but functions: some of them are tests
+/// on a GPU too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
         mod $tests {
@@ -41,6 +41,24 @@ tests_of! {
     the_walls_of_a_room_push_inward
     the_same_mesh_as_a_solid_is_the_outward_one
     no_ray_slips_through_a_seam
+}
+
+tests_of! {
+    compounds as compounds_on_the_cpu:
+    a_hammer_of_two_children_flies_like_the_merged_mesh
+    it_falls_rests_sleeps_and_names_its_children
+    events_reach_the_body_and_the_collider
+    a_scene_under_a_moved_turned_and_scaled_parent_is_one_body
+    a_dynamic_body_stays_in_place_while_its_parent_moves
+    static_and_kinematic_bodies_follow_their_parents
+    what_lies_on_a_part_falls_when_the_part_goes
+    a_part_moves_to_another_body
+    a_child_that_is_added_or_enabled_takes_part_in_the_next_step
+    parts_have_their_own_density_friction_and_layers
+    a_sheared_part_has_a_mesh_of_its_own
+    a_mirrored_sheared_wall_pushes_outward
+    a_snapshot_of_a_nested_hammer_repeats_to_the_bit
+    a_body_without_colliders_of_its_own_waits_for_its_children
 }
 
 tests_of! {

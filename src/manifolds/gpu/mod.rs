@@ -14,6 +14,7 @@
 //! | inside | pair | containment |
 //! | reduce | pair | contact reduction, to at most 16 points |
 //! | planes | body | contact points on half-spaces |
+//! | compound anchors | (slot) | anchors on colliders of compounds |
 //! | counts, scans, emit | (slot) | the lists of pairs and points |
 //!
 //! The results are two lists without gaps, ascending by the numbers of the bodies, and counters. The counters hold the
@@ -62,6 +63,8 @@ const RAY: Kernel = kernel!("manifolds/ray");
 const INSIDE: Kernel = kernel!("manifolds/inside");
 /// Finds contact points on half-spaces.
 const PLANES: Kernel = kernel!("manifolds/planes");
+/// Measures anchors on colliders of compounds from the compound's centre of mass.
+const COMPOUND_ANCHORS: Kernel = kernel!("manifolds/compound_anchors");
 /// Counts the pairs and points of slots.
 const COUNTS: Kernel = kernel!("manifolds/counts");
 /// Writes the lists of pairs and points.
@@ -117,6 +120,7 @@ pub const SHADERS: Shaders = Shaders {
         &INSIDE,
         &reduce::REDUCE,
         &PLANES,
+        &COMPOUND_ANCHORS,
         &COUNTS,
         &EMIT,
     ],

@@ -52,6 +52,11 @@ pub fn record_points(calls: &mut Calls) {
     calls.call(&PLANES, Groups::PerBodies(1));
 }
 
+/// Adds the call that measures anchors from the centres of mass of bodies.
+pub fn record_compounds(calls: &mut Calls) {
+    calls.call(&COMPOUND_ANCHORS, per(GROUPS_PER_64_SLOTS)).for_compounds();
+}
+
 /// Adds the calls that write the lists of pairs and points in order.
 pub fn record_lists(calls: &mut Calls) {
     calls.call(&COUNTS, per(GROUPS_PER_64_SLOTS));

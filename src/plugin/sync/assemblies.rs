@@ -4,6 +4,8 @@ use super::Step;
 use super::collected::Collected;
 use super::components::Surface;
 #[cfg(feature = "gpu")]
+use super::latent::{Row, Seen};
+#[cfg(feature = "gpu")]
 use crate::state::Motion;
 use crate::state::fault::BodyFault;
 use crate::state::{Body, NewPart, Place, StepInput};
@@ -111,6 +113,62 @@ impl Step {
                 Some(self.state.input.bodies.compounds[compound as usize].number as usize)
             }
             Err(_) => self.collected.entities.binary_search(&body).ok(),
+        }
+    }
+
+    /// Links the bodies of the step that is about to run with those of the last one.
+    #[cfg(feature = "gpu")]
+    pub fn link(&mut self, resident: bool) {
+        let Self {
+            state,
+            bodies,
+            assemblies,
+            collected,
+            latent,
+            driven,
+            ..
+        } = self;
+        let arrays = &mut state.input.bodies;
+        let seen = |entity: Entity, body: &Body| Seen {
+            motion: body.motion(),
+            asleep: !body.params.woken,
+            driven: driven.contains(entity),
+        };
+        let count = collected.entities.len() as u32;
+        // Both lists are ascending, and `bodies` has invalid ones too.
+        let mut read = bodies.iter();
+        let singles = (0..count).zip(&collected.entities).filter_map(|(row, &entity)| {
+            let (_, body) = read.find(|(other, _)| *other == entity)?;
+            let own = Row {
+                entity,
+                kind: body.kind,
+                row,
+                collider: row,
+            };
+            arrays.part(row).is_none().then(|| (own, seen(entity, body)))
+        });
+        let compounds = assemblies.iter().filter_map(|assembly| {
+            let compound = assembly.compound?;
+            let own = Row {
+                entity: assembly.body,
+                kind: assembly.values.kind,
+                row: count + compound,
+                collider: arrays.compounds[compound as usize].number,
+            };
+            Some((own, seen(assembly.body, &assembly.values)))
+        });
+        let (mut singles, mut compounds) = (singles.peekable(), compounds.peekable());
+        let merged = std::iter::from_fn(|| match (singles.peek(), compounds.peek()) {
+            (Some((one, _)), Some((other, _))) if other.entity < one.entity => compounds.next(),
+            (Some(_), _) => singles.next(),
+            (None, _) => compounds.next(),
+        });
+        latent.link(&collected.entities, arrays.compounds.len(), merged, resident);
+        for i in 0..arrays.len() {
+            let row = arrays
+                .part(i as u32)
+                .map_or(i, |part| count as usize + part.compound as usize);
+            arrays.params[i].woken = latent.woken[row];
         }
     }
 

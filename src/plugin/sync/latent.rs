@@ -1,19 +1,46 @@
 //! Steps with pending results: which body of the last step each body continues, and what users wrote in the meantime.
 //!
-//! Bodies are numbered anew in every step, in the order of entities, and each continues from its number in the last
-//! step. Results are matched to bodies by entity, so late results cannot reach the wrong body.
+//! Bodies are numbered anew in every step, in the order of entities. Each continues from its row in the motions of the last
+//! step, where compounds follow the colliders. Results are matched to bodies by entity, so late results cannot reach the
+//! wrong body.
 //!
 //! Writes of users are found by comparing components with a [`Shadow`] of them.
 
 use super::Step;
 use super::collected::Collected;
 use super::shadow::{Part, Shadow, Written};
-use crate::state::{Body, Motion};
+use crate::state::Motion;
 use crate::step::gpu::upload::Carried;
-use crate::step::remap;
 use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody, Sleeping};
 use bevy::prelude::*;
 use std::collections::{BTreeMap, VecDeque};
+
+/// A body of a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Row {
+    pub entity: Entity,
+    pub kind: RigidBody,
+    /// Its row in the motions of the step.
+    pub row: u32,
+    /// The number of its first collider.
+    pub collider: u32,
+}
+
+/// What the components of a body say.
+pub(crate) struct Seen {
+    pub motion: Motion,
+    pub asleep: bool,
+    /// It moves by its `Transform`.
+    pub driven: bool,
+}
+
+/// A pending step.
+struct Flight {
+    number: u64,
+    collected: Collected,
+    /// Ascending by entity.
+    bodies: Vec<Row>,
+}
 
 /// The steps with pending results.
 #[derive(Default)]
@@ -22,85 +49,92 @@ pub(crate) struct Latent {
     now: u64,
     /// Whether bodies stay on the device, so that results of theirs are not read.
     resident: bool,
-    /// Number, bodies and planes of each step with pending results, oldest first.
-    flights: VecDeque<(u64, Collected)>,
-    /// The shadow of each body of the last step, ascending by entity.
-    shadows: Vec<(Entity, Shadow)>,
-    /// For each body of the last step, the state that it carries over from the step before.
+    /// The steps with pending results, oldest first.
+    flights: VecDeque<Flight>,
+    /// The colliders of the last step, ascending.
+    colliders: Vec<Entity>,
+    /// The bodies of the last step with their shadows, ascending by entity.
+    shadows: Vec<(Row, Shadow)>,
+    /// For each row of the last step, the state that the body carries over from the step before.
     pub carried: Vec<Option<Carried>>,
-    /// For each body of the last step, whether a user woke it.
+    /// For each row of the last step, whether a user woke the body.
     pub woken: Vec<bool>,
-    /// The step whose results came last, and the poses and velocities of its bodies.
-    arrived: (u64, Vec<Motion>),
+    /// The step whose results came last, with its bodies and the motions of all rows.
+    arrived: (u64, Vec<Row>, Vec<Motion>),
 }
 
 impl Latent {
-    /// Determines for a step of `entities` which of them continue from the step before, and what users wrote. `bodies`
-    /// has the components of these entities, and maybe of others. Both are ascending. `is_driven` says which of them move
-    /// by their `Transform`. `resident` bodies stay on the device.
+    /// Determines for the `bodies` of a step, which are ascending by entity, which of them continue from the step before,
+    /// and what users wrote. `colliders` are ascending too, and followed by `compounds` rows. `resident` bodies stay on the
+    /// device.
     pub fn link(
         &mut self,
-        entities: &[Entity],
-        bodies: &[(Entity, Body)],
-        is_driven: impl Fn(Entity) -> bool,
+        colliders: &[Entity],
+        compounds: usize,
+        bodies: impl Iterator<Item = (Row, Seen)>,
         resident: bool,
     ) {
         self.now += 1;
         self.resident = resident;
         let before = std::mem::take(&mut self.shadows);
-        let mut sources = remap::previous_numbers(before.iter().map(|&(entity, _)| entity), entities.iter().copied());
-        let mut bodies = bodies.iter();
+        self.colliders.clear();
+        self.colliders.extend_from_slice(colliders);
         self.carried.clear();
+        self.carried.resize(colliders.len() + compounds, None);
         self.woken.clear();
-        for &entity in entities {
-            let Some((_, body)) = bodies.find(|&&(other, _)| other == entity) else {
-                break;
-            };
-            let seen = body.motion();
-            // The component of a body that falls asleep changes only when the results come.
-            let says_asleep = !body.params.woken;
-            let (shadow, carried, woken) = match sources.next().flatten() {
-                Some(source) => {
-                    let (_, mut shadow) = before[source as usize];
-                    shadow.drive(is_driven(entity));
-                    let carried = shadow.carry(source, &seen, resident);
-                    let woken = shadow.wake(says_asleep, self.now);
-                    shadow.send(&seen, &carried, body.kind, self.now);
-                    (shadow, Some(carried), woken)
+        self.woken.resize(colliders.len() + compounds, false);
+        let mut last = before.iter().peekable();
+        for (body, of_body) in bodies {
+            let seen = &of_body.motion;
+            while last.next_if(|(other, _)| other.entity < body.entity).is_some() {}
+            let row = body.row as usize;
+            let shadow = match last.next_if(|(other, _)| other.entity == body.entity) {
+                Some(&(source, mut shadow)) => {
+                    shadow.drive(of_body.driven);
+                    let carried = shadow.carry(source.row, seen, resident);
+                    // The component of a body that falls asleep changes only when the results come.
+                    self.woken[row] = shadow.wake(of_body.asleep, self.now);
+                    shadow.send(seen, &carried, body.kind, self.now);
+                    self.carried[row] = Some(carried);
+                    shadow
                 }
                 None => {
-                    let mut shadow = Shadow::new(&seen, body.kind, self.now);
-                    let woken = shadow.wake(says_asleep, self.now);
-                    (shadow, None, woken)
+                    let mut shadow = Shadow::new(seen, body.kind, self.now);
+                    self.woken[row] = shadow.wake(of_body.asleep, self.now);
+                    shadow
                 }
             };
-            self.shadows.push((entity, shadow));
-            self.carried.push(carried);
-            self.woken.push(woken);
+            self.shadows.push((body, shadow));
         }
     }
 
     /// Records that a component of a body was inserted.
     pub fn insert(&mut self, entity: Entity, part: Part) {
-        if let Ok(at) = self.shadows.binary_search_by_key(&entity, |&(entity, _)| entity) {
+        if let Ok(at) = self.shadows.binary_search_by_key(&entity, |(body, _)| body.entity) {
             self.shadows[at].1.insert(part);
         }
     }
 
     /// Whether a body moves by its `Transform`, which holds its current pose.
     pub fn is_driven(&self, entity: Entity) -> bool {
-        let at = self.shadows.binary_search_by_key(&entity, |&(entity, _)| entity);
+        let at = self.shadows.binary_search_by_key(&entity, |(body, _)| body.entity);
         at.is_ok_and(|at| self.shadows[at].1.is_driven())
     }
 
     /// The bodies of the last step.
-    pub fn entities(&self) -> impl Iterator<Item = Entity> + '_ {
-        self.shadows.iter().map(|&(entity, _)| entity)
+    pub fn bodies(&self) -> impl Iterator<Item = Entity> + '_ {
+        self.shadows.iter().map(|(body, _)| body.entity)
+    }
+
+    /// The colliders of the last step, in the order of its rows.
+    pub fn colliders(&self) -> impl Iterator<Item = Entity> + '_ {
+        self.colliders.iter().copied()
     }
 
     /// Drops the pending steps. Nothing of them is carried over or published.
     pub fn forget(&mut self) {
         self.flights.clear();
+        self.colliders.clear();
         self.shadows.clear();
         self.carried.clear();
         self.woken.clear();
@@ -117,34 +151,46 @@ impl Latent {
 
     /// Records that the step that was linked last was submitted.
     pub fn sent(&mut self, collected: Collected) {
-        self.flights.push_back((self.now, collected));
+        self.flights.push_back(Flight {
+            number: self.now,
+            collected,
+            bodies: self.shadows.iter().map(|(body, _)| *body).collect(),
+        });
     }
 
     /// Stores the results of the oldest pending step. Returns its bodies and planes.
     pub fn arrived(&mut self, motions: Vec<Motion>) -> Option<Collected> {
-        let (step, collected) = self.flights.pop_front()?;
-        self.arrived = (step, motions);
-        Some(collected)
+        let flight = self.flights.pop_front()?;
+        self.arrived = (flight.number, flight.bodies, motions);
+        Some(flight.collected)
     }
 
     /// Calls `write` for each body of the step whose results came last, with the values for its components.
-    pub fn write(&mut self, of: &Collected, asleep: &[bool], mut write: impl FnMut(Entity, Written)) {
-        let (step, motions) = &self.arrived;
+    /// `asleep` has an entry for each collider.
+    pub fn write(&mut self, asleep: &[bool], mut write: impl FnMut(Entity, Written)) {
+        let (step, bodies, motions) = &self.arrived;
         let mut shadows = self.shadows.iter_mut().peekable();
-        for (i, ((&entity, &kind), motion)) in of.entities.iter().zip(&of.kinds).zip(motions).enumerate() {
-            while shadows.next_if(|(other, _)| *other < entity).is_some() {}
-            if let Some((_, shadow)) = shadows.next_if(|(other, _)| *other == entity) {
-                let asleep = asleep.get(i) == Some(&true);
+        for &Row {
+            entity,
+            kind,
+            row,
+            collider,
+        } in bodies
+        {
+            while shadows.next_if(|(other, _)| other.entity < entity).is_some() {}
+            let shadow = shadows.next_if(|(other, _)| other.entity == entity);
+            if let Some(((_, shadow), motion)) = shadow.zip(motions.get(row as usize)) {
+                let asleep = asleep.get(collider as usize) == Some(&true);
                 write(entity, shadow.receive(*step, self.now, kind, motion, asleep));
             }
         }
     }
 
     /// Updates `bodies` from the state of their components to the state after the last step, including what users wrote
-    /// since. `motions` has the state of each body after the last step.
+    /// since. `motions` has the state of each row after the last step.
     pub fn catch_up(&self, motions: &[Motion], bodies: &mut BTreeMap<Entity, Motion>) {
-        for ((entity, shadow), motion) in self.shadows.iter().zip(motions) {
-            if let Some(body) = bodies.get_mut(entity) {
+        for (row, shadow) in &self.shadows {
+            if let Some((body, motion)) = bodies.get_mut(&row.entity).zip(motions.get(row.row as usize)) {
                 *body = shadow.carry(0, body, self.resident).apply(motion, body);
             }
         }
@@ -185,8 +231,8 @@ pub(crate) fn release(
         return;
     }
     let mut leaving = BTreeMap::new();
-    for entity in step.latent.entities() {
-        if step.collected.entities.binary_search(&entity).is_ok() {
+    for entity in step.latent.bodies() {
+        if step.number_of(entity).is_some() {
             continue;
         }
         if let Ok((transform, linear, angular)) = bodies.get(entity) {

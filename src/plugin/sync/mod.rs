@@ -167,13 +167,13 @@ impl Step {
         }
     }
 
-    /// Moves the simulation to the CPU while a body needs CCD or has several colliders, or hooks are active, and back to the
-    /// GPU afterwards. Bodies keep their state.
+    /// Moves the simulation to the CPU while a body needs CCD or hooks are active, and back to the GPU afterwards. Bodies
+    /// keep their state.
     pub fn choose_place(&mut self) {
         let bodies = &self.state.input.bodies;
         let stops = bodies.params.iter().any(|params| params.continuous);
         let stops = stops && self.state.input.config.response == Response::Contacts;
-        let on_cpu = stops || !bodies.compounds.is_empty() || self.state.input.has_hooks();
+        let on_cpu = stops || self.state.input.has_hooks();
         #[cfg(feature = "gpu")]
         if self.engine.changes_place(on_cpu) {
             self.hand_over(on_cpu);
@@ -239,13 +239,7 @@ impl Step {
         #[cfg(feature = "gpu")]
         if let Some(detail) = self.engine.latent() {
             let resident = detail == Detail::Counts;
-            let is_driven = |entity| self.driven.contains(entity);
-            self.latent
-                .link(&self.collected.entities, &self.bodies, is_driven, resident);
-            let params = &mut self.state.input.bodies.params;
-            for (params, &woken) in params.iter_mut().zip(&self.latent.woken) {
-                params.woken = woken;
-            }
+            self.link(resident);
             // Of others the components are behind the device.
             self.depart(|step, entity| step.latent.is_driven(entity));
             return;

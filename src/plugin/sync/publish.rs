@@ -112,10 +112,9 @@ pub(crate) fn write_back(
     let is_latent = step.engine.is_latent();
     #[cfg(feature = "gpu")]
     if is_latent {
-        step.latent
-            .write(results, &step.state.results.asleep, |entity, written| {
-                write(entity, written.pose, written.velocities, written.asleep)
-            });
+        step.latent.write(&step.state.results.asleep, |entity, written| {
+            write(entity, written.pose, written.velocities, written.asleep)
+        });
     }
     let bodies = &step.state.input.bodies;
     for (i, (&entity, &kind)) in results.bodies.iter().zip(&results.kinds).enumerate() {

@@ -24,6 +24,8 @@ layout! {
         inverse_inertia_off_diagonal: Vec3, flags: u32,
         radius: f32, restitution: f32, friction: f32, gravity_scale: f32,
         linear_damping: f32, angular_damping: f32, max_linear_speed: f32, max_angular_speed: f32,
+        offset: Vec3, body: u32,
+        extent: f32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// Pose, velocity and sleep state of a body.
     MotionState {
@@ -82,6 +84,8 @@ layout! {
         separating_direction: Vec3, saved_pair: u32,
         center_offset: Vec3, diameter: f32,
         approach_velocity: Vec3, surface_speed: f32,
+        offset_a: Vec3, collider_a: u32,
+        offset_b: Vec3, collider_b: u32,
         mass_ratio: f32, color: u32, padding_a: u32, padding_b: u32,
     }
     /// What is constant about a point during a collision substep.

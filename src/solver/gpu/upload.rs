@@ -5,7 +5,7 @@ use super::layout::{FRICTION_RULE, LOCKED_AXES, RESTITUTION_RULE};
 use crate::gpu::layout::{ContactPair, ContactPoint, DYNAMIC, FLAT_RADIUS, KINEMATIC, SENSOR, STATIC};
 use crate::manifolds::{Manifold, ManifoldPoint};
 use crate::solver::softness::Softness;
-use crate::solver::{CollisionSubstep, SleepState, SolverBody, SolverMotion};
+use crate::solver::{CollisionSubstep, SleepState, SolverBodies, SolverBody, SolverMotion};
 use crate::types::body::{ExternalForces, RigidBody};
 use crate::types::material::CombineRule;
 use crate::types::solver_settings::SolverSettings;
@@ -57,8 +57,18 @@ pub fn collision_substep(
     }
 }
 
-/// The properties of a body.
-pub fn body(body: &SolverBody) -> layout::SolverBody {
+/// The properties of all colliders and their bodies, and of half-spaces.
+pub fn bodies(bodies: &SolverBodies) -> Vec<layout::SolverBody> {
+    let mut packed: Vec<_> = (0..).zip(&bodies.bodies).map(|(i, own)| body(i, own)).collect();
+    for part in &bodies.parts {
+        let collider = &mut packed[part.collider as usize];
+        collider.body = part.body;
+        collider.offset = part.offset.as_vec3().to_array();
+    }
+    packed
+}
+
+fn body(number: u32, body: &SolverBody) -> layout::SolverBody {
     let inertia = body.inverse_inertia;
     let limit = |limit: f32| if limit >= 0.0 { limit.min(FASTEST) } else { FASTEST };
     // `max` returns the other operand for NaN.
@@ -76,6 +86,9 @@ pub fn body(body: &SolverBody) -> layout::SolverBody {
         angular_damping: positive(body.angular_damping),
         max_linear_speed: limit(body.max_linear_speed),
         max_angular_speed: limit(body.max_angular_speed),
+        body: number,
+        extent: length(body.extent),
+        ..Default::default()
     }
 }
 

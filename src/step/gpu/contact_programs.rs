@@ -9,7 +9,7 @@ use super::record::Recorder;
 use super::solver_input::SolverInput;
 use crate::gpu::buffers::{Buffers, TooLarge};
 use crate::gpu::device::Gpu;
-use crate::gpu::program::{Calls, Program};
+use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
 use crate::solver::gpu::SolverBuffers;
@@ -121,9 +121,10 @@ impl ContactPrograms {
     }
 
     /// Number of dispatches of each stage in one collision substep, with contacts.
-    pub fn dispatches(&self) -> [usize; Stage::COUNT] {
+    pub fn dispatches(&self, with_compounds: bool) -> [usize; Stage::COUNT] {
         let [_, solve] = &self.solve;
-        Stage::ALL.map(|stage| self.first.len(stage) + solve.len(stage) + self.last.len(stage))
+        let programs = [&self.first, solve, &self.last];
+        Stage::ALL.map(|stage| programs.map(|program| program.len(stage, with_compounds)).iter().sum())
     }
 
     /// Writes the lengths of the lists, and the numbers of bodies and half-spaces.
@@ -134,12 +135,12 @@ impl ContactPrograms {
     }
 
     /// Records a step without response, which reports contact points.
-    pub fn record_report(&self, encoder: &mut CommandEncoder, bodies: u32, timer: Option<&Timer>) {
+    pub fn record_report(&self, encoder: &mut CommandEncoder, population: Population, timer: Option<&Timer>) {
         encoder.clear_buffer(&self.step.tally, 0, None);
         encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
         for stage in Stage::ALL {
             let around = timer.map(|timer| timer.around(stage, 0));
-            self.report.record(stage, encoder, bodies, around);
+            self.report.record(stage, encoder, population, around);
         }
     }
 
@@ -179,7 +180,7 @@ impl ContactPrograms {
                     _ => find,
                 };
                 let around = timer.map(|timer| timer.around(stage, number));
-                program.record(stage, encoder, input.body_count(), around);
+                program.record(stage, encoder, input.population(), around);
                 if stage == Stage::BroadPhase && place.is_first {
                     // Copy for rendering.
                     copy_all(encoder, &buffers.bodies, &buffers.before);

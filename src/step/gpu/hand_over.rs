@@ -2,7 +2,7 @@
 //! keep their impulses.
 
 use super::memory::DeviceMemory;
-use super::remap::LastBodies;
+use super::remap::{LastBodies, LastCompound, LastPart};
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
 use crate::sleep::cpu::hash;
 use crate::sleep::inputs::PlacedSleepInputs;
@@ -35,7 +35,12 @@ impl DeviceMemory {
         counters[PAIRS as usize] = manifolds.pairs.len() as u32;
         counters[POINTS as usize] = manifolds.points.len() as u32;
         counters[SUBSTEP as usize] = memory.warm.substep().to_bits();
-        let moved: Vec<_> = memory.bodies.iter().map(SavedBody::moved).collect();
+        let (compounds, parts) = compounds(&memory.bodies);
+        let rows = memory.bodies.iter();
+        let compound_rows = compounds
+            .iter()
+            .map(|compound| &memory.bodies[compound.number as usize]);
+        let moved: Vec<_> = rows.chain(compound_rows).map(SavedBody::moved).collect();
         let states = memory.keys.iter().zip(&memory.bodies);
         let states: Vec<_> = states.map(|(&key, body)| body.state(key)).collect();
         let last_pairs: Vec<_> = manifolds.pairs.iter().map(upload::contact_pair).collect();
@@ -44,6 +49,8 @@ impl DeviceMemory {
             last_bodies: LastBodies {
                 keys: memory.keys.clone(),
                 sleep_inputs: memory.bodies.iter().map(|body| body.inputs.inputs).collect(),
+                compounds,
+                parts,
                 planes: memory.planes.clone(),
                 gravity: memory.gravity,
             },
@@ -62,8 +69,10 @@ impl DeviceMemory {
         let LastBodies {
             keys,
             sleep_inputs,
+            compounds,
             planes,
             gravity,
+            ..
         } = &self.last_bodies;
         if keys.is_empty() {
             return Default::default();
@@ -77,16 +86,24 @@ impl DeviceMemory {
         };
         let moved: Vec<Moved> = list(&self.moved);
         let states: Vec<MotionState> = list(&self.last_step_states);
-        let bodies = sleep_inputs.iter().zip(&moved).zip(&states);
-        let bodies = bodies.map(|((inputs, moved), state)| SavedBody {
-            sleep: SleepState::from(state),
-            inputs: PlacedSleepInputs {
-                inputs: *inputs,
-                place: None,
-                position: moved.position.into(),
-                rotation: Quat::from_array(moved.rotation),
-            },
-            had_impact: false,
+        let bodies = sleep_inputs.iter().enumerate().map(|(i, inputs)| {
+            let part = self.last_bodies.part(i as u32);
+            let compound = part.map(|part| &compounds[part.compound as usize]);
+            let body = compound.map_or(i, |compound| compound.number as usize);
+            let moved = &moved[part.map_or(i, |part| keys.len() + part.compound as usize)];
+            SavedBody {
+                sleep: SleepState::from(&states[body]),
+                inputs: PlacedSleepInputs {
+                    inputs: *inputs,
+                    place: part
+                        .zip(compound)
+                        .map(|(part, compound)| (part.place, compound.local_center)),
+                    position: moved.position.into(),
+                    rotation: Quat::from_array(moved.rotation),
+                },
+                body: body as u32,
+                had_impact: false,
+            }
         });
         let [pairs, points] = [PAIRS, POINTS].map(|counter| self.counters[counter as usize] as usize);
         let substep = f32::from_bits(self.counters[SUBSTEP as usize]);
@@ -116,35 +133,54 @@ impl SavedBody {
     fn moved(&self) -> Moved {
         Moved {
             position: self.inputs.position.to_array(),
-            asleep: u32::from(self.sleep().asleep),
+            asleep: u32::from(self.sleep.asleep),
             rotation: self.inputs.rotation.to_array(),
             ..Default::default()
-        }
-    }
-
-    /// Bodies of several colliders exist on the CPU only. What is left of one on the device is awake.
-    fn sleep(&self) -> SleepState {
-        match self.inputs.place {
-            None => self.sleep,
-            Some(_) => SleepState::default(),
         }
     }
 
     fn state(&self, key: u64) -> MotionState {
         let PlacedSleepInputs {
             inputs,
+            place,
             position,
             rotation,
-            ..
         } = &self.inputs;
         let rotation = rotation.as_dquat().normalize();
-        let frame = Frame::new(position.as_dvec3(), rotation, inputs.scale.as_dvec3(), inputs.center);
+        let center = match place {
+            Some((_, local_center)) => position.as_dvec3() + rotation * local_center,
+            None => Frame::new(position.as_dvec3(), rotation, inputs.scale.as_dvec3(), inputs.center).center,
+        };
         let motion = SolverMotion {
             rotation,
-            ..SolverMotion::at(frame.center)
+            ..SolverMotion::at(center)
         };
-        upload::state(&motion, &self.sleep(), hash(key))
+        upload::state(&motion, &self.sleep, hash(key))
     }
+}
+
+/// The bodies among these whose colliders are placed in them, and these colliders.
+fn compounds(bodies: &[SavedBody]) -> (Vec<LastCompound>, Vec<LastPart>) {
+    let mut compounds: Vec<LastCompound> = Vec::new();
+    let mut parts = Vec::new();
+    for (collider, saved) in (0..).zip(bodies) {
+        let Some((place, local_center)) = saved.inputs.place else {
+            continue;
+        };
+        // A body has the number of its first collider, so compounds are found in ascending order.
+        let at = compounds.binary_search_by_key(&saved.body, |compound| compound.number);
+        let compound = at.unwrap_or_else(|end| {
+            let number = saved.body;
+            compounds.push(LastCompound { number, local_center });
+            end
+        }) as u32;
+        parts.push(LastPart {
+            collider,
+            compound,
+            place,
+        });
+    }
+    (compounds, parts)
 }
 
 fn words<T: Pod>(list: &[T]) -> Vec<u32> {

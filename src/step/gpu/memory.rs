@@ -44,10 +44,11 @@ impl DeviceMemory {
         let counters = read_words(gpu, &step.last_step_counters, COUNTERS as usize)?;
         let read = |buffer: &Buffer, count: usize, size: usize| read_words(gpu, buffer, count * size / 4);
         let bodies = last_bodies.len();
+        let rows = bodies + last_bodies.compounds.len();
         let [pairs, points] = [PAIRS, POINTS].map(|counter| counters[counter as usize] as usize);
         Ok(Self {
             last_bodies: last_bodies.clone(),
-            moved: read(&buffers.moved, bodies, size_of::<Moved>())?,
+            moved: read(&buffers.moved, rows, size_of::<Moved>())?,
             last_step_states: read(&step.last_step_states, bodies, size_of::<MotionState>())?,
             pairs: read(&step.last_step_pairs, pairs, size_of::<SavedPair>())?,
             points: read(&step.last_step_points, points, size_of::<SavedPoint>())?,
@@ -123,6 +124,7 @@ impl GpuStep {
         let (bodies, [pairs, points]) = memory.lengths();
         let needed = Capacity {
             bodies,
+            compounds: memory.last_bodies.compounds.len() as u32,
             ..Capacity::default()
         };
         let contacts = ContactCapacity {

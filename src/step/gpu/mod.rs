@@ -36,7 +36,7 @@ use crate::gpu::arena::Arena;
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::layout;
-use crate::gpu::program::Program;
+use crate::gpu::program::{Population, Program};
 use crate::gpu::readback::{read_words, scoped};
 use crate::gpu::timer::Timer;
 use crate::solver::speeds::Speeds;
@@ -90,14 +90,16 @@ pub struct GpuStep {
     finished: VecDeque<Output>,
     /// Staging buffers that are not in use.
     spare: Vec<Buffer>,
-    /// Number of bodies in the last submitted step.
-    bodies: u32,
+    /// Number of colliders and compounds in the last submitted step.
+    population: Population,
     waits: u64,
 }
 
 /// Initial capacity. Lists grow as needed.
 const START: Capacity = Capacity {
     bodies: 256,
+    compounds: 0,
+    parts: 0,
     planes: 8,
     pairs: 1024,
     hits: 4096,
@@ -144,7 +146,7 @@ impl GpuStep {
                 flights: VecDeque::new(),
                 finished: VecDeque::new(),
                 spare: Vec::new(),
-                bodies: 0,
+                population: Population::default(),
                 waits: 0,
             }),
             Err(reason) => Err(NoGpu::Failed {
@@ -183,11 +185,13 @@ impl GpuStep {
         self.buffers.bytes() + self.contacts.as_ref().map_or(0, ContactPrograms::bytes)
     }
 
-    /// Number of dispatches of each stage. With contacts it is that of one collision substep, once there was one.
+    /// Number of dispatches of each stage in the last submitted step. With contacts it is that of one collision substep,
+    /// once there was one.
     pub fn dispatches(&self) -> [usize; Stage::COUNT] {
+        let with_compounds = self.population.compounds > 0;
         match &self.contacts {
-            Some(contacts) => contacts.dispatches(),
-            None => Stage::ALL.map(|stage| self.program.len(stage)),
+            Some(contacts) => contacts.dispatches(with_compounds),
+            None => Stage::ALL.map(|stage| self.program.len(stage, with_compounds)),
         }
     }
 
@@ -247,7 +251,7 @@ impl GpuStep {
         self.last_bodies.forget();
         self.host_speeds.clear();
         self.speeds = Speeds::NONE;
-        self.bodies = 0;
+        self.population = Population::default();
     }
 
     fn fail(&mut self) {
@@ -265,12 +269,13 @@ impl GpuStep {
         }
     }
 
-    /// Motions of all bodies after the last submitted step, for which it waits.
+    /// Motions of all colliders after the last submitted step, for which it waits, followed by those of compounds.
     ///
     /// # Errors
     /// As [`GpuStep::take`].
     pub fn motions(&mut self) -> Result<Vec<Motion>, StepError> {
-        let words = self.bodies as usize * size_of::<layout::Moved>() / 4;
+        let Population { bodies, compounds } = self.population;
+        let words = (bodies + compounds) as usize * size_of::<layout::Moved>() / 4;
         let read = self.finish_all().and_then(|()| {
             let words = read_words(&self.gpu, &self.buffers.moved, words);
             words.map_err(StepError::Device)
@@ -289,12 +294,12 @@ impl GpuStep {
                 &self.buffers.before
             },
             current: &self.buffers.moved,
-            bodies: self.bodies,
+            bodies: self.population.bodies,
         }
     }
 }
 
-/// Two poses of every body, in the order of the last submitted step. Its results may not be known yet.
+/// Two poses of every collider, in the order of the last submitted step. Its results may not be known yet.
 #[derive(Clone, Copy, Debug)]
 pub struct Poses<'a> {
     /// Before that step: an array of `Body` of `shaders/shared/types.wgsl`, 144 bytes each, which begins with position,
@@ -302,6 +307,6 @@ pub struct Poses<'a> {
     pub previous: &'a Buffer,
     /// After it: an array of `Moved`, 64 bytes each, which begins with position, a word of padding and rotation.
     pub current: &'a Buffer,
-    /// Number of bodies.
+    /// Number of colliders.
     pub bodies: u32,
 }

@@ -15,29 +15,38 @@ use crate::{angles, broad_phase, force_scan, integrate, manifolds, sleep, solver
 
 /// Loads the bodies at the start of a step with contacts.
 const BEGIN: Kernel = kernel!("step/begin");
+/// Loads compounds, and places their colliders.
+const BEGIN_COMPOUNDS: Kernel = kernel!("step/begin_compounds");
 /// Reuses the contact points of inactive pairs.
 const REUSE_CONTACT_POINTS: Kernel = kernel!("step/reuse_contact_points");
 /// Tests whether the lists of contact generation, and earlier ones, overflowed.
 const OVERFLOW_LISTS: Kernel = kernel!("step/overflow_lists");
 /// Moves the bodies between collision substeps.
 const MOVE_BODIES: Kernel = kernel!("step/move_bodies");
+/// Moves the colliders of compounds between collision substeps.
+const MOVE_COMPOUNDS: Kernel = kernel!("step/move_compounds");
 /// Tests whether the touch list overflowed.
 const OVERFLOW_TOUCHES: Kernel = kernel!("step/overflow_touches");
 /// Writes the motions after the step.
 const FINISH: Kernel = kernel!("step/finish");
+/// Writes the motions of compounds and their colliders after the step.
+const FINISH_COMPOUNDS: Kernel = kernel!("step/finish_compounds");
 /// Saves the memory for the next step.
 const REMEMBER: Kernel = kernel!("step/remember");
 
 /// The modules and kernels of the step itself.
 pub const SHADERS: Shaders = Shaders {
-    modules: &[module!("step/placed")],
+    modules: &[module!("step/placed"), module!("step/start")],
     kernels: &[
         &BEGIN,
+        &BEGIN_COMPOUNDS,
         &REUSE_CONTACT_POINTS,
         &OVERFLOW_LISTS,
         &MOVE_BODIES,
+        &MOVE_COMPOUNDS,
         &OVERFLOW_TOUCHES,
         &FINISH,
+        &FINISH_COMPOUNDS,
         &REMEMBER,
     ],
 };
@@ -92,10 +101,11 @@ impl Recorder<'_> {
 
     fn part(&self, calls: &mut Calls, part: Part, place: Place) {
         let with_contacts = self.response == Response::Contacts;
-        let per_body = Groups::PerBodies(64);
+        let (per_body, per_compound) = (Groups::PerBodies(64), Groups::PerCompounds(64));
         match part {
             Part::Begin if with_contacts => {
                 calls.call(&BEGIN, per_body);
+                calls.call(&BEGIN_COMPOUNDS, per_compound);
             }
             Part::Begin => broad_phase::gpu::record_place(calls),
             Part::FindSpherePairs => broad_phase::gpu::record_search(calls, self.capacity),
@@ -104,6 +114,7 @@ impl Recorder<'_> {
             Part::FindContactPoints => {
                 manifolds::gpu::record::record_select(calls, self.capacity);
                 manifolds::gpu::record::record_points(calls);
+                manifolds::gpu::record::record_compounds(calls);
             }
             Part::ReuseContactPoints => {
                 calls.call(&REUSE_CONTACT_POINTS, manifolds::gpu::record::per(GROUPS_PER_64_SLOTS));
@@ -130,6 +141,7 @@ impl Recorder<'_> {
             Part::MoveBodies if place.is_last => {}
             Part::MoveBodies => {
                 calls.call(&MOVE_BODIES, per_body);
+                calls.call(&MOVE_COMPOUNDS, per_compound);
             }
             // The host reports them. If the touch list overflowed, the step is discarded.
             Part::ReportTouches => {
@@ -138,6 +150,7 @@ impl Recorder<'_> {
             Part::Remember => {
                 if let Some(contact_capacity) = self.contact_capacity.filter(|_| with_contacts) {
                     calls.call(&FINISH, per_body);
+                    calls.call(&FINISH_COMPOUNDS, per_compound);
                     remember(calls, contact_capacity);
                 }
             }

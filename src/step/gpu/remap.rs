@@ -3,10 +3,10 @@
 use crate::gpu::layout::{CARRIED_SLEEP, CONTINUES, WOKEN};
 use crate::sleep::inputs::SleepInputs;
 use crate::state::inactive::GONE;
-use crate::state::{Plane, StepInput};
+use crate::state::{Bodies, Place, Plane, StepInput};
 use crate::step::remap;
 use crate::types::body::RigidBody;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// State of the last submitted step whose change wakes bodies. Poses are known to the device only.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,16 +14,48 @@ pub struct LastBodies {
     /// Ascending.
     pub(super) keys: Vec<u64>,
     pub(super) sleep_inputs: Vec<SleepInputs>,
+    pub(super) compounds: Vec<LastCompound>,
+    /// The colliders of compounds, ascending.
+    pub(super) parts: Vec<LastPart>,
     pub(super) planes: Vec<Plane>,
     pub(super) gravity: Vec3,
+}
+
+/// A body of the last step whose colliders are placed in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LastCompound {
+    /// The number of its first collider.
+    pub number: u32,
+    pub local_center: DVec3,
+}
+
+/// A collider of such a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LastPart {
+    pub collider: u32,
+    pub compound: u32,
+    pub place: Place,
+}
+
+/// Where the state of a compound after the last step is, and what carries over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CompoundRemap {
+    /// Its row in `moved`.
+    pub row: u32,
+    /// The number of its first collider.
+    pub collider: u32,
+    /// As in `Compound::carried`.
+    pub carried: u32,
 }
 
 /// The numbers of bodies in two successive steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BodyRemap {
-    /// For each body its number in the last step, and what carries over, as in `Body::carried`.
+    /// For each collider its number in the last step, and what carries over, as in `Body::carried`.
     pub bodies: Vec<(u32, u32)>,
-    /// For each body of the last step, followed by the half-spaces, its new number; `u32::MAX` if it is gone.
+    /// The same for each compound.
+    pub compounds: Vec<CompoundRemap>,
+    /// For each collider of the last step, followed by the half-spaces, its new number; `u32::MAX` if it is gone.
     pub new_numbers: Vec<u32>,
     /// Whether the half-spaces differ.
     pub planes_changed: bool,
@@ -35,7 +67,7 @@ impl LastBodies {
         *self = Self::default();
     }
 
-    /// Number of bodies in the last step.
+    /// Number of colliders in the last step.
     pub fn len(&self) -> usize {
         self.keys.len()
     }
@@ -56,6 +88,7 @@ impl LastBodies {
         let sleep_inputs: Vec<_> = (0..count).map(|i| SleepInputs::of(input, i)).collect();
         let mut remap = BodyRemap {
             bodies: vec![(0, 0); count],
+            compounds: Vec::new(),
             new_numbers: vec![GONE; self.keys.len()],
             planes_changed: self.planes != *planes,
         };
@@ -67,21 +100,93 @@ impl LastBodies {
             let sleeps = params.can_sleep && same_gravity || bodies.kind[i] == RigidBody::Static;
             // Another scale or mesh may move the centre of mass.
             let (now, then) = (&sleep_inputs[i], &self.sleep_inputs[before as usize]);
-            let same_center = (now.center, now.scale) == (then.center, then.scale);
+            let single = self.part(before).is_none() && bodies.part(i as u32).is_none();
+            let same_center = single && (now.center, now.scale) == (then.center, then.scale);
             let mut carried = if same_center { CONTINUES } else { 0 };
-            carried |= if sleeps && now == then { CARRIED_SLEEP } else { 0 };
+            carried |= if single && sleeps && now == then {
+                CARRIED_SLEEP
+            } else {
+                0
+            };
             carried |= if params.woken { WOKEN } else { 0 };
             remap.bodies[i] = (before, carried);
         }
         if !self.keys.is_empty() {
             remap::renumber_planes(&mut remap.new_numbers, self.planes.len(), count, planes.len());
         }
+        remap.compounds = self.continued_compounds(bodies, &sleep_inputs, same_gravity, &remap.new_numbers);
         *self = Self {
             keys,
             sleep_inputs,
+            compounds: (bodies.compounds.iter())
+                .map(|compound| LastCompound {
+                    number: compound.number,
+                    local_center: compound.local_center,
+                })
+                .collect(),
+            parts: (bodies.parts.iter())
+                .map(|part| LastPart {
+                    collider: part.collider,
+                    compound: part.compound,
+                    place: part.place,
+                })
+                .collect(),
             planes: planes.clone(),
             gravity: config.gravity,
         };
         remap
+    }
+
+    /// What carries over to each compound of `bodies`. It continues the one to which its first collider belonged.
+    fn continued_compounds(
+        &self,
+        bodies: &Bodies,
+        sleep_inputs: &[SleepInputs],
+        same_gravity: bool,
+        new_numbers: &[u32],
+    ) -> Vec<CompoundRemap> {
+        if bodies.compounds.is_empty() {
+            return Vec::new();
+        }
+        let mut old_numbers = vec![GONE; bodies.len()];
+        for (before, &now) in (0..).zip(&new_numbers[..self.keys.len()]) {
+            if let Some(old) = old_numbers.get_mut(now as usize) {
+                *old = before;
+            }
+        }
+        let last_part = |collider: u32| self.part(old_numbers[collider as usize]);
+        let mut compounds: Vec<_> = (bodies.compounds.iter())
+            .map(|compound| {
+                let Some(last) = last_part(compound.number) else {
+                    return CompoundRemap::default();
+                };
+                let LastCompound { number, local_center } = self.compounds[last.compound as usize];
+                let continues = local_center == compound.local_center;
+                CompoundRemap {
+                    row: self.len() as u32 + last.compound,
+                    collider: number,
+                    carried: if continues { CONTINUES | CARRIED_SLEEP } else { 0 },
+                }
+            })
+            .collect();
+        for part in &bodies.parts {
+            let i = part.collider as usize;
+            let compound = &mut compounds[part.compound as usize];
+            let same = last_part(part.collider).is_some_and(|last| {
+                let same_inputs = sleep_inputs[i] == self.sleep_inputs[last.collider as usize];
+                self.len() as u32 + last.compound == compound.row && last.place == part.place && same_inputs
+            });
+            if !(same && same_gravity && bodies.params[i].can_sleep) {
+                compound.carried &= !CARRIED_SLEEP;
+            }
+            compound.carried |= if bodies.params[i].woken { WOKEN } else { 0 };
+        }
+        compounds
+    }
+
+    /// The part that a collider of the last step was of a compound.
+    pub(super) fn part(&self, collider: u32) -> Option<&LastPart> {
+        let at = self.parts.binary_search_by_key(&collider, |part| part.collider);
+        at.ok().map(|at| &self.parts[at])
     }
 }

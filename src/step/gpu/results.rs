@@ -9,6 +9,7 @@ use crate::gpu::layout::{
     Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED,
     SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
+use crate::gpu::program::Population;
 use crate::gpu::timer::{self, Timer};
 use crate::manifolds::report::report_points;
 use crate::solver::speeds::Speeds;
@@ -39,7 +40,7 @@ pub enum Detail {
 /// The results of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Output {
-    /// Motions of all bodies after the step; empty with [`Detail::Counts`].
+    /// Motions after the step: of all colliders, then of compounds; empty with [`Detail::Counts`].
     pub motions: Vec<Motion>,
     /// Pairs of bodies whose bounding spheres overlap, `a < b`, ascending; empty with [`Detail::Counts`].
     pub sphere_pairs: Vec<[u32; 2]>,
@@ -47,7 +48,7 @@ pub struct Output {
     pub contacts: Contacts,
     /// Contact points, with [`Response::None`] and [`Response::Contacts`]; empty with [`Detail::Counts`].
     pub manifolds: Manifolds,
-    /// For each body whether it sleeps; empty with [`Detail::Counts`].
+    /// For each collider whether its body sleeps; empty with [`Detail::Counts`].
     pub asleep: Vec<bool>,
     /// Number of pairs of nearby triangles in contact generation, in the collision substep that had most.
     pub near_triangles: usize,
@@ -92,7 +93,8 @@ impl Parts {
         let counters = part(COUNTERS, 4);
         let times = part(timer::BYTES * input.collision_substeps(), 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
-        let moved = part(lists(input.len()), size_of::<Moved>());
+        let Population { bodies, compounds } = input.population();
+        let moved = part(lists(bodies + compounds), size_of::<Moved>());
         let sphere_pairs = part(lists(capacity.pairs), 8);
         let touching = part(lists(capacity.pairs), size_of::<Touching>());
         let hits = part(lists(capacity.hits), size_of::<Hit>());
@@ -244,7 +246,8 @@ impl Raw {
         put_contacts(&mut output.contacts, input, self.touching, &self.hits);
         put_planes(&mut output.contacts, input, self.planes);
         output.motions = self.moved.iter().map(Motion::from).collect();
-        output.asleep = self.moved.iter().map(|moved| moved.asleep != 0).collect();
+        let colliders = self.moved.iter().take(input.len() as usize);
+        output.asleep = colliders.map(|moved| moved.asleep != 0).collect();
         let mut pairs: Vec<_> = self.contact_pairs.iter().map(Manifold::from).collect();
         pairs.sort_by_key(|pair| pair_order(pair.bodies, input.len()));
         output.manifolds = Manifolds {
@@ -253,7 +256,7 @@ impl Raw {
             surfaces: Vec::new(),
         };
         if input.response == Response::None && !output.motions.is_empty() {
-            let center_of = |body: u32| input.center_before(body, &output.motions[body as usize]);
+            let center_of = |collider: u32| input.center_before(collider, &output.motions);
             report_points(&output.manifolds, input.len(), &mut output.contacts, center_of);
         }
         if input.response == Response::Contacts {
@@ -273,9 +276,8 @@ impl Raw {
 impl Output {
     /// Writes everything to where the CPU's stages would.
     pub fn put(self, state: &mut StepState) {
-        for (i, motion) in self.put_lists(&mut state.results).iter().enumerate() {
-            state.input.bodies.set_motion(i, motion);
-        }
+        let motions = self.put_lists(&mut state.results);
+        state.input.bodies.set_motions(&motions);
     }
 
     /// The same without the motions, which it returns.

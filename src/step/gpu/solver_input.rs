@@ -1,8 +1,9 @@
 //! The solver's input in a step with contacts.
 
 use super::buffers::StepBuffers;
-use super::remap::BodyRemap;
+use super::remap::{BodyRemap, CompoundRemap};
 use crate::gpu::device::Gpu;
+use crate::gpu::program::Population;
 use crate::sleep::cpu::hash;
 use crate::solver::gpu::{SolverCapacity, layout, upload};
 use crate::solver::speeds::Speeds;
@@ -41,7 +42,8 @@ pub struct HostSpeeds {
 }
 
 impl SolverInput {
-    /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, have at most
+    /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
+    /// each collider and then for each compound, have at most
     /// `speeds`, plus what the host adds.
     pub fn new(state: &StepInput, carried: &[Option<Carried>], speeds: Speeds, remap: BodyRemap) -> Self {
         let StepInput {
@@ -54,18 +56,31 @@ impl SolverInput {
         let mut keys = Vec::new();
         state.write_keys(&mut keys);
         bodies.read(placed, planes, &keys);
-        let carried_velocities =
-            |i: usize| carried_velocities(carried, i).filter(|_| placed.kind.get(i) != Some(&RigidBody::Static));
-        let mut seen = Speeds::of(&bodies, |i| carried_velocities(i).is_some());
+        let count = placed.len();
+        // The first collider of the body in a row of `carried`, and the row of a collider.
+        let collider_of = |row: usize| match row.checked_sub(count) {
+            Some(compound) => placed.compounds[compound].number as usize,
+            None => row,
+        };
+        let row_of = |i: usize| placed.part(i as u32).map_or(i, |part| count + part.compound as usize);
+        let carried_velocities = |row: usize| {
+            let is_static = placed.kind.get(collider_of(row)) == Some(&RigidBody::Static);
+            carried_velocities(carried, row).filter(|_| !is_static)
+        };
+        // Centre and extent of a body bound the speeds of all its colliders.
+        let mut seen = Speeds::of(&bodies, |i| {
+            i < count && (!placed.is_body(i) || carried_velocities(row_of(i)).is_some())
+        });
         let mut added = 0.0f32;
         let mut carried_speeds = Speeds::NONE;
-        for (i, Carried { linear, angular, .. }) in (0..placed.len()).filter_map(|i| Some((i, carried_velocities(i)?)))
-        {
+        let rows = 0..count + placed.compounds.len();
+        for (row, Carried { linear, angular, .. }) in rows.filter_map(|row| Some((row, carried_velocities(row)?))) {
+            let i = collider_of(row);
             let motion = &mut bodies.motions[i];
             seen.add_along(!linear.axes, motion.linear_velocity);
             motion.linear_velocity = linear.sent(motion.linear_velocity);
             motion.angular_velocity = angular.sent(motion.angular_velocity);
-            let spin = motion.angular_velocity.length() * placed.unpadded_radius[i];
+            let spin = motion.angular_velocity.length() * bodies.bodies[i].extent;
             let change = Vec3::select(linear.axes, linear.added, Vec3::ZERO).length();
             if angular.axes.any() {
                 added = added.max(change + spin);
@@ -80,7 +95,7 @@ impl SolverInput {
         let by_impulses = (bodies.bodies.iter().zip(&bodies.forces))
             .map(|(body, forces)| {
                 let turn = body.inverse_inertia * forces.angular_impulse;
-                forces.impulse.length() * body.inverse_mass + turn.length() * body.radius
+                forces.impulse.length() * body.inverse_mass + turn.length() * body.extent
             })
             .fold(0.0, f32::max);
         let collision_substep = CollisionSubstep::of(config, collision_substeps);
@@ -95,7 +110,7 @@ impl SolverInput {
             settings: config.solver,
             collision_substep,
             collision_substeps,
-            bodies: bodies.bodies.iter().map(upload::body).collect(),
+            bodies: upload::bodies(&bodies),
             host_states,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             remap,
@@ -117,9 +132,22 @@ impl SolverInput {
         SAFETY * self.collision_substep.dt
     }
 
-    /// The number of body `i` in the last step, and what carries over besides `carried`.
+    /// The number of collider `i` in the last step, and what carries over besides `carried`.
     pub fn source(&self, i: usize) -> (u32, u32) {
         self.remap.bodies[i]
+    }
+
+    /// The same for compounds.
+    pub fn compound_sources(&self) -> &[CompoundRemap] {
+        &self.remap.compounds
+    }
+
+    /// The numbers on which workgroups depend.
+    pub fn population(&self) -> Population {
+        Population {
+            bodies: self.body_count(),
+            compounds: self.remap.compounds.len() as u32,
+        }
     }
 
     /// Whether bodies may fall asleep.

@@ -13,7 +13,8 @@ use crate::types::settings::Response;
 use crate::types::stage::Stage;
 
 impl GpuStep {
-    /// Submits a step. `carried` has an entry for each body of `state`; if it is empty, all bodies start as in `state`.
+    /// Submits a step. `carried` has an entry for each collider of `state` and then for each compound; if it is empty, all
+    /// bodies start as in `state`.
     ///
     /// # Errors
     /// If the device cannot hold the bodies or meshes, or fails. All steps in flight are then given up.
@@ -60,6 +61,8 @@ impl GpuStep {
         }
         let needed = Capacity {
             bodies: input.len(),
+            compounds: state.bodies.compounds.len() as u32,
+            parts: state.bodies.parts.len() as u32,
             planes: state.planes.len() as u32,
             meshes: self.arena.slots(),
             words: self.arena.words(),
@@ -80,7 +83,7 @@ impl GpuStep {
         if !self.reserve(needed, for_contacts)? {
             self.write(changes)?;
         }
-        self.bodies = input.len();
+        self.population = input.population();
         self.launch(input, detail)
     }
 
@@ -111,11 +114,11 @@ impl GpuStep {
             encoder.clear_buffer(&buffers.body_contacts, 0, None);
             match (contacts, &input.solver) {
                 (Some(contacts), Some(solver)) => contacts.record(&mut encoder, buffers, solver, timer.as_ref()),
-                (Some(contacts), None) => contacts.record_report(&mut encoder, input.len(), timer.as_ref()),
+                (Some(contacts), None) => contacts.record_report(&mut encoder, input.population(), timer.as_ref()),
                 (None, _) => {
                     for stage in Stage::ALL {
                         let timestamps = timer.as_ref().map(|timer| timer.around(stage, 0));
-                        program.record(stage, &mut encoder, input.len(), timestamps);
+                        program.record(stage, &mut encoder, input.population(), timestamps);
                     }
                 }
             }

@@ -7,18 +7,19 @@ use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
-    CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, SENSOR, STATIC,
+    CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, PART, SENSOR, STATIC,
 };
-use crate::state::{Bodies, Motion, Plane, StepInput};
+use crate::gpu::program::Population;
+use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
 use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bytemuck::cast_slice;
-use glam::{BVec3, Vec3};
+use glam::{BVec3, DMat3, Vec3};
 
 /// A body that continues from the last step, whose results the host may not know yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carried {
-    /// Its number in the last step.
+    /// Its row in the motions after the last step: first those of colliders, then those of compounds.
     pub source: u32,
     /// What carries over of its position.
     pub position: CarriedVector,
@@ -93,6 +94,8 @@ impl CarriedVector {
 pub struct Input {
     step: layout::Step,
     bodies: Vec<layout::Body>,
+    compounds: Vec<layout::Compound>,
+    parts: Vec<layout::Part>,
     planes: Vec<layout::Plane>,
     meshes: Vec<Option<CollisionMesh>>,
     /// What happens to bodies that touch.
@@ -102,19 +105,26 @@ pub struct Input {
 }
 
 impl Input {
-    /// Packs the bodies, half-spaces and settings of `state`. `carried` has an entry for each body, or is empty.
+    /// Packs the bodies, half-spaces and settings of `state`. `carried` has an entry for each collider and then
+    /// for each compound, or is empty.
     pub fn new(state: &StepInput, carried: &[Option<Carried>]) -> Self {
         let StepInput {
             config, bodies, planes, ..
         } = state;
         let count = bodies.len();
-        let body = |i: usize| body(bodies, state, i, carried.get(i).copied().flatten());
+        let carried = |row: usize| carried.get(row).copied().flatten();
+        let mut parts: Vec<_> = bodies.parts.iter().collect();
+        parts.sort_by_key(|part| part.compound);
+        let compounds = (bodies.compounds.iter().enumerate())
+            .map(|(i, own)| compound(i as u32, own, &parts, carried(count + i)))
+            .collect();
         Self {
             step: layout::Step {
                 gravity: config.gravity.to_array(),
                 dt: config.dt,
                 bodies: count as u32,
                 planes: planes.len() as u32,
+                compounds: bodies.compounds.len() as u32,
                 response: u32::from(config.response != Response::None),
                 contact_margin: match config.response {
                     Response::Impulse => 0.0,
@@ -122,7 +132,9 @@ impl Input {
                 },
                 ..Default::default()
             },
-            bodies: (0..count).map(body).collect(),
+            bodies: (0..count).map(|i| body(bodies, state, i, carried(i))).collect(),
+            parts: parts.into_iter().map(|own| part(bodies, own)).collect(),
+            compounds,
             planes: planes.iter().map(plane).collect(),
             meshes: (0..state.meshes.len() as u32)
                 .map(|slot| state.meshes.get(slot).map(|slot| slot.mesh.clone()))
@@ -140,9 +152,18 @@ impl Input {
         self.step.planes_changed = solver.planes_changed().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
-            // For bodies that carry over, both sources are equal.
-            body.source = if carried == 0 { body.source } else { source };
+            // What the host says to carry over may be the state of a compound that is one no more.
+            body.source = if body.carried == 0 { source } else { body.source };
             body.carried |= carried;
+        }
+        for (compound, remap) in self.compounds.iter_mut().zip(solver.compound_sources()) {
+            compound.source = if compound.carried == 0 {
+                remap.row
+            } else {
+                compound.source
+            };
+            compound.last_collider = remap.collider;
+            compound.carried |= remap.carried;
         }
         self.solver = Some(solver);
         self
@@ -158,9 +179,17 @@ impl Input {
         self.solver.as_ref().map_or(0, SolverInput::old_bodies)
     }
 
-    /// Number of bodies.
+    /// Number of colliders.
     pub fn len(&self) -> u32 {
         self.step.bodies
+    }
+
+    /// Number of colliders and compounds.
+    pub fn population(&self) -> Population {
+        Population {
+            bodies: self.step.bodies,
+            compounds: self.step.compounds,
+        }
     }
 
     /// Whether there are none.
@@ -188,11 +217,20 @@ impl Input {
         self.meshes[self.bodies[body as usize].mesh as usize].as_ref()
     }
 
-    /// The centre of mass of a body before a step without response, from its motion after it.
-    pub(super) fn center_before(&self, body: u32, after: &Motion) -> Vec3 {
-        let packed = &self.bodies[body as usize];
-        let center = self.mesh_of(body).map_or(Vec3::ZERO, |mesh| mesh.mass.center);
-        let now = after.position + after.rotation * (Vec3::from_array(packed.scale) * center);
+    /// The centre of mass of the body of a collider before a step without response, from the motions after it: of
+    /// colliders, then of compounds.
+    pub(super) fn center_before(&self, collider: u32, after: &[Motion]) -> Vec3 {
+        let packed = &self.bodies[collider as usize];
+        let (after, center) = if packed.flags & PART == 0 {
+            let center = self.mesh_of(collider).map_or(Vec3::ZERO, |mesh| mesh.mass.center);
+            (after[collider as usize], Vec3::from_array(packed.scale) * center)
+        } else {
+            let mut compounds = self.compounds.iter().zip(&after[self.bodies.len()..]);
+            let found = compounds.find(|(compound, _)| compound.collider == packed.body);
+            let (compound, after) = found.expect("each part belongs to a compound");
+            (*after, Vec3::from_array(compound.center))
+        };
+        let now = after.position + after.rotation * center;
         if packed.flags & KIND_MASK == STATIC {
             return now;
         }
@@ -220,6 +258,9 @@ impl Input {
         gpu.queue.write_buffer(&buffers.step, 0, bytemuck::bytes_of(&step));
         gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
         gpu.queue.write_buffer(&buffers.bodies, 0, cast_slice(&self.bodies));
+        gpu.queue
+            .write_buffer(&buffers.compounds, 0, cast_slice(&self.compounds));
+        gpu.queue.write_buffer(&buffers.parts, 0, cast_slice(&self.parts));
         gpu.queue.write_buffer(&buffers.planes, 0, cast_slice(&self.planes));
         if let Some(contacts) = contacts {
             contacts.write_limits(gpu, step.bodies, step.planes);
@@ -231,7 +272,12 @@ impl Input {
 }
 
 fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) -> layout::Body {
-    let inertia = bodies.local_inverse_inertia[i];
+    let part = bodies.part(i as u32);
+    let inertia = part.map_or(bodies.local_inverse_inertia[i], |part| {
+        // In the axes of the collider.
+        let axes = DMat3::from_quat(part.place.rotation).as_mat3();
+        axes.transpose() * bodies.compounds[part.compound as usize].local_inverse_inertia * axes
+    });
     let scale = bodies.scale[i];
     let mesh = &state.meshes[bodies.mesh[i]].mesh;
     // The device places the centre of mass in single precision, so the sphere grows by the rounding error. The device
@@ -257,12 +303,50 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
         inverse_inertia: [inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z],
         gravity_scale: bodies.gravity_scale[i],
         inverse_inertia_off_diagonal: [inertia.y_axis.x, inertia.z_axis.x, inertia.z_axis.y],
-        flags: flags(bodies, i),
+        flags: flags(bodies, i) | if part.is_some() { PART } else { 0 },
         memberships: bodies.layers[i].memberships,
         filters: bodies.layers[i].filters,
         thickness: bodies.thickness[i],
         source: carried.map_or(0, |carried| carried.source),
         carried: carried.map_or(0, |carried| carried.bits()),
+        body: bodies.body_of(i as u32),
+        ..Default::default()
+    }
+}
+
+/// Compound `number`. `parts` are ascending by compound.
+fn compound(number: u32, own: &Compound, parts: &[&Part], carried: Option<Carried>) -> layout::Compound {
+    let mut sent = own.motion;
+    if let Some(carried) = carried {
+        sent.position = carried.position.sent(sent.position);
+        sent.linear_velocity = carried.linear.sent(sent.linear_velocity);
+        sent.angular_velocity = carried.angular.sent(sent.angular_velocity);
+    }
+    let first = parts.partition_point(|part| part.compound < number);
+    let end = parts.partition_point(|part| part.compound <= number);
+    layout::Compound {
+        position: sent.position.to_array(),
+        collider: own.number,
+        rotation: sent.rotation.to_array(),
+        center: own.local_center.as_vec3().to_array(),
+        radius: own.radius,
+        linear_velocity: sent.linear_velocity.to_array(),
+        first_part: first as u32,
+        angular_velocity: sent.angular_velocity.to_array(),
+        part_count: (end - first) as u32,
+        source: carried.map_or(0, |carried| carried.source),
+        carried: carried.map_or(0, |carried| carried.bits()),
+        ..Default::default()
+    }
+}
+
+fn part(bodies: &Bodies, part: &Part) -> layout::Part {
+    let compound = &bodies.compounds[part.compound as usize];
+    layout::Part {
+        translation: (part.place.translation - compound.local_center).as_vec3().to_array(),
+        collider: part.collider,
+        rotation: part.place.rotation.as_quat().to_array(),
+        offset: part.offset.as_vec3().to_array(),
         ..Default::default()
     }
 }

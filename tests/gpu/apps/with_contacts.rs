@@ -2,6 +2,9 @@
 
 #[path = "../../plugin/bakes.rs"]
 mod bakes;
+#[path = "../../plugin/compounds.rs"]
+#[allow(dead_code)]
+mod compounds;
 #[path = "../../plugin/contacts.rs"]
 #[allow(dead_code)]
 mod contacts;
@@ -15,7 +18,7 @@ mod hooks;
 #[allow(dead_code)]
 mod sensors;
 
-use crate::app::{ON_GPU, STEP, Sim, resting};
+use crate::app::{ON_GPU, STEP, Sim, resting, sorted};
 use crate::gpu::Test;
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
@@ -79,7 +82,28 @@ pub const TESTS: &[Test] = &tests! {
     a_sleeper_wakes_when_the_filter_changes: hooks::a_sleeper_wakes_when_the_filter_changes_its_mind();
     planes_obey_layers: contacts::planes_obey_layers();
     a_lift_carries_whenever_results_come: lifts();
+    a_hammer_of_two_children_flies_like_the_merged_mesh:
+        compounds::a_hammer_of_two_children_flies_like_the_merged_mesh();
+    it_falls_rests_sleeps_and_names_its_children: compounds::it_falls_rests_sleeps_and_names_its_children();
+    events_reach_the_body_and_the_collider: compounds::events_reach_the_body_and_the_collider();
+    a_scene_under_a_moved_turned_and_scaled_parent_is_one_body:
+        compounds::a_scene_under_a_moved_turned_and_scaled_parent_is_one_body();
+    a_dynamic_body_stays_in_place_while_its_parent_moves:
+        compounds::a_dynamic_body_stays_in_place_while_its_parent_moves();
+    static_and_kinematic_bodies_follow_their_parents: compounds::static_and_kinematic_bodies_follow_their_parents();
+    what_lies_on_a_part_falls_when_the_part_goes: compounds::what_lies_on_a_part_falls_when_the_part_goes();
+    a_part_moves_to_another_body: compounds::a_part_moves_to_another_body();
+    a_child_that_is_added_or_enabled_takes_part_in_the_next_step:
+        compounds::a_child_that_is_added_or_enabled_takes_part_in_the_next_step();
+    parts_have_their_own_density_friction_and_layers: compounds::parts_have_their_own_density_friction_and_layers();
+    a_sheared_part_has_a_mesh_of_its_own: compounds::a_sheared_part_has_a_mesh_of_its_own();
+    a_snapshot_of_a_nested_hammer_repeats_to_the_bit: compounds::a_snapshot_of_a_nested_hammer_repeats_to_the_bit();
+    a_body_without_colliders_of_its_own_waits_for_its_children:
+        compounds::a_body_without_colliders_of_its_own_waits_for_its_children();
     steps_come_back_from_the_cpu: there_and_back();
+    compounds_are_the_same_two_steps_later: compounds_later();
+    the_parts_of_a_compound_change_in_flight: parts_change();
+    a_compound_stays_on_the_gpu: resident_compound();
     a_sensor_keeps_what_falls_asleep_in_it: sensors::a_sensor_keeps_what_falls_asleep_in_it();
     a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
     a_dynamic_sensor_that_sleeps_reports: sensors::a_dynamic_sensor_that_falls_asleep_goes_on_reporting();
@@ -124,15 +148,20 @@ fn lifts() {
     }
 }
 
-/// A body of two colliders, with which steps run on the CPU, falls beside a heap at rest, and goes again. The heap does
-/// not notice.
+/// A body of two colliders with continuous collision detection, with which steps run on the CPU, falls beside a heap at
+/// rest, and goes again. The heap does not notice, nor does a body of two colliders that sleeps.
 fn there_and_back() {
     for readback in [Readback::Lockstep, Readback::Latent] {
-        let (mut sim, cubes) = heap(readback);
+        let (mut sim, mut cubes) = heap(readback);
+        let cube = sim.mesh(&shapes::cube(1.0));
+        cubes.push(dumbbell(&mut sim, &cube, Vec3::new(-8.0, 0.502, 0.0)));
         sim.step(64);
         let before: Vec<_> = cubes.iter().map(|&cube| sim.position(cube)).collect();
-        let cube = sim.mesh(&shapes::cube(1.0));
-        let root = sim.spawn((RigidBody::Dynamic, Transform::from_xyz(8.0, 2.0, 0.0)));
+        let root = sim.spawn((
+            RigidBody::Dynamic,
+            ContinuousCollision,
+            Transform::from_xyz(8.0, 2.0, 0.0),
+        ));
         for x in [-1.0, 1.0] {
             sim.spawn((cube.clone(), Transform::from_xyz(x, 0.0, 0.0), ChildOf(root)));
         }
@@ -146,6 +175,147 @@ fn there_and_back() {
             assert!(moved < 0.01, "{readback:?}: moved {moved} m");
         }
     }
+}
+
+/// A body whose two colliders are children.
+fn dumbbell(sim: &mut Sim, mesh: &MeshCollider, at: Vec3) -> Entity {
+    let root = sim.spawn((RigidBody::Dynamic, Transform::from_translation(at)));
+    for x in [-1.0, 1.0] {
+        sim.spawn((mesh.clone(), Transform::from_xyz(x, 0.0, 0.0), ChildOf(root)));
+    }
+    root
+}
+
+/// A heap of cubes over ground, with a dumbbell on top and one beside that leans over.
+fn heap_with_compounds(readback: Readback) -> (Sim, Vec<Entity>) {
+    let (mut sim, mut bodies) = heap(readback);
+    let cube = sim.mesh(&shapes::cube(1.0));
+    bodies.push(dumbbell(&mut sim, &cube, Vec3::new(0.4, 4.8, 0.1)));
+    let leaning = dumbbell(&mut sim, &cube, Vec3::new(5.0, 1.4, 0.0));
+    sim.set(
+        leaning,
+        Transform::from_xyz(5.0, 1.4, 0.0).with_rotation(Quat::from_rotation_z(0.6)),
+    );
+    bodies.push(leaning);
+    (sim, bodies)
+}
+
+/// Every start has had its end, but for the pairs that touch now.
+fn assert_told(sim: &Sim) {
+    let mut open: Vec<_> = sim.started.iter().map(|s| sorted(s.collider1, s.collider2)).collect();
+    for end in &sim.ended {
+        let pair = sorted(end.collider1, end.collider2);
+        let at = open.iter().position(|&started| started == pair);
+        open.remove(at.expect("an end without a start"));
+    }
+    for pair in sim.touching() {
+        assert!(open.contains(&sorted(pair[0], pair[1])), "{pair:?} has no start");
+    }
+    assert!(
+        open.iter()
+            .flatten()
+            .all(|&entity| sim.app.world().get_entity(entity).is_ok())
+    );
+}
+
+fn compounds_later() {
+    let [mut waits, mut latent] = [Readback::Lockstep, Readback::Latent].map(heap_with_compounds);
+    assert_eq!(waits.1, latent.1);
+    let bodies = waits.1.clone();
+    let mut history = Vec::new();
+    for step in 0..200 {
+        for (sim, _) in [&mut waits, &mut latent] {
+            // A push arrives on both sides in the same step.
+            if step == 120 {
+                let impulse = Vec3::new(0.4, 0.0, 2.0);
+                sim.set(bodies[5], ExternalForces { impulse, ..default() });
+            }
+            sim.step(1);
+        }
+        history.push(seen(&waits.0, &bodies));
+        if step >= LATENCY {
+            assert!(seen(&latent.0, &bodies) == history[step - LATENCY], "step {step}");
+        }
+    }
+    assert!(waits.0.velocity(bodies[5]).length() < 0.1);
+    assert_told(&waits.0);
+    assert_told(&latent.0);
+}
+
+/// Children come, go, move and change while results are on their way.
+fn parts_change() {
+    for readback in [Readback::Lockstep, Readback::Latent] {
+        let (mut sim, bodies) = heap_with_compounds(readback);
+        sim.step(150);
+        let body = bodies[5];
+        let at = sim.position(body);
+        let cube = sim.mesh(&shapes::cube(1.0));
+        let third = sim.spawn((cube.clone(), Transform::from_xyz(3.0, 0.0, 0.0), ChildOf(body)));
+        sim.step(1 + LATENCY);
+        assert!(
+            sim.position(body).distance(at) < 0.05,
+            "{readback:?}: {}",
+            sim.position(body)
+        );
+        sim.step(60);
+        assert!(
+            sim.position(body).distance(at) < 0.2,
+            "{readback:?}: {}",
+            sim.position(body)
+        );
+        let lands = |sim: &Sim| {
+            let count = sim.collisions().of(third).count();
+            let report = sim.report();
+            (count > 0, report.bodies)
+        };
+        assert_eq!(lands(&sim), (true, 6), "{readback:?}");
+        sim.set(third, ColliderDisabled);
+        sim.step(1 + LATENCY);
+        assert_eq!(lands(&sim), (false, 6), "{readback:?}");
+        sim.world().entity_mut(third).remove::<ColliderDisabled>();
+        sim.step(20);
+        let other = sim.mesh(&shapes::cube(1.0));
+        sim.set(third, other);
+        sim.step(20);
+        assert_eq!(lands(&sim), (true, 6), "{readback:?}");
+        // To another body, high above it.
+        sim.set(third, (ChildOf(bodies[0]), Transform::from_xyz(0.0, 9.0, 0.0)));
+        sim.step(1 + LATENCY);
+        assert_eq!(lands(&sim), (false, 6), "{readback:?}");
+        sim.world().despawn(third);
+        sim.step(20);
+        // Down to a single collider, which then stands for the whole body.
+        let children: Vec<Entity> = sim.app.world().get::<Children>(body).unwrap().iter().collect();
+        sim.world().despawn(children[0]);
+        sim.set(body, LinearVelocity(Vec3::Z * 0.5));
+        sim.step(1 + LATENCY);
+        assert_eq!(sim.report().bodies, 6);
+        sim.set(body, cube.clone());
+        sim.step(1 + LATENCY);
+        let before = sim.position(body);
+        sim.world().despawn(children[1]);
+        sim.step(1 + LATENCY);
+        let moved = sim.position(body).distance(before);
+        assert!(moved < 0.1, "{readback:?}: a jump of {moved} m");
+        sim.world().despawn(body);
+        sim.step(64);
+        assert_eq!(sim.report().bodies, 5);
+        assert_told(&sim);
+    }
+}
+
+fn resident_compound() {
+    let (mut sim, bodies) = heap_with_compounds(Readback::Resident);
+    sim.step(200);
+    let snapshot = Snapshot::take(sim.world());
+    let of = |body: Entity| *snapshot.bodies().find(|(other, _)| *other == body).unwrap().1;
+    let [low, high] = [bodies[5], bodies[0]].map(of);
+    assert!((low.position.y - 0.5).abs() < 0.03, "{}", low.position);
+    assert!(low.linear_velocity.length() < 0.05);
+    assert!((high.position.y - 0.5).abs() < 0.03, "{}", high.position);
+    let report = sim.report();
+    assert_eq!(report.bodies, 6);
+    assert!(report.sleeping <= 6 && report.contact_points >= 16, "{report:?}");
 }
 
 /// A heap of cubes over ground, one of them kinematic, and what is on its way after `readback`.

@@ -7,6 +7,9 @@ mod bounce;
 mod chain;
 #[path = "../../dynamics/cloud.rs"]
 mod cloud;
+mod compounds;
+#[path = "../../dynamics/hammers.rs"]
+mod hammers;
 #[path = "../../dynamics/incline.rs"]
 mod incline;
 #[path = "../../dynamics/motion.rs"]
@@ -44,6 +47,17 @@ pub const TESTS: &[Test] = &tests! {
     a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
     what_sleeps_sleeps_on_while_steps_move_to_the_cpu_and_back: sleep::moves_to_the_cpu_and_back();
     what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
+    a_hammer_flies_about_its_centre_of_mass: hammers::flies();
+    a_hammer_falls_comes_to_rest_and_sleeps: hammers::rests();
+    a_hammer_hits_like_the_merged_mesh: hammers::hits_like_the_merged_mesh();
+    hammers_touch_as_on_the_cpu: compounds::touch_as_on_the_cpu();
+    a_pile_of_hammers_comes_to_rest_as_on_the_cpu: compounds::pile();
+    hammers_push_each_other_as_on_the_cpu: compounds::impulses();
+    hammers_that_nobody_moves_have_the_same_points: compounds::points();
+    hammers_go_on_from_what_the_device_knows: compounds::carried_over();
+    a_hammer_sleeps_on_while_others_come_and_go: compounds::sleeps_on();
+    a_hammer_that_loses_its_head_wakes: compounds::loses_its_head();
+    compounds_have_dispatches_of_their_own: compounds::dispatches();
     nothing_is_carried_to_bodies_that_are_new: sleep::numbers_change();
     a_body_that_grows_does_not_jump: sleep::sizes_change();
     balls_leave_a_wall_by_their_restitution: bounce::ball_on_wall(1.0, 30.0, 2, &mut fastrand::Rng::with_seed(8));

@@ -9,7 +9,7 @@ use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
 /// The scene on the CPU and on the device.
-fn both(scene: impl Fn() -> World) -> [World; 2] {
+pub fn both(scene: impl Fn() -> World) -> [World; 2] {
     let mut cpu = scene();
     cpu.device = None;
     [cpu, scene()]

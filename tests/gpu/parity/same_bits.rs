@@ -14,6 +14,8 @@ use glam::Vec3;
 /// The smallest capacity: every list has to grow.
 pub const TINY: Capacity = Capacity {
     bodies: 1,
+    compounds: 0,
+    parts: 0,
     planes: 0,
     pairs: 1,
     hits: 1,
@@ -25,6 +27,8 @@ pub const TINY: Capacity = Capacity {
 /// Enough for every scene here.
 pub const AMPLE: Capacity = Capacity {
     bodies: 5000,
+    compounds: 1000,
+    parts: 2000,
     planes: 100,
     pairs: 50_000,
     hits: 200_000,

@@ -69,7 +69,7 @@ fn run(gpu: &Gpu, buffers: &dyn BufferSet, kernel: &'static Kernel, groups: Grou
         calls.call(kernel, groups);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let program = Program::new(gpu, &calls, &[buffers]);
-        program.record(STAGE, &mut encoder, 0, None);
+        program.record(STAGE, &mut encoder, 0.into(), None);
         gpu.queue.submit([encoder.finish()]);
     })
     .unwrap();

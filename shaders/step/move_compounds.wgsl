@@ -1,0 +1,40 @@
+// Integrate between collision substeps: moves the colliders of compounds to where the solver has put these. One thread
+// per compound.
+#import faceoff::compound::{CompoundMotion, offset_of, placed_part}
+#import faceoff::dispatch::group_index
+#import faceoff::margins::with_speculative_radius
+#import faceoff::placed::rotation_of
+#import faceoff::solver_types as s
+#import faceoff::types as t
+
+@group(0) @binding(0) var<uniform> step: t::Step;
+@group(0) @binding(1) var<storage, read> motion_states: array<s::MotionState>;
+@group(0) @binding(2) var<storage, read> compounds: array<t::Compound>;
+@group(0) @binding(3) var<storage, read> parts: array<t::Part>;
+@group(0) @binding(4) var<storage, read_write> bodies: array<t::Body>;
+@group(0) @binding(5) var<storage, read_write> body_contacts: array<t::BodyContacts>;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let number = group_index(group) * 64u + thread;
+    if number >= step.compounds {
+        return;
+    }
+    let compound = compounds[number];
+    let state = motion_states[compound.collider];
+    let motion = CompoundMotion(
+        state.center, state.center_low, rotation_of(state), state.linear_velocity, state.angular_velocity
+    );
+    for (var k = compound.first_part; k < compound.first_part + compound.part_count; k += 1u) {
+        let part = parts[k];
+        let i = part.collider;
+        var body = placed_part(bodies[i], part, motion);
+        body.inactive &= u32(state.asleep != 0u);
+        body.source = i;
+        bodies[i] = with_speculative_radius(step, body);
+        let offset = offset_of(part, motion);
+        body_contacts[i].offset_x = offset.x;
+        body_contacts[i].offset_y = offset.y;
+        body_contacts[i].offset_z = offset.z;
+    }
+}
