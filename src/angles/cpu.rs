@@ -3,6 +3,8 @@
 mod support_axis;
 mod view;
 
+pub(crate) use support_axis::best_axis;
+
 use crate::parallel::in_order::InOrder;
 use crate::state::margins::SpeculativeMargins;
 use crate::state::mesh_arena::MeshArena;

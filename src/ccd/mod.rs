@@ -25,9 +25,7 @@
 //! | `nodes` | safe times for boxes |
 //! | `triangles` | safe times for triangles in single precision |
 //! | `triangle_pair` | the safe time for one pair of triangles in double precision |
-//! | `distance` | the distance between two triangles |
 
-mod distance;
 mod impacts;
 mod nodes;
 mod relative;

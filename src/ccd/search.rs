@@ -7,17 +7,18 @@
 //! because all other pairs are apart until then. Pairs that reach the end of the collision substep are dropped. For
 //! most parts of the meshes this happens a few levels below the root.
 
-use super::distance::nearest;
 use super::nodes::{self, NodePlacer, Nodes};
 use super::relative::{Relative, Rounded};
 use super::triangle_pair::{TargetDistance, safe_time};
 use super::triangles::Triangles;
 use super::{Pose, Sweep};
+use crate::asset::CollisionMesh;
 use crate::geometry::cluster::CLUSTER;
+use crate::geometry::distance::nearest;
 use crate::simd::lanes::{Simd, bits};
 use crate::simd::level::with_simd;
 use crate::simd::rounding::unit_of;
-use crate::state::mesh_arena::{BoxGroup, MeshSlot, points};
+use crate::state::mesh_arena::{BoxGroup, points};
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -33,13 +34,13 @@ const VISITS_BEFORE_RESTART: u32 = 192;
 /// Memory that is reused between searches.
 #[derive(Default)]
 pub struct Scratch {
-    queue: BinaryHeap<Entry>,
+    pub(super) queue: BinaryHeap<Entry>,
 }
 
 /// One body of a pair.
 #[derive(Clone, Copy)]
 pub struct Side<'a> {
-    pub slot: &'a MeshSlot,
+    pub mesh: &'a CollisionMesh,
     /// Along the collider's axes, about the body's centre of mass.
     pub sweep: Sweep,
     pub scale: Vec3,
@@ -81,15 +82,15 @@ pub struct Hit {
 
 /// A pair of nodes or of triangles, and the time until which it is certainly apart.
 #[derive(Clone, Copy)]
-struct Entry {
+pub(super) struct Entry {
     /// See [`Search::tick`].
-    tick: u64,
-    time: f64,
+    pub tick: u64,
+    pub time: f64,
     /// Triangles have level 0, clusters level 1, and the roots the highest level.
-    level: [u8; 2],
-    number: [u32; 2],
+    pub level: [u8; 2],
+    pub number: [u32; 2],
     /// Compute the safe time again before the nodes are opened.
-    far: bool,
+    pub far: bool,
 }
 
 impl Search<'_> {
@@ -153,13 +154,25 @@ impl Search<'_> {
                 Some(placement) => placement,
                 None => placement.insert(self.placement(simd, relative)),
             };
-            if entry.level == [1, 1] && !entry.far {
-                self.open_clusters(simd, &entry, placement, &mut add);
-            } else {
-                self.open(&entry, placement, &mut add);
-            }
+            self.advance(simd, &entry, placement, &mut add);
         }
         Outcome::Apart
+    }
+
+    /// Computes safe times for the children of a pair of nodes, or again for the pair itself.
+    #[inline(always)]
+    pub(super) fn advance<S: Simd>(
+        &self,
+        simd: S,
+        entry: &Entry,
+        placement: &Placement<S>,
+        add: &mut impl FnMut(Entry, f64),
+    ) {
+        if entry.level == [1, 1] && !entry.far {
+            self.open_clusters(simd, entry, placement, add);
+        } else {
+            self.open(entry, placement, add);
+        }
     }
 
     fn hit(&self, entry: &Entry, triangles: Option<[u32; 2]>) -> Outcome {
@@ -168,7 +181,7 @@ impl Search<'_> {
     }
 
     /// The pair of roots, from which a search starts at a time until which the bodies are apart.
-    fn roots(&self, time: f64) -> Entry {
+    pub(super) fn roots(&self, time: f64) -> Entry {
         Entry {
             tick: self.tick(time),
             time,
@@ -178,14 +191,14 @@ impl Search<'_> {
         }
     }
 
-    fn relative(&self, time: f64) -> Relative {
+    pub(super) fn relative(&self, time: f64) -> Relative {
         Relative::at([&self.sides[0].sweep, &self.sides[1].sweep], time)
     }
 
     /// Times are compared in ticks, and within a tick lower levels come first. In one tick distances shrink by no more
     /// than a fraction of the tolerance. Without ticks, if whole faces arrive at the same time, every pair of nodes
     /// would be opened before the first pair of triangles is visited.
-    fn tick(&self, time: f64) -> u64 {
+    pub(super) fn tick(&self, time: f64) -> u64 {
         (time * self.ticks()) as u64
     }
 
@@ -201,7 +214,7 @@ impl Search<'_> {
 
     /// What is common to all nodes that are visited at one time.
     #[inline(always)]
-    fn placement<S: Simd>(&self, simd: S, relative: Relative) -> Placement<S> {
+    pub(super) fn placement<S: Simd>(&self, simd: S, relative: Relative) -> Placement<S> {
         let size = self.sides[0].radius + self.sides[1].radius;
         let unit = unit_of(size as f32);
         let rounded = relative.rounded(unit, size, self.target.aim);
@@ -291,7 +304,7 @@ impl Search<'_> {
     fn triangles<S: Simd>(&self, simd: S, entry: &Entry, placement: &Placement<S>, i: usize) -> Triangles<S> {
         let rotations = [DMat3::IDENTITY, placement.relative.rotation];
         let side = &self.sides[i];
-        let cluster = &side.slot.lanes.clusters[entry.number[i] as usize];
+        let cluster = &side.mesh.lanes().clusters[entry.number[i] as usize];
         let unit = f64::from(placement.unit);
         let matrix = rotations[i] * DMat3::from_diagonal(side.scale.as_dvec3() * unit);
         let origin = rotations[i] * (side.about_center(cluster.origin) * unit);
@@ -322,8 +335,8 @@ impl Search<'_> {
 }
 
 /// Poses and motion of both bodies at one time.
-struct Placement<S: Simd> {
-    relative: Relative,
+pub(super) struct Placement<S: Simd> {
+    pub relative: Relative,
     rounded: Rounded,
     placers: [NodePlacer<S>; 2],
     unit: f32,
@@ -336,19 +349,19 @@ fn child(number: u32, lane: usize) -> u32 {
 impl Side<'_> {
     /// The level of the root.
     fn root(&self) -> usize {
-        self.slot.lanes.levels.len() + 1
+        self.mesh.lanes().levels.len() + 1
     }
 
     /// Approximate size of the nodes of a level, metres.
     fn size(&self, level: u8) -> f32 {
-        let lanes = &self.slot.lanes;
+        let lanes = self.mesh.lanes();
         let size = lanes.sizes.get(usize::from(level) - 1);
         self.scale.abs().max_element() * size.copied().unwrap_or(lanes.aabb.half_size().length())
     }
 
     /// A group of nodes of a level. The group of the root has it in all lanes.
     fn boxes(&self, level: u8, group: usize) -> BoxGroup {
-        let lanes = &self.slot.lanes;
+        let lanes = self.mesh.lanes();
         match lanes.levels.get(usize::from(level) - 1) {
             Some(level) => level[group],
             None => BoxGroup {
@@ -360,13 +373,13 @@ impl Side<'_> {
 
     /// The corners of a triangle relative to the body's centre of mass, in the collider's axes, scaled.
     fn triangle(&self, number: u32) -> [DVec3; 3] {
-        let corners = self.slot.mesh.mesh.corners(number as usize);
+        let corners = self.mesh.mesh.corners(number as usize);
         corners.map(|corner| self.about_center(corner))
     }
 
     /// A point of the mesh relative to the body's centre of mass, in the collider's axes, scaled.
     fn about_center(&self, point: Vec3) -> DVec3 {
-        self.offset + self.scale.as_dvec3() * (point.as_dvec3() - self.slot.mesh.mass.center.as_dvec3())
+        self.offset + self.scale.as_dvec3() * (point.as_dvec3() - self.mesh.mass.center.as_dvec3())
     }
 }
 

@@ -111,7 +111,7 @@ fn search<'a>(
     let span = spheres::overlap(sweeps, radii[0] + radii[1] + target.reached)?;
     let side = |number: usize, i: usize| {
         Some(Side {
-            slot: meshes.get(bodies.mesh[i])?,
+            mesh: &meshes.get(bodies.mesh[i])?.mesh,
             sweep: bodies
                 .part(i as u32)
                 .map_or(*sweeps[number], |part| sweeps[number].turned(part.place.rotation)),

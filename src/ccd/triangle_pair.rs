@@ -1,8 +1,8 @@
 //! The safe time of one pair of triangles, in double precision: for how long they certainly do not reach the target
 //! distance.
 
-use super::distance::nearest;
 use super::relative::Relative;
+use crate::geometry::distance::nearest;
 use glam::DVec3;
 
 /// Factor that compensates the rounding of a time.

@@ -5,9 +5,11 @@
 mod aabb;
 pub mod cluster;
 pub mod direction;
+pub(crate) mod distance;
 mod edges;
 pub mod features;
 pub(crate) mod lanes;
+pub(crate) mod linear_cast;
 mod mass;
 pub mod mesh;
 pub mod shapes;

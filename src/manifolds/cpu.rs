@@ -23,13 +23,12 @@ pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;
 pub(crate) use kept::Kept;
 pub(crate) use pair::{Pair, Worker};
-pub(crate) use side::PlacedMesh;
 
 use super::MarginPair;
 use crate::parallel::loops;
 use crate::parallel::per_thread::PerThread;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, ManifoldPoint, Manifolds};
+use crate::state::{Bodies, ManifoldPoint, Manifolds, PlacedMesh};
 use kept_pairs::KeptPairs;
 use rayon::prelude::*;
 

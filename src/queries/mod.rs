@@ -31,14 +31,20 @@
 //!   [`CollisionMesh`](crate::asset::CollisionMesh) is cheap to clone: clones share their data.
 //! * [`ContactWorker`] finds all contact points of two placed meshes, or the reduced manifold that a solver needs, each
 //!   point with the faces and features that touch.
+//! * [`Placed::cast_ray`] finds the first face that a [`Ray`] hits; others find all of them, or whether there is one.
 //! * [`check`](check::check) and [`touching`] find the touching pairs of many placements. They run on rayon's thread
 //!   pool.
 //!
 //! Lengths are metres, masses kilograms, angles radians.
 
+mod bounds;
 pub mod check;
 mod contacts;
+mod overlap;
 mod placed;
+mod point;
+mod ray;
+mod shape;
 
 pub use crate::state::fault::BodyFault;
 pub use crate::types::feature_id::{FeatureId, FeatureKind};
@@ -49,3 +55,6 @@ pub use check::{
 pub use check::{CheckError, check_on_gpu};
 pub use contacts::{ContactWorker, MeshContact, PairMemory};
 pub use placed::Placed;
+pub use point::PointHit;
+pub use ray::{Ray, RayHit};
+pub use shape::QueryShape;

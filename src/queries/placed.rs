@@ -3,15 +3,14 @@
 use crate::asset::CollisionMesh;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::mesh::MAX_COORDINATE;
-use crate::manifolds::cpu::PlacedMesh;
 use crate::simd::lanes::{Rows, SimdBase, add, bitmask, load_points, splat, splat_point, sub, widen};
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
-use crate::state::Frame;
 use crate::state::bodies::{bounding_radius, check_pose};
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::BoxGroup;
+use crate::state::{Frame, PlacedMesh};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::cell::Cell;
 
@@ -126,6 +125,51 @@ impl<'a> Placed<'a> {
         let way = other.translation - self.translation + other.frame.center - self.frame.center;
         let radii = (f64::from(self.radius) + f64::from(other.radius)) * (1.0 + 1.0e-6);
         way.length() > radii + distance
+    }
+
+    /// The pose without the translation.
+    pub(super) fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    pub(super) fn scale(&self) -> Vec3 {
+        self.scale
+    }
+
+    /// Radius of the bounding sphere about the centre of mass, metres.
+    pub(super) fn radius(&self) -> f32 {
+        self.radius
+    }
+
+    /// -1 if the scale mirrors, so that faces that are counter-clockwise in the mesh are clockwise; else 1.
+    pub(super) fn mirror(&self) -> f64 {
+        self.frame.scale.element_product().signum()
+    }
+
+    /// A point of the world in the mesh's own axes, about its origin, in metres: scaled, but not rotated.
+    pub(super) fn to_axes(&self, point: DVec3) -> DVec3 {
+        self.frame.rotation.transpose() * (point - self.translation)
+    }
+
+    /// The point of the world that [`Placed::to_axes`] maps to this one.
+    pub(super) fn to_world(&self, point: DVec3) -> DVec3 {
+        self.translation + self.frame.rotation * point
+    }
+
+    /// A direction along the mesh's own axes in those of the world.
+    pub(super) fn turn_to_world(&self, direction: DVec3) -> DVec3 {
+        self.frame.rotation * direction
+    }
+
+    /// The centre of mass in [`Placed::to_axes`].
+    pub(super) fn axes_center(&self) -> DVec3 {
+        self.frame.scale * self.mesh.mass.center.as_dvec3()
+    }
+
+    /// The corners of a triangle in [`Placed::to_axes`].
+    pub(super) fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        let corners = self.mesh.mesh.corners(triangle);
+        corners.map(|p| self.frame.scale * p.as_dvec3())
     }
 
     /// Its pose relative to `origin`.

@@ -2,6 +2,7 @@
 
 use super::lanes::bits;
 use crate::geometry::lanes::BoxGroup;
+use arrayvec::ArrayVec;
 
 /// Visits a box tree from the root down.
 ///
@@ -26,4 +27,61 @@ fn below(
         return found(group as u32);
     };
     bits(survivors(&level[group])).all(|lane| below(lower, 8 * group + lane, survivors, found))
+}
+
+/// A node that [`visit_nearest`] has yet to visit.
+struct Open {
+    /// Lower bound of its distance.
+    bound: f32,
+    /// The boxes below it; 0 for a box of the lowest level.
+    level: u32,
+    number: u32,
+}
+
+/// Each level adds at most seven nodes to those that are open, and 32-bit numbers have at most eleven levels.
+const MAX_OPEN: usize = 96;
+
+/// Visits a box tree, nearer boxes first.
+///
+/// `bounds` gets eight boxes and the largest distance of interest. It returns a lower bound of the distance of each box, and
+/// one bit for each box to descend into. `found` is called with the number of each box of the lowest level, and returns the
+/// largest distance that is of interest from then on; minus infinity ends the visit.
+#[inline(always)]
+pub fn visit_nearest(
+    levels: &[Vec<BoxGroup>],
+    mut most: f32,
+    bounds: impl Fn(&BoxGroup, f32) -> ([f32; 8], u32),
+    mut found: impl FnMut(u32) -> f32,
+) {
+    let mut open = ArrayVec::<Open, MAX_OPEN>::new();
+    open.push(Open {
+        bound: f32::MIN,
+        level: levels.len() as u32,
+        number: 0,
+    });
+    while let Some(node) = open.pop() {
+        if node.bound > most {
+            continue;
+        }
+        if node.level == 0 {
+            most = found(node.number);
+            continue;
+        }
+        let level = node.level - 1;
+        let (lower, met) = bounds(&levels[level as usize][node.number as usize], most);
+        let first = open.len();
+        for lane in bits(met) {
+            // Insertion sort, farthest first.
+            let mut i = open.len();
+            open.push(Open {
+                bound: lower[lane],
+                level,
+                number: 8 * node.number + lane as u32,
+            });
+            while i > first && open[i - 1].bound < open[i].bound {
+                open.swap(i - 1, i);
+                i -= 1;
+            }
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! | [`input`] | the input of a step: [`config`], [`mesh_arena`], [`bodies`], [`planes`] |
 //! | [`compound`] | bodies of several colliders |
 //! | [`body`], [`fault`] | one body, and its validation errors |
+//! | [`placed_mesh`] | a mesh with its pose |
 //! | [`pairs`] | pairs that may touch |
 //! | [`contacts`] | touching pairs, faces and points as they are reported |
 //! | [`manifolds`] | contact manifolds, the input of the solver |
@@ -26,6 +27,7 @@ pub mod manifolds;
 pub mod margins;
 pub mod mesh_arena;
 pub mod pairs;
+pub mod placed_mesh;
 pub mod planes;
 pub mod results;
 pub(crate) mod union_find;
@@ -40,5 +42,6 @@ pub use fault::BodyFault;
 pub use input::StepInput;
 pub use manifolds::{ContactSurface, Manifold, ManifoldPoint, Manifolds};
 pub use pairs::{NearPair, View};
+pub use placed_mesh::PlacedMesh;
 pub use planes::Plane;
 pub use results::{Counts, Impulse, StepResults};

@@ -18,7 +18,7 @@ use crate::simd::level::with_simd;
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::nearest;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, Contacts, FacePair, Manifolds, NearPair, PairContact, Plane};
+use crate::state::{Bodies, Contacts, FacePair, Manifolds, NearPair, PairContact, PlacedMesh, Plane};
 use pair_setup::PairSetup;
 use rayon::prelude::*;
 
@@ -39,8 +39,9 @@ struct Task {
     touching: Vec<[u32; 2]>,
 }
 
+/// Memory kept between pairs.
 #[derive(Default)]
-struct Worker {
+pub(crate) struct Worker {
     candidates: candidates::Scratch,
     search: any_hit::Search,
     masks: [Vec<u8>; 2],
@@ -139,27 +140,29 @@ pub(crate) fn touching(
     loops::for_each(parts, 1, |(task, pairs)| {
         task.touching.clear();
         let mut worker = workers.lock();
-        let touching = pairs
-            .iter()
-            .filter(|pair| with_simd!(simd => touch(simd, bodies, meshes, pair, &mut worker)));
+        let touching = pairs.iter().filter(|pair| {
+            let [a, b] = pair.bodies.map(|i| PlacedMesh::of(bodies, meshes, i));
+            touch_placed([&a, &b], pair, &mut worker)
+        });
         task.touching.extend(touching.map(|pair| pair.bodies));
     });
     tasks.iter().flat_map(|task| &task.touching).copied().collect()
 }
 
+/// Whether two placed meshes touch. `near` has their relative pose.
+pub(crate) fn touch_placed(meshes: [&PlacedMesh; 2], near: &NearPair, worker: &mut Worker) -> bool {
+    with_simd!(simd => touch(simd, meshes, near, worker))
+}
+
 #[inline(always)]
-fn touch<S: Simd>(simd: S, bodies: &Bodies, meshes: &MeshArena, pair: &NearPair, worker: &mut Worker) -> bool {
-    let [a, b] = pair.bodies.map(|i| i as usize);
-    let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh.mesh);
-    let size = bodies.radius[a] + bodies.radius[b];
-    let pair_frame = contact::PairFrame::new(&bodies.frame[a], &bodies.frame[b], size);
-    let setup = PairSetup::new(simd, bodies, meshes, pair, &pair_frame, &mut worker.masks);
+fn touch<S: Simd>(simd: S, [a, b]: [&PlacedMesh; 2], near: &NearPair, worker: &mut Worker) -> bool {
+    let pair_frame = contact::PairFrame::new(a.frame, b.frame, a.radius + b.radius);
+    let setup = PairSetup::new(simd, [a, b], near, &pair_frame, &mut worker.masks);
     let intersect = |&[ta, tb]: &[u32; 2]| {
-        pair_frame
-            .intersect(mesh_a.corners(ta as usize), mesh_b.corners(tb as usize))
-            .is_some()
+        let (a, b) = (a.mesh.mesh.corners(ta as usize), b.mesh.mesh.corners(tb as usize));
+        pair_frame.intersect(a, b).is_some()
     };
-    worker.search.any(&setup, intersect) || containment::either_inside(bodies, meshes, pair)
+    worker.search.any(&setup, intersect) || containment::either_inside([a, b], near)
 }
 
 #[inline(always)]
@@ -175,13 +178,12 @@ fn test_pair<S: Simd>(
         return;
     }
     let Worker { candidates, masks, .. } = worker;
-    let [a, b] = pair.bodies.map(|i| i as usize);
-    let size = bodies.radius[a] + bodies.radius[b];
-    let pair_frame = contact::PairFrame::new(&bodies.frame[a], &bodies.frame[b], size);
-    let setup = PairSetup::new(simd, bodies, meshes, pair, &pair_frame, masks);
+    let [a, b] = pair.bodies.map(|i| PlacedMesh::of(bodies, meshes, i));
+    let pair_frame = contact::PairFrame::new(a.frame, b.frame, a.radius + b.radius);
+    let setup = PairSetup::new(simd, [&a, &b], pair, &pair_frame, masks);
     found.triangle_tests += candidates.find(&setup);
 
-    let [mesh_a, mesh_b] = [a, b].map(|i| &meshes[bodies.mesh[i]].mesh);
+    let (mesh_a, mesh_b) = (a.mesh, b.mesh);
     let first_face = found.faces.len() as u32;
     let mut contour = contact::Contour::default();
     candidates.decide(simd, &setup.pair_scale, |decided| {
@@ -201,7 +203,7 @@ fn test_pair<S: Simd>(
         }
     });
     let face_count = found.faces.len() as u32 - first_face;
-    let contained = face_count == 0 && containment::either_inside(bodies, meshes, pair);
+    let contained = face_count == 0 && containment::either_inside([&a, &b], pair);
     if face_count > 0 || contained {
         found.pairs.push(PairContact {
             bodies: pair.bodies,

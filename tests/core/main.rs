@@ -2,6 +2,10 @@
 
 mod contacts;
 mod features;
+mod overlaps;
 mod placed;
+mod points;
+mod rays;
 mod scene;
 mod step;
+mod support;

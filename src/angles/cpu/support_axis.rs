@@ -4,27 +4,35 @@ use super::view;
 use crate::angles::AXES;
 use crate::simd::rounding::PAD;
 use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, NearPair, View};
+use crate::state::{Bodies, NearPair, PlacedMesh, View};
 use glam::{DMat3, Vec3};
 
 /// The pair with its best support axis and visible triangles; `None` if an axis separates the two by more than
 /// `margin`.
 pub fn near_pair(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f32) -> Option<NearPair> {
-    let [a, b] = pair.map(|i| i as usize);
-    let (fa, fb) = (&bodies.frame[a], &bodies.frame[b]);
-    let to_a: DMat3 = fa.rotation.transpose();
-    let rotation = (to_a * fb.rotation).as_mat3();
-    let translation = (to_a * (fb.center - fa.center)).as_vec3();
-    let size = bodies.radius[a] + bodies.radius[b];
+    let [a, b] = pair.map(|i| PlacedMesh::of(bodies, meshes, i));
+    let best = NearPair {
+        bodies: pair,
+        ..best_axis([&a, &b], margin)?
+    };
+    Some(NearPair {
+        views: view::of_pair(bodies, meshes, &best, PAD * (a.radius + b.radius)),
+        ..best
+    })
+}
+
+/// The same for two placed meshes with all triangles visible, as bodies 0 and 1.
+pub fn best_axis([a, b]: [&PlacedMesh; 2], margin: f32) -> Option<NearPair> {
+    let to_a: DMat3 = a.frame.rotation.transpose();
+    let rotation = (to_a * b.frame.rotation).as_mat3();
+    let translation = (to_a * (b.frame.center - a.frame.center)).as_vec3();
+    let size = a.radius + b.radius;
     let pad = PAD * size;
-    let (heights_a, heights_b) = (
-        &meshes[bodies.mesh[a]].mesh.heights,
-        &meshes[bodies.mesh[b]].mesh.heights,
-    );
-    let (scale_a, scale_b) = (bodies.scale[a], bodies.scale[b]);
+    let (heights_a, heights_b) = (&a.mesh.heights, &b.mesh.heights);
+    let (scale_a, scale_b) = (a.scale, b.scale);
 
     let mut best = NearPair {
-        bodies: pair,
+        bodies: [0, 1],
         rotation,
         translation,
         axis: Vec3::ZERO,
@@ -68,6 +76,5 @@ pub fn near_pair(bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2], margin: f3
         }
         nearest = from + to * t;
     }
-    best.views = view::of_pair(bodies, meshes, &best, pad);
     Some(best)
 }

@@ -3,6 +3,7 @@
 use super::feature::{Feature, Origin};
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
+use crate::geometry::distance::closest;
 use crate::simd::lanes::{SimdBase, abs, bitmask, dot, load_points, max, mul, splat, splat_point, sub};
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
@@ -118,33 +119,4 @@ fn nearest(side: &Side, p: DVec3) -> (DVec3, u32) {
     });
     let (_, q, triangle) = best.get();
     (q, triangle)
-}
-
-/// Nearest point of a triangle to `p`, by Voronoi regions (Ericson 2005, Real-Time Collision Detection, 5.1.5).
-fn closest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        // Welded corners leave an edge of zero length.
-        return a + ab * (d1 / (d1 - d3).max(f64::MIN_POSITIVE));
-    }
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    a + (ab * vb + ac * vc) / (va + vb + vc)
 }

@@ -9,9 +9,10 @@ use super::ray::exit;
 use super::reduce::Reduction;
 use super::search::Wanted;
 use super::shares::Shares;
-use super::side::{PlacedMesh, Side, sides};
+use super::side::{Side, sides};
 use super::smooth;
 use crate::manifolds::ManifoldPoint;
+use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays.

@@ -4,19 +4,10 @@ use super::feature::ARC;
 use crate::asset::CollisionMesh;
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::simd::lanes::each;
-use crate::state::Frame;
+use crate::state::PlacedMesh;
 use crate::state::mesh_arena::Stored;
 use crate::state::pairs::DEFAULT_DIRECTION;
 use glam::{DMat3, DVec3, Vec3};
-
-/// A mesh placed in the world.
-pub struct PlacedMesh<'a> {
-    pub mesh: &'a CollisionMesh,
-    pub frame: &'a Frame,
-    pub scale: Vec3,
-    /// Radius of the bounding sphere about the centre of mass, rounded up.
-    pub radius: f32,
-}
 
 /// A body in the axes of the pair's first body, relative to that body's centre of mass, in metres. Double precision
 /// keeps all digits far from the origin and between bodies of very different size.

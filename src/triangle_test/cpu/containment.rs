@@ -10,64 +10,48 @@ use crate::simd::lanes::{Rows, SimdBase, abs, add, all_le, bitmask, load_points,
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
 use crate::simd::rounding::PAD;
-use crate::state::mesh_arena::{BoxGroup, MeshArena, MeshSlot};
-use crate::state::{Bodies, Frame, NearPair};
+use crate::state::mesh_arena::BoxGroup;
+use crate::state::{NearPair, PlacedMesh};
 use glam::{DVec3, Mat3, Vec3};
 
-/// Whether either body of the pair is solid and contains a component of the other.
-pub fn either_inside(bodies: &Bodies, meshes: &MeshArena, pair: &NearPair) -> bool {
-    let [a, b] = pair.bodies.map(|i| {
-        let i = i as usize;
-        End {
-            slot: &meshes[bodies.mesh[i]],
-            frame: &bodies.frame[i],
-            scale: bodies.scale[i],
-        }
-    });
-    let back = pair.rotation.transpose();
-    let pad = PAD * (bodies.radius[pair.bodies[0] as usize] + bodies.radius[pair.bodies[1] as usize]);
-    a.any_inside(&b, back, -(back * pair.translation), pad) || b.any_inside(&a, pair.rotation, pair.translation, pad)
+/// Whether either body of the pair is solid and contains a component of the other. `near` has their relative pose.
+pub fn either_inside([a, b]: [&PlacedMesh; 2], near: &NearPair) -> bool {
+    let back = near.rotation.transpose();
+    let pad = PAD * (a.radius + b.radius);
+    any_inside(a, b, back, -(back * near.translation), pad) || any_inside(b, a, near.rotation, near.translation, pad)
 }
 
-struct End<'a> {
-    slot: &'a MeshSlot,
-    frame: &'a Frame,
-    scale: Vec3,
-}
-
-impl End<'_> {
-    /// Whether `outer` contains a component of this body. `rotation` and `translation` lead from the axes of this body,
-    /// about its centre of mass, to those of `outer`.
-    fn any_inside(&self, outer: &End, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
-        if !outer.slot.mesh.mesh.is_solid() {
-            return false;
-        }
-        let matrix = rotation * Mat3::from_diagonal(self.scale);
-        let simd = baseline();
-        let (turn, spread) = (Rows::new(simd, matrix), Rows::new(simd, matrix.abs()));
-        let aabb = outer.slot.lanes.aabb;
-        let middle = splat_point(simd, translation - aabb.center() * outer.scale);
-        let outer_half = splat_point(simd, aabb.half_size() * outer.scale.abs() + pad);
-        // The box test only saves work, so the boxes may be slightly too large.
-        let boxed = |group: &BoxGroup| {
-            let center = turn.times(load_points(simd, &group.center));
-            let half = spread.times(load_points(simd, &group.half));
-            bitmask(all_le(abs(add(center, middle)), add(half, outer_half)))
-        };
-        let (mesh, lanes) = (&self.slot.mesh.mesh, &self.slot.lanes);
-        let to_outer = outer.frame.rotation.transpose();
-        let none = visit(&lanes.component_levels, &boxed, &mut |run| {
-            let first = run as usize * CLUSTER;
-            !lanes.components[first..lanes.components.len().min(first + CLUSTER)]
-                .iter()
-                .any(|&v| {
-                    let world = self.frame.rotation * (self.frame.scale * mesh.vertices()[v as usize].as_dvec3())
-                        + (self.frame.position - outer.frame.position);
-                    contains(&outer.slot.mesh, (to_outer * world) / outer.frame.scale)
-                })
-        });
-        !none
+/// Whether `outer` contains a component of `inner`. `rotation` and `translation` lead from the axes of `inner`, about its
+/// centre of mass, to those of `outer`.
+fn any_inside(inner: &PlacedMesh, outer: &PlacedMesh, rotation: Mat3, translation: Vec3, pad: f32) -> bool {
+    if !outer.mesh.mesh.is_solid() {
+        return false;
     }
+    let matrix = rotation * Mat3::from_diagonal(inner.scale);
+    let simd = baseline();
+    let (turn, spread) = (Rows::new(simd, matrix), Rows::new(simd, matrix.abs()));
+    let aabb = outer.mesh.lanes().aabb;
+    let middle = splat_point(simd, translation - aabb.center() * outer.scale);
+    let outer_half = splat_point(simd, aabb.half_size() * outer.scale.abs() + pad);
+    // The box test only saves work, so the boxes may be slightly too large.
+    let boxed = |group: &BoxGroup| {
+        let center = turn.times(load_points(simd, &group.center));
+        let half = spread.times(load_points(simd, &group.half));
+        bitmask(all_le(abs(add(center, middle)), add(half, outer_half)))
+    };
+    let (mesh, lanes) = (&inner.mesh.mesh, inner.mesh.lanes());
+    let to_outer = outer.frame.rotation.transpose();
+    let none = visit(&lanes.component_levels, &boxed, &mut |run| {
+        let first = run as usize * CLUSTER;
+        !lanes.components[first..lanes.components.len().min(first + CLUSTER)]
+            .iter()
+            .any(|&v| {
+                let world = inner.frame.rotation * (inner.frame.scale * mesh.vertices()[v as usize].as_dvec3())
+                    + (inner.frame.position - outer.frame.position);
+                contains(outer.mesh, (to_outer * world) / outer.frame.scale)
+            })
+    });
+    !none
 }
 
 /// Whether a closed mesh contains `p`, a point in the mesh's space: the signed crossings of the ray from `p` along +z

@@ -9,8 +9,8 @@ use crate::geometry::Aabb;
 use crate::simd::lanes::Simd;
 use crate::simd::rounding::{PAD, unit_of};
 use crate::simd::tree::{RelativePose, Tree};
-use crate::state::mesh_arena::{MeshArena, MeshLanes};
-use crate::state::{Bodies, NearPair};
+use crate::state::mesh_arena::MeshLanes;
+use crate::state::{NearPair, PlacedMesh};
 use glam::{DVec3, Mat3, Vec3};
 
 /// Slabs are tested only for meshes of more clusters than this: the nodes of coarser ones are too round for slabs to
@@ -44,30 +44,27 @@ impl<'a, S: Simd> PairSetup<'a, S> {
     #[inline(always)]
     pub fn new(
         simd: S,
-        bodies: &Bodies,
-        meshes: &'a MeshArena,
+        [a, b]: [&PlacedMesh<'a>; 2],
         near: &'a NearPair,
         pair_frame: &'a PairFrame,
         masks: &'a mut [Vec<u8>; 2],
     ) -> Self {
         let [masks_a, masks_b] = masks;
-        let [ia, ib] = near.bodies.map(|i| i as usize);
-        let size = bodies.radius[ia] + bodies.radius[ib];
+        let size = a.radius + b.radius;
         let (unit, pad) = (unit_of(size), PAD * size);
-        let slots = [ia, ib].map(|i| &meshes[bodies.mesh[i]]);
-        let [scale_a, scale_b] = [ia, ib].map(|i| bodies.scale[i]);
+        let (scale_a, scale_b) = (a.scale, b.scale);
         let a = Side {
-            lanes: &slots[0].lanes,
-            filter: LaneFilter::new(near.views[0], &slots[0].mesh, masks_a),
+            lanes: a.mesh.lanes(),
+            filter: LaneFilter::new(near.views[0], a.mesh, masks_a),
             scale: scale_a,
-            radius: bodies.radius[ia],
+            radius: a.radius,
             transform: ClusterTransform::new(simd, Mat3::from_diagonal(unit * scale_a)),
         };
         let b = Side {
-            lanes: &slots[1].lanes,
-            filter: LaneFilter::new(near.views[1], &slots[1].mesh, masks_b),
+            lanes: b.mesh.lanes(),
+            filter: LaneFilter::new(near.views[1], b.mesh, masks_b),
             scale: scale_b,
-            radius: bodies.radius[ib],
+            radius: b.radius,
             transform: ClusterTransform::new(simd, near.rotation * Mat3::from_diagonal(unit * scale_b)),
         };
         let longest_side = |side: &Side<S>| 3f32.sqrt() * side.lanes.longest_side * side.scale.abs().max_element();

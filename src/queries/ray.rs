@@ -1,0 +1,276 @@
+//! Rays against one placed mesh, exact on its triangles.
+
+use super::bounds::{Boxes, Swept};
+use super::placed::Placed;
+use crate::geometry::cluster::CLUSTER;
+use crate::geometry::lanes::Cluster;
+use crate::geometry::linear_cast::line_meets;
+use crate::simd::lanes::{Simd, all_le, bitmask, bits, cross, dot, each, load_points, norm1, splat, splat_point, sub};
+use crate::simd::level::with_simd;
+use crate::simd::levels::visit_nearest;
+use crate::simd::rounding::PAD;
+use crate::state::Frame;
+use glam::{DVec3, Vec3};
+
+/// Relative rounding error of a distance.
+const ROUNDING: f64 = 1.0e-13;
+
+/// A ray: the points `origin + t * direction` for `t` from 0 on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts, metres.
+    pub origin: DVec3,
+    /// Where it goes; of any length but zero.
+    pub direction: DVec3,
+    /// How far it goes, metres. May be infinite.
+    pub max_distance: f64,
+}
+
+/// Where a ray hits a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// From the start of the ray, metres.
+    pub distance: f64,
+    /// The point in the world.
+    pub point: DVec3,
+    /// Unit normal of the face, on the side from which the ray comes.
+    pub normal: Vec3,
+    /// The face, an index of the input mesh.
+    pub face: u32,
+    /// Weights of the three corners of the face, in their order in the input mesh. They add up to 1.
+    pub barycentric: Vec3,
+    /// Whether the ray comes from behind the face: from inside, if the mesh is closed.
+    pub from_behind: bool,
+}
+
+impl Ray {
+    /// Without an end.
+    pub fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            origin,
+            direction,
+            max_distance: f64::INFINITY,
+        }
+    }
+
+    /// From `start` to `end`.
+    pub fn between(start: DVec3, end: DVec3) -> Self {
+        Self {
+            origin: start,
+            direction: end - start,
+            max_distance: start.distance(end),
+        }
+    }
+
+    /// The unit direction. `None` if the ray hits nothing: if a number is not finite, the direction is zero, or the length
+    /// is negative or NaN.
+    fn way(&self) -> Option<DVec3> {
+        unit(self.direction).filter(|_| self.origin.is_finite() && self.max_distance >= 0.0)
+    }
+}
+
+/// A direction of length 1. `None` if it is zero or not finite.
+pub(super) fn unit(direction: DVec3) -> Option<DVec3> {
+    // However long or short it is.
+    (direction / direction.abs().max_element()).try_normalize()
+}
+
+impl Placed<'_> {
+    /// The first face that a ray hits.
+    ///
+    /// A ray that starts on a face hits it at distance 0. One that starts inside a closed mesh hits it from behind. Of two
+    /// faces that are hit at the same distance, for example at a common edge, it is the one of lower number. A ray that
+    /// lies in the plane of a face hits only its neighbours. A ray with a zero direction, a number that is not finite or a
+    /// negative length hits nothing.
+    pub fn cast_ray(&self, ray: &Ray) -> Option<RayHit> {
+        self.cast_ray_predicate(ray, |_| true)
+    }
+
+    /// The first face for which `predicate` holds. It may be called for faces behind the first one.
+    pub fn cast_ray_predicate(&self, ray: &Ray, predicate: impl Fn(&RayHit) -> bool) -> Option<RayHit> {
+        let mut nearest: Option<RayHit> = None;
+        self.visit(ray, &mut |hit| {
+            let key = |hit: &RayHit| (hit.distance, hit.face);
+            if nearest.as_ref().is_none_or(|nearest| key(&hit) < key(nearest)) && predicate(&hit) {
+                nearest = Some(hit);
+            }
+            // Up to rounding of the boxes, which they allow for.
+            nearest.as_ref().map_or(ray.max_distance, |nearest| nearest.distance)
+        });
+        nearest
+    }
+
+    /// Whether a ray hits any face. Faster than [`Placed::cast_ray`] where it hits several.
+    pub fn hits_ray(&self, ray: &Ray) -> bool {
+        let mut hits = false;
+        self.visit(ray, &mut |_| {
+            hits = true;
+            f64::NEG_INFINITY
+        });
+        hits
+    }
+
+    /// All faces that a ray hits, in the order of distance, then number. A ray through a common edge hits both faces.
+    pub fn ray_hits(&self, ray: &Ray) -> Vec<RayHit> {
+        let mut hits = Vec::new();
+        self.visit(ray, &mut |hit| {
+            hits.push(hit);
+            ray.max_distance
+        });
+        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
+        hits
+    }
+
+    /// Calls `found` with hits, those in nearer boxes first. It returns the distance up to which to go on; minus infinity
+    /// ends the search.
+    fn visit(&self, ray: &Ray, found: &mut dyn FnMut(RayHit) -> f64) {
+        let Some(way) = ray.way() else { return };
+        if let Some(cast) = Cast::new(self, ray, way) {
+            let mut next = |triangle: usize, most: f64| cast.hit(triangle, most).map_or(most, &mut *found);
+            with_simd!(simd => cast.search(simd, &mut next));
+        }
+    }
+}
+
+/// A ray and a placed mesh.
+struct Cast<'a> {
+    placed: &'a Placed<'a>,
+    ray: &'a Ray,
+    /// Its unit direction in the world.
+    way: DVec3,
+    /// From where it enters the box of the mesh. All triangles are tested from there, so that the distance to the mesh costs
+    /// no precision.
+    line: Line,
+    /// The distance at which it enters, metres.
+    enter: f64,
+}
+
+/// A line in the space of a mesh.
+struct Line {
+    start: DVec3,
+    /// The change per metre in the world.
+    way: DVec3,
+}
+
+impl<'a> Cast<'a> {
+    /// `None` if the ray misses the box of the mesh.
+    fn new(placed: &'a Placed<'a>, ray: &'a Ray, way: DVec3) -> Option<Self> {
+        let mesh = placed.mesh();
+        let frame = placed.frame_about(ray.origin);
+        let back = frame.rotation.transpose();
+        let from_origin = Line {
+            start: (back * -frame.position) / frame.scale,
+            way: (back * way) / frame.scale,
+        };
+        let aabb = mesh.lanes().aabb;
+        let bounds = [aabb.min, aabb.max].map(|p| p.as_dvec3() + mesh.mass.center.as_dvec3());
+        let pad = 1.0e-6 * f64::from(aabb.half_size().length());
+        let enter = from_origin.enters(bounds, pad, ray.max_distance)?;
+        Some(Self {
+            placed,
+            ray,
+            way,
+            line: Line {
+                start: from_origin.start + from_origin.way * enter,
+                ..from_origin
+            },
+            enter,
+        })
+    }
+
+    /// Calls `hit` with the number of each triangle that the ray may hit and the distance up to which hits are wanted, at
+    /// first the length of the ray. It returns the next such distance.
+    #[inline(always)]
+    fn search<S: Simd>(&self, simd: S, hit: &mut impl FnMut(usize, f64) -> f64) {
+        let mesh = self.placed.mesh();
+        let lanes = mesh.lanes();
+        let (length, way) = (self.line.way.length(), self.line.way.normalize());
+        let pad = 2.0 * PAD * lanes.aabb.half_size().length();
+        let start = self.line.start - mesh.mass.center.as_dvec3();
+        let swept = Swept::new(simd, start, DVec3::ZERO, way.as_vec3(), pad);
+        let limit = |most: f64| ((most - self.enter) * length * (1.0 + 1.0e-6)) as f32 + pad;
+        let mut most = self.ray.max_distance;
+        visit_nearest(
+            &lanes.levels,
+            limit(most),
+            #[inline(always)]
+            |group, most| swept.bounds(&Boxes::of(simd, group), most),
+            #[inline(always)]
+            |cluster| {
+                let first = cluster as usize * CLUSTER;
+                for lane in bits(may_meet(simd, &lanes.clusters[cluster as usize], self.line.start, way)) {
+                    most = hit(first + lane, most);
+                }
+                limit(most)
+            },
+        );
+    }
+
+    /// The hit of a triangle, if it is no farther than `most`.
+    fn hit(&self, triangle: usize, most: f64) -> Option<RayHit> {
+        let mesh = &self.placed.mesh().mesh;
+        let corners = mesh.corners(triangle).map(|p| p.as_dvec3());
+        let from = corners.map(|p| p - self.line.start);
+        let (after, weights) = line_meets(self.line.way, from)?;
+        let distance = self.enter + after;
+        let behind = ROUNDING * (from[0].length() / self.line.way.length() + self.enter);
+        if distance > most * (1.0 + ROUNDING) || distance < -behind {
+            return None;
+        }
+        let distance = distance.max(0.0);
+        let Frame { rotation, scale, .. } = *self.placed.frame();
+        let [a, b, c] = corners.map(|p| rotation * (scale * p));
+        let outward = (b - a).cross(c - a).normalize_or_zero() * scale.element_product().signum();
+        let from_behind = outward.dot(self.way) > 0.0;
+        Some(RayHit {
+            distance,
+            point: self.ray.origin + self.way * distance,
+            normal: if from_behind { -outward } else { outward }.as_vec3(),
+            face: mesh.face_ids()[triangle],
+            barycentric: self.placed.input_order(weights),
+            from_behind,
+        })
+    }
+}
+
+impl Line {
+    /// The distance, 0 or more, at which it enters a box enlarged by `pad`, if that is no farther than `most`.
+    fn enters(&self, [low, high]: [DVec3; 2], pad: f64, most: f64) -> Option<f64> {
+        let (mut enter, mut leave) = (0.0f64, most);
+        for i in 0..3 {
+            let (start, way) = (self.start[i], self.way[i]);
+            let (low, high) = (low[i] - pad, high[i] + pad);
+            if way == 0.0 {
+                if start < low || start > high {
+                    return None;
+                }
+                continue;
+            }
+            let (s, t) = ((low - start) / way, (high - start) / way);
+            enter = enter.max(s.min(t));
+            leave = leave.min(s.max(t));
+        }
+        // Far away the rounding error of the quotients is that of the distance.
+        (enter <= leave + 1.0e-12 * enter.abs()).then_some(enter)
+    }
+}
+
+/// Relative rounding error of a product of three vectors in single precision.
+const ERROR: f32 = 4.0e-6;
+
+/// Lanes whose triangles the line through `start` along the unit vector `way` may meet: its triple products with all three
+/// edges have the same sign.
+#[inline(always)]
+fn may_meet<S: Simd>(simd: S, cluster: &Cluster, start: DVec3, way: DVec3) -> u32 {
+    // Relative to the point of the line that is nearest to the cluster, single precision is at its best.
+    let apart = start - cluster.origin.as_dvec3();
+    let from = splat_point(simd, (apart - way * apart.dot(way)).as_vec3());
+    let way = splat_point(simd, way.as_vec3());
+    let corners = each(|k| sub(load_points(simd, &cluster.corners[k]), from));
+    let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
+    // The line is rounded relative to the cluster, so a corner near it is no more precise than one as far as the cluster.
+    let sizes = each(|k| norm1(corners[k]) + norm1(from));
+    let errors = each(|k| sizes[k] * sizes[(k + 1) % 3] * splat(simd, ERROR));
+    let (left, right) = (all_le(each(|k| -errors[k]), volumes), all_le(volumes, errors));
+    bitmask(left | right) & cluster.lanes
+}

@@ -1,0 +1,118 @@
+//! Nearest points against every triangle, in double precision.
+
+use crate::support::{Pose, Random, hills, mixed, nearest_on_triangle, open_torus, room, triangles, winding};
+use bevy_faceoff::asset::CollisionMesh;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::queries::Placed;
+use glam::{DQuat, DVec3, Vec3};
+
+#[test]
+fn the_nearest_point_is_that_of_a_test_of_all_faces() {
+    let mut random = Random::new(11);
+    let (mut inside, mut outside, mut beyond) = (0, 0, 0);
+    let meshes = [
+        ("cube", shapes::cube(1.0), true),
+        ("torus", shapes::torus_240(), true),
+        ("knot", shapes::knot_1120(), true),
+        ("hills", hills(20), false),
+        ("mixed", mixed(), false),
+        ("open", open_torus(), false),
+    ];
+    for (name, mesh, is_solid) in meshes {
+        let baked = CollisionMesh::new(&mesh);
+        for round in 0..50 {
+            let far = if round % 8 == 7 { 1e5 } else { 1.0 };
+            let pose = Pose {
+                translation: random.vector() * far,
+                rotation: random.rotation(),
+                scale: random.scale(),
+            };
+            let placed = Placed::new(&baked, pose.translation, pose.rotation, pose.scale).unwrap();
+            let faces = triangles(&mesh, &pose, pose.translation);
+            let size = f64::from(baked.radius);
+            let tolerance = 1e-12 * size + 1e-15 * far;
+            for _ in 0..170 {
+                let offset = random.vector() * size * if random.0.bool() { 3.0 } else { 0.7 };
+                let point = pose.translation + offset;
+                let offset = point - pose.translation;
+                let distance = |t: &[DVec3; 3]| nearest_on_triangle(offset, t).distance(offset);
+                let least = faces.iter().map(distance).fold(f64::INFINITY, f64::min);
+                let winds = winding(offset, &faces).abs() > 0.5;
+                let max_distance = if random.0.bool() {
+                    f64::INFINITY
+                } else {
+                    random.0.f64() * size
+                };
+                let hit = placed.closest_point(point, max_distance);
+                let is_inside = hit.is_some_and(|hit| hit.is_inside);
+                if is_solid {
+                    assert_eq!(is_inside, winds, "{name}: {offset}");
+                } else if name != "mixed" {
+                    assert!(!is_inside);
+                }
+                let Some(hit) = hit else {
+                    assert!(least > max_distance - tolerance, "{name}: {least} {max_distance}");
+                    beyond += 1;
+                    continue;
+                };
+                let there = hit.point - pose.translation;
+                assert!((there.distance(offset) - least).abs() < 2.0 * tolerance + 1e-10 * far.log10());
+                assert!(distance(&faces[hit.face as usize]) <= least + tolerance, "{name}");
+                let [a, b, c] = faces[hit.face as usize];
+                let weights = hit.barycentric.as_dvec3();
+                let weighted = a + (b - a) * weights.y + (c - a) * weights.z;
+                assert!(weighted.distance(there) < 1e-6 * size + 1e-10 * far.log10());
+                assert!((weights.element_sum() - 1.0).abs() < 1e-6 && weights.min_element() > -1e-6);
+                let way = (offset - nearest_on_triangle(offset, &[a, b, c])) * if is_inside { -1.0 } else { 1.0 };
+                if least > 1e-6 * size {
+                    assert!(hit.normal.as_dvec3().distance(way.normalize()) < 1e-6, "{name}");
+                }
+                if is_inside {
+                    inside += 1;
+                    assert_eq!(hit.distance, 0.0);
+                } else {
+                    outside += 1;
+                    assert!((hit.distance - least).abs() < tolerance && hit.distance <= max_distance);
+                }
+            }
+        }
+    }
+    assert!(
+        inside > 3500 && outside > 20_000 && beyond > 5000,
+        "{inside} {outside} {beyond}"
+    );
+}
+
+#[test]
+fn degenerate_points_have_the_documented_answers() {
+    let cube = CollisionMesh::new(&shapes::cube(2.0));
+    let placed = Placed::new(&cube, DVec3::ZERO, DQuat::IDENTITY, Vec3::ONE).unwrap();
+    let out = DVec3::new(3.0, 0.2, 0.1);
+    for max_distance in [f64::NAN, -1.0, f64::NEG_INFINITY, 1.999] {
+        assert_eq!(placed.closest_point(out, max_distance), None);
+    }
+    for point in [DVec3::NAN, DVec3::INFINITY, DVec3::splat(1e19), DVec3::splat(1e300)] {
+        assert_eq!(placed.closest_point(point, f64::INFINITY), None);
+    }
+    let hit = placed.closest_point(out, 2.0).unwrap();
+    assert!(hit.distance == 2.0 && hit.normal.distance(Vec3::X) < 1e-6 && !hit.is_inside);
+    assert_eq!(hit.point, DVec3::new(1.0, 0.2, 0.1));
+    let far = placed.closest_point(DVec3::X * 1e17, f64::INFINITY).unwrap();
+    assert!((far.distance - 1e17).abs() < 100.0);
+    // Inside, any distance will do, and the normal still leads out.
+    let inside = placed.closest_point(DVec3::new(0.9, 0.1, 0.2), 0.0).unwrap();
+    assert!(inside.is_inside && inside.distance == 0.0 && inside.point.x == 1.0);
+    assert!(inside.normal.distance(Vec3::X) < 1e-6);
+    // On the surface it is the normal of the face.
+    let on = placed.closest_point(DVec3::new(1.0, 0.1, 0.2), 0.0).unwrap();
+    assert_eq!((on.distance, on.normal), (0.0, Vec3::X));
+    let mirrored = Placed::new(&cube, DVec3::ZERO, DQuat::IDENTITY, Vec3::new(-1.0, 1.0, 1.0)).unwrap();
+    let on = mirrored.closest_point(DVec3::new(1.0, 0.1, 0.2), 0.0).unwrap();
+    assert_eq!(on.normal, Vec3::X);
+    // A room contains nothing.
+    let room = CollisionMesh::new(&room(2.0));
+    let room = Placed::new(&room, DVec3::ZERO, DQuat::IDENTITY, Vec3::ONE).unwrap();
+    let hit = room.closest_point(DVec3::new(0.9, 0.1, 0.2), f64::INFINITY).unwrap();
+    assert!(!hit.is_inside && (hit.distance - 0.1).abs() < 1e-12 && hit.normal.distance(Vec3::NEG_X) < 1e-6);
+    assert_eq!(room.closest_point(DVec3::ZERO, 0.5), None);
+}
