@@ -19,6 +19,7 @@
 //! | `sensors` | bodies that touch sensors on their paths |
 //! | `time_of_impact` | the time of impact of one pair |
 //! | `search` | conservative advancement over the bounding volume trees of two meshes |
+//! | `cast` | the same search for a mesh that moves along a line without turning, exact to rounding |
 //! | `spheres` | when the bounding spheres of two moving bodies overlap |
 //! | `sweep` | the motion of a body |
 //! | `relative` | relative pose and motion of two bodies at one time |
@@ -26,6 +27,7 @@
 //! | `triangles` | safe times for triangles in single precision |
 //! | `triangle_pair` | the safe time for one pair of triangles in double precision |
 
+mod cast;
 mod impacts;
 mod nodes;
 mod relative;
@@ -38,6 +40,7 @@ mod time_of_impact;
 mod triangle_pair;
 mod triangles;
 
+pub(crate) use cast::{Moving, cast};
 pub use impacts::{Impact, ImpactScratch, find_impacts};
 pub use search::Scratch;
 pub use sensors::{SensorScratch, find_sensor_touches};

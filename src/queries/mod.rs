@@ -1,4 +1,5 @@
-//! Collision queries: contact points and overlap tests of placed meshes, without a simulation, an app or a thread pool.
+//! Collision queries of placed meshes, without a simulation, an app or a thread pool: rays, nearest points, overlaps, casts
+//! and contact points.
 //!
 //! ```
 //! use bevy_faceoff::asset::CollisionMesh;
@@ -27,17 +28,45 @@
 //! # Ok::<(), bevy_faceoff::queries::BodyFault>(())
 //! ```
 //!
+//! A placed mesh can also be asked what a ray hits, and how far a shape can move:
+//!
+//! ```
+//! use bevy_faceoff::asset::CollisionMesh;
+//! use bevy_faceoff::geometry::shapes;
+//! use bevy_faceoff::queries::{CastScratch, Placed, QueryShape, Ray};
+//! use glam::{DQuat, DVec3, Vec3};
+//!
+//! let cube = CollisionMesh::new(&shapes::cube(2.0));
+//! let cube = Placed::new(&cube, DVec3::ZERO, DQuat::IDENTITY, Vec3::ONE)?;
+//! let start = DVec3::new(0.2, 5.0, 0.1);
+//! let hit = cube.cast_ray(&Ray::new(start, DVec3::NEG_Y)).unwrap();
+//! assert!((hit.distance - 4.0).abs() < 1e-9);
+//! println!("face {} at {}", hit.face, hit.barycentric);
+//!
+//! let ball = QueryShape::Ball { radius: 0.5 };
+//! let mut scratch = CastScratch::default();
+//! let hit = cube.cast(&ball, start, DQuat::IDENTITY, DVec3::NEG_Y, f64::INFINITY, &mut scratch).unwrap();
+//! assert!((hit.distance - 3.5).abs() < 1e-9);
+//! assert!(cube.overlaps(&ball, start + DVec3::NEG_Y * 3.6, DQuat::IDENTITY));
+//! # Ok::<(), bevy_faceoff::queries::BodyFault>(())
+//! ```
+//!
 //! * [`Placed`] is a mesh with a pose, and gives its bounding box and mass. A
 //!   [`CollisionMesh`](crate::asset::CollisionMesh) is cheap to clone: clones share their data.
 //! * [`ContactWorker`] finds all contact points of two placed meshes, or the reduced manifold that a solver needs, each
 //!   point with the faces and features that touch.
-//! * [`Placed::cast_ray`] finds the first face that a [`Ray`] hits; others find all of them, or whether there is one.
+//! * [`Placed::cast_ray`] finds the first face that a [`Ray`] hits, [`Placed::ray_hits`] all of them, and
+//!   [`Placed::hits_ray`] whether there is one.
+//! * [`Placed::closest_point`] finds the nearest point of the surface, and whether a point is inside.
+//! * [`Placed::overlaps`] tells whether a [`QueryShape`] touches the mesh: a mesh, ball, box or capsule. [`Placed::cast`] finds
+//!   where it first touches if it moves along a line.
 //! * [`check`](check::check) and [`touching`] find the touching pairs of many placements. They run on rayon's thread
 //!   pool.
 //!
 //! Lengths are metres, masses kilograms, angles radians.
 
 mod bounds;
+mod cast;
 pub mod check;
 mod contacts;
 mod overlap;
@@ -48,6 +77,7 @@ mod shape;
 
 pub use crate::state::fault::BodyFault;
 pub use crate::types::feature_id::{FeatureId, FeatureKind};
+pub use cast::{CastHit, CastScratch};
 pub use check::{
     Check, CheckOptions, Placement, PlacementError, TouchingPair, check, check_with, touching, touching_with,
 };

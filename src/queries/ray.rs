@@ -5,7 +5,9 @@ use super::placed::Placed;
 use crate::geometry::cluster::CLUSTER;
 use crate::geometry::lanes::Cluster;
 use crate::geometry::linear_cast::line_meets;
-use crate::simd::lanes::{Simd, all_le, bitmask, bits, cross, dot, each, load_points, norm1, splat, splat_point, sub};
+use crate::simd::lanes::{
+    Simd, all_le, bitmask, bits, cross, dot, each, largest, load_points, norm1, splat, splat_point, sub,
+};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;
 use crate::simd::rounding::PAD;
@@ -268,9 +270,10 @@ fn may_meet<S: Simd>(simd: S, cluster: &Cluster, start: DVec3, way: DVec3) -> u3
     let way = splat_point(simd, way.as_vec3());
     let corners = each(|k| sub(load_points(simd, &cluster.corners[k]), from));
     let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
-    // The line is rounded relative to the cluster, so a corner near it is no more precise than one as far as the cluster.
-    let sizes = each(|k| norm1(corners[k]) + norm1(from));
-    let errors = each(|k| sizes[k] * sizes[(k + 1) % 3] * splat(simd, ERROR));
-    let (left, right) = (all_le(each(|k| -errors[k]), volumes), all_le(volumes, errors));
+    // Positions are rounded relative to the cluster. A corner near the line is no more precise than the others, and the
+    // exact test has a tolerance.
+    let size = largest(each(|k| norm1(corners[k]))) + norm1(from);
+    let error = size * size * splat(simd, ERROR);
+    let (left, right) = (all_le([-error; 3], volumes), all_le(volumes, [error; 3]));
     bitmask(left | right) & cluster.lanes
 }

@@ -1,5 +1,6 @@
 //! The core alone, without an engine: `cargo test --no-default-features --test core`.
 
+mod casts;
 mod contacts;
 mod features;
 mod overlaps;
