@@ -52,7 +52,7 @@
 //!
 //! * `bevy`, on by default: [`plugin`] and [`prelude`]. Without it no crate of Bevy is built.
 //! * `gpu`, on by default: the stages on a GPU, through wgpu.
-//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `debug_gizmos`: what works with these parts of Bevy.
+//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `debug_gizmos`: what works with these parts of Bevy.
 //! * `cli`: the command line `faceoff`.
 
 pub mod asset;
@@ -110,6 +110,9 @@ pub mod prelude {
     pub use crate::plugin::mesh_collider_from::MeshColliderFrom;
     #[cfg(feature = "bevy_gltf")]
     pub use crate::plugin::prefab::{ColliderSettings, MeshColliderHierarchy, MeshColliderHierarchyReady};
+    pub use crate::plugin::queries::{
+        PointHitData, QueryShape, RayCaster, RayHitData, RayHits, ShapeHitData, SpatialQuery, SpatialQueryFilter,
+    };
     pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};

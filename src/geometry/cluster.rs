@@ -19,7 +19,7 @@ pub(crate) fn cluster_order(mesh: &TriMesh) -> Vec<u32> {
 }
 
 /// The same order for points.
-pub(super) fn compact_order(points: &[Vec3]) -> Vec<u32> {
+pub(crate) fn compact_order(points: &[Vec3]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     split(&mut order, points);
     order

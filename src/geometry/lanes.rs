@@ -116,7 +116,7 @@ impl MeshLanes {
 
 /// The box hierarchy above `nodes` in the layout of [`MeshLanes::levels`], and the mean half diagonal of the boxes of
 /// each level.
-fn box_levels(mut nodes: Vec<Aabb>) -> (Vec<Vec<BoxGroup>>, Vec<f32>) {
+pub(crate) fn box_levels(mut nodes: Vec<Aabb>) -> (Vec<Vec<BoxGroup>>, Vec<f32>) {
     let (mut levels, mut sizes) = (Vec::new(), Vec::new());
     loop {
         levels.push(nodes.chunks(CLUSTER).map(BoxGroup::new).collect());

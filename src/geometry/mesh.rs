@@ -225,6 +225,13 @@ impl TriMesh {
         self.triangles[t].map(|v| self.vertices[v as usize])
     }
 
+    /// The corner positions of a face of the input, by its index there, in their order there. `None` if there is none, or it
+    /// has no area. Looks at all triangles.
+    pub fn input_face(&self, face: u32) -> Option<[Vec3; 3]> {
+        let [a, b, c] = self.corners(self.face_ids.iter().position(|&id| id == face)?);
+        Some(if self.is_flipped { [a, c, b] } else { [a, b, c] })
+    }
+
     /// For each triangle, the index of its face in the input.
     pub fn face_ids(&self) -> &[u32] {
         &self.face_ids

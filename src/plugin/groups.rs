@@ -2,6 +2,7 @@
 
 use super::assets;
 use super::diagnostics::FaceoffDiagnosticsPlugin;
+use super::queries::SpatialQueryPlugin;
 use super::step_plugin::StepPlugin;
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
@@ -24,6 +25,7 @@ impl PluginGroup for FaceoffPlugins {
         let group = PluginGroupBuilder::start::<Self>()
             .add(CollisionMeshPlugin)
             .add(self.step)
+            .add(SpatialQueryPlugin)
             .add(FaceoffDiagnosticsPlugin);
         #[cfg(feature = "bevy_mesh")]
         let group = group.add(crate::plugin::mesh_collider_from::MeshColliderFromPlugin);

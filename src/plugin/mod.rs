@@ -13,6 +13,8 @@
 //! | order systems against the step | [`FaceoffStep`], [`FaceoffSystems`] |
 //! | decide which pairs collide, and change contacts | [`hooks`] |
 //! | pause, slow down, step by hand | [`clock`] |
+//! | ask what a ray hits | [`queries`] |
+//! | get pointer events on colliders | `picking`, with the feature `bevy_picking` |
 //! | save and restore the state of the simulation | [`snapshot`] |
 //! | see where the step runs | [`backend`] |
 
@@ -29,8 +31,11 @@ mod groups;
 pub mod hooks;
 #[cfg(feature = "bevy_mesh")]
 pub mod mesh_collider_from;
+#[cfg(feature = "bevy_picking")]
+pub mod picking;
 #[cfg(feature = "bevy_gltf")]
 pub mod prefab;
+pub mod queries;
 mod renderer;
 mod schedule;
 pub mod settings;

@@ -60,6 +60,7 @@
 //! * [`Placed::closest_point`] finds the nearest point of the surface, and whether a point is inside.
 //! * [`Placed::overlaps`] tells whether a [`QueryShape`] touches the mesh: a mesh, ball, box or capsule. [`Placed::cast`] finds
 //!   where it first touches if it moves along a line.
+//! * [`Scene`] asks many placed meshes and half-spaces at once.
 //! * [`check`](check::check) and [`touching`] find the touching pairs of many placements. They run on rayon's thread
 //!   pool.
 //!
@@ -73,6 +74,7 @@ mod overlap;
 mod placed;
 mod point;
 mod ray;
+mod scene;
 mod shape;
 
 pub use crate::state::fault::BodyFault;
@@ -87,4 +89,5 @@ pub use contacts::{ContactWorker, MeshContact, PairMemory};
 pub use placed::Placed;
 pub use point::PointHit;
 pub use ray::{Ray, RayHit};
+pub use scene::{Scene, SceneCastHit, ScenePointHit, SceneRayHit};
 pub use shape::QueryShape;

@@ -29,6 +29,15 @@ pub struct Placed<'a> {
     radius: f32,
 }
 
+/// Everything of a [`Placed`] but its mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlacedPose {
+    translation: DVec3,
+    scale: Vec3,
+    frame: Frame,
+    radius: f32,
+}
+
 impl<'a> Placed<'a> {
     /// Places a mesh. `rotation` may have any length but zero; `scale` is along the mesh's own axes and may mirror.
     ///
@@ -170,6 +179,65 @@ impl<'a> Placed<'a> {
     pub(super) fn corners(&self, triangle: usize) -> [DVec3; 3] {
         let corners = self.mesh.mesh.corners(triangle);
         corners.map(|p| self.frame.scale * p.as_dvec3())
+    }
+
+    /// Everything but the mesh.
+    pub(super) fn pose(&self) -> PlacedPose {
+        let &Self {
+            translation,
+            scale,
+            frame,
+            radius,
+            ..
+        } = self;
+        PlacedPose {
+            translation,
+            scale,
+            frame,
+            radius,
+        }
+    }
+
+    /// The same mesh in the pose that it had before.
+    pub(super) fn again(mesh: &'a CollisionMesh, pose: PlacedPose) -> Self {
+        let PlacedPose {
+            translation,
+            scale,
+            frame,
+            radius,
+        } = pose;
+        Self {
+            mesh,
+            translation,
+            scale,
+            frame,
+            radius,
+        }
+    }
+
+    /// Centre and half size of a box in the world that contains the mesh. It is quick to compute, and larger than
+    /// [`Placed::bounding_box`] if the mesh is turned.
+    pub(super) fn outer_box(&self) -> [DVec3; 2] {
+        let Frame {
+            rotation,
+            scale,
+            center,
+            ..
+        } = self.frame;
+        let (matrix, aabb) = (rotation * DMat3::from_diagonal(scale), self.mesh.lanes().aabb);
+        let half = matrix.abs() * aabb.half_size().as_dvec3();
+        [
+            self.translation + center + matrix * aabb.center().as_dvec3(),
+            half * (1.0 + 1.0e-6) + DVec3::splat(f64::from(PAD) * f64::from(self.radius)),
+        ]
+    }
+
+    /// The point of the mesh that is farthest along a direction of the world.
+    pub(super) fn farthest(&self, direction: DVec3) -> DVec3 {
+        let along = self.frame.scale * (self.frame.rotation.transpose() * direction);
+        let vertices = self.mesh.features().vertices.iter().map(|p| p.as_dvec3());
+        let farthest = vertices.max_by(|a, b| along.dot(*a).total_cmp(&along.dot(*b)));
+        self.to_world(self.frame.scale * farthest.unwrap_or_default())
     }
 
     /// Its pose relative to `origin`.

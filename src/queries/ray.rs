@@ -66,7 +66,7 @@ impl Ray {
 
     /// The unit direction. `None` if the ray hits nothing: if a number is not finite, the direction is zero, or the length
     /// is negative or NaN.
-    fn way(&self) -> Option<DVec3> {
+    pub(super) fn way(&self) -> Option<DVec3> {
         unit(self.direction).filter(|_| self.origin.is_finite() && self.max_distance >= 0.0)
     }
 }

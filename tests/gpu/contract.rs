@@ -454,7 +454,11 @@ fn sources(folder: &str, ending: &str) -> Vec<(PathBuf, String)> {
 /// The names after the word `const`.
 fn constants_of(code: &str) -> impl Iterator<Item = &str> {
     code.split("const ").skip(1).filter_map(|rest| {
-        let name = rest.split(':').next()?;
+        let (name, value) = rest.split_once(':')?;
+        // Shaders have no strings.
+        if value.starts_with(" &str") {
+            return None;
+        }
         let is_name = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
         (!name.is_empty() && name.chars().all(is_name)).then_some(name)
     })

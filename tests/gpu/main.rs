@@ -36,6 +36,8 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::readback", apps::readback::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::spatial_queries", apps::spatial_queries::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::writes", apps::writes::TESTS),
             #[cfg(feature = "cli")]
             ("cli", cli::TESTS),

@@ -20,9 +20,10 @@ mod motion;
 mod reports;
 mod response;
 mod sensors;
+mod spatial_queries;
 mod warnings;
 
-/// `bakes`, `compounds`, `contacts`, `driven`, `hooks` and `sensors` have no tests but functions: some of them are tests
+/// `bakes`, `compounds`, `contacts`, `driven`, `hooks`, `sensors` and `spatial_queries` have no tests but functions: some of them are tests
 /// on a GPU too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
@@ -33,6 +34,19 @@ macro_rules! tests_of {
             })*
         }
     };
+}
+
+tests_of! {
+    spatial_queries as spatial_queries_on_the_cpu:
+    a_ray_finds_what_rays_against_each_collider_find
+    a_filter_chooses_what_counts
+    parts_are_where_their_body_is
+    what_moved_since_the_step_is_seen_after_an_update
+    systems_that_ask_may_write_transforms_and_run_in_parallel
+    invalid_rays_hit_nothing
+    a_ray_caster_keeps_what_it_hits
+    the_nearest_point_is_that_of_the_nearest_collider
+    shapes_overlap_what_they_touch_or_contain
 }
 
 tests_of! {

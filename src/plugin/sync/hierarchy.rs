@@ -22,7 +22,7 @@ pub(crate) struct Node {
 }
 
 /// What is above a collider.
-pub(super) enum Above {
+pub(crate) enum Above {
     /// Its body, and the transformation from the collider's parent to the body.
     Body(Entity, DAffine3),
     /// No body. The transformation from its parent to the world.
@@ -32,7 +32,7 @@ pub(super) enum Above {
 }
 
 /// Where a collider is in its body.
-pub(super) struct Placed {
+pub(crate) struct Placed {
     pub place: Place,
     pub scale: Vec3,
     /// Applied to the vertices before the scale, if the mesh is sheared.
@@ -69,7 +69,7 @@ impl NodeItem<'_, '_> {
 }
 
 /// What is above the collider `entity`, which has no `RigidBody` itself.
-pub(super) fn above(entity: Entity, nodes: &Query<Node>) -> Above {
+pub(crate) fn above(entity: Entity, nodes: &Query<Node>) -> Above {
     let mut product = DAffine3::IDENTITY;
     let mut parent = nodes.get(entity).ok().and_then(|node| node.parent);
     while let Some(child_of) = parent {
@@ -106,7 +106,7 @@ pub(crate) fn world_above(
 }
 
 /// The transformation of a `Transform` in double precision.
-pub(super) fn affine(transform: &Transform) -> DAffine3 {
+pub(crate) fn affine(transform: &Transform) -> DAffine3 {
     let &Transform {
         translation,
         rotation,
@@ -123,7 +123,7 @@ pub(super) fn affine(transform: &Transform) -> DAffine3 {
 }
 
 /// Rotation and stretch of a transformation: the first axis keeps its direction, the second its plane.
-fn decompose(matrix: &DMat3) -> (DQuat, DMat3) {
+pub(crate) fn decompose(matrix: &DMat3) -> (DQuat, DMat3) {
     let x = matrix.x_axis.normalize_or(DVec3::X);
     let y = (matrix.y_axis - x * x.dot(matrix.y_axis)).normalize_or(x.any_orthonormal_vector());
     // A mirrored mesh has a negative scale along its first axis, as in `GlobalTransform`.
@@ -139,7 +139,7 @@ fn same_scale(one: &DAffine3, other: &DAffine3) -> bool {
 }
 
 /// The place of a collider in its body, from the transformation to the axes of the body.
-pub(super) fn place(to_body: &DAffine3) -> Placed {
+pub(crate) fn place(to_body: &DAffine3) -> Placed {
     let (rotation, stretch) = decompose(&to_body.matrix3);
     let scale = DVec3::new(stretch.x_axis.x, stretch.y_axis.y, stretch.z_axis.z);
     let sheared = stretch - DMat3::from_diagonal(scale);

@@ -10,7 +10,7 @@ pub(crate) mod hierarchy;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 mod oddities;
-mod planes;
+pub(crate) mod planes;
 pub(crate) mod publish;
 #[cfg(feature = "gpu")]
 mod shadow;
@@ -359,6 +359,21 @@ impl Step {
     /// Does nothing: without a GPU the components hold the current state.
     #[cfg(not(feature = "gpu"))]
     pub fn catch_up(&mut self, _: &mut BTreeMap<Entity, Motion>) {}
+
+    /// Whether bodies stay on the device.
+    pub fn is_resident(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        let is_resident = self.engine.latent() == Some(Detail::Counts);
+        #[cfg(not(feature = "gpu"))]
+        let is_resident = false;
+        is_resident
+    }
+
+    /// The sheared copy of its mesh that a collider has.
+    pub fn sheared_mesh(&self, collider: Entity) -> Option<&CollisionMesh> {
+        let slot = self.sheared.slot_of(collider)?;
+        Some(&self.state.input.meshes[slot].mesh)
+    }
 
     /// Drops pending results. Bodies continue from the state in their components.
     pub fn forget(&mut self) {

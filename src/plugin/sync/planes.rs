@@ -14,7 +14,7 @@ use bevy::prelude::*;
 /// The components of a plane.
 #[derive(QueryData)]
 pub(crate) struct PlaneComponents {
-    entity: Entity,
+    pub entity: Entity,
     plane: &'static PlaneCollider,
     transform: Option<&'static Transform>,
     parent: Option<&'static ChildOf>,

@@ -104,6 +104,16 @@ impl ShearedMeshes {
         }
     }
 
+    /// The slot of the copy that a collider has.
+    pub fn slot_of(&self, collider: Entity) -> Option<u32> {
+        let used = self.colliders.get(&collider)?;
+        let ready = |number: Option<u64>| match self.copies.iter().find(|copy| Some(copy.number) == number)?.state {
+            State::Baked(slot) => Some(slot),
+            State::Baking(_) | State::Failed => None,
+        };
+        ready(used.awaits).or_else(|| ready(used.has))
+    }
+
     /// Drops the copies that no collider has used since the last call.
     pub fn end_step(&mut self, arena: &mut MeshArena) {
         if self.copies.is_empty() && self.colliders.is_empty() {

@@ -2,5 +2,6 @@
 
 pub mod backend;
 pub mod readback;
+pub mod spatial_queries;
 pub mod with_contacts;
 pub mod writes;

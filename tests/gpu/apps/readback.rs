@@ -35,7 +35,7 @@ pub const TESTS: &[Test] = &[
 ];
 
 /// An app whose clock stands still until the device is ready.
-fn app(backend: Backend, readback: Readback) -> Sim {
+pub fn app(backend: Backend, readback: Readback) -> Sim {
     let mut sim = opening(backend, readback);
     await_device(&mut sim);
     sim

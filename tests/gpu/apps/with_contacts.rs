@@ -17,6 +17,9 @@ mod hooks;
 #[path = "../../plugin/sensors.rs"]
 #[allow(dead_code)]
 mod sensors;
+#[path = "../../plugin/spatial_queries.rs"]
+#[allow(dead_code)]
+mod spatial_queries;
 
 use crate::app::{ON_GPU, STEP, Sim, resting, sorted};
 use crate::gpu::Test;
@@ -76,6 +79,8 @@ pub const TESTS: &[Test] = &tests! {
     a_door_turned_by_its_transform_sweeps: driven::a_door_turned_by_its_transform_sweeps_a_ball_away();
     a_slab_that_teleports_pushes_nothing: driven::a_slab_that_teleports_pushes_nothing_and_one_that_is_moved_does();
     a_tray_of_several_colliders_is_moved: driven::a_body_of_several_colliders_is_moved_by_its_transform_too();
+    parts_are_where_their_body_is: spatial_queries::parts_are_where_their_body_is();
+    what_moved_is_seen_after_an_update: spatial_queries::what_moved_since_the_step_is_seen_after_an_update();
     what_is_put_elsewhere_ends_its_collisions:
         driven::a_dynamic_body_that_is_put_elsewhere_ends_its_collisions_at_once();
     a_belt_carries_beside_a_gpu: hooks::a_belt_carries_a_crate_at_its_speed();

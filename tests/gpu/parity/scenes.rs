@@ -270,13 +270,17 @@ fn mixed(rng: &mut Rng) -> Scene {
     scene
 }
 
-/// Five half-spaces, `distance` from the origin, solid away from it.
+/// Five half-spaces, `distance` from the origin, solid away from it. The first does not collide with all layers.
 pub fn half_spaces(rng: &mut Rng, distance: f32) -> Vec<Plane> {
     (0..5)
-        .map(|_| Plane {
+        .map(|i| Plane {
             normal: rng.direction().as_vec3().normalize(),
             distance: -distance,
             restitution: rng.range(0.0, 1.0) as f32,
+            layers: CollisionLayers {
+                memberships: u32::MAX,
+                filters: if i == 0 { 3 } else { u32::MAX },
+            },
             ..Plane::default()
         })
         .collect()

@@ -1,0 +1,127 @@
+//! Bevy's pointer events on colliders: [`ColliderPickingPlugin`]. Needs the feature `bevy_picking`.
+//!
+//! ```no_run
+//! use bevy::picking::DefaultPickingPlugins;
+//! use bevy::prelude::*;
+//! use bevy_faceoff::plugin::picking::ColliderPickingPlugin;
+//! use bevy_faceoff::prelude::*;
+//!
+//! fn spawn(mut commands: Commands, mesh: Handle<CollisionMesh>) {
+//!     commands
+//!         .spawn((RigidBody::Dynamic, MeshCollider(mesh)))
+//!         .observe(|press: On<Pointer<Press>>, mut forces: Query<&mut ExternalForces>| {
+//!             let hit = press.hit.extra_as::<RayHitData>().expect("colliders have it");
+//!             println!("face {:?} of {}", hit.face, hit.collider);
+//!             if let Ok(mut forces) = forces.get_mut(hit.body) {
+//!                 forces.impulse -= hit.normal;
+//!             }
+//!         });
+//! }
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, DefaultPickingPlugins, FaceoffPlugins::default()))
+//!     .add_plugins(ColliderPickingPlugin)
+//!     .run();
+//! ```
+
+use super::queries::{RayHitData, SpatialQuery, SpatialQueryFilter};
+use bevy::camera::Camera;
+use bevy::picking::PickingSystems;
+use bevy::picking::backend::prelude::*;
+use bevy::prelude::*;
+
+/// Sends pointer events to the colliders and planes under the pointers. Add it after Bevy's picking plugins, which
+/// `DefaultPlugins` contains, and after [`FaceoffPlugins`](crate::plugin::FaceoffPlugins).
+///
+/// The target of an event is the collider. Events bubble up to its body if that is above it. `HitData` has the point and the
+/// normal in the world, the distance from the near plane of the camera, and a [`RayHitData`], which
+/// `HitData::extra_as` gives: the face, for example. Bevy's `Pickable` decides whether a collider gets events, and whether
+/// those behind it do.
+pub struct ColliderPickingPlugin;
+
+/// Which colliders get pointer events.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Debug, PartialEq)]
+pub struct ColliderPickingSettings {
+    /// Whether only colliders with Bevy's `Pickable` do, and only through cameras with [`ColliderPickingCamera`].
+    /// Default: all do.
+    pub require_markers: bool,
+}
+
+/// A camera through which colliders are picked, and which of them. Cameras without it pick all colliders that are no sensors.
+#[derive(Component, Reflect, Clone, Debug, PartialEq, Deref, DerefMut)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct ColliderPickingCamera(pub SpatialQueryFilter);
+
+impl Default for ColliderPickingCamera {
+    fn default() -> Self {
+        Self(SpatialQueryFilter::default().without_sensors())
+    }
+}
+
+impl Plugin for ColliderPickingPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ColliderPickingSettings>()
+            .register_type::<ColliderPickingSettings>()
+            .register_type::<ColliderPickingCamera>()
+            .add_systems(PreUpdate, pick.in_set(PickingSystems::Backend));
+    }
+}
+
+fn pick(
+    settings: Res<ColliderPickingSettings>,
+    rays: Option<Res<RayMap>>,
+    cameras: Query<(&Camera, Option<&ColliderPickingCamera>)>,
+    pickables: Query<&Pickable>,
+    world: SpatialQuery,
+    mut pointer_hits: MessageWriter<PointerHits>,
+) {
+    let Some(rays) = rays else {
+        warn_once!("ColliderPickingPlugin has no effect: add Bevy's DefaultPickingPlugins");
+        return;
+    };
+    let by_default = ColliderPickingCamera::default();
+    for (&id, ray) in rays.iter() {
+        let Ok((camera, picking)) = cameras.get(id.camera) else {
+            continue;
+        };
+        if settings.require_markers && picking.is_none() {
+            continue;
+        }
+        let filter = picking.unwrap_or(&by_default);
+        let mut picks = Vec::new();
+        // The nearest one, and those behind it as far as they get events.
+        let mut filter = filter.0.clone();
+        while let Some(hit) = nearest(&world, ray, &filter, &pickables, settings.require_markers) {
+            let data = HitData::new_with_extra(id.camera, hit.distance, Some(hit.point), Some(hit.normal), hit);
+            picks.push((hit.collider, data));
+            filter.excluded.insert(hit.collider);
+            if pickables.get(hit.collider).is_ok_and(|p| !p.should_block_lower) {
+                continue;
+            }
+            break;
+        }
+        if !picks.is_empty() {
+            pointer_hits.write(PointerHits::new(id.pointer, picks, camera.order as f32));
+        }
+    }
+}
+
+fn nearest(
+    world: &SpatialQuery,
+    ray: &Ray3d,
+    filter: &SpatialQueryFilter,
+    pickables: &Query<&Pickable>,
+    require_markers: bool,
+) -> Option<RayHitData> {
+    world.cast_ray_predicate(
+        ray.origin,
+        ray.direction,
+        f32::INFINITY,
+        filter,
+        |hit| match pickables.get(hit.collider) {
+            Ok(pickable) => pickable.is_hoverable || pickable.should_block_lower,
+            Err(_) => !require_markers,
+        },
+    )
+}

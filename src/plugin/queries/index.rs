@@ -1,0 +1,68 @@
+//! [`SpatialIndex`]: the colliders and planes that can be asked.
+
+use crate::queries::Scene;
+use crate::types::body::CollisionLayers;
+use bevy::ecs::lifecycle::HookContext;
+use bevy::ecs::world::DeferredWorld;
+use bevy::prelude::*;
+use thiserror::Error;
+
+/// Why questions cannot be answered.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SpatialQueryError {
+    /// Poses stay on the GPU.
+    #[error(
+        "with Readback::Resident the poses of bodies stay on the GPU: take a Snapshot and call \
+         update_spatial_queries_from, or use Readback::Latent"
+    )]
+    Resident,
+}
+
+/// The colliders and planes at the poses of their components, as [`SpatialQuery`](super::SpatialQuery) sees them.
+#[derive(Resource, Default)]
+pub struct SpatialIndex {
+    pub(super) scene: Scene,
+    /// By number in the scene.
+    pub(super) colliders: Vec<IndexedCollider>,
+    pub(super) fault: Option<SpatialQueryError>,
+    /// Whether any system asks.
+    pub(super) is_wanted: bool,
+    /// The step whose poses these are.
+    pub(super) step: u64,
+}
+
+/// A collider or plane.
+#[derive(Clone, Copy)]
+pub struct IndexedCollider {
+    pub collider: Entity,
+    /// Without a body, the collider itself.
+    pub body: Entity,
+    pub layers: CollisionLayers,
+    pub is_sensor: bool,
+}
+
+/// Tells the index that a component asks.
+pub(super) fn want(mut world: DeferredWorld, _: HookContext) {
+    if let Some(mut index) = world.get_resource_mut::<SpatialIndex>() {
+        index.is_wanted = true;
+    }
+}
+
+impl SpatialIndex {
+    /// The scene, if it can be asked. Otherwise the reason is logged once.
+    pub(super) fn scene(&self) -> Option<&Scene> {
+        match self.fault {
+            None => Some(&self.scene),
+            Some(fault) => {
+                error_once!("SpatialQuery finds nothing: {fault}");
+                None
+            }
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.scene.clear();
+        self.colliders.clear();
+    }
+}

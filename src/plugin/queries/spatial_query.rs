@@ -1,0 +1,195 @@
+//! [`SpatialQuery`]: the system parameter that asks.
+
+use super::filter::SpatialQueryFilter;
+use super::hits::{PointHitData, RayHitData, ShapeHitData};
+use super::index::{SpatialIndex, SpatialQueryError};
+use super::update::update_spatial_queries;
+use crate::queries::{QueryShape, Ray, SceneRayHit};
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+
+/// Asks which colliders and planes are where: rays, points, overlaps and casts, exact on the triangles.
+///
+/// Answers are about the poses after the last step, which are those of the components: to see what systems have moved since,
+/// run [`update_spatial_queries`] before. Questions run on the CPU, wherever the stages run. They need no exclusive access to
+/// anything, so systems that ask run in parallel, and may write `Transform`s.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_faceoff::prelude::*;
+///
+/// fn what_is_below(player: Single<(Entity, &Transform), With<Name>>, world: SpatialQuery) {
+///     let (player, transform) = *player;
+///     let filter = SpatialQueryFilter::excluding([player]);
+///     if let Some(hit) = world.cast_ray(transform.translation, Dir3::NEG_Y, 100.0, &filter) {
+///         println!("{} metres above face {:?} of {}", hit.distance, hit.face, hit.collider);
+///     }
+/// }
+/// # bevy::ecs::system::assert_is_system(what_is_below);
+/// ```
+#[derive(SystemParam)]
+pub struct SpatialQuery<'w, 's> {
+    index: Res<'w, SpatialIndex>,
+    _wanted: Local<'s, Wanted>,
+}
+
+/// Tells the index that a system asks.
+struct Wanted;
+
+impl FromWorld for Wanted {
+    fn from_world(world: &mut World) -> Self {
+        let index = world.get_resource_or_init::<SpatialIndex>();
+        if !index.is_wanted {
+            index.into_inner().is_wanted = true;
+            // The first question may come before the next step.
+            if let Err(error) = world.run_system_cached(update_spatial_queries) {
+                error!("{error}");
+            }
+        }
+        Self
+    }
+}
+
+impl SpatialQuery<'_, '_> {
+    /// Whether questions can be answered. If not, they find nothing, and the error is logged once.
+    ///
+    /// # Errors
+    /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident), unless
+    /// [`update_spatial_queries_from`](super::update_spatial_queries_from) was called.
+    pub fn check(&self) -> Result<(), SpatialQueryError> {
+        self.index.fault.map_or(Ok(()), Err)
+    }
+
+    /// The first hit of a ray.
+    ///
+    /// A ray that starts on a face hits it at distance 0. One that starts inside a closed mesh hits it from behind. A NaN, or a
+    /// negative `max_distance`, hits nothing; `f32::INFINITY` is without end.
+    pub fn cast_ray(
+        &self,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+    ) -> Option<RayHitData> {
+        let ray = ray(origin, direction, max_distance);
+        let hit = self
+            .index
+            .scene()?
+            .cast_ray(&ray, |number| self.admits(filter, number))?;
+        Some(self.hit(&hit))
+    }
+
+    /// The first hit of a ray for which `predicate` holds. It may be called for hits behind the first one.
+    pub fn cast_ray_predicate(
+        &self,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+        predicate: impl Fn(&RayHitData) -> bool,
+    ) -> Option<RayHitData> {
+        let ray = ray(origin, direction, max_distance);
+        let hit = self.index.scene()?.cast_ray_predicate(
+            &ray,
+            |number| self.admits(filter, number),
+            |hit| predicate(&self.hit(hit)),
+        )?;
+        Some(self.hit(&hit))
+    }
+
+    /// All hits of a ray, in the order of distance: each face that it passes through. A ray through the common edge of two faces
+    /// hits both.
+    pub fn ray_hits(
+        &self,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+    ) -> Vec<RayHitData> {
+        let Some(scene) = self.index.scene() else {
+            return Vec::new();
+        };
+        let ray = ray(origin, direction, max_distance);
+        let hits = scene.ray_hits(&ray, |number| self.admits(filter, number));
+        hits.iter().map(|hit| self.hit(hit)).collect()
+    }
+
+    /// Whether a ray hits anything: faster than the first hit.
+    pub fn hits_ray(&self, origin: Vec3, direction: Dir3, max_distance: f32, filter: &SpatialQueryFilter) -> bool {
+        let ray = ray(origin, direction, max_distance);
+        let scene = self.index.scene();
+        scene.is_some_and(|scene| scene.hits_ray(&ray, |number| self.admits(filter, number)))
+    }
+
+    /// The point of a collider or plane that is nearest to a given one, if it is no farther than `max_distance` metres.
+    ///
+    /// Of a collider that contains the point the distance is 0, if its mesh is closed, and the point of the answer is on its
+    /// surface. A NaN or a negative `max_distance` finds nothing; `f32::INFINITY` is without limit.
+    pub fn closest_point(&self, point: Vec3, max_distance: f32, filter: &SpatialQueryFilter) -> Option<PointHitData> {
+        let scene = self.index.scene()?;
+        let admits = |number: usize| self.admits(filter, number);
+        let hit = scene.closest_point(point.as_dvec3(), max_distance.into(), admits)?;
+        Some(PointHitData::new(&self.index, &hit))
+    }
+
+    /// The colliders and planes that a shape overlaps, ascending: those that it touches, that it contains, or that contain it.
+    /// An invalid shape or pose overlaps nothing.
+    pub fn overlapping(
+        &self,
+        shape: &QueryShape,
+        translation: Vec3,
+        rotation: Quat,
+        filter: &SpatialQueryFilter,
+    ) -> Vec<Entity> {
+        let Some(scene) = self.index.scene() else {
+            return Vec::new();
+        };
+        let (translation, rotation) = (translation.as_dvec3(), rotation.as_dquat());
+        let found = scene.overlapping(shape, translation, rotation, |number| self.admits(filter, number));
+        let mut colliders: Vec<_> = found
+            .iter()
+            .map(|&number| self.index.colliders[number].collider)
+            .collect();
+        colliders.sort_unstable();
+        colliders
+    }
+
+    /// Where a shape that moves up to `max_distance` metres along `direction`, without turning, first touches something. See
+    /// [`Placed::cast`](crate::queries::Placed::cast): the distance is exact on the triangles, and 0 if the shape touches or
+    /// overlaps something at the start, also if it moves away from it.
+    pub fn cast_shape(
+        &self,
+        shape: &QueryShape,
+        translation: Vec3,
+        rotation: Quat,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+    ) -> Option<ShapeHitData> {
+        let hit = self.index.scene()?.cast(
+            shape,
+            translation.as_dvec3(),
+            rotation.as_dquat(),
+            direction.as_dvec3(),
+            max_distance.into(),
+            |number| self.admits(filter, number),
+        )?;
+        Some(ShapeHitData::new(&self.index, &hit))
+    }
+
+    fn admits(&self, filter: &SpatialQueryFilter, number: usize) -> bool {
+        filter.admits(&self.index.colliders[number])
+    }
+
+    fn hit(&self, hit: &SceneRayHit) -> RayHitData {
+        RayHitData::new(&self.index, hit)
+    }
+}
+
+fn ray(origin: Vec3, direction: Dir3, max_distance: f32) -> Ray {
+    Ray {
+        origin: origin.as_dvec3(),
+        direction: direction.as_dvec3(),
+        max_distance: max_distance.into(),
+    }
+}

@@ -1,0 +1,206 @@
+//! Reads the poses of colliders and planes from components.
+
+use super::index::{IndexedCollider, SpatialIndex, SpatialQueryError};
+use crate::asset::CollisionMesh;
+use crate::plugin::collisions::StepReport;
+use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisabled, Sensor};
+use crate::plugin::snapshot::Snapshot;
+use crate::plugin::sync::Step;
+use crate::plugin::sync::hierarchy::{Above, Node, Placed, above, affine, decompose, parent_in, place, world_above};
+use crate::plugin::sync::planes::PlaneComponents;
+use crate::types::body::{CollisionLayers, RigidBody};
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::math::{DAffine3, DMat3};
+use bevy::prelude::*;
+use std::collections::BTreeMap;
+
+/// Makes questions see what systems have changed since the last step: the system to run before a system that asks, if others
+/// moved, spawned or removed colliders in the same frame.
+///
+/// After each step it runs by itself, if any system asks. With
+/// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) it does nothing.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_faceoff::prelude::*;
+/// # use bevy_faceoff::plugin::queries::update_spatial_queries;
+/// # fn place_buildings() {}
+/// # fn aim(_: SpatialQuery) {}
+/// # let mut app = App::new();
+/// app.add_systems(Update, (place_buildings, update_spatial_queries, aim).chain());
+/// ```
+pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Colliders) {
+    if colliders.step.as_ref().is_some_and(|step| step.is_resident()) {
+        if index.colliders.is_empty() {
+            index.fault = Some(SpatialQueryError::Resident);
+        }
+        return;
+    }
+    colliders.read(&mut index, &|_| None);
+}
+
+/// The same, if a step was published since.
+pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, colliders: Colliders) {
+    if index.is_wanted && index.step != report.step {
+        update_spatial_queries(index, colliders);
+    }
+}
+
+/// Makes questions see the bodies at the poses of a [`Snapshot`], until the next call or, but for
+/// [`Readback::Resident`](crate::plugin::settings::Readback::Resident), the next step.
+pub fn update_spatial_queries_from(world: &mut World, snapshot: &Snapshot) {
+    let poses = snapshot
+        .bodies()
+        .map(|(entity, motion)| (entity, (motion.position, motion.rotation)));
+    let poses: Poses = poses.collect();
+    if let Err(error) = world.run_system_cached_with(read_with, poses) {
+        error!("{error}");
+    }
+}
+
+/// Poses of bodies that replace those of their components.
+type Poses = BTreeMap<Entity, (Vec3, Quat)>;
+
+fn read_with(In(poses): In<Poses>, mut index: ResMut<SpatialIndex>, colliders: Colliders) {
+    colliders.read(&mut index, &|entity| poses.get(&entity).copied());
+}
+
+/// The components of a collider.
+#[derive(QueryData)]
+pub(crate) struct ColliderComponents {
+    entity: Entity,
+    mesh: &'static MeshCollider,
+    transform: &'static Transform,
+    parent: Option<&'static ChildOf>,
+    layers: Option<&'static CollisionLayers>,
+    is_sensor: Has<Sensor>,
+    is_body: Has<RigidBody>,
+    body_disabled: Has<RigidBodyDisabled>,
+}
+
+/// All colliders and planes.
+#[derive(SystemParam)]
+pub struct Colliders<'w, 's> {
+    step: Option<Res<'w, Step>>,
+    report: Option<Res<'w, StepReport>>,
+    meshes: Res<'w, Assets<CollisionMesh>>,
+    colliders: Query<'w, 's, ColliderComponents, Without<ColliderDisabled>>,
+    planes: Query<'w, 's, PlaneComponents>,
+    nodes: Query<'w, 's, Node>,
+    parents: Query<'w, 's, &'static ChildOf>,
+    transforms: Query<'w, 's, &'static Transform>,
+    layers: Query<'w, 's, &'static CollisionLayers>,
+}
+
+/// Gives the pose of a body that replaces that of its components.
+type PoseOf<'a> = &'a dyn Fn(Entity) -> Option<(Vec3, Quat)>;
+
+impl Colliders<'_, '_> {
+    fn read(&self, index: &mut SpatialIndex, pose_of: PoseOf) {
+        index.clear();
+        index.fault = None;
+        index.step = self.report.as_ref().map_or(0, |report| report.step);
+        for collider in &self.colliders {
+            if !self.is_rejected(collider.entity) {
+                self.add_collider(index, &collider, pose_of);
+            }
+        }
+        for plane in &self.planes {
+            let Ok(half_space) = plane.half_space(Some(self.to_world(plane.entity))) else {
+                continue;
+            };
+            let (normal, distance) = (half_space.normal.as_dvec3(), f64::from(half_space.distance));
+            if index.scene.add_plane(normal, distance).is_ok() {
+                index.colliders.push(IndexedCollider {
+                    collider: plane.entity,
+                    body: plane.entity,
+                    layers: half_space.layers,
+                    is_sensor: false,
+                });
+            }
+        }
+    }
+
+    /// Adds a collider whose mesh is there.
+    fn add_collider(&self, index: &mut SpatialIndex, collider: &ColliderComponentsItem, pose_of: PoseOf) {
+        let entity = collider.entity;
+        let (body, placed) = if collider.is_body || collider.parent.is_none() {
+            if collider.body_disabled {
+                return;
+            }
+            (entity, self.body_to_world(entity, pose_of))
+        } else {
+            match above(entity, &self.nodes) {
+                Above::Body(body, up) if !self.is_rejected(body) => {
+                    let own = affine(collider.transform);
+                    (body, self.body_to_world(body, pose_of) * up * own)
+                }
+                Above::World(up) => (entity, up * affine(collider.transform)),
+                Above::Body(..) | Above::Disabled => return,
+            }
+        };
+        let Placed {
+            place: pose,
+            scale,
+            shear,
+        } = place(&placed);
+        let sheared = |step: &Step| step.sheared_mesh(entity).cloned();
+        let mesh = match shear {
+            None => self.meshes.get(&collider.mesh.0).cloned(),
+            Some(_) => self.step.as_ref().and_then(|step| sheared(step)),
+        };
+        let Some(mesh) = mesh else { return };
+        if index
+            .scene
+            .add_mesh(&mesh, pose.translation, pose.rotation, scale)
+            .is_ok()
+        {
+            let layers = collider.layers.or_else(|| self.layers.get(body).ok());
+            index.colliders.push(IndexedCollider {
+                collider: entity,
+                body,
+                layers: layers.copied().unwrap_or_default(),
+                is_sensor: collider.is_sensor,
+            });
+        }
+    }
+
+    /// An entity, and the body to which it belongs.
+    pub(super) fn own(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        let body = match above(entity, &self.nodes) {
+            Above::Body(body, _) => Some(body),
+            Above::World(_) | Above::Disabled => None,
+        };
+        std::iter::once(entity).chain(body)
+    }
+
+    /// Whether the step leaves an entity out of collisions.
+    fn is_rejected(&self, entity: Entity) -> bool {
+        let Some(step) = &self.step else { return false };
+        step.faults.binary_search_by_key(&entity, |&(entity, _)| entity).is_ok()
+    }
+
+    /// The transformation from the coordinates of a body to the world.
+    fn body_to_world(&self, body: Entity, pose_of: PoseOf) -> DAffine3 {
+        let to_world = self.to_world(body);
+        let Some((position, rotation)) = pose_of(body) else {
+            return to_world;
+        };
+        let stretch = match (self.parents.get(body), self.transforms.get(body)) {
+            (Err(_), Ok(transform)) => DMat3::from_diagonal(transform.scale.as_dvec3()),
+            _ => decompose(&to_world.matrix3).1,
+        };
+        DAffine3 {
+            matrix3: DMat3::from_quat(rotation.as_dquat().normalize()) * stretch,
+            translation: position.as_dvec3(),
+        }
+    }
+
+    /// The transformation from the coordinates of an entity to the world.
+    pub(super) fn to_world(&self, entity: Entity) -> DAffine3 {
+        let transform_of = |entity| self.transforms.get(entity).ok().copied();
+        let above = world_above(entity, parent_in(&self.parents), transform_of);
+        above * transform_of(entity).map_or(DAffine3::IDENTITY, |transform| affine(&transform))
+    }
+}

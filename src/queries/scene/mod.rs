@@ -1,0 +1,151 @@
+//! [`Scene`]: many placed meshes and half-spaces, and questions to all of them.
+
+mod casts;
+mod points;
+mod rays;
+mod tree;
+
+pub use casts::SceneCastHit;
+pub use points::ScenePointHit;
+pub use rays::SceneRayHit;
+
+use super::placed::{Placed, PlacedPose};
+use crate::asset::CollisionMesh;
+use crate::geometry::mesh::MAX_COORDINATE;
+use crate::state::fault::BodyFault;
+use glam::{DQuat, DVec3, Vec3};
+use std::sync::OnceLock;
+use tree::{Tree, WorldBox};
+
+/// Many placed meshes and half-spaces, numbered in the order in which they were added.
+///
+/// The first question after a change builds a tree over the meshes. Questions may come from several threads at a time. Each
+/// takes a filter: only what it returns true for counts.
+#[derive(Default)]
+pub struct Scene {
+    items: Vec<Item>,
+    /// Numbers of the half-spaces.
+    planes: Vec<u32>,
+    tree: OnceLock<SceneTree>,
+}
+
+enum Item {
+    Mesh(SceneMesh),
+    Plane(SolidPlane),
+}
+
+/// A placed mesh of a scene.
+struct SceneMesh {
+    mesh: CollisionMesh,
+    pose: PlacedPose,
+}
+
+/// The points `p` with `normal . p <= distance` are solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SolidPlane {
+    normal: DVec3,
+    distance: f64,
+}
+
+/// The tree over the meshes of a scene.
+struct SceneTree {
+    tree: Tree,
+    /// The numbers of the meshes.
+    meshes: Vec<u32>,
+}
+
+impl Scene {
+    /// Removes everything.
+    pub fn clear(&mut self) {
+        self.items.clear();
+        self.planes.clear();
+        self.tree.take();
+    }
+
+    /// How many meshes and half-spaces there are.
+    pub fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
+    /// Adds a mesh, and returns its number. For the arguments see [`Placed::new`].
+    ///
+    /// # Errors
+    /// As [`Placed::new`].
+    pub fn add_mesh(
+        &mut self,
+        mesh: &CollisionMesh,
+        translation: DVec3,
+        rotation: DQuat,
+        scale: Vec3,
+    ) -> Result<usize, BodyFault> {
+        let pose = Placed::new(mesh, translation, rotation, scale)?.pose();
+        let mesh = mesh.clone();
+        Ok(self.add(Item::Mesh(SceneMesh { mesh, pose })))
+    }
+
+    /// Adds a solid half-space, the points `p` with `normal . p <= distance`, and returns its number. `normal` may have any
+    /// length but zero; `distance` is along the unit normal, metres.
+    ///
+    /// # Errors
+    /// If a number is not finite, or the normal is zero.
+    pub fn add_plane(&mut self, normal: DVec3, distance: f64) -> Result<usize, BodyFault> {
+        let unit = normal.try_normalize().filter(|unit| unit.is_finite());
+        let normal = unit.ok_or(BodyFault::PlaneNormal(normal.as_vec3()))?;
+        if !(distance.abs() <= f64::from(MAX_COORDINATE)) {
+            return Err(BodyFault::PlaneDistance(distance as f32));
+        }
+        self.planes.push(self.items.len() as u32);
+        Ok(self.add(Item::Plane(SolidPlane { normal, distance })))
+    }
+
+    /// The mesh of this number; `None` for a half-space and for numbers that were not given.
+    pub fn placed(&self, number: usize) -> Option<Placed<'_>> {
+        match self.items.get(number)? {
+            Item::Mesh(mesh) => Some(mesh.placed()),
+            Item::Plane(_) => None,
+        }
+    }
+
+    fn add(&mut self, item: Item) -> usize {
+        self.tree.take();
+        self.items.push(item);
+        self.items.len() - 1
+    }
+
+    fn tree(&self) -> &SceneTree {
+        self.tree.get_or_init(|| {
+            let meshes = self.items.iter().enumerate().filter_map(|(number, item)| match item {
+                Item::Mesh(mesh) => Some((number as u32, mesh.placed().outer_box())),
+                Item::Plane(_) => None,
+            });
+            let (meshes, boxes): (Vec<u32>, Vec<WorldBox>) = meshes
+                .map(|(number, [center, half])| (number, WorldBox { center, half }))
+                .unzip();
+            SceneTree {
+                tree: Tree::new(&boxes),
+                meshes,
+            }
+        })
+    }
+
+    /// The half-spaces with their numbers that pass a filter.
+    fn planes<'s>(&'s self, filter: &'s impl Fn(usize) -> bool) -> impl Iterator<Item = (usize, SolidPlane)> + 's {
+        self.planes
+            .iter()
+            .filter_map(move |&number| match self.items[number as usize] {
+                Item::Plane(plane) if filter(number as usize) => Some((number as usize, plane)),
+                _ => None,
+            })
+    }
+}
+
+impl SceneMesh {
+    fn placed(&self) -> Placed<'_> {
+        Placed::again(&self.mesh, self.pose)
+    }
+}

@@ -1,0 +1,134 @@
+//! A box tree over the meshes of a scene.
+
+use crate::geometry::Aabb;
+use crate::geometry::cluster::compact_order;
+use crate::geometry::lanes::{BoxGroup, box_levels};
+use crate::queries::bounds::{Boxes, Near, Swept};
+use crate::simd::level::with_simd;
+use crate::simd::levels::visit_nearest;
+use glam::{DVec3, Vec3};
+
+/// An axis-aligned box in the world, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WorldBox {
+    pub center: DVec3,
+    pub half: DVec3,
+}
+
+/// A tree over boxes. It works in single precision relative to its own origin, and allows for the rounding error.
+#[derive(Default)]
+pub(super) struct Tree {
+    origin: DVec3,
+    /// Half the diagonal of all boxes, metres.
+    radius: f64,
+    /// The numbers of the boxes in the order of the tree.
+    order: Vec<u32>,
+    levels: Vec<Vec<BoxGroup>>,
+}
+
+impl WorldBox {
+    /// From least and largest coordinates.
+    pub fn between([low, high]: [DVec3; 2]) -> Self {
+        Self {
+            center: 0.5 * (low + high),
+            half: 0.5 * (high - low),
+        }
+    }
+}
+
+impl Tree {
+    pub fn new(boxes: &[WorldBox]) -> Self {
+        if boxes.is_empty() {
+            return Self::default();
+        }
+        let (low, high) = (boxes.iter()).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), b| {
+            (low.min(b.center - b.half), high.max(b.center + b.half))
+        });
+        let all = WorldBox::between([low, high]);
+        let (origin, radius) = (all.center, all.half.length());
+        let centers: Vec<Vec3> = boxes.iter().map(|b| (b.center - origin).as_vec3()).collect();
+        let order = compact_order(&centers);
+        let aabb = |&number: &u32| {
+            let (center, half) = (centers[number as usize], boxes[number as usize].half.as_vec3());
+            Aabb {
+                min: center - half,
+                max: center + half,
+            }
+        };
+        Self {
+            origin,
+            radius,
+            levels: box_levels(order.iter().map(aabb).collect()).0,
+            order,
+        }
+    }
+
+    /// Upper bound of the rounding error of a coordinate, if those asked for are within `size` of the origin.
+    fn error(&self, size: f64) -> f32 {
+        8.0 * f32::EPSILON * (self.radius + size) as f32
+    }
+
+    /// Calls `visit` with the numbers of the boxes that a moving box may meet, nearer ones first. It returns the distance up to
+    /// which to go on; minus infinity ends the visit. The box moves from `start` along the unit vector `way`.
+    pub fn along(&self, start: WorldBox, way: DVec3, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
+        if self.order.is_empty() {
+            return;
+        }
+        // From the sphere around the tree on, so that single precision is enough, however far away it starts.
+        let to_origin = self.origin - start.center;
+        let middle = to_origin.dot(way);
+        let radius = (self.radius + start.half.length()) * (1.0 + 1.0e-6);
+        let (enter, leave) = ((middle - radius).max(0.0), middle + radius);
+        let apart = (to_origin - middle * way).length();
+        let rounding = 1.0e-12 * to_origin.length();
+        if leave < 0.0 || enter > most || apart > radius + rounding {
+            return;
+        }
+        let error = self.error(2.0 * radius) + rounding as f32;
+        let limit = |most: f64| ((most.min(leave) - enter) * (1.0 + 1.0e-6)) as f32 + error;
+        let from = way * enter - to_origin;
+        with_simd!(simd => {
+            let swept = Swept::new(simd, from, start.half, way.as_vec3(), error);
+            visit_nearest(
+                &self.levels,
+                limit(most),
+                #[inline(always)]
+                |group, most| swept.bounds(&Boxes::of(simd, group), most),
+                #[inline(always)]
+                |leaf| limit(visit(self.order[leaf as usize])),
+            );
+        });
+    }
+
+    /// Calls `visit` with the numbers of the boxes that may be within `most` metres of another one, nearer ones first. It
+    /// returns the distance up to which to go on; minus infinity ends the visit.
+    pub fn around(&self, near: WorldBox, most: f64, visit: &mut dyn FnMut(u32) -> f64) {
+        if self.order.is_empty() {
+            return;
+        }
+        // A box far away counts as nearer by the way to the sphere around the tree.
+        let apart = near.center - self.origin;
+        let outside = (apart.length() - 2.0 * (self.radius + near.half.length())).max(0.0);
+        let from = apart - outside * apart.normalize_or_zero();
+        let error = self.error(3.0 * (self.radius + near.half.length()));
+        let limit = |most: f64| {
+            let inside = most - outside;
+            if inside < 0.0 {
+                f32::NEG_INFINITY
+            } else {
+                inside.min(1.0e30) as f32 * (1.0 + 1.0e-6) + error
+            }
+        };
+        with_simd!(simd => {
+            let near = Near::new(simd, from, near.half, error);
+            visit_nearest(
+                &self.levels,
+                limit(most),
+                #[inline(always)]
+                |group, most| near.bounds(&Boxes::of(simd, group), most),
+                #[inline(always)]
+                |leaf| limit(visit(self.order[leaf as usize])),
+            );
+        });
+    }
+}
