@@ -11,7 +11,6 @@ use crate::simd::lanes::{
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;
 use crate::simd::rounding::PAD;
-use crate::state::Frame;
 use glam::{DVec3, Vec3};
 
 /// Relative rounding error of a distance.
@@ -85,27 +84,18 @@ impl Placed<'_> {
     /// lies in the plane of a face hits only its neighbours. A ray with a zero direction, a number that is not finite or a
     /// negative length hits nothing.
     pub fn cast_ray(&self, ray: &Ray) -> Option<RayHit> {
-        self.cast_ray_predicate(ray, |_| true)
+        self.nearest_hit(ray, |_, _| true)
     }
 
     /// The first face for which `predicate` holds. It may be called for faces behind the first one.
     pub fn cast_ray_predicate(&self, ray: &Ray, predicate: impl Fn(&RayHit) -> bool) -> Option<RayHit> {
-        let mut nearest: Option<RayHit> = None;
-        self.visit(ray, &mut |hit| {
-            let key = |hit: &RayHit| (hit.distance, hit.face);
-            if nearest.as_ref().is_none_or(|nearest| key(&hit) < key(nearest)) && predicate(&hit) {
-                nearest = Some(hit);
-            }
-            // Up to rounding of the boxes, which they allow for.
-            nearest.as_ref().map_or(ray.max_distance, |nearest| nearest.distance)
-        });
-        nearest
+        self.nearest_hit(ray, |cast, meeting| predicate(&cast.hit(meeting)))
     }
 
     /// Whether a ray hits any face. Faster than [`Placed::cast_ray`] where it hits several.
     pub fn hits_ray(&self, ray: &Ray) -> bool {
         let mut hits = false;
-        self.visit(ray, &mut |_| {
+        self.visit(ray, &mut |_, _| {
             hits = true;
             f64::NEG_INFINITY
         });
@@ -115,22 +105,40 @@ impl Placed<'_> {
     /// All faces that a ray hits, in the order of distance, then number. A ray through a common edge hits both faces.
     pub fn ray_hits(&self, ray: &Ray) -> Vec<RayHit> {
         let mut hits = Vec::new();
-        self.visit(ray, &mut |hit| {
-            hits.push(hit);
+        self.visit(ray, &mut |cast, meeting| {
+            hits.push(cast.hit(&meeting));
             ray.max_distance
         });
         hits.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.face.cmp(&b.face)));
         hits
     }
 
-    /// Calls `found` with hits, those in nearer boxes first. It returns the distance up to which to go on; minus infinity
-    /// ends the search.
-    fn visit(&self, ray: &Ray, found: &mut dyn FnMut(RayHit) -> f64) {
-        let Some(way) = ray.way() else { return };
-        if let Some(cast) = Cast::new(self, ray, way) {
-            let mut next = |triangle: usize, most: f64| cast.hit(triangle, most).map_or(most, &mut *found);
-            with_simd!(simd => cast.search(simd, &mut next));
-        }
+    fn nearest_hit(&self, ray: &Ray, counts: impl Fn(&Cast, &Meeting) -> bool) -> Option<RayHit> {
+        let face = |meeting: &Meeting| self.mesh().mesh.face_ids()[meeting.triangle];
+        let mut first: Option<Meeting> = None;
+        let cast = self.visit(ray, &mut |cast, meeting| {
+            let is_nearer = first.as_ref().is_none_or(|first| {
+                meeting.distance < first.distance
+                    || (meeting.distance == first.distance && face(&meeting) < face(first))
+            });
+            if is_nearer && counts(cast, &meeting) {
+                first = Some(meeting);
+            }
+            first.as_ref().map_or(ray.max_distance, |first| first.distance)
+        })?;
+        Some(cast.hit(&first?))
+    }
+
+    /// Calls `found` with where the ray meets faces, those in nearer boxes first. It returns the distance up to which to go
+    /// on; minus infinity ends the search. The result is `None` if the ray misses the box of the mesh.
+    fn visit<'c>(&'c self, ray: &'c Ray, found: &mut dyn FnMut(&Cast, Meeting) -> f64) -> Option<Cast<'c>> {
+        let cast = Cast::new(self, ray, ray.way()?)?;
+        let mut next = |triangle: usize, most: f64| {
+            let meeting = cast.meeting(triangle, most);
+            meeting.map_or(most, |meeting| found(&cast, meeting))
+        };
+        with_simd!(simd => cast.search(simd, &mut next));
+        Some(cast)
     }
 }
 
@@ -145,6 +153,14 @@ struct Cast<'a> {
     line: Line,
     /// The distance at which it enters, metres.
     enter: f64,
+}
+
+/// Where a ray meets a triangle.
+struct Meeting {
+    triangle: usize,
+    distance: f64,
+    /// Of the triangle's corners.
+    weights: [f64; 3],
 }
 
 /// A line in the space of a mesh.
@@ -208,30 +224,36 @@ impl<'a> Cast<'a> {
         );
     }
 
-    /// The hit of a triangle, if it is no farther than `most`.
-    fn hit(&self, triangle: usize, most: f64) -> Option<RayHit> {
-        let mesh = &self.placed.mesh().mesh;
-        let corners = mesh.corners(triangle).map(|p| p.as_dvec3());
-        let from = corners.map(|p| p - self.line.start);
+    /// Where the ray meets a triangle, if that is no farther than `most`.
+    fn meeting(&self, triangle: usize, most: f64) -> Option<Meeting> {
+        let corners = self.placed.mesh().mesh.corners(triangle);
+        let from = corners.map(|p| p.as_dvec3() - self.line.start);
         let (after, weights) = line_meets(self.line.way, from)?;
         let distance = self.enter + after;
         let behind = ROUNDING * (from[0].length() / self.line.way.length() + self.enter);
-        if distance > most * (1.0 + ROUNDING) || distance < -behind {
-            return None;
-        }
-        let distance = distance.max(0.0);
-        let Frame { rotation, scale, .. } = *self.placed.frame();
-        let [a, b, c] = corners.map(|p| rotation * (scale * p));
-        let outward = (b - a).cross(c - a).normalize_or_zero() * scale.element_product().signum();
+        (-behind..=most * (1.0 + ROUNDING))
+            .contains(&distance)
+            .then(|| Meeting {
+                triangle,
+                distance: distance.max(0.0),
+                weights,
+            })
+    }
+
+    fn hit(&self, meeting: &Meeting) -> RayHit {
+        let Self { placed, ray, .. } = self;
+        let [a, b, c] = placed.corners(meeting.triangle);
+        let area = placed.turn_to_world((b - a).cross(c - a).normalize_or_zero());
+        let outward = area * placed.mirror();
         let from_behind = outward.dot(self.way) > 0.0;
-        Some(RayHit {
-            distance,
-            point: self.ray.origin + self.way * distance,
+        RayHit {
+            distance: meeting.distance,
+            point: ray.origin + self.way * meeting.distance,
             normal: if from_behind { -outward } else { outward }.as_vec3(),
-            face: mesh.face_ids()[triangle],
-            barycentric: self.placed.input_order(weights),
+            face: placed.mesh().mesh.face_ids()[meeting.triangle],
+            barycentric: placed.input_order(meeting.weights),
             from_behind,
-        })
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Compares the speed of bevy_faceoff, parry3d, rapier3d and avian3d on the scenes of the paper:
 //! `cargo run --release --manifest-path benches/peers/Cargo.toml`.
 //!
+//! With `--queries` it compares queries of one mesh: rays against a large terrain, overlaps and casts.
+//!
 //! With `--physics` it compares the accuracy of the motion in bevy_faceoff and rapier3d instead.
 //!
 //! Times of first hits are printed only if the answers agree, or if a slow independent test confirms bevy_faceoff where
@@ -14,6 +16,7 @@ mod narrow;
 mod ours;
 mod parry;
 mod physics;
+mod queries;
 mod rapier;
 mod report;
 mod scene;
@@ -58,6 +61,9 @@ struct Options {
     /// Write all times and counts as JSON to this file.
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Compare queries of one mesh instead, in ours, parry3d and obvhs.
+    #[arg(long)]
+    queries: bool,
     #[command(flatten)]
     physics: physics::Options,
     /// Run as the process of an engine.
@@ -88,6 +94,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let limit = Duration::from_secs(options.limit.unwrap_or(default(180, 20) as u64));
     if options.physics.physics {
         physics::compare(&options.physics, options.quick, limit);
+        return Ok(());
+    }
+    if options.queries {
+        queries::compare(rounds);
         return Ok(());
     }
     let engines: Vec<Kind> = [(Peer::Rapier, Kind::Rapier), (Peer::Avian, Kind::Avian)]
