@@ -111,7 +111,8 @@ pub mod prelude {
     #[cfg(feature = "bevy_gltf")]
     pub use crate::plugin::prefab::{ColliderSettings, MeshColliderHierarchy, MeshColliderHierarchyReady};
     pub use crate::plugin::queries::{
-        PointHitData, QueryShape, RayCaster, RayHitData, RayHits, ShapeHitData, SpatialQuery, SpatialQueryFilter,
+        CasterShape, PointHitData, QueryShape, RayCaster, RayHitData, RayHits, ShapeCaster, ShapeHitData, ShapeHits,
+        SpatialQuery, SpatialQueryFilter,
     };
     pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
     pub use crate::plugin::snapshot::Snapshot;

@@ -47,6 +47,7 @@ tests_of! {
     a_ray_caster_keeps_what_it_hits
     the_nearest_point_is_that_of_the_nearest_collider
     shapes_overlap_what_they_touch_or_contain
+    a_shape_caster_keeps_what_it_runs_into
 }
 
 tests_of! {

@@ -374,3 +374,72 @@ pub fn shapes_overlap_what_they_touch_or_contain() {
     );
     assert_eq!(overlapping(&ball(f64::NAN), Vec3::ZERO), [false; 3]);
 }
+
+pub fn a_shape_caster_keeps_what_it_runs_into() {
+    let mut sim = Sim::new();
+    let (cube, ring) = (sim.mesh(&shapes::cube(1.0)), sim.mesh(&shapes::torus_240()));
+    let body = sim.spawn((RigidBody::Dynamic, cube.clone(), Transform::default()));
+    let ball = CasterShape::Ball { radius: 0.25 };
+    let eye = sim.spawn((
+        ShapeCaster::new(ball, Vec3::ZERO, Dir3::X).with_max_hits(3),
+        ChildOf(body),
+    ));
+    // The ball flies through the hole of the first ring, and not through that of the second.
+    let through = Quat::from_rotation_arc(hole_axis(), Vec3::X);
+    let wide = Transform::from_xyz(3.0, 0.0, 0.0)
+        .with_rotation(through)
+        .with_scale(Vec3::splat(4.0));
+    let narrow = Transform::from_xyz(6.0, 0.0, 0.0)
+        .with_rotation(through)
+        .with_scale(Vec3::splat(0.5));
+    sim.spawn((ring.clone(), wide));
+    let narrow = sim.spawn((ring, narrow));
+    let wall = sim.spawn((cube.clone(), Transform::from_xyz(9.0, 0.0, 0.0)));
+    let plane = sim.spawn(PlaneCollider::through(Vec3::X * 12.0, Vec3::NEG_X));
+    sim.step(1);
+    let colliders = |sim: &Sim| {
+        sim.get::<ShapeHits>(eye)
+            .iter()
+            .map(|hit| hit.collider)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(colliders(&sim), [narrow, wall, plane]);
+    let hits = sim.get::<ShapeHits>(eye);
+    assert!((hits[1].distance - 8.25).abs() < 1e-6 && (hits[2].distance - 11.75).abs() < 1e-6);
+    assert_near(hits[1].normal, Vec3::NEG_X, 1e-6);
+    assert!((hits[1].point.x - 8.5).abs() < 1e-6);
+    // A mesh, turned with its entity.
+    let caster = sim.get::<ShapeCaster>(eye);
+    let shape = CasterShape::Mesh {
+        mesh: cube.0,
+        scale: Vec3::new(1.0, 6.0, 1.0),
+    };
+    sim.set(
+        eye,
+        ShapeCaster {
+            shape,
+            ..caster.with_max_hits(1)
+        },
+    );
+    sim.set(
+        eye,
+        Transform::from_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
+    );
+    sim.step(1);
+    // It goes along +y now, lying along x.
+    assert_eq!(colliders(&sim), []);
+    let collider: MeshCollider = sim.get(wall);
+    let lid = sim.spawn((collider, Transform::from_xyz(2.8, 4.0, 0.0)));
+    sim.step(1);
+    let hits = sim.get::<ShapeHits>(eye);
+    assert_eq!(colliders(&sim), [lid]);
+    assert!((hits[0].distance - 3.0).abs() < 1e-6);
+    assert!(hits[0].face.is_some() && hits[0].shape_face.is_some());
+}
+
+/// The axis of the hole of the torus: that of its smallest extent.
+fn hole_axis() -> Vec3 {
+    let torus = shapes::torus_240();
+    let size = torus.vertices().iter().fold(Vec3::ZERO, |size, v| size.max(v.abs()));
+    Vec3::AXES[size.min_position()]
+}

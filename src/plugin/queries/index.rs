@@ -28,6 +28,8 @@ pub struct SpatialIndex {
     pub(super) fault: Option<SpatialQueryError>,
     /// Whether any system asks.
     pub(super) is_wanted: bool,
+    /// Whether there were casters.
+    pub(super) has_casters: bool,
     /// The step whose poses these are.
     pub(super) step: u64,
 }
@@ -42,10 +44,10 @@ pub struct IndexedCollider {
     pub is_sensor: bool,
 }
 
-/// Tells the index that a component asks.
-pub(super) fn want(mut world: DeferredWorld, _: HookContext) {
+/// Tells the index that there are casters.
+pub(super) fn has_casters(mut world: DeferredWorld, _: HookContext) {
     if let Some(mut index) = world.get_resource_mut::<SpatialIndex>() {
-        index.is_wanted = true;
+        index.has_casters = true;
     }
 }
 

@@ -3,7 +3,7 @@
 //! | to | see |
 //! |---|---|
 //! | ask in a system | [`SpatialQuery`] |
-//! | cast a ray from an entity after each step | [`RayCaster`] |
+//! | cast a ray or a shape from an entity after each step | [`RayCaster`], [`ShapeCaster`] |
 //! | choose what counts | [`SpatialQueryFilter`] |
 //! | ask about what moved in the same frame | [`update_spatial_queries`] |
 //! | ask where poses stay on the GPU | [`update_spatial_queries_from`] |
@@ -13,6 +13,7 @@ mod filter;
 mod hits;
 mod index;
 mod ray_caster;
+mod shape_caster;
 mod spatial_query;
 mod update;
 
@@ -21,6 +22,7 @@ pub use filter::SpatialQueryFilter;
 pub use hits::{PointHitData, RayHitData, ShapeHitData};
 pub use index::SpatialQueryError;
 pub use ray_caster::{RayCaster, RayHits};
+pub use shape_caster::{CasterShape, ShapeCaster, ShapeHits};
 pub use spatial_query::SpatialQuery;
 pub use update::{update_spatial_queries, update_spatial_queries_from};
 
@@ -39,13 +41,27 @@ impl Plugin for SpatialQueryPlugin {
             .register_type::<RayHitData>()
             .register_type::<ShapeHitData>()
             .register_type::<RayCaster>()
-            .register_type::<RayHits>();
-        let update = (update::catch_up, ray_caster::cast_rays)
+            .register_type::<RayHits>()
+            .register_type::<ShapeCaster>()
+            .register_type::<ShapeHits>();
+        let update = (update::update_after_step, run_casters)
             .chain()
             .after(FaceoffSystems::Publish);
         // The results of a GPU may be published between two steps.
         let late = RunFixedMainLoopSystems::AfterFixedMainLoop;
         app.add_systems(FaceoffStep, update.ambiguous_with_all())
             .add_systems(RunFixedMainLoop, update::catch_up.in_set(late));
+    }
+}
+
+/// Runs the casters. Their systems ask, so they are only made if there are casters.
+fn run_casters(world: &mut World) {
+    if !world.resource::<SpatialIndex>().has_casters {
+        return;
+    }
+    let rays = world.run_system_cached(ray_caster::cast_rays);
+    let shapes = world.run_system_cached(shape_caster::cast_shapes);
+    for error in [rays.err(), shapes.err()].into_iter().flatten() {
+        error!("{error}");
     }
 }

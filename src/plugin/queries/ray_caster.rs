@@ -2,7 +2,7 @@
 
 use super::filter::SpatialQueryFilter;
 use super::hits::RayHitData;
-use super::index::want;
+use super::index::has_casters;
 use super::spatial_query::SpatialQuery;
 use super::update::Colliders;
 use bevy::prelude::*;
@@ -27,7 +27,7 @@ use bevy::prelude::*;
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Debug, PartialEq)]
-#[component(on_add = want)]
+#[component(on_add = has_casters)]
 #[require(Transform, RayHits)]
 pub struct RayCaster {
     /// If false, it hits nothing.

@@ -40,7 +40,14 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
     colliders.read(&mut index, &|_| None);
 }
 
-/// The same, if a step was published since.
+/// The same after a step, if any system asks.
+pub(super) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
+    if index.is_wanted {
+        update_spatial_queries(index, colliders);
+    }
+}
+
+/// The same, if the results of a step were published since.
 pub(super) fn catch_up(index: ResMut<SpatialIndex>, report: Res<StepReport>, colliders: Colliders) {
     if index.is_wanted && index.step != report.step {
         update_spatial_queries(index, colliders);

@@ -32,11 +32,12 @@ fn components(_: &Gpu) {
     for readback in [Readback::Lockstep, Readback::Latent] {
         let mut sim = app(Backend::Gpu, readback);
         let cube = rising_cube(&mut sim);
-        for _ in 0..12 {
+        for step in 0..12 {
             sim.step(1);
             let (hit, answers) = look_down(&mut sim);
             assert_eq!(answers, Ok(()));
-            let hit = hit.unwrap();
+            let at = sim.position(cube);
+            let hit = hit.unwrap_or_else(|| panic!("{readback:?}, step {step}: {at}"));
             assert_eq!(hit.collider, cube);
             assert_near(hit.point, sim.position(cube) + Vec3::new(0.3, 0.5, 0.2), 1e-5);
         }

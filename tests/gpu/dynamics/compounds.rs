@@ -82,6 +82,23 @@ fn touching(state: &StepState) -> Vec<[u32; 2]> {
     state.results.contacts.pairs.iter().map(|pair| pair.bodies).collect()
 }
 
+/// Whether a pair is about as far apart as bodies at rest are: a rounding error decides whether it touches.
+fn barely_touch(state: &StepState, pair: &[u32; 2]) -> bool {
+    let radius = pair.map(|i| state.input.bodies.radius.get(i as usize).copied().unwrap_or(f32::MAX));
+    let at_rest = state.input.config.solver.rest_offset * 2.0 * radius[0].min(radius[1]);
+    let found = state
+        .results
+        .manifolds
+        .pairs
+        .iter()
+        .find(|manifold| manifold.bodies == *pair);
+    found.is_some_and(|manifold| {
+        let points = state.results.manifolds.points_of(manifold).iter();
+        let nearest = points.map(|point| point.separation).fold(f32::MAX, f32::min);
+        (nearest - at_rest).abs() < 0.1 * at_rest
+    })
+}
+
 /// Step by step from the same poses: who touches whom, and how strongly.
 pub fn touch_as_on_the_cpu() {
     let mut worlds = both(|| {
@@ -100,8 +117,11 @@ pub fn touch_as_on_the_cpu() {
         off = (off.0.max(now.0), off.1.max(now.1));
         let [cpu, gpu] = worlds.each_ref().map(|world| &world.state);
         let (of_cpu, of_gpu) = (touching(cpu), touching(gpu));
-        missed += of_cpu.iter().filter(|pair| !of_gpu.contains(pair)).count();
-        missed += of_gpu.iter().filter(|pair| !of_cpu.contains(pair)).count();
+        let on_one_side = |one: &[[u32; 2]], other: &[[u32; 2]]| {
+            let alone = one.iter().filter(|pair| !other.contains(pair));
+            alone.filter(|pair| !barely_touch(cpu, pair)).count()
+        };
+        missed += on_one_side(&of_cpu, &of_gpu) + on_one_side(&of_gpu, &of_cpu);
         pairs += of_cpu.len();
         for (sum, state) in impulses.iter_mut().zip([cpu, gpu]) {
             *sum += state
@@ -115,7 +135,7 @@ pub fn touch_as_on_the_cpu() {
         synchronise(&mut worlds);
     }
     println!("{pairs} touching, {missed} on one side only; impulses {impulses:?} N s; {off:?} apart");
-    assert!(pairs > 200 && missed <= pairs / 40, "{missed} of {pairs}");
+    assert!(pairs > 150 && missed <= pairs / 100, "{missed} of {pairs}");
     assert!((impulses[0] - impulses[1]).abs() < 0.02 * impulses[0]);
 }
 

@@ -1,0 +1,181 @@
+//! [`ShapeCaster`]: a component that casts a shape after each step.
+
+use super::filter::SpatialQueryFilter;
+use super::hits::ShapeHitData;
+use super::index::has_casters;
+use super::spatial_query::SpatialQuery;
+use super::update::Colliders;
+use crate::asset::CollisionMesh;
+use crate::plugin::sync::hierarchy::decompose;
+use crate::queries::QueryShape;
+use bevy::prelude::*;
+
+/// Casts a shape from its entity after each step, and keeps what it runs into in [`ShapeHits`].
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_faceoff::prelude::*;
+///
+/// fn spawn(mut commands: Commands) {
+///     let foot = CasterShape::Ball { radius: 0.2 };
+///     commands.spawn((Transform::default(), ShapeCaster::new(foot, Vec3::Y, Dir3::NEG_Y).with_max_distance(1.5)));
+/// }
+///
+/// fn read(casters: Query<&ShapeHits, Changed<ShapeHits>>) {
+///     for hit in casters.iter().filter_map(|hits| hits.first()) {
+///         println!("{} is {} metres below", hit.collider, hit.distance);
+///     }
+/// }
+/// # bevy::ecs::system::assert_is_system(spawn);
+/// # bevy::ecs::system::assert_is_system(read);
+/// ```
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Debug, PartialEq)]
+#[component(on_add = has_casters)]
+#[require(Transform, ShapeHits)]
+pub struct ShapeCaster {
+    /// If false, it hits nothing.
+    pub enabled: bool,
+    /// The shape. The scale of the entity does not apply to it.
+    pub shape: CasterShape,
+    /// Where the shape starts, in the coordinates of the entity.
+    pub origin: Vec3,
+    /// How it is turned there.
+    pub rotation: Quat,
+    /// Where it goes, in the coordinates of the entity.
+    pub direction: Dir3,
+    /// How far it goes in the world, metres. May be infinite.
+    pub max_distance: f32,
+    /// How many colliders it reports: the nearest ones. Each costs a cast. Default 1.
+    pub max_hits: usize,
+    /// Whether the colliders of its own entity, and of the body to which that belongs, are ignored.
+    pub ignore_self: bool,
+    /// Which colliders count.
+    pub filter: SpatialQueryFilter,
+}
+
+/// The shape of a [`ShapeCaster`]. See [`QueryShape`].
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, PartialEq)]
+pub enum CasterShape {
+    /// A ball about the origin.
+    Ball {
+        /// Metres.
+        radius: f32,
+    },
+    /// A box about the origin.
+    Box {
+        /// Half the lengths of its edges, metres.
+        half_size: Vec3,
+    },
+    /// All points that are no farther than `radius` from a segment of the y axis about the origin.
+    Capsule {
+        /// Metres.
+        radius: f32,
+        /// Half the length of the segment, metres.
+        half_length: f32,
+    },
+    /// A mesh. Until it is loaded the caster hits nothing.
+    Mesh {
+        /// The baked mesh.
+        mesh: Handle<CollisionMesh>,
+        /// Along the mesh's own axes.
+        scale: Vec3,
+    },
+}
+
+/// What the shape runs into, nearest first.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Deref)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct ShapeHits(pub(super) Vec<ShapeHitData>);
+
+impl ShapeCaster {
+    /// Without an end. It reports the first collider but its own.
+    pub fn new(shape: CasterShape, origin: Vec3, direction: Dir3) -> Self {
+        Self {
+            enabled: true,
+            shape,
+            origin,
+            rotation: Quat::IDENTITY,
+            direction,
+            max_distance: f32::INFINITY,
+            max_hits: 1,
+            ignore_self: true,
+            filter: SpatialQueryFilter::default(),
+        }
+    }
+
+    /// The same, with the shape turned.
+    pub fn with_rotation(self, rotation: Quat) -> Self {
+        Self { rotation, ..self }
+    }
+
+    /// The same, that goes so far.
+    pub fn with_max_distance(self, max_distance: f32) -> Self {
+        Self { max_distance, ..self }
+    }
+
+    /// The same, that reports so many colliders.
+    pub fn with_max_hits(self, max_hits: usize) -> Self {
+        Self { max_hits, ..self }
+    }
+
+    /// The same, about these colliders.
+    pub fn with_filter(self, filter: SpatialQueryFilter) -> Self {
+        Self { filter, ..self }
+    }
+
+    /// The same, with or without its own colliders.
+    pub fn with_ignore_self(self, ignore_self: bool) -> Self {
+        Self { ignore_self, ..self }
+    }
+}
+
+impl CasterShape {
+    fn as_query<'a>(&self, meshes: &'a Assets<CollisionMesh>) -> Option<QueryShape<'a>> {
+        Some(match self {
+            &Self::Ball { radius } => QueryShape::Ball { radius: radius.into() },
+            Self::Box { half_size } => QueryShape::Box {
+                half_size: half_size.as_dvec3(),
+            },
+            &Self::Capsule { radius, half_length } => QueryShape::Capsule {
+                radius: radius.into(),
+                half_length: half_length.into(),
+            },
+            Self::Mesh { mesh, scale } => QueryShape::Mesh(meshes.get(mesh)?, *scale),
+        })
+    }
+}
+
+/// Casts the shapes of all casters.
+pub(super) fn cast_shapes(
+    world: SpatialQuery,
+    meshes: Res<Assets<CollisionMesh>>,
+    colliders: Colliders,
+    mut casters: Query<(Entity, &ShapeCaster, &mut ShapeHits)>,
+) {
+    for (entity, caster, mut hits) in &mut casters {
+        let to_world = colliders.to_world(entity);
+        let translation = to_world.transform_point3(caster.origin.as_dvec3()).as_vec3();
+        let rotation = decompose(&to_world.matrix3).0.as_quat() * caster.rotation;
+        let direction = to_world.transform_vector3(caster.direction.as_dvec3()).as_vec3();
+        let mut filter = caster.filter.clone();
+        if caster.ignore_self {
+            filter = filter.without(colliders.own(entity));
+        }
+        let mut found = Vec::new();
+        if caster.enabled
+            && let Ok(direction) = Dir3::new(direction)
+            && let Some(shape) = caster.shape.as_query(&meshes)
+        {
+            while found.len() < caster.max_hits
+                && let Some(hit) =
+                    world.cast_shape(&shape, translation, rotation, direction, caster.max_distance, &filter)
+            {
+                filter.excluded.insert(hit.collider);
+                found.push(hit);
+            }
+        }
+        hits.set_if_neq(ShapeHits(found));
+    }
+}
