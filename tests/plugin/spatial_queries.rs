@@ -338,7 +338,8 @@ pub fn shapes_overlap_what_they_touch_or_contain() {
     let mut sim = Sim::new();
     let (cube, ring) = (sim.mesh(&shapes::cube(1.0)), sim.mesh(&shapes::torus_240()));
     let room = sim.spawn((cube, Transform::from_scale(Vec3::splat(20.0))));
-    let ring = sim.spawn((ring, Transform::default()));
+    let upright = Quat::from_rotation_arc(hole_axis(), Vec3::Y);
+    let ring = sim.spawn((ring, Transform::from_rotation(upright)));
     let floor = sim.spawn(PlaneCollider::through(Vec3::NEG_Y * 2.0, Vec3::Y));
     sim.step(1);
     let baked = CollisionMesh::new(&shapes::cube(0.2));
@@ -392,7 +393,7 @@ pub fn a_shape_caster_keeps_what_it_runs_into() {
     let narrow = Transform::from_xyz(6.0, 0.0, 0.0)
         .with_rotation(through)
         .with_scale(Vec3::splat(0.5));
-    sim.spawn((ring.clone(), wide));
+    let wide = sim.spawn((ring.clone(), wide));
     let narrow = sim.spawn((ring, narrow));
     let wall = sim.spawn((cube.clone(), Transform::from_xyz(9.0, 0.0, 0.0)));
     let plane = sim.spawn(PlaneCollider::through(Vec3::X * 12.0, Vec3::NEG_X));
@@ -408,6 +409,7 @@ pub fn a_shape_caster_keeps_what_it_runs_into() {
     assert!((hits[1].distance - 8.25).abs() < 1e-6 && (hits[2].distance - 11.75).abs() < 1e-6);
     assert_near(hits[1].normal, Vec3::NEG_X, 1e-6);
     assert!((hits[1].point.x - 8.5).abs() < 1e-6);
+    sim.world().despawn(wide);
     // A mesh, turned with its entity.
     let caster = sim.get::<ShapeCaster>(eye);
     let shape = CasterShape::Mesh {
