@@ -137,7 +137,7 @@ impl Placed<'_> {
     }
 
     fn cast_round(&self, round: &Round, way: DVec3, max_distance: f64) -> Option<CastHit> {
-        let (ends, radius) = (round.ends.map(|end| self.to_axes(end)), round.radius);
+        let (ends, radius) = (round.ends.map(|end| self.in_axes(end)), round.radius);
         let way = self.frame().rotation.transpose() * way;
         let center = (ends[0] + ends[1]) * 0.5 - self.axes_center();
         let half = ends[0].distance(ends[1]) * 0.5;
@@ -160,7 +160,7 @@ impl Placed<'_> {
         let distance = start + touch.distance;
         (distance <= max_distance).then(|| CastHit {
             distance,
-            point: self.to_world(touch.point),
+            point: self.in_world(touch.point),
             normal: self.turn_to_world(touch.normal).as_vec3(),
             face: self.mesh().mesh.face_ids()[triangle],
             shape_face: None,

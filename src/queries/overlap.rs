@@ -40,7 +40,7 @@ impl Placed<'_> {
 
     pub(super) fn overlaps_round(&self, round: &Round) -> bool {
         let radius = round.radius;
-        let [p, q] = round.ends.map(|end| self.to_axes(end));
+        let [p, q] = round.ends.map(|end| self.in_axes(end));
         let (center, half) = ((p + q) * 0.5, (p - q).abs() * 0.5);
         let reach = half.length() + radius + f64::from(self.radius());
         if center.distance(self.axes_center()) > reach * (1.0 + 1.0e-6) {

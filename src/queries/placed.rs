@@ -156,12 +156,12 @@ impl<'a> Placed<'a> {
     }
 
     /// A point of the world in the mesh's own axes, about its origin, in metres: scaled, but not rotated.
-    pub(super) fn to_axes(&self, point: DVec3) -> DVec3 {
+    pub(super) fn in_axes(&self, point: DVec3) -> DVec3 {
         self.frame.rotation.transpose() * (point - self.translation)
     }
 
-    /// The point of the world that [`Placed::to_axes`] maps to this one.
-    pub(super) fn to_world(&self, point: DVec3) -> DVec3 {
+    /// The point of the world that [`Placed::in_axes`] maps to this one.
+    pub(super) fn in_world(&self, point: DVec3) -> DVec3 {
         self.translation + self.frame.rotation * point
     }
 
@@ -170,12 +170,12 @@ impl<'a> Placed<'a> {
         self.frame.rotation * direction
     }
 
-    /// The centre of mass in [`Placed::to_axes`].
+    /// The centre of mass in [`Placed::in_axes`].
     pub(super) fn axes_center(&self) -> DVec3 {
         self.frame.scale * self.mesh.mass.center.as_dvec3()
     }
 
-    /// The corners of a triangle in [`Placed::to_axes`].
+    /// The corners of a triangle in [`Placed::in_axes`].
     pub(super) fn corners(&self, triangle: usize) -> [DVec3; 3] {
         let corners = self.mesh.mesh.corners(triangle);
         corners.map(|p| self.frame.scale * p.as_dvec3())
@@ -237,7 +237,7 @@ impl<'a> Placed<'a> {
         let along = self.frame.scale * (self.frame.rotation.transpose() * direction);
         let vertices = self.mesh.features().vertices.iter().map(|p| p.as_dvec3());
         let farthest = vertices.max_by(|a, b| along.dot(*a).total_cmp(&along.dot(*b)));
-        self.to_world(self.frame.scale * farthest.unwrap_or_default())
+        self.in_world(self.frame.scale * farthest.unwrap_or_default())
     }
 
     /// Its pose relative to `origin`.

@@ -35,7 +35,7 @@ pub struct PointHit {
 /// The triangle nearest to a point.
 pub(super) struct Nearest {
     pub triangle: usize,
-    /// Its nearest point, in [`Placed::to_axes`].
+    /// Its nearest point, in [`Placed::in_axes`].
     pub point: DVec3,
     pub distance: f64,
 }
@@ -48,7 +48,7 @@ impl Placed<'_> {
     /// the same distance, for example at a common corner, it is the one of lower number. There is none if a number is NaN,
     /// the distance negative, or the point not finite or farther than 10^18 m away.
     pub fn closest_point(&self, point: DVec3, max_distance: f64) -> Option<PointHit> {
-        let from = self.to_axes(point);
+        let from = self.in_axes(point);
         let is_valid = from.is_finite() && from.length() < FARTHEST && max_distance >= 0.0;
         if !is_valid {
             return None;
@@ -58,7 +58,7 @@ impl Placed<'_> {
         Some(self.point_hit(from, &nearest, is_inside))
     }
 
-    /// Whether a solid mesh contains a point, given in [`Placed::to_axes`].
+    /// Whether a solid mesh contains a point, given in [`Placed::in_axes`].
     pub(super) fn contains(&self, point: DVec3) -> bool {
         let mesh = self.mesh();
         let (aabb, p) = (mesh.lanes().aabb, point / self.frame().scale);
@@ -151,7 +151,7 @@ impl Placed<'_> {
             area.normalize_or_zero() * self.mirror()
         };
         PointHit {
-            point: self.to_world(nearest.point),
+            point: self.in_world(nearest.point),
             distance: if is_inside { 0.0 } else { nearest.distance },
             normal: self.turn_to_world(normal).as_vec3(),
             face: self.mesh().mesh.face_ids()[nearest.triangle],

@@ -96,7 +96,7 @@ impl Scene {
     pub fn add_plane(&mut self, normal: DVec3, distance: f64) -> Result<usize, BodyFault> {
         let unit = normal.try_normalize().filter(|unit| unit.is_finite());
         let normal = unit.ok_or(BodyFault::PlaneNormal(normal.as_vec3()))?;
-        if !(distance.abs() <= f64::from(MAX_COORDINATE)) {
+        if distance.is_nan() || distance.abs() > f64::from(MAX_COORDINATE) {
             return Err(BodyFault::PlaneDistance(distance as f32));
         }
         self.planes.push(self.items.len() as u32);
