@@ -50,7 +50,7 @@ fn scene(minor: u32) -> Vec<u8> {
 fn frames(folder: &Path, name: &str, with_colliders: bool) -> [f64; 2] {
     let mut app = app(folder);
     let scene = app.world().resource::<AssetServer>().load(format!("{name}#Scene0"));
-    let mut spawn = |app: &mut App| {
+    let spawn = |app: &mut App| {
         let mut root = app.world_mut().spawn(WorldAssetRoot(scene.clone()));
         if with_colliders {
             root.insert(MeshColliderHierarchy::default());

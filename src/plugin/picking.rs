@@ -64,6 +64,8 @@ impl Plugin for ColliderPickingPlugin {
         app.init_resource::<ColliderPickingSettings>()
             .register_type::<ColliderPickingSettings>()
             .register_type::<ColliderPickingCamera>()
+            // Bevy's plugins add it too, if there are any.
+            .add_message::<PointerHits>()
             .add_systems(PreUpdate, pick.in_set(PickingSystems::Backend));
     }
 }

@@ -14,6 +14,7 @@ fn app(gizmos: bool) -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
+        TransformPlugin,
         FaceoffHeadlessPlugins::default(),
     ))
     .insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(Duration::from_nanos(

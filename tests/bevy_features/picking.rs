@@ -3,7 +3,6 @@
 use crate::app::{Sim, assert_near};
 use bevy::camera::Camera;
 use bevy::ecs::message::Messages;
-use bevy::picking::PickingSystems;
 use bevy::picking::backend::ray::{RayId, RayMap};
 use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::pointer::PointerId;
@@ -15,9 +14,6 @@ use bevy_faceoff::prelude::*;
 /// An app with a camera and a ray of the mouse through it along -z.
 fn app() -> (Sim, Entity) {
     let mut sim = Sim::with_plugin(ColliderPickingPlugin);
-    sim.app
-        .add_message::<PointerHits>()
-        .configure_sets(PreUpdate, PickingSystems::Backend);
     let camera = sim.spawn(Camera { order: 3, ..default() });
     let ray = Ray3d::new(Vec3::Z * 10.0, Dir3::NEG_Z);
     let mut rays = RayMap::default();

@@ -27,6 +27,8 @@ pub struct Scene {
     /// Numbers of the half-spaces.
     planes: Vec<u32>,
     tree: OnceLock<SceneTree>,
+    /// The tree before the last change.
+    last_tree: Option<SceneTree>,
 }
 
 enum Item {
@@ -59,7 +61,7 @@ impl Scene {
     pub fn clear(&mut self) {
         self.items.clear();
         self.planes.clear();
-        self.tree.take();
+        self.forget_tree();
     }
 
     /// How many meshes and half-spaces there are.
@@ -111,8 +113,14 @@ impl Scene {
         }
     }
 
+    fn forget_tree(&mut self) {
+        if let Some(tree) = self.tree.take() {
+            self.last_tree = Some(tree);
+        }
+    }
+
     fn add(&mut self, item: Item) -> usize {
-        self.tree.take();
+        self.forget_tree();
         self.items.push(item);
         self.items.len() - 1
     }
@@ -127,7 +135,7 @@ impl Scene {
                 .map(|(number, [center, half])| (number, WorldBox { center, half }))
                 .unzip();
             SceneTree {
-                tree: Tree::new(&boxes),
+                tree: Tree::new(&boxes, self.last_tree.as_ref().map(|last| &last.tree)),
                 meshes,
             }
         })

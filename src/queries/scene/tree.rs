@@ -24,7 +24,12 @@ pub(super) struct Tree {
     /// The numbers of the boxes in the order of the tree.
     order: Vec<u32>,
     levels: Vec<Vec<BoxGroup>>,
+    /// Mean half diagonal of the boxes above those of the lowest level, metres: now, and when the order was found.
+    spread: [f32; 2],
 }
+
+/// The tree is built anew if its boxes have grown by more than this since.
+const MAX_SPREAD: f32 = 1.3;
 
 impl WorldBox {
     /// From least and largest coordinates.
@@ -37,17 +42,20 @@ impl WorldBox {
 }
 
 impl Tree {
-    pub fn new(boxes: &[WorldBox]) -> Self {
+    /// A tree over boxes. It takes over the order of `last`, a tree over the same boxes at other places, as long as that
+    /// is good.
+    pub fn new(boxes: &[WorldBox], last: Option<&Self>) -> Self {
         if boxes.is_empty() {
             return Self::default();
         }
+        let kept = last.filter(|last| last.order.len() == boxes.len() && last.spread[0] <= MAX_SPREAD * last.spread[1]);
         let (low, high) = (boxes.iter()).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), b| {
             (low.min(b.center - b.half), high.max(b.center + b.half))
         });
         let all = WorldBox::between([low, high]);
         let (origin, radius) = (all.center, all.half.length());
         let centers: Vec<Vec3> = boxes.iter().map(|b| (b.center - origin).as_vec3()).collect();
-        let order = compact_order(&centers);
+        let order = kept.map_or_else(|| compact_order(&centers), |last| last.order.clone());
         let aabb = |&number: &u32| {
             let (center, half) = (centers[number as usize], boxes[number as usize].half.as_vec3());
             Aabb {
@@ -55,11 +63,15 @@ impl Tree {
                 max: center + half,
             }
         };
+        let (levels, sizes) = box_levels(order.iter().map(aabb).collect());
+        // The boxes of the lowest level do not depend on the order.
+        let spread = sizes.get(1).copied().unwrap_or_default();
         Self {
             origin,
             radius,
-            levels: box_levels(order.iter().map(aabb).collect()).0,
             order,
+            levels,
+            spread: [spread, kept.map_or(spread, |last| last.spread[1])],
         }
     }
 
