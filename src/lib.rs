@@ -101,6 +101,7 @@ pub mod prelude {
     pub use crate::asset::CollisionMesh;
     pub use crate::geometry::TriMesh;
     pub use crate::plugin::backend::{ActiveBackend, BackendFailed, BackendReady};
+    pub use crate::plugin::character::{Character, CharacterGround, GroundContact};
     pub use crate::plugin::clock::{Physics, PhysicsTime};
     pub use crate::plugin::collisions::{Collision, Collisions, StepReport};
     pub use crate::plugin::components::*;

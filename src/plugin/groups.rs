@@ -1,6 +1,7 @@
 //! Plugin groups: [`FaceoffPlugins`] for games, [`FaceoffHeadlessPlugins`] for tests, tools and servers.
 
 use super::assets;
+use super::character::CharacterPlugin;
 use super::diagnostics::FaceoffDiagnosticsPlugin;
 use super::queries::SpatialQueryPlugin;
 use super::step_plugin::StepPlugin;
@@ -26,6 +27,7 @@ impl PluginGroup for FaceoffPlugins {
             .add(CollisionMeshPlugin)
             .add(self.step)
             .add(SpatialQueryPlugin)
+            .add(CharacterPlugin)
             .add(FaceoffDiagnosticsPlugin);
         #[cfg(feature = "bevy_mesh")]
         let group = group.add(crate::plugin::mesh_collider_from::MeshColliderFromPlugin);

@@ -14,12 +14,14 @@
 //! | decide which pairs collide, and change contacts | [`hooks`] |
 //! | pause, slow down, step by hand | [`clock`] |
 //! | ask what a ray hits | [`queries`] |
+//! | move a character that walks, climbs and rides | [`character`] |
 //! | get pointer events on colliders | `picking`, with the feature `bevy_picking` |
 //! | save and restore the state of the simulation | [`snapshot`] |
 //! | see where the step runs | [`backend`] |
 
 pub mod assets;
 pub mod backend;
+pub mod character;
 pub mod clock;
 pub mod collisions;
 pub mod components;

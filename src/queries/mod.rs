@@ -58,6 +58,7 @@
 //! * [`Placed::cast_ray`] finds the first face that a [`Ray`] hits, [`Placed::ray_hits`] all of them, and
 //!   [`Placed::hits_ray`] whether there is one.
 //! * [`Placed::closest_point`] finds the nearest point of the surface, and whether a point is inside.
+//! * [`Placed::closest_to_segment`] finds how a capsule comes out of an overlap.
 //! * [`Placed::overlaps`] tells whether a [`QueryShape`] touches the mesh: a mesh, ball, box or capsule. [`Placed::cast`] finds
 //!   where it first touches if it moves along a line.
 //! * [`Scene`] asks many placed meshes and half-spaces at once.
@@ -75,6 +76,7 @@ mod placed;
 mod point;
 mod ray;
 mod scene;
+mod segment;
 mod shape;
 
 pub use crate::state::fault::BodyFault;
@@ -89,5 +91,6 @@ pub use contacts::{ContactWorker, MeshContact, PairMemory};
 pub use placed::Placed;
 pub use point::PointHit;
 pub use ray::{Ray, RayHit};
-pub use scene::{Scene, SceneCastHit, ScenePointHit, SceneRayHit};
+pub use scene::{Scene, SceneCastHit, ScenePointHit, SceneRayHit, SceneSegmentHit};
+pub use segment::SegmentHit;
 pub use shape::QueryShape;

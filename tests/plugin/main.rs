@@ -4,6 +4,7 @@
 mod app;
 mod bad_bodies;
 mod bakes;
+mod character;
 mod clock;
 mod compounds;
 mod contacts;
@@ -23,7 +24,7 @@ mod sensors;
 mod spatial_queries;
 mod warnings;
 
-/// `bakes`, `compounds`, `contacts`, `driven`, `hooks`, `sensors` and `spatial_queries` have no tests but functions: some of them are tests
+/// `bakes`, `character`, `compounds`, `contacts`, `driven`, `hooks`, `sensors` and `spatial_queries` have no tests but functions: some of them are tests
 /// on a GPU too.
 macro_rules! tests_of {
     ($module:ident as $tests:ident: $($name:ident)*) => {
@@ -56,6 +57,25 @@ tests_of! {
     the_walls_of_a_room_push_inward
     the_same_mesh_as_a_solid_is_the_outward_one
     no_ray_slips_through_a_seam
+}
+
+tests_of! {
+    character as character_on_the_cpu:
+    climbs_stairs_and_comes_down_again
+    a_step_that_is_too_high_stops_it
+    slides_along_a_wall_and_stops_in_a_corner
+    stands_still_on_a_slope_and_walks_up_at_full_speed
+    slides_down_a_steep_slope_and_does_not_climb_it
+    rides_a_lift_and_a_turning_platform
+    a_lift_that_meets_a_wall_leaves_it_there
+    crosses_hills_without_a_bump
+    does_not_catch_on_the_edges_of_a_flat_floor
+    falls_lands_and_bumps_its_head
+    comes_out_of_what_it_was_spawned_in
+    comes_out_of_a_cube_wherever_it_is_in_it
+    pushes_a_crate_and_ignores_itself
+    bad_numbers_stop_it_with_one_warning
+    it_follows_the_physics_clock_and_repeats_to_the_bit
 }
 
 tests_of! {

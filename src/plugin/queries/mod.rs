@@ -26,6 +26,8 @@ pub use shape_caster::{CasterShape, ShapeCaster, ShapeHits};
 pub use spatial_query::SpatialQuery;
 pub use update::{update_spatial_queries, update_spatial_queries_from};
 
+pub(crate) use update::update_after_step;
+
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use bevy::prelude::*;
 use index::SpatialIndex;
@@ -55,7 +57,7 @@ impl Plugin for SpatialQueryPlugin {
 }
 
 /// Runs the casters. Their systems ask, so they are only made if there are casters.
-fn run_casters(world: &mut World) {
+pub(crate) fn run_casters(world: &mut World) {
     if !world.resource::<SpatialIndex>().has_casters {
         return;
     }

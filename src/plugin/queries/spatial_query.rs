@@ -4,7 +4,7 @@ use super::filter::SpatialQueryFilter;
 use super::hits::{PointHitData, RayHitData, ShapeHitData};
 use super::index::{SpatialIndex, SpatialQueryError};
 use super::update::update_spatial_queries;
-use crate::queries::{QueryShape, Ray, SceneRayHit};
+use crate::queries::{QueryShape, Ray, SceneRayHit, SceneSegmentHit};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
@@ -175,6 +175,18 @@ impl SpatialQuery<'_, '_> {
             |number| self.admits(filter, number),
         )?;
         Some(ShapeHitData::new(&self.index, &hit))
+    }
+
+    /// The surface that is nearest to a segment: see [`Scene::closest_to_segment`](crate::queries::Scene::closest_to_segment).
+    pub(crate) fn closest_to_segment(
+        &self,
+        ends: [Vec3; 2],
+        max_distance: f32,
+        filter: &SpatialQueryFilter,
+    ) -> Option<SceneSegmentHit> {
+        let ends = ends.map(|end| end.as_dvec3());
+        let admits = |number: usize| self.admits(filter, number);
+        (self.index.scene()?).closest_to_segment(ends, max_distance.into(), admits)
     }
 
     fn admits(&self, filter: &SpatialQueryFilter, number: usize) -> bool {

@@ -41,7 +41,7 @@ pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Collid
 }
 
 /// The same after a step, if any system asks.
-pub(super) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
+pub(crate) fn update_after_step(index: ResMut<SpatialIndex>, colliders: Colliders) {
     if index.is_wanted {
         update_spatial_queries(index, colliders);
     }

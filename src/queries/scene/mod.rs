@@ -3,11 +3,13 @@
 mod casts;
 mod points;
 mod rays;
+mod segments;
 mod tree;
 
 pub use casts::SceneCastHit;
 pub use points::ScenePointHit;
 pub use rays::SceneRayHit;
+pub use segments::SceneSegmentHit;
 
 use super::placed::{Placed, PlacedPose};
 use crate::asset::CollisionMesh;

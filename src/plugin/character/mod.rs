@@ -1,0 +1,179 @@
+//! Characters: capsules that walk, climb steps, slide along walls and ride on platforms.
+//!
+//! | to | see |
+//! |---|---|
+//! | spawn a character, and tell it where to go | [`Character`] |
+//! | ask whether it stands, and on what | [`CharacterGround`] |
+//!
+//! A character is moved in [`FaceoffStep`], after the bodies. So it follows the physics clock, and stands on platforms
+//! where they are drawn. In each step it
+//!
+//! 1. is carried along by what it stands on: a point of the ground is remembered in the axes of its collider, so lifts,
+//!    turning platforms and rolling logs all carry. It is not carried into walls.
+//! 2. is pushed out of what came into it, or into what it was spawned.
+//! 3. moves with its velocity, and with gravity while it is in the air. Where it meets a surface it goes on along that
+//!    surface. On the ground it keeps its horizontal speed on slopes, and steps onto what is low enough.
+//! 4. looks for the ground. On the ground it follows stairs and slopes down.
+//!
+//! All of it is casts of the capsule ([`SpatialQuery::cast_shape`](crate::plugin::queries::SpatialQuery::cast_shape)),
+//! which are exact on the triangles. The capsule keeps the distance [`Character::skin`] from surfaces, so it does not catch on
+//! the edges between the faces of a floor.
+
+mod capsule;
+mod step;
+mod walk;
+
+use crate::plugin::clock;
+use crate::plugin::queries::{SpatialQueryFilter, SpatialQueryPlugin, run_casters, update_after_step};
+use crate::plugin::schedule::FaceoffStep;
+use bevy::math::{DQuat, DVec3};
+use bevy::prelude::*;
+use std::f32::consts::FRAC_PI_4;
+
+/// A capsule that is moved by its velocity and stopped by colliders and planes.
+///
+/// Its `Transform` is the centre of the capsule. The step writes the translation; the rotation is the game's, and turns the
+/// capsule.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_faceoff::prelude::*;
+///
+/// fn spawn(mut commands: Commands) {
+///     commands.spawn((Character::new(0.3, 0.6), Transform::from_xyz(0.0, 1.0, 0.0)));
+/// }
+///
+/// /// A system for `FixedUpdate`: walks along x, and jumps whenever it stands.
+/// fn walk(mut characters: Query<(&mut Character, &CharacterGround)>) {
+///     for (mut character, ground) in &mut characters {
+///         character.velocity.x = 4.0;
+///         if let Some(contact) = **ground {
+///             println!("jumps from face {:?} of {}", contact.face, contact.collider);
+///             character.velocity.y = 5.0;
+///         }
+///     }
+/// }
+/// # bevy::ecs::system::assert_is_system(spawn);
+/// # bevy::ecs::system::assert_is_system(walk);
+/// ```
+///
+/// * It is stopped by everything that its filter admits but sensors, its own entity and the colliders of its own body.
+/// * It does not push bodies itself, and they do not see it. Give it a `RigidBody::Kinematic` and a
+///   [`MeshCollider`](crate::plugin::components::MeshCollider) for that. These follow it in the next step. To push dynamic
+///   bodies, make the mesh wider than radius plus skin, or leave the layers of these bodies out of the filter.
+/// * [`GravityScale`](crate::plugin::components::GravityScale) works on it; 0 lets it fly.
+/// * Under a parent that moves it is moved by that too, so do not spawn it below a platform.
+/// * [`RigidBodyDisabled`](crate::plugin::components::RigidBodyDisabled) stops it. It stands still where questions cannot be
+///   answered ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
+///   warning names it.
+#[derive(Component, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Component, Debug, PartialEq)]
+#[require(Transform, CharacterGround)]
+pub struct Character {
+    /// Metres; more than 0.
+    pub radius: f32,
+    /// Half the length of the segment about which the capsule is, along the local y axis. Metres; 0 makes it a ball.
+    pub half_length: f32,
+    /// Away from the ground. Default y.
+    pub up: Dir3,
+    /// What the game wants, m/s. After the step it is what was possible: without the part into walls.
+    ///
+    /// On the ground it is relative to the ground. It is horizontal after the step also on slopes, and a part along `up` is a
+    /// jump. In the air it is relative to the world, and gravity changes it. Who leaves the ground takes along the velocity
+    /// of the ground. Whoever comes to ground that moves keeps its velocity in the world, until the game sets another one.
+    pub velocity: Vec3,
+    /// The steepest slope on which it stands and walks, radians. Default 45 degrees. It slides down from steeper ones.
+    pub max_slope: f32,
+    /// The highest step that it climbs, metres. Default 0.3.
+    pub step_height: f32,
+    /// How far below it the ground may be if it stood on the ground before, metres: it follows the ground instead of flying off at
+    /// steps and edges. Default 0.3.
+    pub snap_distance: f32,
+    /// The distance that it keeps from surfaces, metres. Default 0.01. At least a thousandth of the radius, at most half of it.
+    pub skin: f32,
+    /// What stops it. Sensors never do.
+    pub filter: SpatialQueryFilter,
+}
+
+impl Character {
+    /// One at rest, with defaults.
+    pub fn new(radius: f32, half_length: f32) -> Self {
+        Self {
+            radius,
+            half_length,
+            up: Dir3::Y,
+            velocity: Vec3::ZERO,
+            max_slope: FRAC_PI_4,
+            step_height: 0.3,
+            snap_distance: 0.3,
+            skin: 0.01,
+            filter: SpatialQueryFilter::default(),
+        }
+    }
+
+    /// The same with this filter.
+    pub fn with_filter(self, filter: SpatialQueryFilter) -> Self {
+        Self { filter, ..self }
+    }
+}
+
+/// What a [`Character`] stands on; `None` in the air. The step writes it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
+#[reflect(Component, Default, Debug, PartialEq)]
+pub struct CharacterGround(Option<GroundContact>);
+
+/// Where a [`Character`] stands.
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Debug, PartialEq)]
+pub struct GroundContact {
+    /// The collider or plane.
+    pub collider: Entity,
+    /// Its body; without one the collider itself.
+    pub body: Entity,
+    /// The face, an index of the source mesh. `None` on a plane.
+    pub face: Option<u32>,
+    /// The point of the ground below the capsule, in the world.
+    pub point: Vec3,
+    /// Unit normal of the ground. On the edge of a step it is that of the face beside the edge.
+    pub normal: Vec3,
+    /// How `point` has moved in the last step, m/s. 0 in the step in which the character comes to this ground.
+    pub velocity: Vec3,
+    /// How the ground has turned in the last step, rad/s: to turn a character along with its platform.
+    pub angular_velocity: Vec3,
+    /// The point in the axes of the collider, and the rotation of these.
+    #[reflect(ignore)]
+    anchor: Anchor,
+}
+
+/// A point of a collider.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Anchor {
+    /// In the axes of the collider.
+    point: DVec3,
+    /// Of the collider in the world.
+    rotation: DQuat,
+    /// Whether the velocity of the ground is known.
+    is_tracked: bool,
+}
+
+/// Moves characters. Part of [`FaceoffPlugins`](crate::plugin::FaceoffPlugins); needs [`SpatialQueryPlugin`].
+pub struct CharacterPlugin;
+
+impl Plugin for CharacterPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<Character>()
+            .register_type::<CharacterGround>()
+            .register_type::<GroundContact>();
+        debug_assert!(app.is_plugin_added::<SpatialQueryPlugin>());
+        // Rays and shapes of casters on characters start where these are after the step.
+        let run = run.after(update_after_step).before(run_casters).before(clock::end);
+        app.add_systems(FaceoffStep, run.run_if(any_with_component::<Character>));
+    }
+}
+
+/// Moves all characters. The system is made when there is the first of them: from then on the app asks questions.
+fn run(world: &mut World) {
+    if let Err(error) = world.run_system_cached(step::move_characters) {
+        error!("{error}");
+    }
+}

@@ -1,0 +1,99 @@
+//! Segments in a scene.
+
+use super::tree::WorldBox;
+use super::{Scene, SolidPlane};
+use crate::queries::SegmentHit;
+use glam::{DVec3, Vec3};
+
+/// How a segment lies beside the nearest surface of a [`Scene`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneSegmentHit {
+    /// The number of the mesh or half-space.
+    pub number: usize,
+    /// As in [`SegmentHit`].
+    pub distance: f64,
+    /// A point of the surface, in the world.
+    pub point: DVec3,
+    /// As in [`SegmentHit`].
+    pub normal: Vec3,
+    /// The face, an index of the input mesh. `None` on a half-space.
+    pub face: Option<u32>,
+}
+
+impl Scene {
+    /// The surface that is nearest to a segment with these ends, or in which it is deepest, if it is no farther than
+    /// `max_distance` metres. See [`Placed::closest_to_segment`](crate::queries::Placed::closest_to_segment). Of several at the
+    /// same distance it is that of the lowest number.
+    pub fn closest_to_segment(
+        &self,
+        ends: [DVec3; 2],
+        max_distance: f64,
+        filter: impl Fn(usize) -> bool,
+    ) -> Option<SceneSegmentHit> {
+        let [p, q] = ends;
+        if !(p.is_finite() && q.is_finite() && max_distance >= 0.0) {
+            return None;
+        }
+        let mut first: Option<SceneSegmentHit> = None;
+        // Who is deepest counts, so everything that overlaps is looked at.
+        let mut consider = |hit: SceneSegmentHit| {
+            let key = |hit: &SceneSegmentHit| (hit.distance, hit.number);
+            if hit.distance <= max_distance && first.as_ref().is_none_or(|first| key(&hit) < key(first)) {
+                first = Some(hit);
+            }
+            first.map_or(max_distance, |first| first.distance.max(0.0))
+        };
+        let mut most = max_distance;
+        for (number, plane) in self.planes(&filter) {
+            most = consider(plane.closest_to_segment(number, ends));
+        }
+        let tree = self.tree();
+        tree.tree
+            .around(WorldBox::between([p.min(q), p.max(q)]), most, &mut |index| {
+                let number = tree.meshes[index as usize] as usize;
+                if filter(number)
+                    && let Some(hit) = self.placed(number).and_then(|mesh| mesh.closest_to_segment(ends, most))
+                {
+                    most = consider(SceneSegmentHit::on_mesh(number, hit));
+                }
+                most
+            });
+        first
+    }
+}
+
+impl SceneSegmentHit {
+    fn on_mesh(number: usize, hit: SegmentHit) -> Self {
+        let SegmentHit {
+            distance,
+            point,
+            normal,
+            face,
+        } = hit;
+        Self {
+            number,
+            distance,
+            point,
+            normal,
+            face: Some(face),
+        }
+    }
+}
+
+impl SolidPlane {
+    fn closest_to_segment(&self, number: usize, ends: [DVec3; 2]) -> SceneSegmentHit {
+        let [height, other] = ends.map(|end| self.height(end));
+        let (end, distance) = if other < height {
+            (ends[1], other)
+        } else {
+            (ends[0], height)
+        };
+        SceneSegmentHit {
+            number,
+            distance,
+            point: end - self.normal * distance,
+            normal: self.normal.as_vec3(),
+            face: None,
+        }
+    }
+}
