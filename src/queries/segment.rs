@@ -2,6 +2,7 @@
 
 use super::placed::Placed;
 use super::point::FARTHEST;
+use super::ray::Ray;
 use crate::geometry::distance::{closest, nearest};
 use glam::{DVec3, Vec3};
 
@@ -24,7 +25,8 @@ impl Placed<'_> {
     /// capsule is a segment with a radius: it overlaps the mesh by its radius minus the distance.
     ///
     /// * If the middle of the segment or both ends are inside a closed mesh, it comes out where the middle is nearest to the
-    ///   surface. If one end is inside, it comes out where that end is nearest to the surface.
+    ///   surface. If one end is inside, it comes out where that end is nearest to the surface; else where the middle of the
+    ///   longest part inside is. That may not be far enough for all of it: ask again from there.
     /// * If the segment passes through the surface of an open mesh, it comes out on the side of its middle.
     /// * There is none if a number is NaN, the distance negative, or an end not finite or farther than 10^18 m away.
     pub fn closest_to_segment(&self, ends: [DVec3; 2], max_distance: f64) -> Option<SegmentHit> {
@@ -38,10 +40,8 @@ impl Placed<'_> {
         let deepest = if inside == [true; 2] || self.contains(middle) {
             Some(middle)
         } else {
-            [p, q]
-                .into_iter()
-                .zip(inside)
-                .find_map(|(end, inside)| inside.then_some(end))
+            let end = [p, q].into_iter().zip(inside).find(|(_, inside)| *inside);
+            end.map(|(end, _)| end).or_else(|| self.longest_part_inside(ends))
         };
         if let Some(deepest) = deepest {
             let hit = self.point_hit(deepest, &self.nearest(deepest, f64::INFINITY)?, true);
@@ -90,5 +90,20 @@ impl Placed<'_> {
             normal: self.turn_to_world(away).as_vec3(),
             face: self.mesh().mesh.face_ids()[triangle],
         })
+    }
+
+    /// The middle of the longest part inside a closed mesh, of a segment whose ends are outside, in [`Placed::in_axes`].
+    fn longest_part_inside(&self, ends: [DVec3; 2]) -> Option<DVec3> {
+        if !self.mesh().mesh.is_solid() {
+            return None;
+        }
+        let hits = self.ray_hits(&Ray::between(ends[0], ends[1]));
+        let parts = hits.windows(2).filter_map(|pair| {
+            let middle = self.in_axes((pair[0].point + pair[1].point) * 0.5);
+            let length = pair[1].distance - pair[0].distance;
+            (length > 0.0 && self.contains(middle)).then_some((length, middle))
+        });
+        let longest = parts.max_by(|one, other| one.0.total_cmp(&other.0));
+        longest.map(|(_, middle)| middle)
     }
 }

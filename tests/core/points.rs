@@ -1,6 +1,8 @@
 //! Nearest points against every triangle, in double precision.
 
-use crate::support::{Pose, Random, hills, mixed, nearest_on_triangle, open_torus, room, triangles, winding};
+use crate::support::{
+    Pose, Random, hills, mixed, nearest_on_triangle, open_torus, room, segment_distance, triangles, winding,
+};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::queries::Placed;
@@ -115,4 +117,60 @@ fn degenerate_points_have_the_documented_answers() {
     let hit = room.closest_point(DVec3::new(0.9, 0.1, 0.2), f64::INFINITY).unwrap();
     assert!(!hit.is_inside && (hit.distance - 0.1).abs() < 1e-12 && hit.normal.distance(Vec3::NEG_X) < 1e-6);
     assert_eq!(room.closest_point(DVec3::ZERO, 0.5), None);
+}
+
+#[test]
+fn a_segment_beside_a_mesh_is_as_far_as_a_test_of_all_faces_says() {
+    let mut random = Random::new(17);
+    let (mut beside, mut overlaps) = (0, 0);
+    for (mesh, is_solid) in [
+        (shapes::cube(1.0), true),
+        (shapes::torus_240(), true),
+        (shapes::knot_1120(), true),
+        (hills(20), false),
+    ] {
+        let baked = CollisionMesh::new(&mesh);
+        for _ in 0..20 {
+            let pose = Pose {
+                translation: random.vector(),
+                rotation: random.rotation(),
+                scale: random.scale(),
+            };
+            let placed = Placed::new(&baked, pose.translation, pose.rotation, pose.scale).unwrap();
+            let faces = triangles(&mesh, &pose, DVec3::ZERO);
+            let size = f64::from(baked.radius);
+            for _ in 0..50 {
+                let [p, way] = [2.0, 0.6].map(|length| random.vector() * length * size);
+                let (p, q) = (pose.translation + p, pose.translation + p + way);
+                let distances = faces.iter().map(|face| segment_distance(p, q, face));
+                let least = distances.fold(f64::INFINITY, f64::min);
+                let hit = placed.closest_to_segment([p, q], f64::INFINITY).unwrap();
+                let is_inside = is_solid && winding(p, &faces).abs() > 0.5;
+                if least < 1e-12 || is_inside {
+                    assert!(hit.distance <= 0.0, "{hit:?}");
+                    overlaps += 1;
+                    continue;
+                }
+                assert!((hit.distance - least).abs() < 1e-9 * size, "{hit:?} {least}");
+                assert!(segment_distance(p, q, &faces[hit.face as usize]) < least + 1e-9 * size);
+                // It is as far from the point of the surface, along the normal.
+                let from = hit.point + hit.normal.as_dvec3() * hit.distance;
+                let nearest = p + way * ((from - p).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                assert!(nearest.distance(from) < 1e-6 * size);
+                assert_eq!(placed.closest_to_segment([p, q], 0.999 * least), None);
+                beside += 1;
+            }
+        }
+    }
+    assert!(beside > 1000 && overlaps > 50, "{beside} {overlaps}");
+    let cube = CollisionMesh::new(&shapes::cube(1.0));
+    let placed = Placed::new(&cube, DVec3::ZERO, DQuat::IDENTITY, Vec3::ONE).unwrap();
+    // Through a wall and out again: it comes out over the nearest face of the part inside.
+    let through = [DVec3::new(-2.0, 0.4, 0.0), DVec3::new(0.9, 0.4, 0.0)];
+    let hit = placed.closest_to_segment(through, 1.0).unwrap();
+    assert!((hit.distance + 0.1).abs() < 1e-9 && hit.normal == Vec3::Y);
+    for ends in [[DVec3::NAN; 2], [DVec3::splat(1e19); 2]] {
+        assert_eq!(placed.closest_to_segment(ends, f64::INFINITY), None);
+    }
+    assert_eq!(placed.closest_to_segment(through, -1.0), None);
 }

@@ -74,7 +74,7 @@ tests_of! {
     comes_out_of_what_it_was_spawned_in
     comes_out_of_a_cube_wherever_it_is_in_it
     pushes_a_crate_and_ignores_itself
-    bad_numbers_stop_it_with_one_warning
+    bad_numbers_stop_it
     it_follows_the_physics_clock_and_repeats_to_the_bit
 }
 
