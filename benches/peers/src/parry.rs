@@ -6,7 +6,7 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use parry3d::query::details::ContactManifoldsWorkspace;
-use parry3d::query::{self, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use parry3d::query::{self, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, RayCast};
 use parry3d::shape::{Shape, TriMesh};
 use serde::Serialize;
 
@@ -70,6 +70,24 @@ impl Parry {
                 .intersecting
         };
         pairs.iter().filter(hit).copied().collect()
+    }
+
+    /// A tree over the boxes of all bodies, for rays.
+    pub fn tree_of_boxes(&self) -> Bvh {
+        Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes)
+    }
+
+    /// The distance of a ray's first hit on any body, infinite if there is none. The normal is computed too. `way` has unit
+    /// length.
+    pub fn first_hit_of_ray(&self, tree: &Bvh, origin: [f32; 3], way: [f32; 3]) -> f32 {
+        let ray = query::Ray::new(Vector::from(origin), Vector::from(way));
+        let hit = |body: u32, most: f32| {
+            let (mesh, pose) = (&self.meshes[body as usize], &self.poses[body as usize]);
+            let hit = mesh.cast_ray_and_get_normal(pose, &ray, most, false)?;
+            Some(hit.time_of_impact)
+        };
+        tree.cast_ray(&ray, f32::MAX, hit)
+            .map_or(f32::INFINITY, |(_, distance)| distance)
     }
 
     /// Moves all bodies to where they are after so many steps. The boxes stay.

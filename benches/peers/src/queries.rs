@@ -3,12 +3,13 @@
 
 use crate::narrow::sphere_pairs;
 use crate::ours::Stages;
+use crate::parry::Parry;
 use crate::scene::{Scene, Shape};
 use crate::timing::{median, pool, ratio, time};
 use bevy::math::{DQuat, DVec3, Vec3};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
-use bevy_faceoff::queries::{CastScratch, Placed, QueryShape, Ray};
+use bevy_faceoff::queries::{self, CastScratch, Placed, QueryShape, Ray};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
@@ -34,11 +35,13 @@ pub fn compare(rounds: usize) {
     println!("| rays | library | million rays a second | ours is so many times as fast | hits |");
     println!("|---|---|---|---|---|");
     let peers = Peers::new(&mesh);
-    let from_above = |random: &mut fastrand::Rng| Vec3::new(random.f32() - 0.5, -random.f32() - 0.1, random.f32() - 0.5);
+    let from_above =
+        |random: &mut fastrand::Rng| Vec3::new(random.f32() - 0.5, -random.f32() - 0.1, random.f32() - 0.5);
     let level = |random: &mut fastrand::Rng| Vec3::new(random.f32() - 0.5, -0.05 * random.f32(), random.f32() - 0.5);
     peers.compare("steep", &rays(from_above), rounds);
     peers.compare("level", &rays(level), rounds);
     println!();
+    among_bodies(rounds);
     overlaps(rounds);
     casts(&peers.ours, rounds);
 }
@@ -133,7 +136,11 @@ impl Peers {
         let mut seconds = [const { Vec::new() }; 3];
         let mut found = [const { Vec::new() }; 3];
         for _ in 0..rounds {
-            let runs = [time(|| self.ours(rays)), time(|| self.parry(rays)), time(|| self.obvhs(rays))];
+            let runs = [
+                time(|| self.ours(rays)),
+                time(|| self.parry(rays)),
+                time(|| self.obvhs(rays)),
+            ];
             for (i, (time, hits)) in runs.into_iter().enumerate() {
                 seconds[i].push(time);
                 found[i] = hits;
@@ -142,11 +149,72 @@ impl Peers {
         for (i, library) in ["ours", "parry3d", "obvhs"].into_iter().enumerate() {
             let speed = RAYS as f64 / median(seconds[i].iter().copied()) / 1e6;
             let hits = found[i].iter().filter(|t| **t < 1e6).count();
-            let differ = found[i].iter().zip(&found[0]).filter(|(t, ours)| (*t - *ours).abs() > 0.01 && t.min(**ours) < 1e6);
+            let differ = found[i]
+                .iter()
+                .zip(&found[0])
+                .filter(|(t, ours)| (*t - *ours).abs() > 0.01 && t.min(**ours) < 1e6);
             let times = ratio(&seconds[i], &seconds[0]);
-            println!("| {name} | {library} | {speed:.3} | {times:.2} | {hits}, {} others |", differ.count());
+            println!(
+                "| {name} | {library} | {speed:.3} | {times:.2} | {hits}, {} others |",
+                differ.count()
+            );
         }
     }
+}
+
+/// Rays between 2200 knots, through the trees over all of them. In parry3d each body has a mesh of its own, scaled in advance;
+/// ours share one.
+fn among_bodies(rounds: usize) {
+    let scene = Scene::new(Shape::Knot, 2200, 1);
+    let mut ours = queries::Scene::default();
+    for body in &scene.bodies {
+        let (translation, rotation) = (body.pose.translation.as_dvec3(), body.pose.rotation.as_dquat());
+        ours.add_mesh(&scene.mesh, translation, rotation, body.pose.scale)
+            .expect("a valid pose");
+    }
+    let parry = Parry::new(&scene);
+    let tree = parry.tree_of_boxes();
+    let half = scene
+        .bodies
+        .iter()
+        .map(|b| b.pose.translation.abs().max_element())
+        .fold(0.0, f32::max);
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut vector = || Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0));
+    let rays: Vec<_> = (0..RAYS).map(|_| (half * vector(), vector().normalize())).collect();
+    let by_ours = || -> Vec<f32> {
+        let cast = |&(origin, way): &(Vec3, Vec3)| {
+            let hit = ours.cast_ray(&Ray::new(origin.as_dvec3(), way.as_dvec3()), |_| true);
+            hit.map_or(f32::INFINITY, |hit| hit.distance as f32)
+        };
+        rays.iter().map(cast).collect()
+    };
+    let by_parry = || -> Vec<f32> {
+        let cast = |(origin, way): &(Vec3, Vec3)| parry.first_hit_of_ray(&tree, origin.to_array(), way.to_array());
+        rays.iter().map(cast).collect()
+    };
+    let mut seconds = [const { Vec::new() }; 2];
+    let mut found = [const { Vec::new() }; 2];
+    for _ in 0..rounds {
+        for (i, (time, hits)) in [time(by_ours), time(by_parry)].into_iter().enumerate() {
+            seconds[i].push(time);
+            found[i] = hits;
+        }
+    }
+    println!("{RAYS} rays among {} knots, one thread\n", scene.bodies.len());
+    println!("| library | million rays a second | ours is so many times as fast | hits |");
+    println!("|---|---|---|---|");
+    for (i, library) in ["ours", "parry3d"].into_iter().enumerate() {
+        let speed = RAYS as f64 / median(seconds[i].iter().copied()) / 1e6;
+        let hits = found[i].iter().filter(|t| t.is_finite()).count();
+        let pairs = found[i].iter().zip(&found[0]);
+        let differ = pairs.filter(|(t, ours)| t != ours && (*t - *ours).abs() > 1e-3).count();
+        println!(
+            "| {library} | {speed:.3} | {:.2} | {hits}, {differ} others |",
+            ratio(&seconds[i], &seconds[0])
+        );
+    }
+    println!();
 }
 
 /// Overlaps of all pairs of knots whose bounding spheres overlap, one by one, and by the stages behind
@@ -179,7 +247,12 @@ fn overlaps(rounds: usize) {
         seconds[1].push(time_each);
         found = [all, each];
     }
-    println!("{} pairs of knots: {} touch by `queries::touching`, {} by `Placed::overlaps`", pairs.len(), found[0], found[1]);
+    println!(
+        "{} pairs of knots: {} touch by `queries::touching`, {} by `Placed::overlaps`",
+        pairs.len(),
+        found[0],
+        found[1]
+    );
     for (name, seconds) in ["touching", "overlaps"].into_iter().zip(&seconds) {
         let each = median(seconds.iter().copied()) / pairs.len() as f64;
         println!("{name}: {:.2} us a pair", each * 1e6);
@@ -193,15 +266,28 @@ fn casts(terrain: &CollisionMesh, rounds: usize) {
     let knot = CollisionMesh::new(&bevy_faceoff::geometry::shapes::knot_1120());
     let shapes = [
         ("ball", QueryShape::Ball { radius: 0.4 }),
-        ("capsule", QueryShape::Capsule { radius: 0.4, half_length: 0.5 }),
-        ("box", QueryShape::Box { half_size: DVec3::new(0.4, 0.9, 0.4) }),
+        (
+            "capsule",
+            QueryShape::Capsule {
+                radius: 0.4,
+                half_length: 0.5,
+            },
+        ),
+        (
+            "box",
+            QueryShape::Box {
+                half_size: DVec3::new(0.4, 0.9, 0.4),
+            },
+        ),
         ("knot of 1120 triangles", QueryShape::Mesh(&knot, Vec3::ONE)),
     ];
     let mut random = fastrand::Rng::with_seed(4);
     let mut starts = Vec::new();
     while starts.len() < 2000 {
         let [x, z] = [(); 2].map(|()| (random.f64() - 0.5) * 900.0);
-        let down = placed.cast_ray(&Ray::new(DVec3::new(x, 100.0, z), DVec3::NEG_Y)).expect("the terrain");
+        let down = placed
+            .cast_ray(&Ray::new(DVec3::new(x, 100.0, z), DVec3::NEG_Y))
+            .expect("the terrain");
         let way = DVec3::new(random.f64() - 0.5, -0.3 * random.f64(), random.f64() - 0.5);
         starts.push((down.point + DVec3::Y * 1.2, way));
     }
@@ -211,13 +297,19 @@ fn casts(terrain: &CollisionMesh, rounds: usize) {
         let mut hits = 0;
         for _ in 0..rounds {
             let mut hit = |at: DVec3, way: DVec3| {
-                placed.cast(&shape, at, DQuat::IDENTITY, way, 1.0, &mut scratch).is_some()
+                placed
+                    .cast(&shape, at, DQuat::IDENTITY, way, 1.0, &mut scratch)
+                    .is_some()
             };
             let (taken, count) = time(|| starts.iter().filter(|(at, way)| hit(*at, *way)).count());
             seconds.push(taken);
             hits = count;
         }
         let each = median(seconds) / starts.len() as f64;
-        println!("casts of a {name} by 1 m: {:.2} us each, {hits} of {} hit", each * 1e6, starts.len());
+        println!(
+            "casts of a {name} by 1 m: {:.2} us each, {hits} of {} hit",
+            each * 1e6,
+            starts.len()
+        );
     }
 }
