@@ -6,7 +6,7 @@ use crate::plugin::clock::Physics;
 use crate::plugin::components::{GravityScale, RigidBodyDisabled};
 use crate::plugin::queries::SpatialQuery;
 use crate::plugin::settings::Gravity;
-use crate::plugin::sync::hierarchy::{affine, decompose, parent_in, world_above};
+use crate::plugin::sync::hierarchy::{self, decompose, parent_in, world_above};
 use crate::plugin::sync::named;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::system::SystemParam;
@@ -28,14 +28,16 @@ pub(super) struct Places<'w, 's> {
 
 impl Places<'_, '_> {
     fn above(&self, entity: Entity) -> DAffine3 {
-        let transform_of = |entity| self.transforms.get(entity).ok().copied();
-        world_above(entity, parent_in(&self.parents), transform_of)
+        world_above(entity, parent_in(&self.parents), |entity| self.transform_of(entity))
     }
 
     fn to_world(&self, entity: Entity) -> Option<DAffine3> {
-        // A plane needs no Transform.
-        let own = self.transforms.get(entity).map_or(DAffine3::IDENTITY, affine);
-        self.entities.contains(entity).then(|| self.above(entity) * own)
+        let to_world = || hierarchy::to_world(entity, parent_in(&self.parents), |entity| self.transform_of(entity));
+        self.entities.contains(entity).then(to_world)
+    }
+
+    fn transform_of(&self, entity: Entity) -> Option<Transform> {
+        self.transforms.get(entity).ok().copied()
     }
 }
 

@@ -26,6 +26,8 @@ pub struct SpatialIndex {
     /// By number in the scene.
     pub(super) colliders: Vec<IndexedCollider>,
     pub(super) fault: Option<SpatialQueryError>,
+    /// Whether the poses are those of a [`Snapshot`](crate::plugin::snapshot::Snapshot).
+    pub(super) is_from_snapshot: bool,
     /// Whether any system asks.
     pub(super) is_wanted: bool,
     /// Whether there were casters.

@@ -6,7 +6,7 @@ use crate::plugin::collisions::StepReport;
 use crate::plugin::components::{ColliderDisabled, MeshCollider, RigidBodyDisabled, Sensor};
 use crate::plugin::snapshot::Snapshot;
 use crate::plugin::sync::Step;
-use crate::plugin::sync::hierarchy::{Above, Node, Placed, above, affine, decompose, parent_in, place, world_above};
+use crate::plugin::sync::hierarchy::{self, Above, Node, Placed, above, affine, decompose, parent_in, place};
 use crate::plugin::sync::planes::PlaneComponents;
 use crate::types::body::{CollisionLayers, RigidBody};
 use bevy::ecs::query::QueryData;
@@ -32,12 +32,15 @@ use std::collections::BTreeMap;
 /// ```
 pub fn update_spatial_queries(mut index: ResMut<SpatialIndex>, colliders: Colliders) {
     if colliders.step.as_ref().is_some_and(|step| step.is_resident()) {
-        if index.colliders.is_empty() {
+        // What was read from components, for example while the device was opened, is no longer true.
+        if !index.is_from_snapshot {
+            index.clear();
             index.fault = Some(SpatialQueryError::Resident);
         }
         return;
     }
     colliders.read(&mut index, &|_| None);
+    index.is_from_snapshot = false;
 }
 
 /// The same after a step, if any system asks.
@@ -71,6 +74,7 @@ type Poses = BTreeMap<Entity, (Vec3, Quat)>;
 
 fn read_with(In(poses): In<Poses>, mut index: ResMut<SpatialIndex>, colliders: Colliders) {
     colliders.read(&mut index, &|entity| poses.get(&entity).copied());
+    index.is_from_snapshot = true;
 }
 
 /// The components of a collider.
@@ -152,15 +156,14 @@ impl Colliders<'_, '_> {
             scale,
             shear,
         } = place(&placed);
-        let sheared = |step: &Step| step.sheared_mesh(entity).cloned();
         let mesh = match shear {
-            None => self.meshes.get(&collider.mesh.0).cloned(),
-            Some(_) => self.step.as_ref().and_then(|step| sheared(step)),
+            None => self.meshes.get(&collider.mesh.0),
+            Some(_) => self.step.as_ref().and_then(|step| step.sheared_mesh(entity)),
         };
         let Some(mesh) = mesh else { return };
         if index
             .scene
-            .add_mesh(&mesh, pose.translation, pose.rotation, scale)
+            .add_mesh(mesh, pose.translation, pose.rotation, scale)
             .is_ok()
         {
             let layers = collider.layers.or_else(|| self.layers.get(body).ok());
@@ -207,7 +210,6 @@ impl Colliders<'_, '_> {
     /// The transformation from the coordinates of an entity to the world.
     pub(super) fn to_world(&self, entity: Entity) -> DAffine3 {
         let transform_of = |entity| self.transforms.get(entity).ok().copied();
-        let above = world_above(entity, parent_in(&self.parents), transform_of);
-        above * transform_of(entity).map_or(DAffine3::IDENTITY, |transform| affine(&transform))
+        hierarchy::to_world(entity, parent_in(&self.parents), transform_of)
     }
 }

@@ -260,8 +260,8 @@ impl Hierarchy<'_, '_> {
 
     /// The transformation from the coordinates of an entity to the world.
     fn to_world(&self, entity: Entity) -> DAffine3 {
-        let own = self.transforms.get(entity).map_or(DAffine3::IDENTITY, affine);
-        self.above(entity) * own
+        let transform_of = |entity| self.transforms.get(entity).ok().copied();
+        hierarchy::to_world(entity, hierarchy::parent_in(&self.parents), transform_of)
     }
 
     /// The transformation from the parent of an entity to the world.

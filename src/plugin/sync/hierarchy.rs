@@ -105,6 +105,17 @@ pub(crate) fn world_above(
     product
 }
 
+/// The transformation from the coordinates of `entity` to the world. The functions are those of [`world_above`]; without a
+/// `Transform` an entity is where its parent is.
+pub(crate) fn to_world(
+    entity: Entity,
+    parent_of: impl Fn(Entity) -> Option<Entity>,
+    transform_of: impl Fn(Entity) -> Option<Transform>,
+) -> DAffine3 {
+    let own = transform_of(entity).map_or(DAffine3::IDENTITY, |transform| affine(&transform));
+    world_above(entity, parent_of, transform_of) * own
+}
+
 /// The transformation of a `Transform` in double precision.
 pub(crate) fn affine(transform: &Transform) -> DAffine3 {
     let &Transform {

@@ -42,7 +42,7 @@ pub fn app(backend: Backend, readback: Readback) -> Sim {
 }
 
 /// The same before the device is ready.
-fn opening(backend: Backend, readback: Readback) -> Sim {
+pub fn opening(backend: Backend, readback: Readback) -> Sim {
     let mut sim = Sim::with_step(StepPlugin {
         backend,
         threads: 1,
@@ -52,7 +52,8 @@ fn opening(backend: Backend, readback: Readback) -> Sim {
     sim
 }
 
-fn await_device(sim: &mut Sim) {
+/// Steps until the device is ready.
+pub fn await_device(sim: &mut Sim) {
     while active(sim) == "opening" {
         std::thread::sleep(STEP);
         sim.step(1);

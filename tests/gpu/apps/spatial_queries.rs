@@ -1,6 +1,6 @@
 //! Questions about bodies whose results are read later, or that stay on the GPU.
 
-use super::readback::app;
+use super::readback::{app, await_device, opening};
 use crate::app::{Sim, assert_near, ball_like};
 use crate::gpu::Test;
 use bevy::ecs::system::SystemState;
@@ -13,6 +13,7 @@ use bevy_faceoff::prelude::*;
 pub const TESTS: &[Test] = &[
     ("bodies_are_where_their_components_say", components),
     ("resident_bodies_are_asked_through_a_snapshot", resident),
+    ("what_was_read_before_the_device_was_ready_is_forgotten", stale),
 ];
 
 fn look_down(sim: &mut Sim) -> (Option<RayHitData>, Result<(), SpatialQueryError>) {
@@ -47,6 +48,16 @@ fn components(_: &Gpu) {
         let hit = look_down(&mut sim).0.unwrap();
         assert_near(hit.point, sim.position(cube) + Vec3::new(0.3, 0.5, 0.2), 1e-5);
     }
+}
+
+fn stale(_: &Gpu) {
+    let mut sim = opening(Backend::Gpu, Readback::Resident);
+    let cube = rising_cube(&mut sim);
+    let (hit, answers) = look_down(&mut sim);
+    assert_eq!((hit.map(|hit| hit.collider), answers), (Some(cube), Ok(())));
+    await_device(&mut sim);
+    sim.step(4);
+    assert_eq!(look_down(&mut sim), (None, Err(SpatialQueryError::Resident)));
 }
 
 fn resident(_: &Gpu) {
