@@ -10,6 +10,8 @@ use crate::state::Motion;
 use crate::state::fault::BodyFault;
 use crate::state::{Body, NewPart, Place, StepInput};
 use crate::types::body::RigidBody;
+#[cfg(feature = "gpu")]
+use bevy::ecs::entity::EntityHashSet;
 use bevy::math::DMat3;
 use bevy::prelude::*;
 
@@ -184,9 +186,9 @@ impl Step {
             ..*body
         };
         let meshes = &self.state.input.meshes;
+        let parts: EntityHashSet = self.parts.iter().map(|part| part.collider).collect();
         for (entity, body) in &mut self.bodies {
-            let is_part = self.parts.iter().any(|part| part.collider == *entity);
-            let Some(motion) = motion_of(*entity).filter(|_| !is_part) else {
+            let Some(motion) = motion_of(*entity).filter(|_| !parts.contains(entity)) else {
                 continue;
             };
             let moved = moved(body, motion);
