@@ -21,12 +21,7 @@ use std::cell::Cell;
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
     mesh: &'a CollisionMesh,
-    translation: DVec3,
-    scale: Vec3,
-    /// The pose without the translation.
-    frame: Frame,
-    /// Radius of the bounding sphere about the centre of mass, metres.
-    radius: f32,
+    pose: PlacedPose,
 }
 
 /// Everything of a [`Placed`] but its mesh.
@@ -34,7 +29,9 @@ pub struct Placed<'a> {
 pub(super) struct PlacedPose {
     translation: DVec3,
     scale: Vec3,
+    /// The pose without the translation.
     frame: Frame,
+    /// Radius of the bounding sphere about the centre of mass, metres.
     radius: f32,
 }
 
@@ -54,13 +51,13 @@ impl<'a> Placed<'a> {
         if extent.is_nan() || extent > f64::from(MAX_COORDINATE) {
             return Err(BodyFault::TooFar);
         }
-        Ok(Self {
-            mesh,
+        let pose = PlacedPose {
             translation,
             scale,
             frame,
             radius,
-        })
+        };
+        Ok(Self { mesh, pose })
     }
 
     /// The mesh.
@@ -70,41 +67,41 @@ impl<'a> Placed<'a> {
 
     /// World position of the mesh's origin, metres.
     pub fn translation(&self) -> DVec3 {
-        self.translation
+        self.pose.translation
     }
 
     /// World position of the centre of mass, metres.
     pub fn center_of_mass(&self) -> DVec3 {
-        self.translation + self.frame.center
+        self.pose.translation + self.pose.frame.center
     }
 
     /// The mass in kilograms at a density in kg/m^3. [`MassProperties`](crate::geometry::MassProperties) tells how
     /// meshes that are not closed are treated.
     pub fn mass(&self, density: f64) -> f64 {
-        density * f64::from(self.mesh.mass.volume) * self.frame.scale.element_product().abs()
+        density * f64::from(self.mesh.mass.volume) * self.pose.frame.scale.element_product().abs()
     }
 
     /// The inertia tensor about the centre of mass for a mass in kilograms, in the mesh's own axes, kg m^2.
     pub fn inertia(&self, mass: f64) -> DMat3 {
-        self.mesh.mass.inertia(self.frame.scale, mass)
+        self.mesh.mass.inertia(self.pose.frame.scale, mass)
     }
 
     /// The axis-aligned bounding box of the placed mesh in the world: least and largest coordinates, metres. Exact up
     /// to rounding in double precision.
     pub fn bounding_box(&self) -> [DVec3; 2] {
-        let Frame { rotation, scale, .. } = self.frame;
+        let Frame { rotation, scale, .. } = self.pose.frame;
         let (matrix, lanes) = (rotation * DMat3::from_diagonal(scale), self.mesh.lanes());
         // Boxes of triangles that cannot enlarge the bounding box are skipped, in single precision relative to the
         // centre of mass.
         let simd = baseline();
         let rotate = Rows::new(simd, matrix.as_mat3());
         let spread = Rows::new(simd, matrix.as_mat3().abs());
-        let pad = splat(simd, 2.0 * PAD * self.radius);
+        let pad = splat(simd, 2.0 * PAD * self.pose.radius);
         let found = Cell::new([DVec3::INFINITY, DVec3::NEG_INFINITY]);
         let grows = |group: &BoxGroup| {
             let [low, high] = found
                 .get()
-                .map(|p| splat_point(simd, (p - self.frame.center).as_vec3()));
+                .map(|p| splat_point(simd, (p - self.pose.frame.center).as_vec3()));
             let stored = load_points(simd, &group.half);
             let center = rotate.times(load_points(simd, &group.center));
             let half = widen(spread.times(stored), pad);
@@ -126,93 +123,69 @@ impl<'a> Placed<'a> {
             found.set([low, high]);
             true
         });
-        found.get().map(|p| self.translation + p)
+        found.get().map(|p| self.pose.translation + p)
     }
 
     /// Whether the bounding spheres show that the meshes are farther apart than `distance`.
     pub(super) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
-        let way = other.translation - self.translation + other.frame.center - self.frame.center;
-        let radii = (f64::from(self.radius) + f64::from(other.radius)) * (1.0 + 1.0e-6);
+        let way = other.pose.translation - self.pose.translation + other.pose.frame.center - self.pose.frame.center;
+        let radii = (f64::from(self.pose.radius) + f64::from(other.pose.radius)) * (1.0 + 1.0e-6);
         way.length() > radii + distance
     }
 
     /// The pose without the translation.
     pub(super) fn frame(&self) -> &Frame {
-        &self.frame
+        &self.pose.frame
     }
 
     pub(super) fn scale(&self) -> Vec3 {
-        self.scale
+        self.pose.scale
     }
 
     /// Radius of the bounding sphere about the centre of mass, metres.
     pub(super) fn radius(&self) -> f32 {
-        self.radius
+        self.pose.radius
     }
 
     /// -1 if the scale mirrors, so that faces that are counter-clockwise in the mesh are clockwise; else 1.
     pub(super) fn mirror(&self) -> f64 {
-        self.frame.scale.element_product().signum()
+        self.pose.frame.scale.element_product().signum()
     }
 
     /// A point of the world in the mesh's own axes, about its origin, in metres: scaled, but not rotated.
     pub(super) fn in_axes(&self, point: DVec3) -> DVec3 {
-        self.frame.rotation.transpose() * (point - self.translation)
+        self.pose.frame.rotation.transpose() * (point - self.pose.translation)
     }
 
     /// The point of the world that [`Placed::in_axes`] maps to this one.
     pub(super) fn in_world(&self, point: DVec3) -> DVec3 {
-        self.translation + self.frame.rotation * point
+        self.pose.translation + self.pose.frame.rotation * point
     }
 
     /// A direction along the mesh's own axes in those of the world.
     pub(super) fn turn_to_world(&self, direction: DVec3) -> DVec3 {
-        self.frame.rotation * direction
+        self.pose.frame.rotation * direction
     }
 
     /// The centre of mass in [`Placed::in_axes`].
     pub(super) fn axes_center(&self) -> DVec3 {
-        self.frame.scale * self.mesh.mass.center.as_dvec3()
+        self.pose.frame.scale * self.mesh.mass.center.as_dvec3()
     }
 
     /// The corners of a triangle in [`Placed::in_axes`].
     pub(super) fn corners(&self, triangle: usize) -> [DVec3; 3] {
         let corners = self.mesh.mesh.corners(triangle);
-        corners.map(|p| self.frame.scale * p.as_dvec3())
+        corners.map(|p| self.pose.frame.scale * p.as_dvec3())
     }
 
     /// Everything but the mesh.
     pub(super) fn pose(&self) -> PlacedPose {
-        let &Self {
-            translation,
-            scale,
-            frame,
-            radius,
-            ..
-        } = self;
-        PlacedPose {
-            translation,
-            scale,
-            frame,
-            radius,
-        }
+        self.pose
     }
 
     /// The same mesh in the pose that it had before.
     pub(super) fn again(mesh: &'a CollisionMesh, pose: PlacedPose) -> Self {
-        let PlacedPose {
-            translation,
-            scale,
-            frame,
-            radius,
-        } = pose;
-        Self {
-            mesh,
-            translation,
-            scale,
-            frame,
-            radius,
-        }
+        Self { mesh, pose }
     }
 
     /// Centre and half size of a box in the world that contains the mesh. It is quick to compute, and larger than
@@ -223,31 +196,31 @@ impl<'a> Placed<'a> {
             scale,
             center,
             ..
-        } = self.frame;
+        } = self.pose.frame;
         let (matrix, aabb) = (rotation * DMat3::from_diagonal(scale), self.mesh.lanes().aabb);
         let half = matrix.abs() * aabb.half_size().as_dvec3();
         [
-            self.translation + center + matrix * aabb.center().as_dvec3(),
-            half * (1.0 + 1.0e-6) + DVec3::splat(f64::from(PAD) * f64::from(self.radius)),
+            self.pose.translation + center + matrix * aabb.center().as_dvec3(),
+            half * (1.0 + 1.0e-6) + DVec3::splat(f64::from(PAD) * f64::from(self.pose.radius)),
         ]
     }
 
     /// The point of the mesh that is farthest along a direction of the world.
     pub(super) fn farthest(&self, direction: DVec3) -> DVec3 {
-        let along = self.frame.scale * (self.frame.rotation.transpose() * direction);
+        let along = self.pose.frame.scale * (self.pose.frame.rotation.transpose() * direction);
         let vertices = self.mesh.features().vertices.iter().map(|p| p.as_dvec3());
         let farthest = vertices.max_by(|a, b| along.dot(*a).total_cmp(&along.dot(*b)));
-        self.in_world(self.frame.scale * farthest.unwrap_or_default())
+        self.in_world(self.pose.frame.scale * farthest.unwrap_or_default())
     }
 
     /// Its pose relative to `origin`.
     pub(super) fn frame_about(&self, origin: DVec3) -> Frame {
-        let position = self.translation - origin;
+        let position = self.pose.translation - origin;
         Frame {
             position,
-            center: position + self.frame.center,
-            body_center: position + self.frame.center,
-            ..self.frame
+            center: position + self.pose.frame.center,
+            body_center: position + self.pose.frame.center,
+            ..self.pose.frame
         }
     }
 
@@ -259,13 +232,13 @@ impl<'a> Placed<'a> {
         PlacedMesh {
             mesh: self.mesh,
             frame,
-            scale: self.scale,
-            radius: bounding_radius(self.radius, frame.center.as_vec3()),
+            scale: self.pose.scale,
+            radius: bounding_radius(self.pose.radius, frame.center.as_vec3()),
         }
     }
 
     /// Vector from the translation to the centre of mass.
     pub(super) fn center_offset(&self) -> DVec3 {
-        self.frame.center
+        self.pose.frame.center
     }
 }

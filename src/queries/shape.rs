@@ -57,7 +57,7 @@ impl<'a> QueryShape<'a> {
     pub fn bounding_box(&self, translation: DVec3, rotation: DQuat) -> Option<[DVec3; 2]> {
         Some(match self.placed(translation, rotation)? {
             PlacedShape::Mesh(mesh) => mesh.bounding_box(),
-            PlacedShape::Round(Round { ends: [p, q], radius }) => [p.min(q) - radius, p.max(q) + radius],
+            PlacedShape::Round(round) => round.bounding_box(),
         })
     }
 
@@ -85,5 +85,26 @@ impl<'a> QueryShape<'a> {
             Self::Ball { radius } => round(radius, 0.0),
             Self::Capsule { radius, half_length } => round(radius, half_length),
         }
+    }
+}
+
+impl PlacedShape<'_> {
+    /// Its point that is farthest along a unit direction.
+    pub fn farthest(&self, direction: DVec3) -> DVec3 {
+        match self {
+            Self::Mesh(mesh) => mesh.farthest(direction),
+            Self::Round(Round { ends: [p, q], radius }) => {
+                let end = if direction.dot(*p - *q) > 0.0 { *p } else { *q };
+                end + direction * *radius
+            }
+        }
+    }
+}
+
+impl Round {
+    /// Least and largest coordinates.
+    pub fn bounding_box(&self) -> [DVec3; 2] {
+        let Self { ends: [p, q], radius } = *self;
+        [p.min(q) - radius, p.max(q) + radius]
     }
 }

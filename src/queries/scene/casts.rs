@@ -1,6 +1,6 @@
 //! Shapes that move through a scene.
 
-use super::{Scene, SolidPlane};
+use super::{First, Scene, SolidPlane};
 use crate::queries::ray::unit;
 use crate::queries::shape::PlacedShape;
 use crate::queries::{CastHit, CastScratch, QueryShape};
@@ -38,32 +38,22 @@ impl Scene {
     ) -> Option<SceneCastHit> {
         let way = unit(direction).filter(|_| max_distance >= 0.0)?;
         let placed = shape.placed(translation, rotation)?;
-        let mut first: Option<SceneCastHit> = None;
-        let mut consider = |hit: SceneCastHit| {
-            let key = |hit: &SceneCastHit| (hit.distance, hit.number);
-            if first.as_ref().is_none_or(|first| key(&hit) < key(first)) {
-                first = Some(hit);
-            }
-            first.map_or(max_distance, |first| first.distance)
-        };
-        let mut most = max_distance;
+        let mut first = First::NONE;
         for (number, plane) in self.planes(&filter) {
-            if let Some(hit) = plane.cast(number, &placed, way, most) {
-                most = consider(hit);
+            if let Some(hit) = plane.cast(number, &placed, way, max_distance) {
+                first.add(hit.distance, number, hit);
             }
         }
-        let (tree, mut scratch) = (self.tree(), CastScratch::default());
-        tree.tree.along(placed.outer_box(), way, most, &mut |index| {
-            let number = tree.meshes[index as usize] as usize;
-            if filter(number)
-                && let Some(mesh) = self.placed(number)
-                && let Some(hit) = mesh.cast(shape, translation, rotation, way, most, &mut scratch)
-            {
-                most = consider(SceneCastHit::on_mesh(number, hit));
+        let mut most = first.distance().unwrap_or(max_distance);
+        let mut scratch = CastScratch::default();
+        self.meshes_along(placed.outer_box(), way, most, &filter, &mut |number, mesh| {
+            if let Some(hit) = mesh.cast(shape, translation, rotation, way, most, &mut scratch) {
+                first.add(hit.distance, number, SceneCastHit::on_mesh(number, hit));
+                most = most.min(hit.distance);
             }
             most
         });
-        first
+        first.hit()
     }
 }
 

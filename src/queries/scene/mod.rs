@@ -130,12 +130,10 @@ impl Scene {
     fn tree(&self) -> &SceneTree {
         self.tree.get_or_init(|| {
             let meshes = self.items.iter().enumerate().filter_map(|(number, item)| match item {
-                Item::Mesh(mesh) => Some((number as u32, mesh.placed().outer_box())),
+                Item::Mesh(mesh) => Some((number as u32, WorldBox::of(&mesh.placed()))),
                 Item::Plane(_) => None,
             });
-            let (meshes, boxes): (Vec<u32>, Vec<WorldBox>) = meshes
-                .map(|(number, [center, half])| (number, WorldBox { center, half }))
-                .unzip();
+            let (meshes, boxes): (Vec<u32>, Vec<WorldBox>) = meshes.unzip();
             SceneTree {
                 tree: Tree::new(&boxes, self.last_tree.as_ref().map(|last| &last.tree)),
                 meshes,
@@ -151,6 +149,81 @@ impl Scene {
                 Item::Plane(plane) if filter(number as usize) => Some((number as usize, plane)),
                 _ => None,
             })
+    }
+
+    /// Calls `visit` with the meshes that pass a filter and that a moving box may meet, nearer ones first. See
+    /// [`Tree::along`].
+    fn meshes_along(
+        &self,
+        start: WorldBox,
+        way: DVec3,
+        most: f64,
+        filter: &impl Fn(usize) -> bool,
+        visit: &mut dyn FnMut(usize, Placed) -> f64,
+    ) {
+        let mut most = most;
+        let tree = self.tree();
+        tree.tree.along(start, way, most, &mut |index| {
+            if let Some((number, mesh)) = self.mesh_at(tree, index, filter) {
+                most = visit(number, mesh);
+            }
+            most
+        });
+    }
+
+    /// Calls `visit` with the meshes that pass a filter and may be within `most` metres of a box, nearer ones first. See
+    /// [`Tree::around`].
+    fn meshes_around(
+        &self,
+        near: WorldBox,
+        most: f64,
+        filter: &impl Fn(usize) -> bool,
+        visit: &mut dyn FnMut(usize, Placed) -> f64,
+    ) {
+        let mut most = most;
+        let tree = self.tree();
+        tree.tree.around(near, most, &mut |index| {
+            if let Some((number, mesh)) = self.mesh_at(tree, index, filter) {
+                most = visit(number, mesh);
+            }
+            most
+        });
+    }
+
+    /// The mesh of a box of the tree, with its number, if that passes a filter.
+    fn mesh_at(&self, tree: &SceneTree, index: u32, filter: &impl Fn(usize) -> bool) -> Option<(usize, Placed<'_>)> {
+        let number = tree.meshes[index as usize] as usize;
+        let mesh = filter(number).then(|| self.placed(number))??;
+        Some((number, mesh))
+    }
+}
+
+/// The first of the hits that were found so far: that of the least distance, and among those that of the lowest number.
+struct First<H>(Option<(f64, usize, H)>);
+
+impl<H> First<H> {
+    const NONE: Self = Self(None);
+
+    fn add(&mut self, distance: f64, number: usize, hit: H) {
+        let is_first = (self.0.as_ref()).is_none_or(|(first, at, _)| (distance, number) < (*first, *at));
+        if is_first {
+            self.0 = Some((distance, number, hit));
+        }
+    }
+
+    fn distance(&self) -> Option<f64> {
+        self.0.as_ref().map(|&(distance, ..)| distance)
+    }
+
+    fn hit(self) -> Option<H> {
+        self.0.map(|(.., hit)| hit)
+    }
+}
+
+impl SolidPlane {
+    /// The height of a point above its surface, metres.
+    fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.distance
     }
 }
 

@@ -1,9 +1,9 @@
 //! Points and overlaps in a scene.
 
 use super::tree::WorldBox;
-use super::{Scene, SolidPlane};
-use crate::queries::shape::{PlacedShape, QueryShape, Round};
-use crate::queries::{Placed, PointHit};
+use super::{First, Scene, SolidPlane};
+use crate::queries::PointHit;
+use crate::queries::shape::{PlacedShape, QueryShape};
 use glam::{DQuat, DVec3, Vec3};
 
 /// The nearest point of a [`Scene`].
@@ -38,33 +38,22 @@ impl Scene {
         if !is_valid {
             return None;
         }
-        let mut nearest: Option<ScenePointHit> = None;
-        let mut most = max_distance;
-        let mut consider = |hit: ScenePointHit, most: &mut f64| {
-            let key = |hit: &ScenePointHit| (hit.distance, hit.number);
-            if hit.distance <= *most && nearest.as_ref().is_none_or(|nearest| key(&hit) < key(nearest)) {
-                *most = hit.distance;
-                nearest = Some(hit);
-            }
-        };
+        let mut nearest = First::NONE;
         for (number, plane) in self.planes(&filter) {
-            consider(plane.closest_point(number, point), &mut most);
+            let hit = plane.closest_point(number, point);
+            if hit.distance <= max_distance {
+                nearest.add(hit.distance, number, hit);
+            }
         }
-        let tree = self.tree();
-        let near = WorldBox {
-            center: point,
-            half: DVec3::ZERO,
-        };
-        tree.tree.around(near, most, &mut |index| {
-            let number = tree.meshes[index as usize] as usize;
-            if filter(number)
-                && let Some(hit) = self.placed(number).and_then(|mesh| mesh.closest_point(point, most))
-            {
-                consider(ScenePointHit::on_mesh(number, hit), &mut most);
+        let mut most = nearest.distance().unwrap_or(max_distance);
+        self.meshes_around(WorldBox::point(point), most, &filter, &mut |number, mesh| {
+            if let Some(hit) = mesh.closest_point(point, most) {
+                nearest.add(hit.distance, number, ScenePointHit::on_mesh(number, hit));
+                most = most.min(hit.distance);
             }
             most
         });
-        nearest
+        nearest.hit()
     }
 
     /// The numbers of the meshes and half-spaces that a shape with a pose overlaps, ascending. See [`Placed::overlaps`].
@@ -82,14 +71,12 @@ impl Scene {
             .planes(&filter)
             .filter(|(_, plane)| plane.height(placed.farthest(-plane.normal)) <= 0.0);
         let mut found: Vec<usize> = planes.map(|(number, _)| number).collect();
-        let tree = self.tree();
-        tree.tree.around(placed.outer_box(), 0.0, &mut |index| {
-            let number = tree.meshes[index as usize] as usize;
-            let overlaps = |mesh: Placed| match &placed {
+        self.meshes_around(placed.outer_box(), 0.0, &filter, &mut |number, mesh| {
+            let overlaps = match &placed {
                 PlacedShape::Mesh(shape) => mesh.overlaps_mesh(shape),
                 PlacedShape::Round(round) => mesh.overlaps_round(round),
             };
-            if filter(number) && self.placed(number).is_some_and(overlaps) {
+            if overlaps {
                 found.push(number);
             }
             0.0
@@ -122,36 +109,16 @@ impl ScenePointHit {
 }
 
 impl PlacedShape<'_> {
-    /// Its point that is farthest along a unit direction.
-    pub(super) fn farthest(&self, direction: DVec3) -> DVec3 {
-        match self {
-            Self::Mesh(mesh) => mesh.farthest(direction),
-            Self::Round(Round { ends: [p, q], radius }) => {
-                let end = if direction.dot(*p - *q) > 0.0 { *p } else { *q };
-                end + direction * *radius
-            }
-        }
-    }
-
     /// A box that contains it.
     pub(super) fn outer_box(&self) -> WorldBox {
         match self {
-            Self::Mesh(mesh) => {
-                let [center, half] = mesh.outer_box();
-                WorldBox { center, half }
-            }
-            Self::Round(Round { ends: [p, q], radius }) => {
-                WorldBox::between([p.min(*q) - *radius, p.max(*q) + *radius])
-            }
+            Self::Mesh(mesh) => WorldBox::of(mesh),
+            Self::Round(round) => WorldBox::between(round.bounding_box()),
         }
     }
 }
 
 impl SolidPlane {
-    pub(super) fn height(&self, point: DVec3) -> f64 {
-        self.normal.dot(point) - self.distance
-    }
-
     fn closest_point(&self, number: usize, point: DVec3) -> ScenePointHit {
         let height = self.height(point);
         ScenePointHit {

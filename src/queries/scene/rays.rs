@@ -1,8 +1,8 @@
 //! Rays against a scene.
 
 use super::tree::WorldBox;
-use super::{Scene, SolidPlane};
-use crate::queries::{Ray, RayHit};
+use super::{First, Scene, SolidPlane};
+use crate::queries::{Placed, Ray, RayHit};
 use glam::{DVec3, Vec3};
 
 /// Where a ray hits something of a [`Scene`].
@@ -38,23 +38,19 @@ impl Scene {
         filter: impl Fn(usize) -> bool,
         predicate: impl Fn(&SceneRayHit) -> bool,
     ) -> Option<SceneRayHit> {
-        let mut nearest: Option<SceneRayHit> = None;
+        let mut nearest = First::NONE;
         self.rays(ray, &filter, &mut |target, ray| {
             let hit = match target {
-                Target::Mesh(number) => {
+                Target::Mesh(number, mesh) => {
                     let is_wanted = |hit: &RayHit| predicate(&SceneRayHit::on_mesh(number, *hit));
-                    let hit = self.placed(number)?.cast_ray_predicate(ray, is_wanted)?;
-                    SceneRayHit::on_mesh(number, hit)
+                    SceneRayHit::on_mesh(number, mesh.cast_ray_predicate(ray, is_wanted)?)
                 }
                 Target::Plane(hit) => Some(hit).filter(&predicate)?,
             };
-            let key = |hit: &SceneRayHit| (hit.distance, hit.number);
-            if nearest.as_ref().is_none_or(|nearest| key(&hit) < key(nearest)) {
-                nearest = Some(hit);
-            }
-            nearest.map(|nearest| nearest.distance)
+            nearest.add(hit.distance, hit.number, hit);
+            nearest.distance()
         });
-        nearest
+        nearest.hit()
     }
 
     /// All hits of a ray in the order of distance, then number, then face.
@@ -62,8 +58,8 @@ impl Scene {
         let mut hits = Vec::new();
         self.rays(ray, &filter, &mut |target, ray| {
             match target {
-                Target::Mesh(number) => {
-                    let all = self.placed(number)?.ray_hits(ray);
+                Target::Mesh(number, mesh) => {
+                    let all = mesh.ray_hits(ray);
                     hits.extend(all.into_iter().map(|hit| SceneRayHit::on_mesh(number, hit)));
                 }
                 Target::Plane(hit) => hits.push(hit),
@@ -82,7 +78,7 @@ impl Scene {
         let mut hits = false;
         self.rays(ray, &filter, &mut |target, ray| {
             hits |= match target {
-                Target::Mesh(number) => self.placed(number)?.hits_ray(ray),
+                Target::Mesh(_, mesh) => mesh.hits_ray(ray),
                 Target::Plane(_) => true,
             };
             hits.then_some(f64::NEG_INFINITY)
@@ -105,16 +101,9 @@ impl Scene {
         if ray.max_distance < 0.0 {
             return;
         }
-        let tree = self.tree();
-        let start = WorldBox {
-            center: ray.origin,
-            half: DVec3::ZERO,
-        };
-        tree.tree.along(start, way, ray.max_distance, &mut |index| {
-            let number = tree.meshes[index as usize] as usize;
-            if filter(number)
-                && let Some(most) = found(Target::Mesh(number), &ray)
-            {
+        let (start, most) = (WorldBox::point(ray.origin), ray.max_distance);
+        self.meshes_along(start, way, most, filter, &mut |number, mesh| {
+            if let Some(most) = found(Target::Mesh(number, mesh), &ray) {
                 ray.max_distance = most;
             }
             ray.max_distance
@@ -123,8 +112,8 @@ impl Scene {
 }
 
 /// What a ray may hit.
-enum Target {
-    Mesh(usize),
+enum Target<'a> {
+    Mesh(usize, Placed<'a>),
     Plane(SceneRayHit),
 }
 
@@ -152,7 +141,7 @@ impl SceneRayHit {
 
 impl SolidPlane {
     fn cast_ray(&self, number: usize, ray: &Ray, way: DVec3) -> Option<SceneRayHit> {
-        let height = self.normal.dot(ray.origin) - self.distance;
+        let height = self.height(ray.origin);
         let fall = -self.normal.dot(way);
         if fall == 0.0 {
             return None;

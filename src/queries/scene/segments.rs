@@ -1,7 +1,7 @@
 //! Segments in a scene.
 
 use super::tree::WorldBox;
-use super::{Scene, SolidPlane};
+use super::{First, Scene, SolidPlane};
 use crate::queries::SegmentHit;
 use glam::{DVec3, Vec3};
 
@@ -34,31 +34,23 @@ impl Scene {
         if !(p.is_finite() && q.is_finite() && max_distance >= 0.0) {
             return None;
         }
-        let mut first: Option<SceneSegmentHit> = None;
-        // Who is deepest counts, so everything that overlaps is looked at.
-        let mut consider = |hit: SceneSegmentHit| {
-            let key = |hit: &SceneSegmentHit| (hit.distance, hit.number);
-            if hit.distance <= max_distance && first.as_ref().is_none_or(|first| key(&hit) < key(first)) {
-                first = Some(hit);
-            }
-            first.map_or(max_distance, |first| first.distance.max(0.0))
-        };
-        let mut most = max_distance;
+        let mut first = First::NONE;
         for (number, plane) in self.planes(&filter) {
-            most = consider(plane.closest_to_segment(number, ends));
+            let hit = plane.closest_to_segment(number, ends);
+            if hit.distance <= max_distance {
+                first.add(hit.distance, number, hit);
+            }
         }
-        let tree = self.tree();
-        tree.tree
-            .around(WorldBox::between([p.min(q), p.max(q)]), most, &mut |index| {
-                let number = tree.meshes[index as usize] as usize;
-                if filter(number)
-                    && let Some(hit) = self.placed(number).and_then(|mesh| mesh.closest_to_segment(ends, most))
-                {
-                    most = consider(SceneSegmentHit::on_mesh(number, hit));
-                }
-                most
-            });
-        first
+        // Who is deepest counts, so everything that overlaps is looked at.
+        let most = |first: &First<_>| first.distance().map_or(max_distance, |distance| distance.max(0.0));
+        let segment = WorldBox::between([p.min(q), p.max(q)]);
+        self.meshes_around(segment, most(&first), &filter, &mut |number, mesh| {
+            if let Some(hit) = mesh.closest_to_segment(ends, most(&first)) {
+                first.add(hit.distance, number, SceneSegmentHit::on_mesh(number, hit));
+            }
+            most(&first)
+        });
+        first.hit()
     }
 }
 

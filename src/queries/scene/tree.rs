@@ -4,6 +4,7 @@ use crate::geometry::Aabb;
 use crate::geometry::cluster::compact_order;
 use crate::geometry::lanes::{BoxGroup, box_levels};
 use crate::queries::bounds::{Boxes, Near, Swept};
+use crate::queries::placed::Placed;
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;
 use glam::{DVec3, Vec3};
@@ -32,6 +33,18 @@ pub(super) struct Tree {
 const MAX_SPREAD: f32 = 1.3;
 
 impl WorldBox {
+    /// The box of one point.
+    pub fn point(center: DVec3) -> Self {
+        let half = DVec3::ZERO;
+        Self { center, half }
+    }
+
+    /// See [`Placed::outer_box`].
+    pub fn of(mesh: &Placed) -> Self {
+        let [center, half] = mesh.outer_box();
+        Self { center, half }
+    }
+
     /// From least and largest coordinates.
     pub fn between([low, high]: [DVec3; 2]) -> Self {
         Self {
