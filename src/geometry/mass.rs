@@ -64,8 +64,8 @@ impl MassProperties {
     /// The inertia tensor about the centre of mass, for the mesh scaled by `scale` along its axes and with mass `mass`.
     /// The unit is that of `mass` times squared mesh units.
     pub fn inertia(&self, scale: DVec3, mass: f64) -> DMat3 {
-        let scale = DMat3::from_diagonal(scale);
-        let moment = scale * self.second_moment.as_dmat3() * scale * (mass / f64::from(self.volume));
+        let [x, y, z] = [0, 1, 2].map(|axis| scale * self.second_moment.col(axis).as_dvec3() * scale[axis]);
+        let moment = DMat3::from_cols(x, y, z) * (mass / f64::from(self.volume));
         let trace = moment.x_axis.x + moment.y_axis.y + moment.z_axis.z;
         DMat3::from_diagonal(DVec3::splat(trace)) - moment
     }

@@ -67,6 +67,7 @@ impl SolverBodies {
     /// Moves the mass of compounds to their first colliders. The motions of the other colliders remain those of the
     /// colliders, which bound their speeds.
     fn read_compounds(&mut self, bodies: &Bodies) {
+        self.part_index.clone_from(&bodies.part_index);
         for part in &bodies.parts {
             let compound = &bodies.compounds[part.compound as usize];
             self.parts.push(SolverPart {

@@ -3,6 +3,7 @@
 //! There is an entry for each collider. A body has the number of its first collider, and its motion, mass, forces and
 //! sleep state are in that entry. Manifolds name colliders.
 
+use crate::state::part_index::PartIndex;
 use crate::types::body::{ExternalForces, LockedAxes, RigidBody};
 use crate::types::material::CombineRule;
 use glam::{DQuat, DVec3, Mat3, Vec3};
@@ -151,7 +152,7 @@ pub(crate) struct SolverPart {
     pub offset: DVec3,
 }
 
-/// All bodies; one entry per collider in every array but the last.
+/// All bodies; one entry per collider in every array but the last two.
 #[derive(Clone, Debug, Default)]
 pub struct SolverBodies {
     /// Unique key of each collider, the same in every step: an entity's bits, for example. Numbers of bodies may change
@@ -167,6 +168,8 @@ pub struct SolverBodies {
     pub sleep: Vec<SleepState>,
     /// The colliders of bodies of several, ascending.
     pub(crate) parts: Vec<SolverPart>,
+    /// Finds a collider among `parts`.
+    pub(super) part_index: PartIndex,
 }
 
 impl SolverBodies {
@@ -190,6 +193,7 @@ impl SolverBodies {
             forces,
             sleep,
             parts,
+            part_index,
         } = self;
         keys.clear();
         bodies.clear();
@@ -197,6 +201,7 @@ impl SolverBodies {
         forces.clear();
         sleep.clear();
         parts.clear();
+        part_index.clear();
     }
 
     /// The number of the body of a collider.
@@ -212,11 +217,7 @@ impl SolverBodies {
     }
 
     fn part(&self, collider: u32) -> Option<&SolverPart> {
-        if self.parts.is_empty() {
-            return None;
-        }
-        let at = self.parts.binary_search_by_key(&collider, |part| part.collider);
-        at.ok().map(|at| &self.parts[at])
+        self.part_index.get(collider).map(|at| &self.parts[at])
     }
 
     /// Wakes the body of a collider.

@@ -9,13 +9,14 @@ use super::body::{Body, BodyParams, Motion};
 use super::compound::{Compound, Part};
 use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
+use super::part_index::PartIndex;
 use crate::geometry::MassProperties;
 use crate::geometry::mesh::MAX_COORDINATE;
 use crate::types::body::{CollisionLayers, ExternalForces, RigidBody};
 use crate::types::settings::Culling;
 use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec3};
 
-/// One entry per collider in every array but the last two.
+/// One entry per collider in every array but the last three.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies {
     /// Number of the body: that of its first collider.
@@ -71,6 +72,8 @@ pub struct Bodies {
     pub compounds: Vec<Compound>,
     /// Their colliders, ascending.
     pub parts: Vec<Part>,
+    /// Finds a collider among `parts`.
+    pub(crate) part_index: PartIndex,
 }
 
 /// A collider's pose in double precision: world point = `position + rotation * (scale * mesh point)`.
@@ -129,6 +132,7 @@ impl Bodies {
             params,
             compounds,
             parts,
+            part_index,
         } = self;
         body.clear();
         mesh.clear();
@@ -156,6 +160,7 @@ impl Bodies {
         params.clear();
         compounds.clear();
         parts.clear();
+        part_index.clear();
     }
 
     /// [`Bodies::travel_time`] of a collider; 0 for half-spaces, which are numbered after the colliders.
@@ -191,6 +196,17 @@ impl Bodies {
     /// until [`Bodies::join`](super::compound) joins it with others.
     pub fn push(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         check_body(body)?;
+        self.add(body, meshes, true)
+    }
+
+    /// The same for a collider that will be joined with others before the bodies are used. What it has from its body must
+    /// be valid.
+    pub(crate) fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
+        check_collider(body)?;
+        self.add(body, meshes, false)
+    }
+
+    fn add(&mut self, body: &Body, meshes: &MeshArena, has_inertia: bool) -> Result<(), BodyFault> {
         let slot = &meshes[body.mesh];
         let (rotation, unpadded_radius) = check_pose(slot.mesh.radius, body.rotation.as_dquat(), body.scale)?;
 
@@ -206,11 +222,17 @@ impl Bodies {
             return Err(BodyFault::TooFar);
         }
         let radius = bounding_radius(unpadded_radius, center);
-        let (inverse_mass, own_inertia) = inverse_mass(body, &frame, &slot.mesh.mass);
-        let inverse_inertia = frame.rotation * own_inertia * frame.rotation.transpose();
+        let mass = mass_of(body, &frame, &slot.mesh.mass);
+        let inverse_mass = (1.0 / mass) as f32;
         if !inverse_mass.is_finite() {
             return Err(BodyFault::Mass(body.mass.unwrap_or(0.0)));
         }
+        let (own_inertia, inverse_inertia) = if has_inertia && mass.is_finite() {
+            let own = inverse_inertia_of(body, &frame, &slot.mesh.mass, mass);
+            (own, frame.rotation * own * frame.rotation.transpose())
+        } else {
+            (DMat3::ZERO, DMat3::ZERO)
+        };
 
         self.body.push(self.body.len() as u32);
         self.mesh.push(body.mesh);
@@ -246,14 +268,9 @@ impl Bodies {
 /// # Errors
 /// The first fault that it finds.
 pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
-    let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
-    if !pose_finite {
-        return Err(BodyFault::NonFinitePose);
-    }
-    check_rotation(body.rotation.as_dquat())?;
-    let weights = [("Mass", body.mass), ("Density", Some(body.density))];
-    if let Some((name, _)) = weights.into_iter().find(|&(_, weight)| weight == Some(f32::INFINITY)) {
-        return Err(BodyFault::Infinite(name));
+    check_collider(body)?;
+    if body.mass == Some(f32::INFINITY) {
+        return Err(BodyFault::Infinite("Mass"));
     }
     if let Some(name) = not_finite(body) {
         return Err(BodyFault::NonFinite(name));
@@ -266,11 +283,35 @@ pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
     if speed > MAX_SPEED {
         return Err(BodyFault::TooFast(speed));
     }
-    if let Some(mass) = body.mass.or(Some(body.density)).filter(|&m| m <= 0.0) {
+    if let Some(mass) = body.mass.filter(|&mass| mass <= 0.0) {
         return Err(BodyFault::Mass(mass));
     }
     if body.inertia.is_some_and(|inertia| !is_inertia(&inertia)) {
         return Err(BodyFault::Inertia);
+    }
+    Ok(())
+}
+
+/// Validates the pose and what belongs to a collider.
+fn check_collider(body: &Body) -> Result<(), BodyFault> {
+    let pose_finite = body.position.is_finite() && body.rotation.is_finite() && body.scale.is_finite();
+    if !pose_finite {
+        return Err(BodyFault::NonFinitePose);
+    }
+    check_rotation(body.rotation.as_dquat())?;
+    if body.density == f32::INFINITY {
+        return Err(BodyFault::Infinite("Density"));
+    }
+    let finite = [
+        ("Density", body.density.is_finite()),
+        ("Restitution", body.restitution.is_finite()),
+        ("Friction", body.params.friction.coefficient.is_finite()),
+    ];
+    if let Some((name, _)) = finite.into_iter().find(|(_, finite)| !finite) {
+        return Err(BodyFault::NonFinite(name));
+    }
+    if body.mass.is_none() && body.density <= 0.0 {
+        return Err(BodyFault::Mass(body.density));
     }
     Ok(())
 }
@@ -355,9 +396,6 @@ fn not_finite(body: &Body) -> Option<&'static str> {
         ("LinearVelocity", body.linear_velocity.is_finite()),
         ("AngularVelocity", body.angular_velocity.is_finite()),
         ("Mass", body.mass.is_none_or(f32::is_finite)),
-        ("Density", body.density.is_finite()),
-        ("Restitution", body.restitution.is_finite()),
-        ("Friction", params.friction.coefficient.is_finite()),
         ("GravityScale", body.gravity_scale.is_finite()),
         ("LinearDamping", params.linear_damping.is_finite()),
         ("AngularDamping", params.angular_damping.is_finite()),
@@ -371,17 +409,21 @@ fn not_finite(body: &Body) -> Option<&'static str> {
     finite.into_iter().find_map(|(name, finite)| (!finite).then_some(name))
 }
 
-/// Inverse mass and inverse inertia in the body's own axes.
-fn inverse_mass(body: &Body, frame: &Frame, mesh: &MassProperties) -> (f32, DMat3) {
+/// The mass in kilograms; infinite for a body that contacts cannot move.
+fn mass_of(body: &Body, frame: &Frame, mesh: &MassProperties) -> f64 {
     if body.kind != RigidBody::Dynamic {
-        return (0.0, DMat3::ZERO);
+        return f64::INFINITY;
     }
     let volume = mesh.volume as f64 * frame.scale.element_product().abs();
-    let mass = body.mass.map_or(f64::from(body.density) * volume, f64::from);
-    if let Some(inertia) = body.inertia {
-        return ((1.0 / mass) as f32, inertia.as_dmat3().inverse());
+    body.mass.map_or(f64::from(body.density) * volume, f64::from)
+}
+
+/// The inverse inertia of a dynamic body in its own axes.
+fn inverse_inertia_of(body: &Body, frame: &Frame, mesh: &MassProperties, mass: f64) -> DMat3 {
+    match body.inertia {
+        Some(inertia) => inertia.as_dmat3().inverse(),
+        None => invert_inertia(mesh.inertia(frame.scale, mass)),
     }
-    ((1.0 / mass) as f32, invert_inertia(mesh.inertia(frame.scale, mass)))
 }
 
 /// The inverse of an inertia tensor; zero if it is not finite.

@@ -159,15 +159,12 @@ impl Bodies {
     /// Completes the bodies: call it when all of them are joined.
     pub fn end_joins(&mut self) {
         self.parts.sort_unstable_by_key(|part| part.collider);
+        self.part_index.set(self.parts.iter().map(|part| part.collider));
     }
 
     /// The part that a collider is of a [`Compound`].
     pub(crate) fn part(&self, collider: u32) -> Option<&Part> {
-        if self.parts.is_empty() {
-            return None;
-        }
-        let at = self.parts.binary_search_by_key(&collider, |part| part.collider);
-        at.ok().map(|at| &self.parts[at])
+        self.part_index.get(collider).map(|at| &self.parts[at])
     }
 
     /// The compound to which a collider belongs.
@@ -199,17 +196,25 @@ impl Bodies {
 
     /// Places colliders by the poses of their bodies. `parts` are indices of [`Bodies::parts`].
     pub(crate) fn place_parts(&mut self, parts: Range<usize>) {
+        let mut last: Option<(u32, Mat3)> = None;
         for part in &self.parts[parts] {
             let i = part.collider as usize;
             let compound = &self.compounds[part.compound as usize];
             let motion = &compound.motion;
             let turn = compound.rotation;
+            let inverse_inertia = match last {
+                Some((known, tensor)) if known == part.compound => tensor,
+                _ => {
+                    let axes = DMat3::from_quat(turn).as_mat3();
+                    axes * compound.local_inverse_inertia * axes.transpose()
+                }
+            };
+            last = Some((part.compound, inverse_inertia));
             let offset = turn * part.offset;
             let rotation = (turn * part.place.rotation).normalize();
             let axes = DMat3::from_quat(rotation);
             let position = compound.center + turn * (part.place.translation - compound.local_center);
             let velocity = motion.linear_velocity.as_dvec3() + motion.angular_velocity.as_dvec3().cross(offset);
-            let body_axes = DMat3::from_quat(turn).as_mat3();
             self.frame[i] = Frame {
                 position,
                 rotation: axes,
@@ -223,7 +228,7 @@ impl Bodies {
             self.radius[i] = bounding_radius(self.unpadded_radius[i], self.center[i]);
             self.linear_velocity[i] = velocity.as_vec3();
             self.angular_velocity[i] = motion.angular_velocity;
-            self.inverse_inertia[i] = body_axes * compound.local_inverse_inertia * body_axes.transpose();
+            self.inverse_inertia[i] = inverse_inertia;
         }
     }
 
@@ -244,34 +249,38 @@ impl Bodies {
         self.place_parts(0..self.parts.len());
     }
 
+    /// Mass of a collider, its axes and its centre of mass in those of the body.
+    #[inline]
+    fn weigh(&self, part: &NewPart, meshes: &MeshArena) -> (f64, DMat3, DVec3) {
+        let i = part.collider as usize;
+        let (properties, scale) = (&meshes[self.mesh[i]].mesh.mass, self.frame[i].scale);
+        let mass = f64::from(part.density) * f64::from(properties.volume) * scale.element_product().abs();
+        let axes = DMat3::from_quat(part.place.rotation);
+        let center = part.place.translation + axes * (scale * properties.center.as_dvec3());
+        (mass, axes, center)
+    }
+
     /// Adds up the masses of colliders.
     fn total(&self, body: &Body, center: Option<Vec3>, parts: &[NewPart], meshes: &MeshArena) -> Total {
         let all_sensors = parts.iter().all(|part| self.sensor[part.collider as usize]);
         let weighs = |part: &&NewPart| all_sensors || !self.sensor[part.collider as usize];
-        let own = |part: &NewPart| {
-            let i = part.collider as usize;
-            let (properties, scale) = (&meshes[self.mesh[i]].mesh.mass, self.frame[i].scale);
-            let mass = f64::from(part.density) * f64::from(properties.volume) * scale.element_product().abs();
-            let axes = DMat3::from_quat(part.place.rotation);
-            Total {
-                mass,
-                center: part.place.translation + axes * (scale * properties.center.as_dvec3()),
-                inertia: axes * properties.inertia(scale, mass) * axes.transpose(),
-            }
-        };
         let (mut mass, mut moment) = (0.0, DVec3::ZERO);
-        for part in parts.iter().filter(weighs).map(own) {
-            mass += part.mass;
-            moment += part.mass * part.center;
+        for part in parts.iter().filter(weighs) {
+            let (own, _, at) = self.weigh(part, meshes);
+            mass += own;
+            moment += own * at;
         }
         let center = center.map_or(moment / mass, |center| center.as_dvec3());
         let mut inertia = DMat3::ZERO;
-        for part in parts.iter().filter(weighs).map(own) {
+        for part in parts.iter().filter(weighs) {
+            let (own, axes, at) = self.weigh(part, meshes);
+            let i = part.collider as usize;
+            let tensor = meshes[self.mesh[i]].mesh.mass.inertia(self.frame[i].scale, own);
             // Steiner's theorem.
-            let d = part.center - center;
+            let d = at - center;
             let shift =
                 DMat3::from_diagonal(DVec3::splat(d.length_squared())) - DMat3::from_cols(d * d.x, d * d.y, d * d.z);
-            inertia += part.inertia + part.mass * shift;
+            inertia += axes * tensor * axes.transpose() + own * shift;
         }
         let wanted = body.mass.map_or(mass, f64::from);
         Total {

@@ -6,6 +6,7 @@
 //! | [`compound`] | bodies of several colliders |
 //! | [`body`], [`fault`] | one body, and its validation errors |
 //! | [`placed_mesh`] | a mesh with its pose |
+//! | `part_index` | which colliders are parts of bodies of several |
 //! | [`pairs`] | pairs that may touch |
 //! | [`contacts`] | touching pairs, faces and points as they are reported |
 //! | [`manifolds`] | contact manifolds, the input of the solver |
@@ -27,6 +28,7 @@ pub mod manifolds;
 pub mod margins;
 pub mod mesh_arena;
 pub mod pairs;
+pub(crate) mod part_index;
 pub mod placed_mesh;
 pub mod planes;
 pub mod results;

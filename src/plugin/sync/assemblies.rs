@@ -39,12 +39,31 @@ pub(crate) struct AssemblyPart {
     pub density: f32,
 }
 
+/// A collider that was read, valid or not.
+pub(crate) struct Candidate {
+    pub entity: Entity,
+    pub body: Body,
+    /// Whether it becomes part of an [`Assembly`] that moves.
+    pub is_joined: bool,
+}
+
+impl Candidate {
+    /// A collider that is a body by itself.
+    pub fn single(entity: Entity, body: Body) -> Self {
+        Self {
+            entity,
+            body,
+            is_joined: false,
+        }
+    }
+}
+
 impl Step {
     /// Fills the stages' arrays with the bodies that were read, and records which of them are invalid.
     pub fn fill(&mut self) {
         let Self {
             state,
-            bodies,
+            candidates,
             assemblies,
             parts,
             collected,
@@ -65,33 +84,52 @@ impl Step {
         owners.clear();
         kinds.clear();
         arrays.clear();
-        for (entity, body) in bodies.iter() {
-            match arrays.push(body, meshes) {
+        for &Candidate {
+            entity,
+            ref body,
+            is_joined,
+        } in candidates.iter()
+        {
+            let pushed = if is_joined {
+                arrays.push_part(body, meshes)
+            } else {
+                arrays.push(body, meshes)
+            };
+            match pushed {
                 Ok(()) => {
-                    entities.push(*entity);
-                    owners.push(*entity);
+                    entities.push(entity);
+                    owners.push(entity);
                     kinds.push(body.kind);
                 }
-                Err(fault) => new_faults.push((*entity, fault)),
+                Err(fault) => new_faults.push((entity, fault)),
             }
         }
         *body_count = entities.len();
         // Ascending by assembly, then collider, and those of one assembly follow each other.
         parts.sort_unstable_by_key(|part| (part.assembly, part.collider));
         let mut rest = &parts[..];
+        let mut found = Vec::new();
+        let mut next = 0;
         for (number, assembly) in (0..).zip(assemblies) {
-            let count = rest.partition_point(|part| part.assembly == number);
+            let count = rest.iter().take_while(|part| part.assembly == number).count();
             let (own, others) = rest.split_at(count);
             rest = others;
-            let found = own.iter().filter_map(|part| {
-                let collider = entities.binary_search(&part.collider).ok()? as u32;
+            found.clear();
+            found.extend(own.iter().filter_map(|part| {
+                // Most colliders of a body follow each other.
+                let is_next = entities.get(next) == Some(&part.collider);
+                let collider = if is_next {
+                    Ok(next)
+                } else {
+                    entities.binary_search(&part.collider)
+                };
+                next = collider.ok()? + 1;
                 Some(NewPart {
-                    collider,
+                    collider: next as u32 - 1,
                     place: part.place,
                     density: part.density,
                 })
-            });
-            let found: Vec<_> = found.collect();
+            }));
             for part in &found {
                 owners[part.collider as usize] = assembly.body;
             }
@@ -123,7 +161,7 @@ impl Step {
     pub fn link(&mut self, resident: bool) {
         let Self {
             state,
-            bodies,
+            candidates,
             assemblies,
             collected,
             latent,
@@ -137,10 +175,10 @@ impl Step {
             driven: driven.contains(entity),
         };
         let count = collected.entities.len() as u32;
-        // Both lists are ascending, and `bodies` has invalid ones too.
-        let mut read = bodies.iter();
+        // Both lists are ascending, and the candidates have invalid ones too.
+        let mut read = candidates.iter();
         let singles = (0..count).zip(&collected.entities).filter_map(|(row, &entity)| {
-            let (_, body) = read.find(|(other, _)| *other == entity)?;
+            let Candidate { body, .. } = read.find(|other| other.entity == entity)?;
             let own = Row {
                 entity,
                 kind: body.kind,
@@ -187,7 +225,7 @@ impl Step {
         };
         let meshes = &self.state.input.meshes;
         let parts: EntityHashSet = self.parts.iter().map(|part| part.collider).collect();
-        for (entity, body) in &mut self.bodies {
+        for Candidate { entity, body, .. } in &mut self.candidates {
             let Some(motion) = motion_of(*entity).filter(|_| !parts.contains(entity)) else {
                 continue;
             };
@@ -205,9 +243,9 @@ impl Step {
             }
         }
         for part in &self.parts {
-            let at = self.bodies.binary_search_by_key(&part.collider, |&(entity, _)| entity);
+            let at = (self.candidates).binary_search_by_key(&part.collider, |candidate| candidate.entity);
             if let Ok(at) = at {
-                let (_, own) = &mut self.bodies[at];
+                let own = &mut self.candidates[at].body;
                 let placed = self.assemblies[part.assembly as usize]
                     .values
                     .collider(own.mesh, &part.place, own.scale);

@@ -1,11 +1,12 @@
 //! Reads components into the stages' arrays, before a step.
 
+use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
-use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed, affine};
+use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
 use super::planes::{self, PlaneComponents};
 use super::sheared::Sheared;
-use super::{Assembly, AssemblyPart, Step, named};
+use super::{Assembly, AssemblyPart, Candidate, Step, named};
 use crate::asset::CollisionMesh;
 use crate::plugin::clock::Physics;
 use crate::plugin::components::*;
@@ -25,13 +26,8 @@ use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use std::time::Instant;
 
-/// Colliders that may be parts of a body above them.
-type Children = (
-    With<MeshCollider>,
-    With<ChildOf>,
-    Without<RigidBody>,
-    Without<ColliderDisabled>,
-);
+/// Bodies, and colliders without a parent.
+type IsBody = Or<(With<RigidBody>, (With<MeshCollider>, Without<ChildOf>))>;
 
 /// Bodies without any collider of their own.
 type Bare = (
@@ -56,7 +52,7 @@ pub(crate) struct Hierarchy<'w, 's> {
     nodes: Query<'w, 's, Node>,
     parents: Query<'w, 's, &'static ChildOf>,
     transforms: Query<'w, 's, &'static Transform>,
-    children: Query<'w, 's, Entity, Children>,
+    children: Query<'w, 's, ChildComponents, IsChild>,
     to_come: Query<'w, 's, Entity, (With<ColliderToCome>, With<ChildOf>, Without<MeshCollider>)>,
     bare: Query<'w, 's, (Entity, &'static RigidBody), Bare>,
 }
@@ -68,20 +64,10 @@ pub(crate) struct Meshes<'w> {
     assets: Res<'w, AssetServer>,
 }
 
-/// A collider below its body, or a static one below other entities.
-#[derive(Clone, Copy)]
-pub(crate) struct Child {
-    collider: Entity,
-    /// `None` for a static one.
-    body: Option<Entity>,
-    /// To the coordinates of the body, or to the world.
-    up: DAffine3,
-}
-
 /// Fills the stages' input from the world, and reports invalid bodies and planes.
 pub(crate) fn collect(
     mut step: ResMut<Step>,
-    mut bodies: Query<BodyComponents, Or<(With<MeshCollider>, With<RigidBody>)>>,
+    mut bodies: Query<BodyComponents, IsBody>,
     plane_query: Query<PlaneComponents>,
     hierarchy: Hierarchy,
     names: Query<&Name>,
@@ -99,11 +85,14 @@ pub(crate) fn collect(
     step.state.input.config.solver = rules.solver();
 
     step.new_faults.clear();
-    step.bodies.clear();
+    step.candidates.clear();
     step.assemblies.clear();
     step.parts.clear();
     step.tables.poll();
-    hierarchy.find_children(&mut step.children);
+    let oddities = &mut step.oddities;
+    (step.children).find(&hierarchy.children, &hierarchy.nodes, |entity, surface| {
+        surface.note(entity, has_hooks, oddities);
+    });
     let before = Before {
         nested: step.nested.take(),
         driven: step.driven.take(),
@@ -120,15 +109,12 @@ pub(crate) fn collect(
     others.clear();
     for mut body in &mut bodies {
         body.note(has_hooks, &mut reader.step.oddities);
-        if body.kind.is_none() && body.parent.is_some() {
-            continue;
-        }
         let is_single = body.parent.is_none()
             && body.center.is_none()
             && body.collider.is_some()
             && !body.collider_disabled
             && !body.body_disabled
-            && !reader.step.has_children(body.entity);
+            && !reader.step.children.are_below(body.entity);
         if is_single {
             let posed = Posed::root(body.transform);
             reader.single(&mut body, &posed);
@@ -145,10 +131,10 @@ pub(crate) fn collect(
             reader.any(&mut body, &hierarchy);
         }
     }
-    reader.children(&mut bodies);
+    reader.children();
     reader.step.others = others;
     // The order of a query depends on archetypes. The order of entities does not.
-    step.bodies.sort_unstable_by_key(|&(entity, _)| entity);
+    step.candidates.sort_unstable_by_key(|candidate| candidate.entity);
     step.fill();
     step.check_driven();
     for (assembly, center) in step.centers() {
@@ -192,7 +178,7 @@ pub(crate) fn collect(
     std::mem::swap(&mut step.faults, &mut step.new_faults);
     let children = &step.children;
     let moving = (hierarchy.bare.iter())
-        .filter(|&(entity, &kind)| kind != RigidBody::Static && !has_children(children, entity))
+        .filter(|&(entity, &kind)| kind != RigidBody::Static && !children.are_below(entity))
         .filter(|&(entity, _)| !hierarchy.will_have_children(entity));
     step.oddities.count_bare(moving.map(|(entity, _)| entity));
     step.oddities
@@ -211,16 +197,7 @@ pub(crate) fn collect(
     });
 }
 
-/// Whether a body has colliders below it. `children` are ascending by body.
-fn has_children(children: &[Child], body: Entity) -> bool {
-    !children.is_empty() && children.binary_search_by_key(&Some(body), |child| child.body).is_ok()
-}
-
 impl Step {
-    fn has_children(&self, body: Entity) -> bool {
-        has_children(&self.children, body)
-    }
-
     /// The body of each [`Assembly`] with its centre of mass, in the coordinates of its entity.
     fn centers(&self) -> Vec<(Entity, Vec3)> {
         let center = |assembly: &Assembly| {
@@ -233,25 +210,6 @@ impl Step {
 }
 
 impl Hierarchy<'_, '_> {
-    /// Finds what is above each collider that is a child, ascending by body.
-    fn find_children(&self, children: &mut Vec<Child>) {
-        children.clear();
-        for collider in &self.children {
-            let own = self.transforms.get(collider).map_or(DAffine3::IDENTITY, affine);
-            let (body, up) = match hierarchy::above(collider, &self.nodes) {
-                Above::Body(body, up) => (Some(body), up),
-                Above::World(up) => (None, up),
-                Above::Disabled => continue,
-            };
-            children.push(Child {
-                collider,
-                body,
-                up: up * own,
-            });
-        }
-        children.sort_unstable_by_key(|child| (child.body, child.collider));
-    }
-
     /// Whether a body has descendants that become colliders.
     fn will_have_children(&self, body: Entity) -> bool {
         let is_above = |entity| matches!(hierarchy::above(entity, &self.nodes), Above::Body(above, _) if above == body);
@@ -291,7 +249,10 @@ impl Reader<'_, '_> {
     /// Adds a body that is its only collider.
     fn single(&mut self, body: &mut BodyComponentsItem, posed: &Posed) {
         let surface = body.surface.read();
-        let Some(mesh) = self.mesh(body.entity, body.collider, &surface, None) else {
+        let Some(mesh) = body
+            .collider
+            .and_then(|collider| self.mesh(body.entity, collider.0.id(), &surface, None))
+        else {
             return;
         };
         if let Some(center) = &mut body.computed_center {
@@ -309,7 +270,7 @@ impl Reader<'_, '_> {
             stretch.z_axis.z as f32,
         );
         surface.apply(&mut own, surface.culling.unwrap_or(self.culling));
-        self.step.bodies.push((body.entity, own));
+        self.step.candidates.push(Candidate::single(body.entity, own));
     }
 
     /// Notes a kinematic body that moves by its `Transform`. What pushes nothing is better tested where it is put.
@@ -336,7 +297,7 @@ impl Reader<'_, '_> {
                     .read(&self.before.nested, entity, kind, body.transform, above)
             }
         };
-        let has_children = self.step.has_children(entity);
+        let has_children = self.step.children.are_below(entity);
         let own = body.collider.filter(|_| !body.collider_disabled);
         let is_plain = own.is_some() && hierarchy::place(&posed.stretched(&DAffine3::IDENTITY)).shear.is_none();
         if !has_children && body.center.is_none() && is_plain {
@@ -369,42 +330,45 @@ impl Reader<'_, '_> {
             surface,
             compound: None,
         });
-        if own.is_some() {
-            self.part(number, entity, body.collider, &surface, &DAffine3::IDENTITY);
+        if let Some(MeshCollider(mesh)) = own {
+            let placed = hierarchy::place(&DAffine3::from_mat3(posed.stretch));
+            self.part(number, entity, mesh.id(), &surface, &placed);
         }
     }
 
     /// Adds the colliders that are children.
-    fn children(&mut self, bodies: &mut Query<BodyComponents, Or<(With<MeshCollider>, With<RigidBody>)>>) {
-        let children = std::mem::take(&mut self.step.children);
-        for &Child { collider, body, up } in &children {
-            let Ok(item) = bodies.get(collider) else { continue };
-            let surface = item.surface.read();
-            match body {
-                Some(body) => {
-                    let assemblies = &self.step.assemblies;
-                    // Those of an invalid body are left out with it.
-                    if let Ok(number) = assemblies.binary_search_by_key(&body, |assembly| assembly.body) {
-                        let surface = surface.or(&self.step.assemblies[number].surface);
-                        self.part(number as u32, collider, item.collider, &surface, &up);
-                    }
-                }
-                None => self.fixed(collider, item.collider, &surface, &up),
+    fn children(&mut self) {
+        let mut children = std::mem::take(&mut self.step.children);
+        let mut number = 0;
+        for child in children.all() {
+            let Some(body) = child.body else {
+                self.fixed(child);
+                continue;
+            };
+            // Both are ascending by body.
+            while (self.step.assemblies.get(number)).is_some_and(|assembly| assembly.body < body) {
+                number += 1;
+            }
+            // Those of an invalid body are left out with it.
+            if let Some(assembly) = self.step.assemblies.get(number).filter(|it| it.body == body) {
+                let surface = child.surface.or(&assembly.surface);
+                let placed = child.place(&assembly.stretch);
+                self.part(number as u32, child.collider, child.mesh, &surface, &placed);
             }
         }
         self.step.children = children;
     }
 
-    /// Adds a collider of an [`Assembly`]. `up` leads to the coordinates of its body.
-    fn part(&mut self, number: u32, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface, up: &DAffine3) {
-        let assembly = &self.step.assemblies[number as usize];
-        let posed = Posed {
-            position: assembly.values.position,
-            rotation: assembly.values.rotation,
-            stretch: assembly.stretch,
-        };
-        let Placed { place, scale, shear } = hierarchy::place(&posed.stretched(up));
-        let Some(mesh) = self.mesh(entity, collider, surface, shear.as_ref()) else {
+    /// Adds a collider of an [`Assembly`].
+    fn part(
+        &mut self,
+        number: u32,
+        entity: Entity,
+        mesh: AssetId<CollisionMesh>,
+        surface: &Surface,
+        &Placed { place, scale, shear }: &Placed,
+    ) {
+        let Some(mesh) = self.mesh(entity, mesh, surface, shear.as_ref()) else {
             return;
         };
         let assembly = &self.step.assemblies[number as usize];
@@ -416,13 +380,19 @@ impl Reader<'_, '_> {
             place,
             density: part.density,
         });
-        self.step.bodies.push((entity, part));
+        let is_joined = part.kind != RigidBody::Static;
+        self.step.candidates.push(Candidate {
+            entity,
+            body: part,
+            is_joined,
+        });
     }
 
-    /// Adds a static collider below other entities. `up` leads to the world.
-    fn fixed(&mut self, entity: Entity, collider: Option<&MeshCollider>, surface: &Surface, up: &DAffine3) {
-        let Placed { place, scale, shear } = hierarchy::place(up);
-        let Some(mesh) = self.mesh(entity, collider, surface, shear.as_ref()) else {
+    /// Adds a static collider below other entities.
+    fn fixed(&mut self, child: &mut Child) {
+        let (entity, surface) = (child.collider, child.surface);
+        let Placed { place, scale, shear } = child.place(&DMat3::IDENTITY);
+        let Some(mesh) = self.mesh(entity, child.mesh, &surface, shear.as_ref()) else {
             return;
         };
         let origin = Body {
@@ -431,19 +401,18 @@ impl Reader<'_, '_> {
         };
         let mut fixed = origin.collider(mesh, &place, scale);
         surface.apply(&mut fixed, surface.culling.unwrap_or(self.culling));
-        self.step.bodies.push((entity, fixed));
+        self.step.candidates.push(Candidate::single(entity, fixed));
     }
 
     /// The slot of a collider's mesh, with this shear applied. `None`, and maybe a fault, if it is not there.
     fn mesh(
         &mut self,
         entity: Entity,
-        collider: Option<&MeshCollider>,
+        id: AssetId<CollisionMesh>,
         surface: &Surface,
         shear: Option<&DMat3>,
     ) -> Option<u32> {
         let Meshes { meshes, assets } = self.meshes;
-        let id = collider?.0.id();
         let step = &mut *self.step;
         let Some(mesh) = meshes.get(id) else {
             match assets.load_state(id) {

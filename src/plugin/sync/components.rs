@@ -77,9 +77,7 @@ impl BodyComponentsItem<'_, '_> {
     /// Records components without effect. `has_hooks` says whether the app has hooks.
     pub fn note(&self, has_hooks: bool, oddities: &mut Oddities) {
         let (entity, params) = (self.entity, &self.params);
-        oddities.check_hooks(entity, self.surface.hooks, has_hooks);
-        oddities.check_restitution(entity, self.surface.restitution.map(|r| r.coefficient));
-        oddities.check(entity, "Friction", self.surface.friction.map(|f| f.coefficient));
+        self.surface.note(entity, has_hooks, oddities);
         oddities.check(entity, "LinearDamping", params.linear_damping.map(|d| d.0));
         oddities.check(entity, "AngularDamping", params.angular_damping.map(|d| d.0));
         oddities.check_limit(entity, "MaxLinearSpeed", params.max_linear_speed.map(|m| m.0));
@@ -107,6 +105,13 @@ impl BodyComponentsItem<'_, '_> {
 }
 
 impl SurfaceComponentsItem<'_, '_> {
+    /// Records components without effect. `has_hooks` says whether the app has hooks.
+    pub fn note(&self, entity: Entity, has_hooks: bool, oddities: &mut Oddities) {
+        oddities.check_hooks(entity, self.hooks, has_hooks);
+        oddities.check_restitution(entity, self.restitution.map(|r| r.coefficient));
+        oddities.check(entity, "Friction", self.friction.map(|f| f.coefficient));
+    }
+
     pub fn is_sensor(&self) -> bool {
         self.sensor
     }

@@ -22,6 +22,7 @@ pub(crate) struct Node {
 }
 
 /// What is above a collider.
+#[derive(Clone, Copy)]
 pub(crate) enum Above {
     /// Its body, and the transformation from the collider's parent to the body.
     Body(Entity, DAffine3),
@@ -32,6 +33,7 @@ pub(crate) enum Above {
 }
 
 /// Where a collider is in its body.
+#[derive(Clone, Copy)]
 pub(crate) struct Placed {
     pub place: Place,
     pub scale: Vec3,
@@ -70,21 +72,29 @@ impl NodeItem<'_, '_> {
 
 /// What is above the collider `entity`, which has no `RigidBody` itself.
 pub(crate) fn above(entity: Entity, nodes: &Query<Node>) -> Above {
+    let parent = nodes.get(entity).ok().and_then(|node| node.parent);
+    parent.map_or(Above::World(DAffine3::IDENTITY), |parent| {
+        from_parent(parent.parent(), nodes)
+    })
+}
+
+/// What is above a collider with this parent.
+pub(crate) fn from_parent(parent: Entity, nodes: &Query<Node>) -> Above {
     let mut product = DAffine3::IDENTITY;
-    let mut parent = nodes.get(entity).ok().and_then(|node| node.parent);
-    while let Some(child_of) = parent {
-        let Ok(node) = nodes.get(child_of.parent()) else {
+    let mut next = Some(parent);
+    while let Some(entity) = next {
+        let Ok(node) = nodes.get(entity) else {
             return Above::Disabled;
         };
         if node.is_body {
             return if node.disabled {
                 Above::Disabled
             } else {
-                Above::Body(child_of.parent(), product)
+                Above::Body(entity, product)
             };
         }
         product = node.affine() * product;
-        parent = node.parent;
+        next = node.parent.map(ChildOf::parent);
     }
     Above::World(product)
 }

@@ -1,6 +1,7 @@
 //! Synchronisation with the ECS: reads components before a step, and writes results after it.
 
 mod assemblies;
+mod children;
 pub(crate) mod collect;
 mod collected;
 mod components;
@@ -22,7 +23,7 @@ use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
 use crate::state::fault::BodyFault;
-use crate::state::{Body, Counts, Motion, Plane};
+use crate::state::{Counts, Motion, Plane};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::memory::DeviceMemory;
@@ -30,11 +31,11 @@ use crate::step::gpu::memory::DeviceMemory;
 use crate::step::gpu::results::{Detail, Output};
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
-use assemblies::{Assembly, AssemblyPart};
+use assemblies::{Assembly, AssemblyPart, Candidate};
 use bevy::ecs::change_detection::Tick;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use collect::Child;
+use children::ChildColliders;
 pub(crate) use collected::Collected;
 use driven::DrivenBodies;
 use entity_hooks::{EntityHooks, Numbered};
@@ -58,12 +59,12 @@ pub(crate) struct Step {
     #[cfg(feature = "gpu")]
     pub latent: latent::Latent,
     /// Scratch: colliders in the order of entities, valid or not.
-    pub bodies: Vec<(Entity, Body)>,
+    pub candidates: Vec<Candidate>,
     /// Scratch: bodies whose colliders are placed in them, ascending, and these colliders.
     pub assemblies: Vec<Assembly>,
     pub parts: Vec<AssemblyPart>,
-    /// Scratch: colliders that are children, ascending by body.
-    pub children: Vec<Child>,
+    /// Colliders below other entities.
+    pub children: ChildColliders,
     /// Scratch: bodies that are not single colliders without a parent.
     pub others: Vec<Entity>,
     /// Bodies under other entities.
@@ -140,10 +141,10 @@ impl Step {
             counts: Counts::default(),
             #[cfg(feature = "gpu")]
             latent: latent::Latent::default(),
-            bodies: Vec::new(),
+            candidates: Vec::new(),
             assemblies: Vec::new(),
             parts: Vec::new(),
-            children: Vec::new(),
+            children: ChildColliders::default(),
             others: Vec::new(),
             nested: NestedBodies::default(),
             driven: DrivenBodies::default(),
