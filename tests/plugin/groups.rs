@@ -2,6 +2,7 @@
 
 use crate::app::{Sim, ball_like, sorted, start_of};
 use bevy::diagnostic::DiagnosticsStore;
+use bevy::ecs::schedule::{LogLevel, ScheduleBuildSettings};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::plugin::diagnostics::{COUNTS, stage_path};
@@ -33,6 +34,21 @@ fn meet(mut sim: Sim) -> (Vec<Transform>, Vec<CollisionStart>, Vec<CollisionEnd>
     assert!(sim.started.contains(&start_of(pair)));
     assert!(sim.position(bodies[0]).x < 0.0, "they bounce");
     (bodies.map(|b| sim.get(b)).into(), sim.started, sim.ended)
+}
+
+#[test]
+fn no_two_systems_of_ours_run_in_an_unknown_order() {
+    let mut app = default_app();
+    app.edit_schedule(FaceoffStep, |schedule| {
+        // An ambiguity is then an error, with which the schedule cannot run.
+        schedule.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            ..default()
+        });
+    });
+    let mut sim = Sim::of(app);
+    sim.step(1);
+    assert_eq!(sim.world().resource::<StepReport>().step, 1);
 }
 
 #[test]

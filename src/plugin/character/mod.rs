@@ -167,7 +167,8 @@ impl Plugin for CharacterPlugin {
         debug_assert!(app.is_plugin_added::<SpatialQueryPlugin>());
         // Rays and shapes of casters on characters start where these are after the step.
         let run = run.after(update_after_step).before(run_casters).before(clock::end);
-        app.add_systems(FaceoffStep, run.run_if(any_with_component::<Character>));
+        let run = run.run_if(any_with_component::<Character>).ambiguous_with_all();
+        app.add_systems(FaceoffStep, run);
     }
 }
 
