@@ -4,9 +4,8 @@ use super::collision_mesh::CollisionMesh;
 use super::format::{self, Hash, Header};
 use super::gltf::{self, GltfError, MeshPart};
 pub use super::import_error::ImportError;
-use super::obj;
 use super::recipe::{Recipe, is_recipe};
-use super::stl;
+use super::{obj, off, ply, stl};
 use crate::geometry::TriMesh;
 use crate::projection::BakeSettings;
 use std::borrow::Cow;
@@ -45,7 +44,7 @@ impl Imported {
     }
 }
 
-/// Reads a mesh from the bytes of a glTF, OBJ, STL or `.faceoff` file. For glTF this is the whole scene.
+/// Reads a mesh from the bytes of a glTF, OBJ, STL, PLY, OFF or `.faceoff` file. For glTF this is the whole scene.
 ///
 /// `name` is the file name. Its extension decides the format if the bytes do not. The file need not exist.
 ///
@@ -123,6 +122,8 @@ enum Format {
     Baked,
     Gltf(Box<gltf::Document>),
     Obj,
+    Off,
+    Ply,
     Stl,
 }
 
@@ -155,6 +156,8 @@ impl<'a> Source<'a> {
             }
             Format::Gltf(document) => document.read(bytes, part, files)?,
             Format::Obj => obj::read(bytes)?,
+            Format::Off => off::read(bytes)?,
+            Format::Ply => ply::read(bytes)?,
             Format::Stl => stl::read(bytes)?,
         };
         Ok(Imported::Mesh {
@@ -195,9 +198,7 @@ impl Format {
         }
         let unsupported = match extension.as_str() {
             _ if bytes.starts_with(b"Kaydara FBX") => Some("FBX"),
-            _ if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") => Some("PLY"),
             "fbx" => Some("FBX"),
-            "ply" => Some("PLY"),
             "dae" => Some("Collada"),
             "blend" => Some("Blender"),
             _ => None,
@@ -208,9 +209,13 @@ impl Format {
         Ok(match extension.as_str() {
             "gltf" | "glb" => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
             _ if bytes.starts_with(b"glTF") => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
+            "ply" => Self::Ply,
+            _ if ply::is_likely(bytes) => Self::Ply,
             "obj" => Self::Obj,
+            "off" => Self::Off,
             "stl" => Self::Stl,
             _ if gltf::is_likely(bytes) => Self::Gltf(Box::new(gltf::Document::open(bytes)?)),
+            _ if off::is_likely(bytes) => Self::Off,
             _ if looks_like_obj(bytes) => Self::Obj,
             _ if stl::is_likely(bytes) => Self::Stl,
             _ => return Err(ImportError::Unknown),

@@ -60,10 +60,86 @@ pub enum ImportError {
         line: usize,
     },
     /// The file has no faces.
-    #[error("there are {vertices} vertices and no faces; is this an OBJ file, exported with its faces?")]
+    #[error("there are {vertices} vertices and no faces; export the mesh with its faces")]
     NoFaces {
         /// The number of vertices found.
         vertices: usize,
+    },
+    /// A corner of a polygon in a PLY or OFF file is negative or beyond 32 bits.
+    #[error("polygon {polygon} names vertex {index}; indices count from 0")]
+    BadIndex {
+        /// The index of the polygon in the file.
+        polygon: usize,
+        /// The index of the vertex.
+        index: i64,
+    },
+    /// The reader of PLY files found an error.
+    #[error("{}{message}; export the mesh again", line.map_or(String::new(), |line| format!("line {line}: ")))]
+    Ply {
+        /// The line, if the error is in a line.
+        line: Option<usize>,
+        /// What is wrong.
+        message: String,
+    },
+    /// An element of a PLY file lacks the properties that it needs.
+    #[error("the element {0} of the PLY file has no {1}; export the mesh again")]
+    PlyProperties(&'static str, &'static str),
+    /// The header of a PLY file promises more than there is.
+    #[error(
+        "the file says that it has {count} elements {element}, for which its {length} bytes are too few: it is cut off or \
+         damaged; export or copy it again"
+    )]
+    PlyCutOff {
+        /// The name of the element.
+        element: String,
+        /// How many there are according to the header.
+        count: usize,
+        /// The length of the file in bytes.
+        length: usize,
+    },
+    /// An OFF file of a kind that is not supported.
+    #[error(
+        "line {line}: {word:?} is not the start of an OFF file in text and three dimensions; export the mesh again"
+    )]
+    OffKind {
+        /// The line.
+        line: usize,
+        /// The line's beginning.
+        word: String,
+    },
+    /// A count in an OFF file is missing or negative.
+    #[error(
+        "line {line}: a count is missing or negative; after OFF there are the numbers of vertices, faces and edges"
+    )]
+    OffCounts {
+        /// The line.
+        line: usize,
+    },
+    /// An OFF file ends too early.
+    #[error("the file says that it has {wanted} {what}, but there are {there}: it is cut off; export or copy it again")]
+    OffCutOff {
+        /// `"vertices"` or `"faces"`.
+        what: &'static str,
+        /// How many there are according to the header.
+        wanted: u64,
+        /// How many there are.
+        there: u64,
+    },
+    /// A face of an OFF file has fewer corners than it says.
+    #[error("line {line}: a face says that it has {wanted} corners, and the line has fewer")]
+    OffShortFace {
+        /// The line.
+        line: usize,
+        /// The number of corners that it says.
+        wanted: u64,
+    },
+    /// A count or index is not an integer.
+    #[error("line {line}: {word:?} is not an integer")]
+    NotAnInteger {
+        /// The line.
+        line: usize,
+        /// The invalid word.
+        word: String,
     },
     /// The file is neither text nor long enough to be binary STL.
     #[error("{length} bytes are too few for an STL file; export or copy it again")]
@@ -118,12 +194,12 @@ pub enum ImportError {
     AssetSource(String),
     /// The format is known but not supported.
     #[error(
-        "{0} files are not supported; export the mesh as glTF, OBJ or STL, or build a TriMesh from its vertices and faces \
-         in code"
+        "{0} files are not supported; export the mesh as glTF, OBJ, STL, PLY or OFF, or build a TriMesh from its vertices and \
+         faces in code"
     )]
     Unsupported(&'static str),
     /// Neither the name nor the first bytes identify the format.
-    #[error("the format is unknown; mesh files end in .gltf, .glb, .obj, .stl, .faceoff or .bake.ron")]
+    #[error("the format is unknown; mesh files end in .gltf, .glb, .obj, .stl, .ply, .off, .faceoff or .bake.ron")]
     Unknown,
     /// The bytes are those of a recipe where a mesh is needed.
     #[error("a recipe does not contain a mesh; give the path of the recipe, not its content")]

@@ -23,7 +23,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {
-    /// The path of the mesh file, relative to the recipe: a glTF, OBJ or STL file, or a baked file to bake again.
+    /// The path of the mesh file, relative to the recipe: a glTF, OBJ, STL, PLY or OFF file, or a baked file to bake again.
     pub mesh: String,
     /// The part of a glTF file to bake; `None` for the whole scene.
     #[serde(default)]

@@ -201,7 +201,7 @@ impl Bodies {
 
     /// The same for a collider that will be joined with others before the bodies are used. What it has from its body must
     /// be valid.
-    pub(crate) fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
+    pub fn push_part(&mut self, body: &Body, meshes: &MeshArena) -> Result<(), BodyFault> {
         check_collider(body)?;
         self.add(body, meshes, false)
     }

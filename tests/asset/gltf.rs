@@ -37,6 +37,23 @@ fn indices_of_every_size_and_none() {
     assert_eq!(without.orientation(), Orientation::Outward);
 }
 
+/// The same `.glb` file with a document that is `extra` bytes longer than a multiple of four.
+fn not_padded(glb: &[u8], extra: usize) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let (document, binary) = glb[20..].split_at(length);
+    let word = |n: usize| (n as u32).to_le_bytes();
+    let parts: [&[u8]; 7] = [
+        &glb[..8],
+        &word(glb.len() + extra),
+        &word(length + extra),
+        b"JSON",
+        document,
+        &b"   "[..extra],
+        binary,
+    ];
+    parts.concat()
+}
+
 #[test]
 fn all_containers() {
     let mesh = shapes::knot_1120();
@@ -50,6 +67,9 @@ fn all_containers() {
         import_bytes("x.obj", &gltf.glb()).is_ok(),
         "the magic outranks the name"
     );
+    for extra in 1..4 {
+        assert_eq!(import_bytes("x.glb", &not_padded(&gltf.glb(), extra)).unwrap(), mesh);
+    }
     let mut marked = b"\xef\xbb\xbf".to_vec();
     marked.extend(gltf.with_data_uri());
     assert_eq!(import_bytes("x.gltf", &marked).unwrap(), mesh);

@@ -4,4 +4,6 @@ mod format;
 mod gltf;
 mod hostile_gltf;
 mod import;
+mod off;
+mod ply;
 mod stl;

@@ -42,8 +42,18 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>
         return Err(damaged("its first chunk is not JSON"));
     };
     // Chunks of other kinds belong to extensions.
-    let binary = chunk(document.end.next_multiple_of(4))?.filter(|(kind, _)| *kind == BINARY);
-    Ok((document, binary.map(|(_, range)| range)))
+    let binary = match chunk(document.end.next_multiple_of(4)) {
+        Ok(Some((BINARY, binary))) => Some(binary),
+        padded => match chunk(document.end) {
+            // Some programs do not pad the document to four bytes, as they should.
+            Ok(Some((BINARY, binary))) => {
+                tracing::warn!("the JSON of a .glb file is not padded to four bytes; it is read all the same");
+                Some(binary)
+            }
+            _ => padded?.and(None),
+        },
+    };
+    Ok((document, binary))
 }
 
 const JSON: u32 = u32::from_le_bytes(*b"JSON");

@@ -13,7 +13,7 @@ use std::{fmt, fs};
 /// Bake meshes into .faceoff files. Files that are up to date are skipped.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Mesh files: .glb, .gltf, .obj, .stl, .bake.ron or .faceoff. Options override the settings of a .bake.ron file.
+    /// Mesh files: .glb, .gltf, .obj, .stl, .ply, .off, .bake.ron or .faceoff. Options override the settings of a .bake.ron file.
     #[arg(required = true)]
     meshes: Vec<PathBuf>,
     /// Folder for the baked files; created if it does not exist.

@@ -21,7 +21,7 @@ pub struct Options {
     /// Which scene.
     #[arg(long, value_enum, default_value = "box")]
     scene: SceneChoice,
-    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .glb, .gltf, .obj, .stl, .faceoff or .bake.ron [default:
+    /// torus (240 triangles), knot (1120 triangles), or a mesh file: .glb, .gltf, .obj, .stl, .ply, .off, .faceoff or .bake.ron [default:
     /// torus; knot for the scene pour].
     #[arg(long)]
     shape: Option<String>,

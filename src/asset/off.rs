@@ -1,0 +1,106 @@
+//! Reader for OFF, the text format of Geomview: only positions and faces.
+//!
+//! Each vertex and each face is expected on a line of its own, as all programs write them; what follows on the line, for
+//! example a colour, is ignored. There is no maintained crate that reads it.
+
+use super::import_error::ImportError;
+use super::polygons::Polygons;
+use super::text::{number, shown};
+use crate::geometry::TriMesh;
+use glam::Vec3;
+
+/// Reads a file as one mesh.
+///
+/// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of the
+/// file, before any is dropped.
+pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut lines = (1..).zip(bytes.split(|&b| b == b'\n')).filter_map(|(line, text)| {
+        let text = text.split(|&b| b == b'#').next().unwrap_or_default().trim_ascii();
+        (!text.is_empty()).then_some((line, text))
+    });
+    let (mut line, mut rest) = lines.next().unwrap_or((1, b""));
+    rest = after_keyword(line, rest)?;
+    if rest.is_empty() {
+        (line, rest) = lines.next().unwrap_or((line, b""));
+    }
+    let mut counts = words(rest).map(|word| count(line, word));
+    let mut next_count = || counts.next().unwrap_or(Err(ImportError::OffCounts { line }));
+    let (vertex_count, face_count) = (next_count()?, next_count()?);
+    let mut line_of = |what: &'static str, read: usize, wanted: u64| {
+        let there = read as u64;
+        lines.next().ok_or(ImportError::OffCutOff { what, wanted, there })
+    };
+    let mut vertices = Vec::new();
+    while (vertices.len() as u64) < vertex_count {
+        let (line, text) = line_of("vertices", vertices.len(), vertex_count)?;
+        let mut words = words(text);
+        let mut position = [0.0f32; 3];
+        for x in &mut position {
+            *x = number(line, words.next().ok_or(ImportError::ShortVertex { line })?)?;
+        }
+        vertices.push(Vec3::from_array(position));
+    }
+    let mut polygons = Polygons::default();
+    let (mut corners, mut read) = (Vec::new(), 0);
+    while (read as u64) < face_count {
+        let (line, text) = line_of("faces", read, face_count)?;
+        let mut words = words(text);
+        let wanted = words.next().map_or(Ok(0), |word| count(line, word))?;
+        corners.clear();
+        while (corners.len() as u64) < wanted {
+            let word = words.next().ok_or(ImportError::OffShortFace { line, wanted })?;
+            corners.push(integer(line, word)?);
+        }
+        polygons.push(&corners)?;
+        read += 1;
+    }
+    polygons.finish(vertices)
+}
+
+/// Whether the content looks like OFF.
+pub(super) fn is_likely(bytes: &[u8]) -> bool {
+    let first = bytes
+        .trim_ascii_start()
+        .split(|&b| b == b'\n')
+        .next()
+        .unwrap_or_default();
+    first.len() < 64 && keyword(first).is_some_and(|rest| rest.first().is_none_or(|b| !b.is_ascii_alphabetic()))
+}
+
+/// What follows the keyword `OFF`, with the prefixes of formats that add normals, colours or texture coordinates.
+fn keyword(text: &[u8]) -> Option<&[u8]> {
+    let text = text.strip_prefix(b"ST").unwrap_or(text);
+    let text = text.strip_prefix(b"C").unwrap_or(text);
+    let text = text.strip_prefix(b"N").unwrap_or(text);
+    text.strip_prefix(b"OFF")
+}
+
+/// The rest of the first line after the keyword. It may be missing, and some files have no space after it.
+fn after_keyword(line: usize, text: &[u8]) -> Result<&[u8], ImportError> {
+    let rest = keyword(text).unwrap_or(text).trim_ascii();
+    if rest.first().is_none_or(u8::is_ascii_digit) {
+        return Ok(rest);
+    }
+    Err(ImportError::OffKind {
+        line,
+        word: shown(text),
+    })
+}
+
+fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+fn count(line: usize, word: &[u8]) -> Result<u64, ImportError> {
+    let number = integer(line, word)?;
+    u64::try_from(number).map_err(|_| ImportError::OffCounts { line })
+}
+
+fn integer(line: usize, word: &[u8]) -> Result<i64, ImportError> {
+    let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+    parsed.ok_or_else(|| ImportError::NotAnInteger {
+        line,
+        word: shown(word),
+    })
+}
