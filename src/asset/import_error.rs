@@ -73,6 +73,9 @@ pub enum ImportError {
         /// The index of the vertex.
         index: i64,
     },
+    /// A file with the extension `.ply` is of another kind.
+    #[error("the first line of the file is not \"ply\": it is not a PLY file; export or copy it again")]
+    NotPly,
     /// The reader of PLY files found an error.
     #[error("{}{message}; export the mesh again", line.map_or(String::new(), |line| format!("line {line}: ")))]
     Ply {

@@ -18,6 +18,9 @@ use ply_rs_bw::ply::{
 /// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of the
 /// file, before any is dropped.
 pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+    if !is_likely(bytes) {
+        return Err(ImportError::NotPly);
+    }
     let mut reader = Reader::new(bytes);
     let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(fault)?;
     let mut vertices = Vec::new();

@@ -80,25 +80,44 @@ pub enum NoGpu {
     },
 }
 
-/// Opens the best adapter: discrete before integrated before virtual. Adapters that compute on the CPU are used only if
-/// `software` is true.
+/// Opens the best adapter: discrete before integrated before virtual. If it cannot run the stages or gives no device, the
+/// next one is tried. Adapters that compute on the CPU are used only if `software` is true.
 ///
 /// # Errors
-/// If no adapter can run the stages.
+/// If no adapter can run the stages: why the best one cannot.
 pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     if !software && !may_have_card() {
         return Err(NoGpu::NoCard);
     }
-    pollster::block_on(async {
+    let adapters = pollster::block_on(async {
         // Reads WGPU_BACKEND, WGPU_VALIDATION and the like from the environment.
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = instance.enumerate_adapters(Backends::all()).await;
         adapters.retain(|adapter| adapter.get_info().backend != wgpu::Backend::Gl);
         adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
-        let best = adapters.into_iter().next().ok_or(NoGpu::NoAdapter)?;
-        suits(&best.get_info(), &best.limits(), software)?;
-        request(&best).await
+        adapters
+    });
+    first_that_opens(&adapters, |adapter| {
+        suits(&adapter.get_info(), &adapter.limits(), software)?;
+        pollster::block_on(request(adapter))
     })
+}
+
+/// The first device that is opened, or the first error.
+fn first_that_opens<A, D>(adapters: &[A], mut open: impl FnMut(&A) -> Result<D, NoGpu>) -> Result<D, NoGpu> {
+    let mut first = None;
+    for adapter in adapters {
+        match open(adapter) {
+            Ok(device) => {
+                if let Some(error) = first {
+                    tracing::warn!("{error}; the next adapter is used");
+                }
+                return Ok(device);
+            }
+            Err(error) => first = first.or(Some(error)),
+        }
+    }
+    Err(first.unwrap_or(NoGpu::NoAdapter))
 }
 
 /// Whether there may be a graphics card. Without one, creating an instance would load software drivers only for us to
@@ -203,5 +222,25 @@ fn rank(kind: DeviceType) -> u32 {
         DeviceType::VirtualGpu => 2,
         DeviceType::Other => 3,
         DeviceType::Cpu => 4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_adapter_is_tried_and_the_first_error_told() {
+        let error = |name: &str| NoGpu::OpenGl(name.into());
+        let open = |name: &&str| {
+            if name.starts_with("good") {
+                Ok(name.to_string())
+            } else {
+                Err(error(name))
+            }
+        };
+        assert_eq!(first_that_opens(&["bad", "good", "good too"], open), Ok("good".into()));
+        assert_eq!(first_that_opens(&["bad", "worse"], open), Err(error("bad")));
+        assert_eq!(first_that_opens(&[], open), Err(NoGpu::NoAdapter));
     }
 }

@@ -108,7 +108,12 @@ fn faces_may_come_before_vertices() {
 #[test]
 fn errors_say_what_and_where() {
     let cube = text(&shapes::cube(1.0));
-    assert!(message("not a ply").contains("line 1"), "{}", message("not a ply"));
+    assert!(message("not a ply").contains("it is not a PLY file"));
+    assert!(
+        message("ply\nnonsense\n").starts_with("line 2: "),
+        "{}",
+        message("ply\nnonsense\n")
+    );
     let cut_off = message(&cube[..cube.len() - 20]);
     assert!(
         cut_off.starts_with("line 35: ") && !cut_off.contains("Line"),
