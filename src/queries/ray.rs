@@ -3,13 +3,11 @@
 use super::bounds::{Boxes, Swept};
 use super::placed::Placed;
 use crate::geometry::cluster::CLUSTER;
-use crate::geometry::lanes::Cluster;
 use crate::geometry::linear_cast::line_meets;
-use crate::simd::lanes::{
-    Simd, all_le, bitmask, bits, cross, dot, each, largest, load_points, norm1, splat, splat_point, sub,
-};
+use crate::simd::lanes::{Simd, bits};
 use crate::simd::level::with_simd;
 use crate::simd::levels::visit_nearest;
+use crate::simd::line::may_meet;
 use crate::simd::rounding::PAD;
 use glam::{DVec3, Vec3};
 
@@ -277,25 +275,4 @@ impl Line {
         // Far away the rounding error of the quotients is that of the distance.
         (enter <= leave + 1.0e-12 * enter.abs()).then_some(enter)
     }
-}
-
-/// Relative rounding error of a product of three vectors in single precision.
-const ERROR: f32 = 4.0e-6;
-
-/// Lanes whose triangles the line through `start` along the unit vector `way` may meet: its triple products with all three
-/// edges have the same sign.
-#[inline(always)]
-fn may_meet<S: Simd>(simd: S, cluster: &Cluster, start: DVec3, way: DVec3) -> u32 {
-    // Relative to the point of the line that is nearest to the cluster, single precision is at its best.
-    let apart = start - cluster.origin.as_dvec3();
-    let from = splat_point(simd, (apart - way * apart.dot(way)).as_vec3());
-    let way = splat_point(simd, way.as_vec3());
-    let corners = each(|k| sub(load_points(simd, &cluster.corners[k]), from));
-    let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
-    // Positions are rounded relative to the cluster. A corner near the line is no more precise than the others, and the
-    // exact test has a tolerance.
-    let size = largest(each(|k| norm1(corners[k]))) + norm1(from);
-    let error = size * size * splat(simd, ERROR);
-    let (left, right) = (all_le([-error; 3], volumes), all_le(volumes, [error; 3]));
-    bitmask(left | right) & cluster.lanes
 }

@@ -4,5 +4,6 @@ pub mod descent;
 pub mod lanes;
 pub mod level;
 pub mod levels;
+pub mod line;
 pub mod rounding;
 pub mod tree;

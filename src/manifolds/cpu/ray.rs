@@ -2,13 +2,12 @@
 
 use super::side::Side;
 use crate::geometry::cluster::CLUSTER;
-use crate::simd::lanes::{
-    SimdBase, all_le, bitmask, bits, cross, dot, each, load_points, norm1, splat, splat_point, sub,
-};
+use crate::simd::lanes::{SimdBase, bitmask, bits, load_points, splat, splat_point, sub};
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
+use crate::simd::line::may_meet;
 use crate::simd::rounding::PAD;
-use crate::state::mesh_arena::{BoxGroup, Cluster};
+use crate::state::mesh_arena::BoxGroup;
 use glam::DVec3;
 use std::cell::Cell;
 
@@ -52,7 +51,7 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     };
     visit(&lanes.levels, &met, &mut |cluster| {
         let first = cluster as usize * CLUSTER;
-        for t in bits(may_meet(&lanes.clusters[cluster as usize], from, way / length)).map(|lane| first + lane) {
+        for t in bits(may_meet(simd, &lanes.clusters[cluster as usize], from, way / length)).map(|lane| first + lane) {
             if let Some(distance) = meets(mesh.corners(t).map(|p| p.as_dvec3() - from), way)
                 && distance < nearest.get().0
             {
@@ -64,22 +63,6 @@ pub fn exit(side: &Side, start: DVec3, direction: DVec3, most: f64) -> Option<(f
     let (distance, triangle) = nearest.get();
     let leaves = |t: &u32| way.dot(side.features.normals[*t as usize].as_dvec3()) > 0.0;
     Some((distance, triangle.filter(leaves)?))
-}
-
-/// Relative rounding error of a product of three vectors in single precision.
-const ERROR: f32 = 4.0e-6;
-
-/// Lanes whose triangles the line through `from` along the unit vector `way` may meet: its triple products with all
-/// three edges have the same sign.
-fn may_meet(cluster: &Cluster, from: DVec3, way: DVec3) -> u32 {
-    let simd = baseline();
-    let from = splat_point(simd, (from - cluster.origin.as_dvec3()).as_vec3());
-    let way = splat_point(simd, way.as_vec3());
-    let corners = each(|k| sub(load_points(simd, &cluster.corners[k]), from));
-    let volumes = each(|k| dot(way, cross(corners[k], corners[(k + 1) % 3])));
-    let errors = each(|k| norm1(corners[k]) * norm1(corners[(k + 1) % 3]) * splat(simd, ERROR));
-    let (left, right) = (all_le(each(|k| -errors[k]), volumes), all_le(volumes, errors));
-    bitmask(left | right) & cluster.lanes
 }
 
 /// Distance along `way` at which the ray from the origin hits the triangle.
