@@ -27,7 +27,7 @@ pub struct ScenePointHit {
 
 impl Scene {
     /// The point that is nearest to a given one, if it is no farther than `max_distance` metres. That may be infinite. See
-    /// [`Placed::closest_point`]. Of several that contain the point it is that of the lowest number.
+    /// [`Placed::closest_point`](crate::queries::Placed::closest_point). Of several that contain the point it is that of the lowest number.
     pub fn closest_point(
         &self,
         point: DVec3,
@@ -56,7 +56,8 @@ impl Scene {
         nearest.hit()
     }
 
-    /// The numbers of the meshes and half-spaces that a shape with a pose overlaps, ascending. See [`Placed::overlaps`].
+    /// The numbers of the meshes and half-spaces that a shape with a pose overlaps, ascending. See
+    /// [`Placed::overlaps`](crate::queries::Placed::overlaps).
     pub fn overlapping(
         &self,
         shape: &QueryShape,
