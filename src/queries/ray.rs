@@ -214,6 +214,9 @@ impl<'a> Cast<'a> {
             #[inline(always)]
             |cluster| {
                 let first = cluster as usize * CLUSTER;
+                // In a large mesh memory takes most of the time. So the exact test does not wait for its triangle after this one
+                // has waited for the cluster.
+                mesh.mesh.read_early(first);
                 for lane in bits(may_meet(simd, &lanes.clusters[cluster as usize], self.line.start, way)) {
                     most = hit(first + lane, most);
                 }
