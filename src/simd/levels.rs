@@ -3,6 +3,7 @@
 use super::lanes::bits;
 use crate::geometry::lanes::BoxGroup;
 use arrayvec::ArrayVec;
+use std::hint::black_box;
 
 /// Visits a box tree from the root down.
 ///
@@ -70,6 +71,14 @@ pub fn visit_nearest(
         let level = node.level - 1;
         let (lower, met) = bounds(&levels[level as usize][node.number as usize], most);
         let first = open.len();
+        // In a large mesh the visit waits for memory. The groups below are asked for together.
+        if (1..=2).contains(&level) && met.count_ones() > 1 {
+            let below = &levels[level as usize - 1];
+            for lane in bits(met) {
+                let group = &below[8 * node.number as usize + lane];
+                black_box((group.center[0].0[0], group.half[0].0[0], group.half[2].0[7]));
+            }
+        }
         for lane in bits(met) {
             // Insertion sort, farthest first.
             let mut i = open.len();
