@@ -206,6 +206,7 @@ impl SweptRound<'_> {
             limit,
             #[inline(always)]
             |group, most| swept.bounds(&Boxes::of(simd, group).scaled(scales), most),
+            |_| {},
             #[inline(always)]
             |number| {
                 let cluster = &lanes.clusters[number as usize];

@@ -120,6 +120,7 @@ impl Placed<'_> {
             limit,
             #[inline(always)]
             |group, most| near.bounds(&Boxes::of(simd, group).scaled(scales), most),
+            |_| {},
             #[inline(always)]
             |number| {
                 let cluster = &lanes.clusters[number as usize];

@@ -10,6 +10,7 @@ use crate::simd::levels::visit_nearest;
 use crate::simd::line::may_meet;
 use crate::simd::rounding::PAD;
 use glam::{DVec3, Vec3};
+use std::hint::black_box;
 
 /// Relative rounding error of a distance.
 const ROUNDING: f64 = 1.0e-13;
@@ -211,6 +212,13 @@ impl<'a> Cast<'a> {
             limit(most),
             #[inline(always)]
             |group, most| swept.bounds(&Boxes::of(simd, group), most),
+            #[inline(always)]
+            |cluster| {
+                // One number of each third of the cluster, and its end.
+                let [a, b, c] = &lanes.clusters[cluster as usize].corners;
+                black_box((a[0].0[0], b[0].0[0], c[0].0[0], c[2].0[7]));
+                mesh.mesh.read_early(cluster as usize * CLUSTER);
+            },
             #[inline(always)]
             |cluster| {
                 let first = cluster as usize * CLUSTER;

@@ -46,12 +46,15 @@ const MAX_OPEN: usize = 96;
 ///
 /// `bounds` gets eight boxes and the largest distance of interest. It returns a lower bound of the distance of each box, and
 /// one bit for each box to descend into. `found` is called with the number of each box of the lowest level, and returns the
-/// largest distance that is of interest from then on; minus infinity ends the visit.
+/// largest distance that is of interest from then on; minus infinity ends the visit. `early` is called with the numbers of
+/// several such boxes before the first of them is found: it may read what `found` will need, so that the waits for memory
+/// overlap.
 #[inline(always)]
 pub fn visit_nearest(
     levels: &[Vec<BoxGroup>],
     mut most: f32,
     bounds: impl Fn(&BoxGroup, f32) -> ([f32; 8], u32),
+    early: impl Fn(u32),
     mut found: impl FnMut(u32) -> f32,
 ) {
     let mut open = ArrayVec::<Open, MAX_OPEN>::new();
@@ -71,6 +74,11 @@ pub fn visit_nearest(
         let level = node.level - 1;
         let (lower, met) = bounds(&levels[level as usize][node.number as usize], most);
         let first = open.len();
+        if level == 0 && met.count_ones() > 1 {
+            for lane in bits(met) {
+                early(8 * node.number + lane as u32);
+            }
+        }
         // In a large mesh the visit waits for memory. The groups below are asked for together.
         if (1..=2).contains(&level) && met.count_ones() > 1 {
             let below = &levels[level as usize - 1];

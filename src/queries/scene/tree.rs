@@ -119,6 +119,7 @@ impl Tree {
                 limit(most),
                 #[inline(always)]
                 |group, most| swept.bounds(&Boxes::of(simd, group), most),
+                |_| {},
                 #[inline(always)]
                 |leaf| limit(visit(self.order[leaf as usize])),
             );
@@ -151,6 +152,7 @@ impl Tree {
                 limit(most),
                 #[inline(always)]
                 |group, most| near.bounds(&Boxes::of(simd, group), most),
+                |_| {},
                 #[inline(always)]
                 |leaf| limit(visit(self.order[leaf as usize])),
             );
