@@ -6,7 +6,8 @@
 //! again.
 
 use super::import_error::ImportError;
-use super::text::{number, shown};
+use super::polygons::fan;
+use super::text::{number, shown, without_byte_order_mark, words};
 use crate::geometry::TriMesh;
 use glam::Vec3;
 use std::fmt::Write;
@@ -19,7 +20,7 @@ use std::fmt::Write;
 /// Negative indices count backwards from the last vertex read.
 pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     let mut obj = Obj::default();
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_byte_order_mark(bytes);
     let mut continued: Vec<u8> = Vec::new();
     let mut first_line = 1;
     for (line, text) in (1..).zip(bytes.split(|&b| b == b'\n')) {
@@ -64,13 +65,15 @@ pub fn to_obj(mesh: &TriMesh) -> String {
 struct Obj {
     vertices: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
+    /// Scratch: the corners of a face.
+    corners: Vec<u32>,
     /// The largest index that was read before its vertex, and its line.
     forward: Option<(u32, usize)>,
 }
 
 impl Obj {
     fn line(&mut self, line: usize, text: &[u8]) -> Result<(), ImportError> {
-        let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        let mut words = words(text);
         match words.next() {
             Some(b"v") => self.vertex(line, words),
             Some(b"f") => self.face(line, words),
@@ -92,21 +95,18 @@ impl Obj {
     }
 
     fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a [u8]>) -> Result<(), ImportError> {
-        let (mut first, mut last) = (None, None);
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
         for word in words {
-            let index = self.index(line, word)?;
-            match (first, last) {
-                (None, _) => first = Some(index),
-                (Some(_), None) => last = Some(index),
-                (Some(a), Some(b)) => {
-                    if self.faces.len() >= u32::MAX as usize - 1 {
-                        return Err(ImportError::TooLarge { line });
-                    }
-                    self.faces.push([a, b, index]);
-                    last = Some(index);
-                }
-            }
+            corners.push(self.index(line, word)?);
         }
+        for triangle in fan(&corners) {
+            if self.faces.len() >= u32::MAX as usize - 1 {
+                return Err(ImportError::TooLarge { line });
+            }
+            self.faces.push(triangle);
+        }
+        self.corners = corners;
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 
 use super::import_error::ImportError;
 use super::polygons::Polygons;
-use super::text::{number, shown};
+use super::text::{number, shown, without_byte_order_mark, words};
 use crate::geometry::TriMesh;
 use glam::Vec3;
 
@@ -14,11 +14,12 @@ use glam::Vec3;
 /// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of the
 /// file, before any is dropped.
 pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut lines = (1..).zip(bytes.split(|&b| b == b'\n')).filter_map(|(line, text)| {
-        let text = text.split(|&b| b == b'#').next().unwrap_or_default().trim_ascii();
-        (!text.is_empty()).then_some((line, text))
-    });
+    let mut lines = (1..)
+        .zip(without_byte_order_mark(bytes).split(|&b| b == b'\n'))
+        .filter_map(|(line, text)| {
+            let text = text.split(|&b| b == b'#').next().unwrap_or_default().trim_ascii();
+            (!text.is_empty()).then_some((line, text))
+        });
     let (mut line, mut rest) = lines.next().unwrap_or((1, b""));
     rest = after_keyword(line, rest)?;
     if rest.is_empty() {
@@ -86,10 +87,6 @@ fn after_keyword(line: usize, text: &[u8]) -> Result<&[u8], ImportError> {
         line,
         word: shown(text),
     })
-}
-
-fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
-    text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
 fn count(line: usize, word: &[u8]) -> Result<u64, ImportError> {

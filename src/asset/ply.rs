@@ -29,13 +29,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
         check_count(element, &header, bytes.len())?;
         match element.name.as_str() {
             "vertex" => {
-                let read: Vec<Vertex> = elements(&mut reader, element, &header)?;
-                if ["x", "y", "z"]
+                if !["x", "y", "z"]
                     .iter()
-                    .any(|axis| !element.properties.contains_key(*axis))
+                    .all(|axis| element.properties.contains_key(*axis))
                 {
                     return Err(ImportError::PlyProperties("vertex", "x, y and z"));
                 }
+                let read: Vec<Vertex> = elements(&mut reader, element, &header)?;
                 vertices.extend(read.into_iter().map(|vertex| vertex.0));
             }
             "face" => {

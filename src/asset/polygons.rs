@@ -4,6 +4,11 @@ use super::import_error::ImportError;
 use crate::geometry::TriMesh;
 use glam::Vec3;
 
+/// The triangles of a polygon, as a fan from its first corner. One with fewer than three corners has none.
+pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
+    corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
+}
+
 /// The triangles read so far. Their order is that of the file.
 #[derive(Default)]
 pub(super) struct Polygons {
@@ -13,14 +18,10 @@ pub(super) struct Polygons {
 }
 
 impl Polygons {
-    /// Adds a polygon as a fan of triangles from its first corner. One with fewer than three corners has none.
+    /// Adds a polygon as its [`fan`].
     pub fn push(&mut self, corners: &[i64]) -> Result<(), ImportError> {
-        let [a, others @ ..] = corners else {
-            self.count += 1;
-            return Ok(());
-        };
-        for pair in others.windows(2) {
-            self.triangle([*a, pair[0], pair[1]])?;
+        for triangle in fan(corners) {
+            self.triangle(triangle)?;
         }
         self.count += 1;
         Ok(())

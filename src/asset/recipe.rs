@@ -15,6 +15,7 @@
 //! ```
 
 use super::gltf::MeshPart;
+use super::text::without_byte_order_mark;
 use crate::projection::{BakeSettings, SettingsError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -80,7 +81,7 @@ impl Recipe {
         let recipe: Self = ron::Options::default()
             .with_recursion_limit(MAX_DEPTH)
             .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
-            .from_bytes(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))
+            .from_bytes(without_byte_order_mark(bytes))
             .map_err(|e| RecipeError::Syntax {
                 line: e.span.start.line,
                 column: e.span.start.col,

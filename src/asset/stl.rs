@@ -6,7 +6,7 @@
 //! and which nobody needs. Its errors have no line numbers.
 
 use super::import_error::ImportError;
-use super::text::{number, shown};
+use super::text::{number, shown, without_byte_order_mark, words};
 use crate::geometry::{MeshError, TriMesh};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -59,10 +59,6 @@ fn begins_with_solid(bytes: &[u8]) -> bool {
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
-}
-
 fn read_binary(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     let triangles = expected_triangles(bytes).ok_or(ImportError::StlHeader { length: bytes.len() })?;
     let body = &bytes[PREFIX..];
@@ -87,10 +83,10 @@ fn read_binary(bytes: &[u8]) -> Result<TriMesh, ImportError> {
 fn read_text(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     let mut text = Text::default();
     let mut last_line = 1;
-    for (line, words) in (1..).zip(without_byte_order_mark(bytes).split(|&b| b == b'\n')) {
-        for word in words.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()) {
-            last_line = line;
-            if text.word(line, word)? == Then::NextLine {
+    for (number, line) in (1..).zip(without_byte_order_mark(bytes).split(|&b| b == b'\n')) {
+        for word in words(line) {
+            last_line = number;
+            if text.word(number, word)? == Then::NextLine {
                 break;
             }
         }

@@ -2,6 +2,16 @@
 
 use super::import_error::ImportError;
 
+/// The content of a text file. Some programs begin it with a byte order mark.
+pub(super) fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// The words of a line.
+pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
 /// Parses a finite number.
 pub(super) fn number(line: usize, word: &[u8]) -> Result<f32, ImportError> {
     let number: f32 = std::str::from_utf8(word)

@@ -21,6 +21,7 @@ pub use error::GltfError;
 pub use part::{MeshChoice, MeshPart};
 
 use super::import_error::ImportError;
+use super::text::without_byte_order_mark;
 use crate::geometry::TriMesh;
 use accessor::Data;
 use container::BufferSource;
@@ -43,12 +44,10 @@ impl Document {
         let text = &bytes[document];
         // serde_json rejects documents nested deeper than 128 levels.
         let root: Root =
-            serde_json::from_slice(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)).map_err(|error| {
-                GltfError::Document {
-                    line: error.line(),
-                    column: error.column(),
-                    reason: reason(&error),
-                }
+            serde_json::from_slice(without_byte_order_mark(text)).map_err(|error| GltfError::Document {
+                line: error.line(),
+                column: error.column(),
+                reason: reason(&error),
             })?;
         let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
         if version != "2" && !version.starts_with("2.") {
