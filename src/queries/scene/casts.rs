@@ -44,14 +44,14 @@ impl Scene {
                 first.add(hit.distance, number, hit);
             }
         }
-        let mut most = first.distance().unwrap_or(max_distance);
+        let most = first.most(max_distance);
         let mut scratch = CastScratch::default();
         self.meshes_along(placed.outer_box(), way, most, &filter, &mut |number, mesh| {
+            let most = first.most(max_distance);
             if let Some(hit) = mesh.cast(shape, translation, rotation, way, most, &mut scratch) {
                 first.add(hit.distance, number, SceneCastHit::on_mesh(number, hit));
-                most = most.min(hit.distance);
             }
-            most
+            first.most(max_distance)
         });
         first.hit()
     }

@@ -161,14 +161,8 @@ impl Scene {
         filter: &impl Fn(usize) -> bool,
         visit: &mut dyn FnMut(usize, Placed) -> f64,
     ) {
-        let mut most = most;
         let tree = self.tree();
-        tree.tree.along(start, way, most, &mut |index| {
-            if let Some((number, mesh)) = self.mesh_at(tree, index, filter) {
-                most = visit(number, mesh);
-            }
-            most
-        });
+        (tree.tree).along(start, way, most, &mut self.visitor(tree, most, filter, visit));
     }
 
     /// Calls `visit` with the meshes that pass a filter and may be within `most` metres of a box, nearer ones first. See
@@ -180,21 +174,27 @@ impl Scene {
         filter: &impl Fn(usize) -> bool,
         visit: &mut dyn FnMut(usize, Placed) -> f64,
     ) {
-        let mut most = most;
         let tree = self.tree();
-        tree.tree.around(near, most, &mut |index| {
-            if let Some((number, mesh)) = self.mesh_at(tree, index, filter) {
+        (tree.tree).around(near, most, &mut self.visitor(tree, most, filter, visit));
+    }
+
+    /// From the boxes of the tree to the meshes that pass a filter.
+    fn visitor<'s>(
+        &'s self,
+        tree: &'s SceneTree,
+        mut most: f64,
+        filter: &'s impl Fn(usize) -> bool,
+        visit: &'s mut dyn FnMut(usize, Placed) -> f64,
+    ) -> impl FnMut(u32) -> f64 + 's {
+        move |index| {
+            let number = tree.meshes[index as usize] as usize;
+            if filter(number)
+                && let Some(mesh) = self.placed(number)
+            {
                 most = visit(number, mesh);
             }
             most
-        });
-    }
-
-    /// The mesh of a box of the tree, with its number, if that passes a filter.
-    fn mesh_at(&self, tree: &SceneTree, index: u32, filter: &impl Fn(usize) -> bool) -> Option<(usize, Placed<'_>)> {
-        let number = tree.meshes[index as usize] as usize;
-        let mesh = filter(number).then(|| self.placed(number))??;
-        Some((number, mesh))
+        }
     }
 }
 
@@ -213,6 +213,11 @@ impl<H> First<H> {
 
     fn distance(&self) -> Option<f64> {
         self.0.as_ref().map(|&(distance, ..)| distance)
+    }
+
+    /// The distance beyond which hits are of no interest, if it was `limit` before there was any.
+    fn most(&self, limit: f64) -> f64 {
+        self.distance().map_or(limit, |distance| distance.min(limit))
     }
 
     fn hit(self) -> Option<H> {

@@ -27,7 +27,8 @@ pub struct ScenePointHit {
 
 impl Scene {
     /// The point that is nearest to a given one, if it is no farther than `max_distance` metres. That may be infinite. See
-    /// [`Placed::closest_point`](crate::queries::Placed::closest_point). Of several that contain the point it is that of the lowest number.
+    /// [`Placed::closest_point`](crate::queries::Placed::closest_point). Of several that contain the point it is that of the
+    /// lowest number.
     pub fn closest_point(
         &self,
         point: DVec3,
@@ -45,13 +46,12 @@ impl Scene {
                 nearest.add(hit.distance, number, hit);
             }
         }
-        let mut most = nearest.distance().unwrap_or(max_distance);
+        let most = nearest.most(max_distance);
         self.meshes_around(WorldBox::point(point), most, &filter, &mut |number, mesh| {
-            if let Some(hit) = mesh.closest_point(point, most) {
+            if let Some(hit) = mesh.closest_point(point, nearest.most(max_distance)) {
                 nearest.add(hit.distance, number, ScenePointHit::on_mesh(number, hit));
-                most = most.min(hit.distance);
             }
-            most
+            nearest.most(max_distance)
         });
         nearest.hit()
     }

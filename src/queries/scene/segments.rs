@@ -42,7 +42,7 @@ impl Scene {
             }
         }
         // Who is deepest counts, so everything that overlaps is looked at.
-        let most = |first: &First<_>| first.distance().map_or(max_distance, |distance| distance.max(0.0));
+        let most = |first: &First<_>| first.most(max_distance).max(0.0);
         let segment = WorldBox::between([p.min(q), p.max(q)]);
         self.meshes_around(segment, most(&first), &filter, &mut |number, mesh| {
             if let Some(hit) = mesh.closest_to_segment(ends, most(&first)) {
