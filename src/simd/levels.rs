@@ -74,17 +74,17 @@ pub fn visit_nearest(
         let level = node.level - 1;
         let (lower, met) = bounds(&levels[level as usize][node.number as usize], most);
         let first = open.len();
-        if level == 0 && met.count_ones() > 1 {
+        // In a large mesh the visit waits for memory, so what is below several boxes is asked for together. The upper levels
+        // are small, and in the cache.
+        if level <= 2 && met.count_ones() > 1 {
             for lane in bits(met) {
-                early(8 * node.number + lane as u32);
-            }
-        }
-        // In a large mesh the visit waits for memory. The groups below are asked for together.
-        if (1..=2).contains(&level) && met.count_ones() > 1 {
-            let below = &levels[level as usize - 1];
-            for lane in bits(met) {
-                let group = &below[8 * node.number as usize + lane];
-                black_box((group.center[0].0[0], group.half[0].0[0], group.half[2].0[7]));
+                let number = 8 * node.number + lane as u32;
+                if level == 0 {
+                    early(number);
+                } else {
+                    let group = &levels[level as usize - 1][number as usize];
+                    black_box((group.center[0].0[0], group.half[0].0[0], group.half[2].0[7]));
+                }
             }
         }
         for lane in bits(met) {
