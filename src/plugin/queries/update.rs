@@ -136,20 +136,17 @@ impl Colliders<'_, '_> {
     /// Adds a collider whose mesh is there.
     fn add_collider(&self, index: &mut SpatialIndex, collider: &ColliderComponentsItem, pose_of: PoseOf) {
         let entity = collider.entity;
-        let (body, placed) = if collider.is_body || collider.parent.is_none() {
-            if collider.body_disabled {
-                return;
-            }
-            (entity, self.body_to_world(entity, pose_of))
-        } else {
-            match above(entity, &self.nodes) {
+        let (body, placed) = match collider.parent {
+            Some(parent) if !collider.is_body => match hierarchy::from_parent(parent.parent(), &self.nodes) {
                 Above::Body(body, up) if !self.is_rejected(body) => {
                     let own = affine(collider.transform);
                     (body, self.body_to_world(body, pose_of) * up * own)
                 }
                 Above::World(up) => (entity, up * affine(collider.transform)),
                 Above::Body(..) | Above::Disabled => return,
-            }
+            },
+            _ if collider.body_disabled => return,
+            _ => (entity, self.body_to_world(entity, pose_of)),
         };
         let Placed {
             place: pose,

@@ -84,13 +84,9 @@ impl Step {
         owners.clear();
         kinds.clear();
         arrays.clear();
-        for &Candidate {
-            entity,
-            ref body,
-            is_joined,
-        } in candidates.iter()
-        {
-            let pushed = if is_joined {
+        for candidate in candidates.iter() {
+            let (entity, body) = (candidate.entity, &candidate.body);
+            let pushed = if candidate.is_joined {
                 arrays.push_part(body, meshes)
             } else {
                 arrays.push(body, meshes)
@@ -117,15 +113,13 @@ impl Step {
             found.clear();
             found.extend(own.iter().filter_map(|part| {
                 // Most colliders of a body follow each other.
-                let is_next = entities.get(next) == Some(&part.collider);
-                let collider = if is_next {
-                    Ok(next)
-                } else {
-                    entities.binary_search(&part.collider)
-                };
-                next = collider.ok()? + 1;
+                if entities.get(next) != Some(&part.collider) {
+                    next = entities.binary_search(&part.collider).ok()?;
+                }
+                let collider = next as u32;
+                next += 1;
                 Some(NewPart {
-                    collider: next as u32 - 1,
+                    collider,
                     place: part.place,
                     density: part.density,
                 })
