@@ -88,7 +88,7 @@ struct Peers {
 impl Peers {
     fn new(mesh: &TriMesh) -> Self {
         let points = mesh.vertices().iter().map(|v| Vector::from(v.to_array())).collect();
-        let corners = (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(Into::into));
+        let corners = (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(|p| p.to_array().into()));
         let triangles: Vec<Triangle> = corners.map(|[v0, v1, v2]| Triangle { v0, v1, v2 }).collect();
         let obvhs = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
         let order = obvhs.primitive_indices.iter();
@@ -123,7 +123,7 @@ impl Peers {
 
     fn obvhs(&self, rays: &[(Vec3, Vec3)]) -> Vec<f32> {
         let cast = |&(origin, way): &(Vec3, Vec3)| {
-            let ray = obvhs::ray::Ray::new_inf(origin.into(), way.into());
+            let ray = obvhs::ray::Ray::new_inf(origin.to_array().into(), way.to_array().into());
             let mut hit = obvhs::ray::RayHit::none();
             self.obvhs
                 .ray_traverse(ray, &mut hit, |ray, id| self.triangles[id].intersect(ray));
