@@ -1,48 +1,60 @@
-//! Time of the stages on the GPU: `cargo bench --bench gpu [-- --quick]`. The binary can also be copied to any machine
-//! with a driver.
+//! Time and work of the stages on the GPU: `cargo bench --bench gpu [-- --quick]`. The binary can also be copied to any
+//! machine with a driver.
 //!
-//! The scenes are those of the paper in several sizes, in the exact mode and with response. For each scene the table
-//! has:
+//! The scenes are those of the paper in several sizes, in the exact mode, with each response. A table of times has:
 //! * the device time of each stage (medians of timestamps);
 //! * the wall time of a step with all results read back at once, with results read back two steps later, and with only
 //!   the counts read back two steps later;
 //! * the time of the same step on the CPU.
 //!
-//! `--quick` omits scenes that take minutes on a software driver.
+//! A table of work has what a step asks of the device once lists are long enough, for each of the three readings.
+//!
+//! `--memory` prints the sizes of all buffers for a million tori, from the lists of 2,200 at the same density.
+//!
+//! `--quick` omits scenes that take minutes on a software driver. `--counts` counts 2,200 tori without measuring times,
+//! contacts at two speeds, and so with one and with
+//! several collision substeps.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
+use bevy_faceoff::gpu::buffers::{Buffers, Capacity};
 use bevy_faceoff::gpu::device;
+use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
 use bevy_faceoff::plugin::settings::LATENCY;
+use bevy_faceoff::solver::gpu::SolverBuffers;
 use bevy_faceoff::state::Body;
 use bevy_faceoff::step::StepState;
+use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
 use bevy_faceoff::step::gpu::results::Detail;
 use bevy_faceoff::step::gpu::upload::Carried;
 use bevy_faceoff::step::gpu::{GpuStep, StepError};
+use bevy_faceoff::types::gpu_work::{GpuList, GpuWork};
+use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::stage::Stage;
 use glam::{Quat, Vec3};
 use std::time::{Duration, Instant};
 
+const RESPONSES: [Response; 3] = [Response::Impulse, Response::None, Response::Contacts];
+
 fn main() {
-    let quick = std::env::args().any(|argument| argument == "--quick");
-    let gpu = match device::open(true) {
-        Ok(gpu) => gpu,
+    let has = |option: &str| std::env::args().any(|argument| argument == option);
+    let made = device::open(true).and_then(GpuStep::new);
+    let mut step = match made {
+        Ok(step) => step,
         Err(error) => {
             println!("nothing is measured: {error}");
             return;
         }
     };
+    let info = &step.gpu().info;
     println!(
         "{} ({:?}, {}, {} {})\n",
-        gpu.info.name, gpu.info.device_type, gpu.info.backend, gpu.info.driver, gpu.info.driver_info
+        info.name, info.device_type, info.backend, info.driver, info.driver_info
     );
-    println!(
-        "| scene | sphere pairs | touching | face pairs | BroadPhase | Angles | TriangleTest | ForceScan | Integrate | \
-         device, ms | lockstep, ms | latent, ms | resident, ms | CPU step, ms | CPU / device | list bytes |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let (torus, knot) = (shapes::torus_240(), shapes::knot_1120());
-    let scenes: &[(&str, &TriMesh, usize)] = if quick {
+    let scenes: &[(&str, &TriMesh, usize)] = if has("--counts") {
+        &[]
+    } else if has("--quick") {
         &[("300 tori", &torus, 300), ("300 knots", &knot, 300)]
     } else {
         &[
@@ -52,77 +64,223 @@ fn main() {
             ("1,000,000 tori", &torus, 1_000_000),
         ]
     };
-    let mut step = match GpuStep::new(gpu) {
-        Ok(step) => step,
-        Err(error) => {
-            println!("nothing is measured: {error}");
-            return;
+    if has("--memory") {
+        for response in RESPONSES {
+            if let Err(error) = memory(&mut step, &torus, response) {
+                println!("{response:?}: {error}");
+            }
         }
-    };
+        return;
+    }
+    let rounds = if has("--quick") { 3 } else { 9 };
+    if !scenes.is_empty() {
+        let stages: String = Stage::ALL.map(|stage| format!(" {} |", stage.name())).concat();
+        println!(
+            "| scene | response | sphere pairs | touching | face pairs |{stages} device, ms | lockstep, ms | latent, ms \
+             | resident, ms | CPU step, ms | CPU / device |"
+        );
+        println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    }
     for (name, mesh, count) in scenes {
-        if let Err(error) = measure(&mut step, name, mesh, *count, if quick { 3 } else { 9 }) {
-            println!("| {name} | {error} |");
+        for response in RESPONSES {
+            if let Err(error) = measure(&mut step, name, mesh, (*count, response), rounds) {
+                println!("| {name} | {response:?} | {error} |");
+            }
         }
     }
-    println!("\ndispatches by stage: {:?}", step.dispatches());
+    println!(
+        "\n| scene | response | reading | dispatches | indirect | added by wgpu | passes | copies | uploaded, bytes | read back, bytes | memory, bytes |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    let counted: &[(&str, &TriMesh, usize)] = if scenes.is_empty() {
+        &[("2200 tori", &torus, 2200)]
+    } else {
+        scenes
+    };
+    for (name, mesh, count) in counted {
+        for response in RESPONSES {
+            // The number of collision substeps is that of the fastest body.
+            let speeds: &[f32] = if response == Response::Contacts {
+                &[0.1 * SPEED, 1.4 * SPEED]
+            } else {
+                &[SPEED]
+            };
+            for &speed in speeds {
+                if let Err(error) = tally(&mut step, name, mesh, (*count, response, speed)) {
+                    println!("| {name} | {response:?} | {error} |");
+                }
+            }
+        }
+    }
 }
 
-fn measure(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize, rounds: usize) -> Result<(), StepError> {
+/// Prints the memory of a million bodies, if lists are as long by body as those of 2,200 are now.
+fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), StepError> {
+    const MANY: u32 = 1_000_000;
+    let count = 2200;
     let mesh = CollisionMesh::new(mesh);
-    // Lists grow in the first step.
-    let mut state = scene(&mesh, count);
+    let mut state = scene(&mesh, count, response, SPEED, 1.0);
+    step.forget();
     step.run(&mut state)?;
-    let (mut stages, mut walls, mut cpu) = ([const { Vec::new() }; 5], Vec::new(), Vec::new());
+    let lists = state.results.gpu.unwrap_or_default().lists;
+    let many = |list: GpuList| (u64::from(list.length) * u64::from(MANY) / count as u64) as u32;
+    let capacity = Capacity::default().grown(Capacity {
+        bodies: MANY,
+        pairs: many(lists.sphere_pairs),
+        hits: many(lists.face_pairs),
+        meshes: 1,
+        words: step.capacity().words,
+        ..Capacity::default()
+    });
+    let none = StepCapacity {
+        contacts: ContactCapacity::default(),
+        bodies: 0,
+        touches: 0,
+        solves: false,
+    };
+    let for_contacts = none.grown(StepCapacity {
+        contacts: ContactCapacity {
+            near_triangles: many(lists.near_triangles),
+            features: many(lists.features),
+            segments: many(lists.segments),
+            staged_points: many(lists.staged_points),
+            pairs: many(lists.manifolds),
+            points: many(lists.contact_points),
+            ..ContactCapacity::default()
+        },
+        bodies: MANY,
+        touches: many(lists.touches),
+        solves: response == Response::Contacts,
+    });
+    let mut sizes = Buffers::sizes(&capacity);
+    if response != Response::Impulse {
+        let for_contacts = for_contacts.covering(&capacity);
+        sizes.extend(ContactBuffers::sizes(&for_contacts.contacts));
+        sizes.extend(SolverBuffers::sizes(&for_contacts.solver()));
+        sizes.extend(StepBuffers::sizes(&for_contacts));
+    }
+    sizes.sort_by_key(|&(_, size)| std::cmp::Reverse(size));
+    let total: u64 = sizes.iter().map(|&(_, size)| size).sum();
+    let megabytes = |bytes: u64| bytes as f64 / 1.0e6;
+    println!("{response:?}: {:.0} MB in all", megabytes(total));
+    for (what, size) in sizes.iter().take(8) {
+        println!("    {what}: {:.0} MB", megabytes(*size));
+    }
+    Ok(())
+}
+
+/// Prints the work of a step whose lists are long enough.
+fn tally(
+    step: &mut GpuStep,
+    name: &str,
+    mesh: &TriMesh,
+    (count, response, speed): (usize, Response, f32),
+) -> Result<(), StepError> {
+    let mesh = CollisionMesh::new(mesh);
+    for (reading, detail, latency) in [
+        ("lockstep", Detail::All, 0),
+        ("latent", Detail::All, LATENCY),
+        ("resident", Detail::Counts, LATENCY),
+    ] {
+        // Deep overlaps take a software driver minutes, and bodies far apart need as many dispatches.
+        let spread = if response == Response::Contacts { 2.0 } else { 1.0 };
+        let state = scene(&mesh, count, response, speed, spread);
+        let (work, substeps) = in_flight(step, &state, detail, latency, 2 + latency)?.1;
+        let substeps = if response == Response::Contacts {
+            format!(", {substeps} collision substeps")
+        } else {
+            String::new()
+        };
+        println!(
+            "| {name} | {response:?}{substeps} | {reading} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            work.dispatches,
+            work.indirect,
+            work.validations,
+            work.passes,
+            work.copies,
+            work.uploaded_bytes,
+            work.read_back_bytes,
+            work.memory_bytes,
+        );
+    }
+    Ok(())
+}
+
+/// Prints the times of a step.
+fn measure(
+    step: &mut GpuStep,
+    name: &str,
+    mesh: &TriMesh,
+    (count, response): (usize, Response),
+    rounds: usize,
+) -> Result<(), StepError> {
+    let mesh = CollisionMesh::new(mesh);
+    let make = || scene(&mesh, count, response, SPEED, 1.0);
+    // Lists grow in the first step.
+    let mut state = make();
+    step.run(&mut state)?;
+    let mut stages = [const { Vec::new() }; Stage::COUNT];
+    let (mut walls, mut cpu) = (Vec::new(), Vec::new());
     for _ in 0..rounds {
-        let mut state = scene(&mesh, count);
+        let mut state = make();
+        step.forget();
         let start = Instant::now();
         step.run(&mut state)?;
         walls.push(start.elapsed());
         for (times, time) in stages.iter_mut().zip(state.results.times) {
             times.push(time);
         }
-        let mut state = scene(&mesh, count);
+        let mut state = make();
         let start = Instant::now();
         for stage in Stage::ALL {
             bevy_faceoff::step::cpu::run(stage, &mut state);
         }
         cpu.push(start.elapsed());
     }
-    let latent = in_flight(step, &scene(&mesh, count), Detail::All, rounds)?;
-    let resident = in_flight(step, &scene(&mesh, count), Detail::Counts, rounds)?;
+    let latent = in_flight(step, &make(), Detail::All, LATENCY, rounds)?.0;
+    let resident = in_flight(step, &make(), Detail::Counts, LATENCY, rounds)?.0;
     let stages = stages.map(median);
     let (device, wall, cpu) = (stages.iter().sum::<f64>(), median(walls), median(cpu));
     let times: String = stages.iter().map(|time| format!("{time:.3} | ")).collect();
     println!(
-        "| {name} | {} | {} | {} | {times}{device:.3} | {wall:.3} | {latent:.3} | {resident:.3} | {cpu:.3} | {:.3} | {} |",
+        "| {name} | {response:?} | {} | {} | {} | {times}{device:.3} | {wall:.3} | {latent:.3} | {resident:.3} | {cpu:.3} | {:.3} |",
         state.results.sphere_pairs.len(),
         state.results.contacts.pairs.len(),
         state.results.contacts.faces.len(),
         cpu / device,
-        step.bytes(),
     );
     Ok(())
 }
 
-/// Milliseconds per step if each step continues from the one before, and results are read back some steps later.
-fn in_flight(step: &mut GpuStep, state: &StepState, detail: Detail, rounds: usize) -> Result<f64, StepError> {
+/// Milliseconds per step, the work of the last one, and its number of collision substeps. Each step continues from the
+/// one before, and results are read back `latency` steps later.
+fn in_flight(
+    step: &mut GpuStep,
+    state: &StepState,
+    detail: Detail,
+    latency: usize,
+    rounds: usize,
+) -> Result<(f64, (GpuWork, u32)), StepError> {
     let carried: Vec<_> = (0..state.input.bodies.len() as u32)
         .map(|source| Some(Carried::all(source)))
         .collect();
+    step.forget();
+    let mut last = (GpuWork::default(), 0);
     let start = Instant::now();
-    step.submit(&state.input, &[], detail)?;
-    for _ in 1..rounds {
-        step.submit(&state.input, &carried, detail)?;
-        if step.in_flight() > LATENCY
+    for round in 0..rounds {
+        step.submit(&state.input, if round == 0 { &[] } else { &carried }, detail)?;
+        if step.in_flight() > latency
             && let Some(output) = step.take()
         {
-            output?;
+            let output = output?;
+            last = (output.work, output.collision_substeps);
         }
     }
     while let Some(output) = step.take() {
-        output?;
+        let output = output?;
+        last = (output.work, output.collision_substeps);
     }
-    Ok(start.elapsed().as_secs_f64() * 1.0e3 / rounds as f64)
+    Ok((start.elapsed().as_secs_f64() * 1.0e3 / rounds as f64, last))
 }
 
 /// Milliseconds.
@@ -131,12 +289,17 @@ fn median(mut times: Vec<Duration>) -> f64 {
     times[times.len() / 2].as_secs_f64() * 1.0e3
 }
 
-/// Bodies in a box at the density of Aly & Elawady 2010: about 0.7 pairs of overlapping bounding spheres per body.
-fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
+/// The largest speed along each axis, m/s.
+const SPEED: f32 = 0.5;
+
+/// Bodies in a box at the density of Aly & Elawady 2010: about 0.7 pairs of overlapping bounding spheres per body;
+/// `spread` times as far apart.
+fn scene(mesh: &CollisionMesh, count: usize, response: Response, speed: f32, spread: f32) -> StepState {
     let mut random = fastrand::Rng::with_seed(1);
     let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
-    let side = 22.5 * (count as f32 / 2200.0).cbrt();
+    let side = spread * 22.5 * (count as f32 / 2200.0).cbrt();
     let mut state = StepState::default();
+    state.input.config.response = response;
     let slot = state.input.meshes.add(mesh.clone());
     for _ in 0..count {
         let scale = between(0.25, 2.0) / (2.0 * mesh.radius);
@@ -145,7 +308,7 @@ fn scene(mesh: &CollisionMesh, count: usize) -> StepState {
         // Nearly uniform over rotations.
         let rotation = Quat::from_xyzw(x, y, z, w + 1.0e-3).normalize();
         let mut body = Body::at_rest(slot, position, rotation, Vec3::splat(scale));
-        body.linear_velocity = Vec3::from_array([0; 3].map(|_| between(-0.5, 0.5)));
+        body.linear_velocity = Vec3::from_array([0; 3].map(|_| between(-speed, speed)));
         body.restitution = 1.0;
         state
             .input

@@ -21,7 +21,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     var key = vec2(step.bodies);
     let result = results[i];
-    if result.touching != 0u && step.response != 0u {
+    if result.touching != 0u {
         let a = bodies[result.a];
         let b = bodies[result.b];
         let anchor_b = result.point - apart(a, b);

@@ -24,7 +24,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var sum: t::Impulse;
     let body = bodies[i];
     let contacts = body_contacts[i];
-    if step.response != 0u && body.inverse_mass > 0.0 {
+    if body.inverse_mass > 0.0 {
         for (var k = contacts.first_entry; k < contacts.last_entry; k += 1u) {
             let value = values[k];
             let part = of_pair(results[value / 2u], value % 2u == 0u);

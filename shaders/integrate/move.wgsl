@@ -34,8 +34,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var position = body.position;
     var rotation = body.rotation;
     if kind == t::DYNAMIC {
-        v += step.gravity * (body.gravity_scale * step.dt) + impulses[i].linear;
-        w += impulses[i].angular;
+        var push: t::Impulse;
+        // Without response nobody sums impulses.
+        if step.response != 0u {
+            push = impulses[i];
+        }
+        v += step.gravity * (body.gravity_scale * step.dt) + push.linear;
+        w += push.angular;
     }
     if kind != t::STATIC {
         // The centre of mass moves along a line, and the mesh's origin rotates about it.

@@ -26,7 +26,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let body = bodies[compound.collider];
     if (body.flags & t::KIND_MASK) == t::DYNAMIC {
         v += step.gravity * (body.gravity_scale * step.dt);
-        for (var k = first; k < end; k += 1u) {
+        // Without response nobody sums impulses.
+        for (var k = first; k < end && step.response != 0u; k += 1u) {
             v += impulses[parts[k].collider].linear;
             w += impulses[parts[k].collider].angular;
         }

@@ -22,7 +22,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var i = thread; i < setup.feature_count; i += 64u) {
         let at = setup.first_feature + i;
         for (var k = 0u; k < setup.patch_count; k += 1u) {
-            let patch_near = patches[setup.first_segment + k];
+            let patch_near = patches[setup.first_segment / 2u + k];
             if is_near(patch_near, features[at]) && dot(features[at].normal, patch_near.normal) < MIN_AGREEMENT {
                 features[at].separation = t::DROPPED;
             }
@@ -47,7 +47,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     workgroupBarrier();
     var patch_index = thread;
     while patch_index < setup.patch_count {
-        let at = setup.first_segment + patch_index;
+        let at = setup.first_segment / 2u + patch_index;
         patch_index += 64u;
         let patch_near = patches[at];
         for (var i = setup.first_deep; i < setup.first_deep + setup.deep_count; i += 1u) {

@@ -255,7 +255,7 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
             // direction.
             direction = select(vec3(0.0), found.normal, number == 0u);
             if thread == 0u {
-                patches[first + number] = found;
+                patches[first / 2u + number] = found;
             }
             number += 1u;
         }

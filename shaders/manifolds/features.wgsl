@@ -204,7 +204,7 @@ fn agrees(setup: t::PairSetup, feature: t::Feature) -> bool {
     let middle = 0.5 * (feature.point_a + feature.point_b);
     var any_near = false;
     for (var i = 0u; i < setup.patch_count; i += 1u) {
-        let patch_near = patches[setup.first_segment + i];
+        let patch_near = patches[setup.first_segment / 2u + i];
         let offset = middle - patch_near.center;
         if dot(offset, offset) < patch_near.reach * patch_near.reach {
             any_near = true;

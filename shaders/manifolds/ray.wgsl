@@ -33,7 +33,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     var empty_count = 0u;
     for (var k = 0u; k < setup.patch_count; k += 1u) {
-        empty_count += 1u - patches[setup.first_segment + k].kept;
+        empty_count += 1u - patches[setup.first_segment / 2u + k].kept;
     }
     if empty_count == 0u {
         return;
@@ -96,9 +96,9 @@ fn has_feature(setup: t::PairSetup, empty_patch: t::Patch) -> bool {
 // Index of the n-th patch without an overlapping feature.
 fn nth_empty_patch(setup: t::PairSetup, n: u32) -> u32 {
     var remaining = n;
-    var at = setup.first_segment;
+    var at = setup.first_segment / 2u;
     for (var k = 0u; k < setup.patch_count; k += 1u) {
-        at = setup.first_segment + k;
+        at = setup.first_segment / 2u + k;
         if patches[at].kept == 0u {
             if remaining == 0u {
                 break;

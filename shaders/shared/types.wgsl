@@ -392,7 +392,8 @@ struct Segment {
     padding: vec2<u32>,
 }
 
-// The part of both surfaces inside a closed contour.
+// The part of both surfaces inside a closed contour. A contour has two segments at least, so the patches of a pair start
+// at half the index of its first segment.
 struct Patch {
     center: vec3<f32>,
     // Distance from the centre up to which features belong to the patch.

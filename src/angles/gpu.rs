@@ -1,6 +1,7 @@
 //! Angles on the GPU: one thread per pair. Pairs that are apart stay in the list with a mark, because skipping them
 //! costs less than compacting the list.
 
+use crate::gpu::buffers::Capacity;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::GROUPS_PER_64_PAIRS;
 use crate::gpu::program::{Calls, Groups};
@@ -20,6 +21,7 @@ pub const SHADERS: Shaders = Shaders {
 };
 
 /// Adds this stage's calls.
-pub fn record(calls: &mut Calls) {
-    calls.call(&SUPPORT_AXES, Groups::Indirect("arguments", GROUPS_PER_64_PAIRS));
+pub fn record(calls: &mut Calls, capacity: &Capacity) {
+    let counted = Groups::Indirect("arguments", GROUPS_PER_64_PAIRS);
+    calls.call(&SUPPORT_AXES, Groups::per_64(capacity.pairs, counted));
 }

@@ -60,7 +60,7 @@ pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
         Groups::PerBodies(radix_sort::BLOCK),
         Groups::Exactly(radix_sort::digit_groups(capacity.bodies)),
     ];
-    let [keys, values] = SORT.record(calls, BODIES, capacity.bucket_bits(), groups);
+    let [keys, values] = SORT.record(calls, BODIES, capacity.bucket_bits(), capacity.bodies, groups);
     calls.call(&ENTRIES, per_body).bind("keys", keys).bind("values", values);
     calls.call(&COUNT, per_body);
     let scan = Scan {
@@ -73,6 +73,7 @@ pub fn record_search(calls: &mut Calls, capacity: &Capacity) {
         BODIES,
         Length::Counter,
         Some(SPHERE_PAIRS),
+        capacity.bodies,
         Groups::PerBodies(scan::BLOCK),
     );
     calls.call(&EMIT, per_body);

@@ -38,12 +38,14 @@ pub const SHADERS: Shaders = Shaders {
 pub fn record_impulses(calls: &mut Calls, capacity: &Capacity) {
     let [per_pair, per_block, per_digit_block] = [GROUPS_PER_64_PAIRS, GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK]
         .map(|slot| Groups::Indirect("arguments", slot));
+    let per_pair = Groups::per_64(capacity.pairs, per_pair);
     let per_body = Groups::PerBodies(64);
     calls.call(&ENTRIES, per_pair);
     let [keys, values] = SORT.record(
         calls,
         layout::ENTRIES,
         capacity.body_bits(),
+        capacity.pairs.saturating_mul(2),
         [per_block, per_digit_block],
     );
     calls.call(&SEGMENTS, per_pair).bind("keys", keys);

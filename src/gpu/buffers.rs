@@ -58,12 +58,28 @@ impl Capacity {
             bodies: grow(self.bodies, needed.bodies),
             compounds: grow(self.compounds, needed.compounds),
             parts: grow(self.parts, needed.parts),
-            planes: grow(self.planes, needed.planes),
+            // Without some to spare: other lists have an element for each body and half-space.
+            planes: self.planes.max(needed.planes),
             pairs: grow(self.pairs, needed.pairs),
             hits: grow(self.hits, needed.hits),
             plane_contacts: grow(self.plane_contacts, needed.plane_contacts),
             meshes: grow(self.meshes, needed.meshes),
             words: grow(self.words, needed.words),
+        }
+    }
+
+    /// The larger of two, list by list.
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            bodies: self.bodies.max(other.bodies),
+            compounds: self.compounds.max(other.compounds),
+            parts: self.parts.max(other.parts),
+            planes: self.planes.max(other.planes),
+            pairs: self.pairs.max(other.pairs),
+            hits: self.hits.max(other.hits),
+            plane_contacts: self.plane_contacts.max(other.plane_contacts),
+            meshes: self.meshes.max(other.meshes),
+            words: self.words.max(other.words),
         }
     }
 
@@ -108,6 +124,11 @@ macro_rules! buffers {
             /// Name and WGSL element type of each buffer.
             pub const ELEMENTS: &'static [(&'static str, &'static str)] =
                 &[$((stringify!($name), <$element as $crate::gpu::layout::Element>::WGSL)),*];
+
+            /// Description and size of each buffer with this capacity, bytes.
+            pub fn sizes($capacity: &$capacity_type) -> Vec<(&'static str, u64)> {
+                vec![$(($what, u64::from($count) * size_of::<$element>() as u64)),*]
+            }
 
             /// Creates all buffers.
             ///
@@ -157,9 +178,13 @@ buffers! {
         /// Parameters of the step.
         step: UNIFORM Step, 1u32, "step";
         bodies: ARRAY Body, capacity.bodies, "bodies";
+        /// As the host sends them. A step starts with a copy, because kernels write the poses.
+        sent_bodies: ARRAY Body, capacity.bodies, "bodies as sent";
         /// Copy for rendering.
         before: ARRAY Body, capacity.bodies, "bodies before the step";
         compounds: ARRAY Compound, capacity.compounds, "compounds";
+        /// As the host sends them.
+        sent_compounds: ARRAY Compound, capacity.compounds, "compounds as sent";
         /// Those of a compound follow each other.
         parts: ARRAY Part, capacity.parts, "colliders of compounds";
         planes: ARRAY Plane, capacity.planes, "half-spaces";

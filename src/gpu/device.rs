@@ -3,7 +3,7 @@
 use super::kernel::Kernels;
 use super::readback::{alive, wait};
 use thiserror::Error;
-use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, Limits, Queue};
+use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, InstanceFlags, Limits, Queue};
 
 /// A device of our own, or that of Bevy's renderer. Clones refer to the same device.
 ///
@@ -17,17 +17,20 @@ pub struct Gpu {
     pub queue: Queue,
     /// Name, type and backend of the adapter.
     pub info: AdapterInfo,
+    /// Whether wgpu checks the arguments of indirect dispatches on the device, with a dispatch before each.
+    pub(super) validates_indirect: bool,
     /// Each is compiled once, by the first that needs it.
     pub(super) kernels: Kernels,
 }
 
 impl Gpu {
-    /// A device without kernels.
-    pub fn new(device: Device, queue: Queue, info: AdapterInfo) -> Self {
+    /// A device without kernels. `flags` are those of its instance.
+    pub fn new(device: Device, queue: Queue, info: AdapterInfo, flags: InstanceFlags) -> Self {
         Self {
             device,
             queue,
             info,
+            validates_indirect: flags.contains(InstanceFlags::VALIDATION_INDIRECT_CALL),
             kernels: Kernels::default(),
         }
     }
@@ -89,9 +92,12 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     if !software && !may_have_card() {
         return Err(NoGpu::NoCard);
     }
+    // Reads WGPU_BACKEND, WGPU_VALIDATION and the like from the environment.
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.flags = own_flags(descriptor.flags, std::env::var_os(VALIDATION_VARIABLE).is_some());
+    let flags = descriptor.flags;
     let adapters = pollster::block_on(async {
-        // Reads WGPU_BACKEND, WGPU_VALIDATION and the like from the environment.
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let instance = wgpu::Instance::new(descriptor);
         let mut adapters = instance.enumerate_adapters(Backends::all()).await;
         adapters.retain(|adapter| adapter.get_info().backend != wgpu::Backend::Gl);
         adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type));
@@ -99,8 +105,22 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     });
     first_that_opens(&adapters, |adapter| {
         suits(&adapter.get_info(), &adapter.limits(), software)?;
-        pollster::block_on(request(adapter))
+        pollster::block_on(request(adapter, flags))
     })
+}
+
+/// The environment variable that switches wgpu's check of indirect dispatches on or off.
+const VALIDATION_VARIABLE: &str = "WGPU_VALIDATION_INDIRECT_CALL";
+
+/// The flags of an instance of our own. The check of indirect dispatches costs a dispatch each, and is off unless it is
+/// asked for. Nothing depends on it: the device computes the arguments by `rows` of `shaders/shared/dispatch.wgsl`,
+/// which stays within the limit, and kernels do not use `num_workgroups`, which is 0 on DirectX 12 without the check.
+fn own_flags(flags: InstanceFlags, is_asked_for: bool) -> InstanceFlags {
+    if is_asked_for {
+        flags
+    } else {
+        flags - InstanceFlags::VALIDATION_INDIRECT_CALL
+    }
 }
 
 /// The first device that is opened, or the first error.
@@ -156,7 +176,7 @@ pub fn is_lost(gpu: &Gpu) -> bool {
     wait(gpu).and_then(|()| alive(gpu)).is_err()
 }
 
-async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
+async fn request(adapter: &Adapter, flags: InstanceFlags) -> Result<Gpu, NoGpu> {
     let info = adapter.get_info();
     let limits = adapter.limits();
     let (device, queue) = adapter
@@ -172,7 +192,7 @@ async fn request(adapter: &Adapter) -> Result<Gpu, NoGpu> {
             adapter: info.name.clone(),
             reason: error.to_string(),
         })?;
-    Ok(Gpu::new(device, queue, info))
+    Ok(Gpu::new(device, queue, info, flags))
 }
 
 /// Whether a device with these limits can run all kernels.

@@ -6,6 +6,7 @@ use super::shader::{Module, composer};
 use naga_oil::compose::{Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue, ShaderType};
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::panic::resume_unwind;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use wgpu::naga::{self, AddressSpace, Handle, ScalarKind, StorageAccess, Type, TypeInner, VectorSize};
 use wgpu::*;
@@ -87,8 +88,7 @@ impl Kernel {
             .map_err(Box::new)
     }
 
-    fn compile(&self, gpu: &Gpu, composer: &mut Composer) -> Result<Compiled, String> {
-        let module = self.compose(composer).map_err(|e| e.emit_to_string(composer))?;
+    fn compile(&self, gpu: &Gpu, module: naga::Module) -> Compiled {
         let bindings = bindings(&module);
         let module = gpu.device.create_shader_module(ShaderModuleDescriptor {
             label: Some(self.name),
@@ -116,11 +116,11 @@ impl Kernel {
             },
             cache: None,
         });
-        Ok(Compiled {
+        Compiled {
             bindings: bindings.into(),
             layout,
             pipeline,
-        })
+        }
     }
 }
 
@@ -226,8 +226,8 @@ impl Kernels {
 }
 
 impl Gpu {
-    /// Compiles kernels that import from these modules, except those that the device has already. A kernel is known by
-    /// its name. The device keeps none of them if one fails.
+    /// Compiles kernels that import from these modules, except those that the device has already, on all cores. A kernel
+    /// is known by its name. The device keeps none of them if one fails.
     ///
     /// # Errors
     /// The message of the compiler or of the device.
@@ -244,11 +244,45 @@ impl Gpu {
             return Ok(());
         }
         let mut composer = composer(modules).map_err(|e| e.to_string())?;
-        let added: Result<Vec<_>, _> = scoped(self, || {
-            let compile = |kernel: &Kernel| Ok::<_, String>((kernel.name, kernel.compile(self, &mut composer)?));
-            missing.into_iter().map(compile).collect()
-        })?;
-        compiled.extend(added?);
+        let mut composed = Vec::with_capacity(missing.len());
+        for kernel in missing {
+            let module = kernel.compose(&mut composer);
+            composed.push((kernel, module.map_err(|error| error.emit_to_string(&composer))?));
+        }
+        compiled.extend(self.compile_side_by_side(composed)?);
         Ok(())
+    }
+
+    fn compile_side_by_side(
+        &self,
+        composed: Vec<(&Kernel, naga::Module)>,
+    ) -> Result<Vec<(&'static str, Compiled)>, String> {
+        let threads = std::thread::available_parallelism()
+            .map_or(1, usize::from)
+            .min(composed.len());
+        let left = Mutex::new(composed);
+        let work = || {
+            let mut done = Vec::new();
+            loop {
+                let next = left.lock().unwrap_or_else(PoisonError::into_inner).pop();
+                let Some((kernel, module)) = next else {
+                    return Ok(done);
+                };
+                // Error scopes belong to threads.
+                done.push((kernel.name, scoped(self, || kernel.compile(self, module))?));
+            }
+        };
+        std::thread::scope(|scope| {
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let mut all = work();
+            for other in others {
+                let done = other.join().unwrap_or_else(|panic| resume_unwind(panic));
+                all = all.and_then(|mut all| {
+                    all.extend(done?);
+                    Ok(all)
+                });
+            }
+            all
+        })
     }
 }

@@ -6,6 +6,8 @@
 //! | [`kernel`] | declaration and compilation of kernels |
 //! | [`shader`] | WGSL modules and shared constants |
 //! | [`program`] | lists of kernel calls |
+//! | [`commands`] | recording and submission, counted |
+//! | [`known`] | what need not be written again |
 //! | [`layout`] | structs and constants that kernels share with the host |
 //! | [`buffers`] | the buffers of a step without contact points |
 //! | [`arena`], [`mesh_features`] | the meshes, with their topology if needed |
@@ -19,8 +21,10 @@
 
 pub mod arena;
 pub mod buffers;
+pub mod commands;
 pub mod device;
 pub mod kernel;
+pub mod known;
 pub mod layout;
 pub mod mesh_features;
 pub mod program;
@@ -61,6 +65,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/math"),
         module!("shared/dispatch"),
         module!("shared/scan"),
+        module!("shared/sort"),
         module!("shared/arena"),
         module!("shared/margins"),
         module!("shared/tree"),
@@ -69,9 +74,11 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/compound"),
     ],
     kernels: &[
+        &scan::SCAN_WHOLE,
         &scan::SUMS,
         &scan::SPINE,
         &scan::APPLY,
+        &radix_sort::SORT_WHOLE,
         &radix_sort::COUNT,
         &radix_sort::MOVE,
     ],

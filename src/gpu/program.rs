@@ -3,6 +3,7 @@
 //! A call binds each variable of its kernel to the buffer of the same name. Only kernels that run on different buffers,
 //! such as the sort's, are given the names. So calls can be listed and checked without a device.
 
+use super::commands::{Commands, Pass};
 use super::device::Gpu;
 use super::kernel::{Compiled, Kernel};
 use crate::types::stage::Stage;
@@ -23,6 +24,22 @@ pub enum Groups {
     Indirect(&'static str, u32),
 }
 
+impl Groups {
+    /// One workgroup of 64 threads per 64 elements, of which the device counts no more than `at_most`. For short lists it
+    /// is as many as there may be, because superfluous workgroups return at once and cost less than what wgpu does for an
+    /// indirect dispatch.
+    pub fn per_64(at_most: u32, counted: Self) -> Self {
+        if at_most <= SHORT {
+            Self::Exactly(at_most.div_ceil(64))
+        } else {
+            counted
+        }
+    }
+}
+
+/// The longest list that counts as short.
+const SHORT: u32 = 4096;
+
 /// The name of the variable that holds a call's constants.
 pub const CONSTANTS: &str = "constants";
 
@@ -37,22 +54,34 @@ pub struct Call {
     pub groups: Groups,
     constants: Option<[u32; 4]>,
     bound: Vec<Bound>,
-    /// It is left out of steps without compounds.
-    for_compounds: bool,
+    steps: Steps,
 }
 
-/// The numbers on which the workgroups of calls depend.
+/// The steps in which a call takes part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Steps {
+    All,
+    WithCompounds,
+    WithPlanes,
+}
+
+/// The numbers on which calls and their workgroups depend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Population {
     /// Number of bodies.
     pub bodies: u32,
     /// Number of compounds.
     pub compounds: u32,
+    /// Number of half-spaces.
+    pub planes: u32,
 }
 
 impl From<u32> for Population {
     fn from(bodies: u32) -> Self {
-        Self { bodies, compounds: 0 }
+        Self {
+            bodies,
+            ..Self::default()
+        }
     }
 }
 
@@ -94,7 +123,13 @@ impl Call {
 
     /// Leaves it out of steps without compounds.
     pub fn for_compounds(&mut self) -> &mut Self {
-        self.for_compounds = true;
+        self.steps = Steps::WithCompounds;
+        self
+    }
+
+    /// Leaves it out of steps without half-spaces.
+    pub fn for_planes(&mut self) -> &mut Self {
+        self.steps = Steps::WithPlanes;
         self
     }
 
@@ -146,7 +181,11 @@ impl Calls {
             groups,
             constants: None,
             bound: Vec::new(),
-            for_compounds: matches!(groups, Groups::PerCompounds(_)),
+            steps: if matches!(groups, Groups::PerCompounds(_)) {
+                Steps::WithCompounds
+            } else {
+                Steps::All
+            },
         });
         let last = self.calls.len() - 1;
         &mut self.calls[last]
@@ -176,7 +215,7 @@ struct BoundCall {
     pipeline: ComputePipeline,
     bind_group: BindGroup,
     groups: Groups,
-    for_compounds: bool,
+    steps: Steps,
     /// The buffer of an indirect dispatch.
     arguments: Option<Buffer>,
 }
@@ -209,34 +248,35 @@ impl Program {
     pub fn record(
         &self,
         stage: Stage,
-        encoder: &mut CommandEncoder,
-        Population { bodies, compounds }: Population,
+        commands: &mut Commands,
+        population: Population,
         timestamps: Option<ComputePassTimestampWrites>,
     ) {
-        let mut pass = encoder.begin_compute_pass(&ComputePassDescriptor {
-            label: Some(stage.name()),
-            timestamp_writes: timestamps,
-        });
+        let mut pass = commands.pass(stage.name(), timestamps);
         let calls = self.stages[stage as usize].iter();
-        for call in calls.filter(|call| compounds > 0 || !call.for_compounds) {
-            pass.set_pipeline(&call.pipeline);
-            pass.set_bind_group(0, &call.bind_group, &[]);
+        let Population {
+            bodies,
+            compounds,
+            planes,
+        } = population;
+        let takes_part = |call: &&BoundCall| match call.steps {
+            Steps::All => true,
+            Steps::WithCompounds => compounds > 0,
+            Steps::WithPlanes => planes > 0,
+        };
+        for call in calls.filter(takes_part) {
+            pass.pass.set_pipeline(&call.pipeline);
+            pass.pass.set_bind_group(0, &call.bind_group, &[]);
             match (call.groups, &call.arguments) {
                 (Groups::Exactly(n), _) => dispatch(&mut pass, n),
                 (Groups::PerBodies(per), _) => dispatch(&mut pass, bodies.div_ceil(per)),
                 (Groups::PerCompounds(per), _) => dispatch(&mut pass, compounds.div_ceil(per)),
                 (Groups::Indirect(_, slot), Some(arguments)) => {
-                    pass.dispatch_workgroups_indirect(arguments, u64::from(slot) * 12);
+                    pass.dispatch_indirect(arguments, 3 * slot);
                 }
                 (Groups::Indirect(..), None) => {}
             }
         }
-    }
-
-    /// Number of dispatches of a stage, in a step with or without compounds.
-    pub fn len(&self, stage: Stage, with_compounds: bool) -> usize {
-        let calls = self.stages[stage as usize].iter();
-        calls.filter(|call| with_compounds || !call.for_compounds).count()
     }
 }
 
@@ -278,7 +318,7 @@ impl Binder<'_> {
             pipeline,
             bind_group,
             groups: call.groups,
-            for_compounds: call.for_compounds,
+            steps: call.steps,
             arguments: match call.groups {
                 Groups::Indirect(arguments, _) => Some(self.find(call, arguments).clone()),
                 _ => None,
@@ -302,9 +342,8 @@ fn uniform(gpu: &Gpu, values: [u32; 4]) -> Buffer {
 
 /// One dimension of a dispatch has at most 65,535 workgroups, so they are laid out in rows. `dispatch.wgsl` numbers
 /// them on the device.
-fn dispatch(pass: &mut ComputePass, groups: u32) {
-    let [x, y, z] = rows(groups);
-    pass.dispatch_workgroups(x, y, z);
+fn dispatch(pass: &mut Pass, groups: u32) {
+    pass.dispatch(rows(groups));
 }
 
 /// The dispatch size for a number of workgroups. The last row may have too many.

@@ -2,6 +2,7 @@
 
 use crate::manifolds::{ManifoldPoint, Manifolds};
 use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
+use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use std::fmt;
@@ -228,6 +229,8 @@ pub struct StepReport {
     pub in_flight: usize,
     /// How many times a step has waited for the results of an earlier one since the device was opened.
     pub waits: u64,
+    /// What the step asked of the GPU: commands, bytes and memory. `None` if it ran on the CPU.
+    pub gpu: Option<GpuWork>,
 }
 
 impl StepReport {
@@ -259,6 +262,7 @@ impl fmt::Debug for StepReport {
             parallel_stages,
             in_flight,
             waits,
+            gpu,
         } = self;
         let stages = fmt::from_fn(|f| {
             let times = Stage::ALL.map(|stage| (stage, self.time(stage)));
@@ -282,6 +286,7 @@ impl fmt::Debug for StepReport {
             .field("parallel_stages", parallel_stages)
             .field("in_flight", in_flight)
             .field("waits", waits)
+            .field("gpu", gpu)
             .finish()
     }
 }

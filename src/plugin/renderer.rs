@@ -14,7 +14,7 @@ mod shared {
     use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue, WgpuWrapper};
     use bevy::render::settings::RenderCreation;
     use std::sync::{Arc, Weak};
-    use wgpu::Queue;
+    use wgpu::{InstanceFlags, Queue};
 
     /// The renderer's queue when its device was returned last.
     ///
@@ -38,7 +38,14 @@ mod shared {
         if before.is_some_and(|SharedQueue(before)| before.ptr_eq(&now)) {
             return None;
         }
-        let gpu = Gpu::new(device.wgpu_device().clone(), (**queue.0).clone(), (*info.0).clone());
+        // The device does not tell. By default it checks indirect dispatches.
+        let flags = InstanceFlags::default().with_env();
+        let gpu = Gpu::new(
+            device.wgpu_device().clone(),
+            (**queue.0).clone(),
+            (*info.0).clone(),
+            flags,
+        );
         world.insert_resource(SharedQueue(now));
         Some(gpu)
     }

@@ -3,6 +3,7 @@
 use super::contacts::Contacts;
 use super::manifolds::Manifolds;
 use super::pairs::NearPair;
+use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
 use glam::Vec3;
 use std::time::Duration;
@@ -37,6 +38,8 @@ pub struct StepResults {
     pub mean_collision_substeps: f32,
     /// Duration of each stage.
     pub times: [Duration; Stage::COUNT],
+    /// What the step asked of a GPU; `None` if it ran on the CPU.
+    pub gpu: Option<GpuWork>,
 }
 
 /// A change of velocity, linear and angular.

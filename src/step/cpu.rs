@@ -57,6 +57,7 @@ pub fn run_on(pool: &ThreadPool, stage: Stage, step: &mut StepState, hooks: &mut
 
 fn run_here(stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) {
     step.results.times[stage as usize] = Default::default();
+    step.results.gpu = None;
     run_stage(stage, 0, step, hooks);
     if stage == Stage::Integrate {
         for number in 1..step.results.collision_substeps {

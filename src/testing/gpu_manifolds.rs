@@ -2,12 +2,13 @@
 
 use crate::gpu::arena::{Arena, Change};
 use crate::gpu::buffers::TooLarge;
+use crate::gpu::commands::Commands;
 use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::layout::{
     self, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACTS_CUT_SHORT, CONTACTS_SKIPPED, ContactPair,
     ContactPoint, FLAT_RADIUS, MARGIN_PAIRS,
 };
-use crate::gpu::program::{Calls, Program};
+use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::readback::{read_words, scoped};
 use crate::manifolds::gpu::record::{record_lists, record_points};
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, SHADERS};
@@ -187,17 +188,17 @@ impl GpuManifolds {
                 .write_buffer(&buffers.contact_counters, 0, cast_slice(&counters));
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
             let program = self.program(scene, buffers);
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(Stage::Manifolds, &mut encoder, scene.bodies.into(), None);
-            gpu.queue.submit([encoder.finish()]);
+            let mut commands = Commands::new(gpu, "test");
+            program.record(Stage::Manifolds, &mut commands, scene.population(), None);
+            commands.submit();
         })?;
         self.words(&buffers.contact_counters, CONTACT_COUNTERS as usize)
     }
 
     fn program(&self, scene: &Scene, buffers: &ContactBuffers) -> Program {
         let mut calls = Calls::new(Stage::Manifolds);
-        record_points(&mut calls);
-        record_lists(&mut calls);
+        record_points(&mut calls, &buffers.capacity);
+        record_lists(&mut calls, &buffers.capacity);
         let scene = [
             ("step", &scene.step),
             ("bodies", &scene.bodies_at),
@@ -237,6 +238,16 @@ struct Scene {
     words: Buffer,
     bodies: u32,
     planes: u32,
+}
+
+impl Scene {
+    fn population(&self) -> Population {
+        Population {
+            bodies: self.bodies,
+            planes: self.planes,
+            ..Population::default()
+        }
+    }
 }
 
 impl From<&ContactPair> for Manifold {

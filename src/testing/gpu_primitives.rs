@@ -1,6 +1,7 @@
 //! Scan and sort on the GPU by themselves.
 
 use crate::gpu::SHADERS;
+use crate::gpu::commands::Commands;
 use crate::gpu::device::Gpu;
 use crate::gpu::kernel::Kernel;
 use crate::gpu::program::{BufferSet, Calls, Groups, Program};
@@ -11,12 +12,12 @@ use crate::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
-/// The sums before each value, and the total.
+/// The sums before each value, and the total. `at_most` is the length of the longest list that there may be.
 ///
 /// # Errors
 /// The device's message.
-pub fn exclusive_scan(gpu: &Gpu, values: &[u32]) -> Result<(Vec<u32>, u32), String> {
-    let run = RunOnce::new(gpu, [&scan::SUMS, &scan::SPINE, &scan::APPLY])?;
+pub fn exclusive_scan(gpu: &Gpu, values: &[u32], at_most: u32) -> Result<(Vec<u32>, u32), String> {
+    let run = RunOnce::new(gpu, [&scan::SCAN_WHOLE, &scan::SUMS, &scan::SPINE, &scan::APPLY])?;
     let length = values.len() as u32;
     let counters = run.buffer(&[length, 0]);
     let array = run.buffer(values);
@@ -29,23 +30,26 @@ pub fn exclusive_scan(gpu: &Gpu, values: &[u32]) -> Result<(Vec<u32>, u32), Stri
             sums: "sums",
         };
         let groups = Groups::Exactly(length.div_ceil(scan::BLOCK));
-        scan.record(calls, 0, Length::Counter, Some(1), groups);
+        scan.record(calls, 0, Length::Counter, Some(1), at_most, groups);
     })?;
     let total = run.read(&counters, 2)?[1];
     Ok((run.read(&array, values.len())?, total))
 }
 
-/// Sorts `keys` of `bits` bits. Returns the sorted keys, and the index that each had.
+/// Sorts `keys` of `bits` bits. Returns the sorted keys, and the index that each had. `at_most` is the length of the
+/// longest list that there may be.
 ///
 /// # Errors
 /// The device's message.
-pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32) -> Result<(Vec<u32>, Vec<u32>), String> {
+pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32, at_most: u32) -> Result<(Vec<u32>, Vec<u32>), String> {
     let run = RunOnce::new(
         gpu,
         [
+            &scan::SCAN_WHOLE,
             &scan::SUMS,
             &scan::SPINE,
             &scan::APPLY,
+            &radix_sort::SORT_WHOLE,
             &radix_sort::COUNT,
             &radix_sort::MOVE,
         ],
@@ -80,7 +84,7 @@ pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32) -> Result<(Vec<u32>, Vec<u32>), 
             Groups::Exactly(blocks),
             Groups::Exactly(radix_sort::digit_groups(length)),
         ];
-        result = sort.record(calls, 0, bits, groups);
+        result = sort.record(calls, 0, bits, at_most, groups);
     })?;
     let [keys_out, values_out] = if result == sort.input { &input } else { &scratch };
     Ok((run.read(keys_out, keys.len())?, run.read(values_out, keys.len())?))
@@ -121,9 +125,9 @@ impl<'g> RunOnce<'g> {
             let mut calls = Calls::new(STAGE);
             add(&mut calls);
             let program = Program::new(self.gpu, &calls, &[buffers]);
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            program.record(STAGE, &mut encoder, 0.into(), None);
-            self.gpu.queue.submit([encoder.finish()]);
+            let mut commands = Commands::new(self.gpu, "test");
+            program.record(STAGE, &mut commands, 0.into(), None);
+            commands.submit();
         })
     }
 

@@ -1,6 +1,7 @@
 //! The solver on the GPU by itself: bodies and contacts in, motions and impulses out.
 
 use crate::gpu::buffers::{TooLarge, buffers};
+use crate::gpu::commands::Commands;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, ContactPair, ContactPoint};
 use crate::gpu::program::{Calls, Program};
@@ -259,13 +260,12 @@ impl GpuSolver {
                 sleep::gpu::record_fall_asleep(&mut calls, may_sleep);
                 Program::new(gpu, &calls, &[handed, lists])
             });
-            *dispatches = program.len(STAGE, false);
             gpu.queue
                 .write_buffer(&lists.collision_substep, 0, bytemuck::bytes_of(&packed));
             gpu.queue.write_buffer(&handed.status, 0, &[0; 16]);
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            program.record(STAGE, &mut encoder, packed.bodies.into(), None);
-            gpu.queue.submit([encoder.finish()]);
+            let mut commands = Commands::new(gpu, "test");
+            program.record(STAGE, &mut commands, packed.bodies.into(), None);
+            *dispatches = commands.submit().1.dispatches as usize;
         }))?;
         self.read(&self.lists.solver_counters, COUNTERS)
     }

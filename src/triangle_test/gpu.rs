@@ -33,5 +33,5 @@ pub const SHADERS: Shaders = Shaders {
 /// Adds this stage's calls.
 pub fn record(calls: &mut Calls) {
     calls.call(&PAIRS, Groups::Indirect("arguments", GROUPS_PER_PAIR));
-    calls.call(&PLANES, Groups::PerBodies(1));
+    calls.call(&PLANES, Groups::PerBodies(1)).for_planes();
 }

@@ -4,6 +4,7 @@
 
 pub mod body;
 pub mod feature_id;
+pub mod gpu_work;
 pub mod hooks;
 pub mod material;
 pub mod settings;

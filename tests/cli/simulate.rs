@@ -63,11 +63,13 @@ fn check_shape(json: &Value) {
     assert_eq!(keys(json), ["meta", "steps"]);
     assert!(json["meta"].is_object());
     for (i, step) in json["steps"].as_array().unwrap().iter().enumerate() {
+        let of_a_gpu = (json["meta"]["backend"] == "gpu").then_some("gpu");
         assert_eq!(
             keys(step),
             sorted(
                 ["step", "step_ms", "stages_ms"]
                     .into_iter()
+                    .chain(of_a_gpu)
                     .chain(COUNTS)
                     .chain(MECHANICS)
             )
@@ -243,6 +245,10 @@ fn a_scene_refuses_options_that_mean_nothing_to_it() {
     folder.bad(&["simulate", "--scene", "pour", "--speed", "3"], &["--speed", "pour"]);
     folder.bad(&["simulate", "--scene", "chain", "--side", "3"], &["--side", "chain"]);
     folder.bad(&["simulate", "--scene", "hole"], &["hole", "incline"]);
+    folder.bad(
+        &["simulate", "--frames", "frames", "--reading", "resident"],
+        &["--frames", "resident", "latent"],
+    );
 }
 
 #[test]

@@ -10,6 +10,7 @@ use std::path::Path;
 pub const TESTS: &[Test] = &[
     ("simulate_finds_the_same_pairs_on_both", simulate),
     ("check_finds_the_same_faces_on_both", check),
+    ("simulate_reads_results_at_once_later_or_never", readings),
 ];
 
 fn run(folder: &Path, arguments: &[&str]) -> Value {
@@ -49,6 +50,42 @@ fn simulate(_: &Gpu) {
             assert!(b["stages_ms"]["triangle_test"].is_number());
         }
     }
+}
+
+/// The same steps, whenever their results are read; what was asked of the device is told.
+fn readings(_: &Gpu) {
+    let folder = tempfile::tempdir().unwrap();
+    let on = |reading| {
+        let scene = ["simulate", "--bodies", "60", "--steps", "5", "--side", "4"];
+        let how = ["--backend", "gpu", "--reading", reading, "--json", "-"];
+        run(folder.path(), &[&scene[..], &how].concat())
+    };
+    let all = ["lockstep", "latent", "resident"].map(on);
+    let [lockstep, latent, resident] = &all;
+    for (record, name) in all.iter().zip(["lockstep", "latent", "resident"]) {
+        assert_eq!(record["meta"]["reading"], name);
+        let steps = record["steps"].as_array().unwrap();
+        assert_eq!(steps.len(), 5);
+        for (i, step) in steps.iter().enumerate() {
+            assert_eq!(step["step"], i as u64 + 1);
+            for counted in ["sphere_pairs", "touching_pairs", "face_pairs"] {
+                assert_eq!(step[counted], lockstep["steps"][i][counted], "{name}, {counted}");
+            }
+            let work = &step["gpu"];
+            let count = |name: &str| work[name].as_u64().unwrap();
+            assert!(count("dispatches") > 10 && count("dispatches") >= count("indirect"));
+            assert!(count("submissions") > 0 && count("passes") > 0 && count("copies") > 0);
+            assert!(count("uploaded_bytes") > 0 && count("memory_bytes") > 100_000);
+            let pairs = &work["lists"]["sphere_pairs"];
+            assert_eq!(pairs["length"], step["sphere_pairs"]);
+            assert!(pairs["capacity"].as_u64() >= pairs["length"].as_u64());
+        }
+    }
+    let read_back = |record: &Value| record["steps"][4]["gpu"]["read_back_bytes"].as_u64().unwrap();
+    assert_eq!(read_back(lockstep), read_back(latent));
+    assert!(100 * read_back(resident) < read_back(latent));
+    assert!(latent["steps"][4]["kinetic_energy"].is_number());
+    assert!(resident["steps"][4]["kinetic_energy"].is_null());
 }
 
 fn check(_: &Gpu) {

@@ -229,6 +229,7 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             },
             bodies,
             touches: bodies,
+            solves: true,
         };
         let recorder = |response, may_sleep| Recorder {
             response,

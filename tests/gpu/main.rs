@@ -32,6 +32,8 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::backend", apps::backend::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::bytes", apps::bytes::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::with_contacts", apps::with_contacts::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::readback", apps::readback::TESTS),

@@ -5,6 +5,7 @@ mod bake;
 mod canvas;
 mod check;
 mod frames;
+mod gpu_work;
 mod image;
 mod inspect;
 mod mechanics;

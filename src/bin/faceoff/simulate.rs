@@ -1,5 +1,6 @@
 //! `faceoff simulate`: a headless Bevy app that runs a scene and prints what each stage cost and found.
 
+use crate::gpu_work::WorkRecord;
 use crate::mechanics::Mechanics;
 use crate::scenes::{self, SceneChoice};
 use crate::{BackendChoice, CullingChoice, Outcome, frames, mesh, output};
@@ -46,6 +47,9 @@ pub struct Options {
     /// Where the stages run.
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
+    /// When the results of a GPU are read [default: lockstep]. With resident, collisions stay on the GPU and are only counted.
+    #[arg(long, value_enum)]
+    reading: Option<ReadingChoice>,
     /// Threads of the CPU stages, at most 1024; 0 for one per core.
     #[arg(long, default_value_t = 0, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=1024))]
     threads: usize,
@@ -72,6 +76,37 @@ enum ResponseChoice {
     Impulse,
     /// Contact points with friction, on which bodies rest.
     Contacts,
+}
+
+/// When the results of a GPU are read.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum ReadingChoice {
+    /// Each step waits for its results.
+    Lockstep,
+    /// Results are read two steps later.
+    Latent,
+    /// Bodies stay on the GPU, and counts are read two steps later.
+    Resident,
+}
+
+impl ReadingChoice {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Lockstep => "lockstep",
+            Self::Latent => "latent",
+            Self::Resident => "resident",
+        }
+    }
+}
+
+impl From<ReadingChoice> for Readback {
+    fn from(choice: ReadingChoice) -> Self {
+        match choice {
+            ReadingChoice::Lockstep => Self::Lockstep,
+            ReadingChoice::Latent => Self::Latent,
+            ReadingChoice::Resident => Self::Resident,
+        }
+    }
 }
 
 impl From<ResponseChoice> for Response {
@@ -109,6 +144,8 @@ struct Meta {
     backend: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     adapter: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reading: Option<&'static str>,
     threads: usize,
     response: &'static str,
     dt: f64,
@@ -127,6 +164,8 @@ struct StepRecord {
     collision_substeps: u32,
     mean_collision_substeps: f32,
     sleeping: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gpu: Option<WorkRecord>,
     /// Only where it is written: it costs a look at every body.
     #[serde(flatten)]
     mechanics: Option<Mechanics>,
@@ -172,12 +211,15 @@ pub fn run(options: &Options) -> Outcome {
         BackendChoice::Cpu => Backend::Cpu,
     };
 
+    let reading = options.reading.unwrap_or(ReadingChoice::Lockstep);
+    let is_resident = matches!(reading, ReadingChoice::Resident);
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
         FaceoffHeadlessPlugins {
             step: StepPlugin {
                 backend,
+                readback: reading.into(),
                 threads: options.threads,
                 ..default()
             },
@@ -194,9 +236,7 @@ pub fn run(options: &Options) -> Outcome {
     })
     .insert_resource(Culling::from(options.culling))
     .insert_resource(response);
-    if let ActiveBackend::None { reason } = app.world().resource() {
-        return Err(format!("nothing can run the stages: {reason}").into());
-    }
+    check_backend(&app)?;
     let framing = scenes::spawn(app.world_mut(), choice, &scene, mesh.as_ref());
     let spawned = app
         .world_mut()
@@ -214,15 +254,21 @@ pub fn run(options: &Options) -> Outcome {
         ProgressBar::hidden()
     };
     let mut steps = Vec::with_capacity(step_count.min(1 << 20));
-    for _ in 0..step_count {
+    while steps.len() < step_count {
         app.update();
+        check_backend(&app)?;
         let step = steps.len() + 1;
+        // While kernels compile there are no steps, and their results may come some updates later.
+        if app.world().resource::<StepReport>().step < step as u64 {
+            std::thread::yield_now();
+            continue;
+        }
         if let Some(folder) = &options.frames
             && (step % options.every as usize == 0 || step == step_count)
         {
             frames::save(app.world_mut(), &framing, step, folder)?;
         }
-        let mechanics = options.json.is_some().then(|| Mechanics::of(app.world_mut()));
+        let mechanics = (options.json.is_some() && !is_resident).then(|| Mechanics::of(app.world_mut()));
         steps.push(StepRecord::new(app.world().resource::<StepReport>(), mechanics));
         progress.inc(1);
     }
@@ -245,6 +291,7 @@ pub fn run(options: &Options) -> Outcome {
                 ActiveBackend::Gpu { adapter, .. } => Some(adapter.clone()),
                 _ => None,
             },
+            reading: matches!(active, ActiveBackend::Gpu { .. }).then(|| reading.name()),
             threads: bevy_faceoff::plugin::threads(app.world()),
             response: match response {
                 Response::None => "none",
@@ -271,6 +318,10 @@ impl Options {
             ("--speed", self.speed.is_some() && scene != SceneChoice::Box),
             ("--side", self.side.is_some() && scene != SceneChoice::Box),
         ];
+        let is_resident = matches!(self.reading, Some(ReadingChoice::Resident));
+        if is_resident && self.frames.is_some() {
+            return Err("--frames draws what is read back, and --reading resident reads nothing: use latent".into());
+        }
         match idle.iter().find(|(_, given)| *given) {
             Some((option, _)) => Err(format!("{option} has no meaning for --scene {}", scene.name()).into()),
             None => Ok(()),
@@ -284,6 +335,14 @@ fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
             Err(format!("{name} must be a number from 0 to {MAX_COORDINATE:e}, not {x}").into())
         }
         given => Ok(given.unwrap_or(default)),
+    }
+}
+
+/// There is something to run the stages on, or will be.
+fn check_backend(app: &App) -> Outcome {
+    match app.world().resource() {
+        ActiveBackend::None { reason } => Err(format!("nothing can run the stages: {reason}").into()),
+        _ => Ok(()),
     }
 }
 
@@ -309,6 +368,7 @@ impl StepRecord {
             collision_substeps: report.collision_substeps,
             mean_collision_substeps: report.mean_collision_substeps,
             sleeping: report.sleeping,
+            gpu: report.gpu.as_ref().map(WorkRecord::from),
             mechanics,
         }
     }
@@ -363,5 +423,12 @@ fn summary(record: &Record) -> String {
     row("triangle tests", "", &|s| s.triangle_tests as f64);
     row("face pairs", "", &|s| s.face_pairs as f64);
     row("contact points", "", &|s| s.contact_points as f64);
+    if record.steps.iter().any(|step| step.gpu.is_some()) {
+        let of = |value: fn(&WorkRecord) -> u64| move |s: &StepRecord| s.gpu.as_ref().map_or(0, value) as f64;
+        row("dispatches", "", &of(WorkRecord::all_dispatches));
+        row("uploaded", "bytes", &of(|work| work.uploaded_bytes));
+        row("read back", "bytes", &of(|work| work.read_back_bytes));
+        row("memory", "bytes", &of(|work| work.memory_bytes));
+    }
     text
 }

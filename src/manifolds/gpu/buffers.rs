@@ -43,6 +43,20 @@ impl ContactCapacity {
         }
     }
 
+    /// The larger of two, list by list.
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            margin_pairs: self.margin_pairs.max(other.margin_pairs),
+            slots: self.slots.max(other.slots),
+            near_triangles: self.near_triangles.max(other.near_triangles),
+            features: self.features.max(other.features),
+            segments: self.segments.max(other.segments),
+            staged_points: self.staged_points.max(other.staged_points),
+            pairs: self.pairs.max(other.pairs),
+            points: self.points.max(other.points),
+        }
+    }
+
     /// The capacity that a run needed, by its counters.
     pub fn needed(counters: &[u32]) -> Self {
         let of = |counter: u32| counters[counter as usize];
@@ -94,8 +108,8 @@ buffers! {
         segments: ARRAY Segment, capacity.segments, "contour segments";
         /// Links between segments: eight words per segment.
         contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";
-        /// The patches of a pair start at the index of its first segment.
-        patches: ARRAY Patch, capacity.segments, "contour patches";
+        /// The patches of a pair start at half the index of its first segment.
+        patches: ARRAY Patch, capacity.segments / 2 + 1, "contour patches";
         /// Points in any order.
         staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
         /// The range of points of each pair, and of each body and half-space.

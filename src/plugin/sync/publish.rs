@@ -186,6 +186,7 @@ pub(crate) fn publish(
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         parallel_stages: step.engine.parallel_stages(),
+        gpu: step.state.results.gpu,
         ..*report
     };
 

@@ -39,7 +39,7 @@ pub(super) fn record(calls: &mut Calls, capacity: &SolverCapacity) {
     calls.call(&ISLAND_JOIN, per_pair());
     calls.call(&ISLAND_KEYS, per_pair());
     let groups = [GROUPS_PER_SORT_BLOCK, GROUPS_PER_DIGIT_BLOCK].map(per);
-    let [keys, order] = SORT.record(calls, ENTRIES, capacity.body_bits(), groups);
+    let [keys, order] = SORT.record(calls, ENTRIES, capacity.body_bits(), capacity.pairs, groups);
     calls.call(&ISLAND_RANGES, per_pair()).bind("island_keys", keys);
     calls.call(&ISLAND_ARGUMENTS, Groups::Exactly(1));
     let sizes = [GROUPS_PER_SMALL_ISLAND, GROUPS_PER_LARGE_ISLAND].map(per);

@@ -18,6 +18,8 @@ pub struct StepCapacity {
     pub bodies: u32,
     /// Points of touching pairs, in all collision substeps.
     pub touches: u32,
+    /// Whether bodies are solved. Otherwise the solver's lists, and those between steps, have no elements.
+    pub solves: bool,
 }
 
 impl StepCapacity {
@@ -27,6 +29,17 @@ impl StepCapacity {
             contacts: self.contacts.grown(needed.contacts),
             bodies: grow(self.bodies, needed.bodies),
             touches: grow(self.touches, needed.touches),
+            solves: self.solves || needed.solves,
+        }
+    }
+
+    /// The larger of two, list by list.
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            contacts: self.contacts.max(other.contacts),
+            bodies: self.bodies.max(other.bodies),
+            touches: self.touches.max(other.touches),
+            solves: self.solves || other.solves,
         }
     }
 
@@ -43,6 +56,9 @@ impl StepCapacity {
 
     /// The capacity of the solver's own buffers.
     pub fn solver(&self) -> SolverCapacity {
+        if !self.solves {
+            return SolverCapacity::default();
+        }
         SolverCapacity {
             bodies: self.bodies,
             pairs: self.contacts.pairs,
@@ -59,37 +75,39 @@ buffers! {
         /// Points of touching pairs, in any order.
         touches: ARRAY Touch, capacity.touches, "touches";
         /// Properties of bodies.
-        solver_bodies: ARRAY SolverBody, capacity.bodies, "solver bodies";
+        solver_bodies: ARRAY SolverBody, capacity.solver().bodies, "solver bodies";
         /// Motion states as the host knows them.
-        host_states: ARRAY MotionState, capacity.bodies, "motion states of the host";
+        host_states: ARRAY MotionState, capacity.solver().bodies, "motion states of the host";
         /// Motion states during the step.
-        motion_states: ARRAY MotionState, capacity.bodies, "motion states";
+        motion_states: ARRAY MotionState, capacity.solver().bodies, "motion states";
         /// External forces.
-        forces: ARRAY BodyForces, capacity.bodies, "forces";
+        forces: ARRAY BodyForces, capacity.solver().bodies, "forces";
+        /// As the host sends them. Kernels clear the impulses of the copy.
+        sent_forces: ARRAY BodyForces, capacity.solver().bodies, "forces as sent";
         /// Parameters of the first collision substep.
         first_collision_substep: ARRAY CollisionSubstep, 1u32, "first collision substep";
         /// Parameters of the later ones.
         later_collision_substep: ARRAY CollisionSubstep, 1u32, "later collision substeps";
         /// New numbers of bodies, by their numbers in the last step.
-        first_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies, first collision substep";
+        first_new_numbers: ARRAY u32, capacity.solver().bodies, "new numbers of bodies, first collision substep";
         /// The same for later collision substeps: the identity.
-        later_new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies, later collision substeps";
+        later_new_numbers: ARRAY u32, capacity.solver().bodies, "new numbers of bodies, later collision substeps";
         /// The one in use.
-        new_numbers: ARRAY u32, capacity.bodies, "new numbers of bodies";
+        new_numbers: ARRAY u32, capacity.solver().bodies, "new numbers of bodies";
         /// Arguments of the solver's indirect dispatches.
         solver_arguments: INDIRECT u32, 3 * SLOTS, "solver arguments";
         /// Motion states after the last step. This buffer and the following ones persist between steps.
-        last_step_states: ARRAY MotionState, capacity.bodies, "motion states of the last step";
+        last_step_states: ARRAY MotionState, capacity.solver().bodies, "motion states of the last step";
         /// The solver's counters.
         last_step_counters: ARRAY u32, COUNTERS, "solver counters of the last step";
         /// Saved pairs.
-        last_step_pairs: ARRAY SavedPair, capacity.contacts.pairs, "saved pairs of the last step";
+        last_step_pairs: ARRAY SavedPair, capacity.solver().pairs, "saved pairs of the last step";
         /// Saved points.
-        last_step_points: ARRAY SavedPoint, capacity.contacts.points, "saved points of the last step";
+        last_step_points: ARRAY SavedPoint, capacity.solver().points, "saved points of the last step";
         /// The pairs of the last contact generation.
-        last_step_contact_pairs: ARRAY ContactPair, capacity.contacts.pairs, "contact pairs of the last step";
+        last_step_contact_pairs: ARRAY ContactPair, capacity.solver().pairs, "contact pairs of the last step";
         /// Their points.
-        last_step_contact_points: ARRAY ContactPoint, capacity.contacts.points, "contact points of the last step";
+        last_step_contact_points: ARRAY ContactPoint, capacity.solver().points, "contact points of the last step";
     }
 }
 

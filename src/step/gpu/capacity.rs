@@ -2,12 +2,15 @@
 
 use super::buffers::StepCapacity;
 use super::contact_programs::{ContactPrograms, START};
+use super::recent::Recent;
 use super::record::{all_kernels, all_modules, impulse_program};
 use super::{GpuStep, StepError};
 use crate::gpu::arena::Change;
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
+use crate::gpu::commands::Commands;
 use crate::gpu::layout;
 use crate::gpu::readback::scoped;
+use wgpu::Buffer;
 
 impl GpuStep {
     /// Compiles the kernels for contact points, creates their buffers, and includes topology in the meshes.
@@ -52,57 +55,92 @@ impl GpuStep {
             return Ok(false);
         }
         let grown = self.buffers.capacity.grown(needed);
-        let longer = grown != self.buffers.capacity;
+        let has = self.contacts.as_ref().map(ContactPrograms::capacity);
+        let grown_for_contacts = has.zip(for_contacts).map(|(has, needed)| has.grown(needed));
+        self.resize(grown, grown_for_contacts)
+    }
+
+    /// Makes lists shorter that steps have used little of for a while.
+    pub(super) fn shrink(&mut self) -> Result<(), StepError> {
+        if !self.recent.is_full() {
+            return Ok(());
+        }
+        if self.shrunk().is_some() {
+            self.finish_all()?;
+            // Steps that were in flight may have used more.
+            if let Some((capacity, for_contacts)) = self.shrunk() {
+                self.resize(capacity, for_contacts)?;
+            }
+        }
+        self.recent = Recent::default();
+        Ok(())
+    }
+
+    fn shrunk(&self) -> Option<(Capacity, Option<StepCapacity>)> {
+        let for_contacts = self.contacts.as_ref().map(ContactPrograms::capacity);
+        self.recent.shrunk(self.buffers.capacity, for_contacts, super::START)
+    }
+
+    /// Replaces the buffers, and returns whether the meshes were written again. `for_contacts` is given if there are
+    /// buffers for contact points.
+    fn resize(&mut self, capacity: Capacity, for_contacts: Option<StepCapacity>) -> Result<bool, StepError> {
+        let differs = capacity != self.buffers.capacity;
         let made = scoped(&self.gpu, || {
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            let buffers = if longer {
-                let buffers = Buffers::new(&self.gpu, grown)?;
+            let mut commands = Commands::new(&self.gpu, "other lists");
+            let buffers = if differs {
+                let buffers = Buffers::new(&self.gpu, capacity)?;
                 // The only buffer in this set that persists between steps.
-                let (from, to) = (&self.buffers.moved, &buffers.moved);
-                encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+                commands.copy(&self.buffers.moved, &buffers.moved);
                 Some((impulse_program(&self.gpu, &buffers), buffers))
             } else {
                 None
             };
             let contacts = match (&self.contacts, for_contacts) {
-                (Some(old), Some(needed)) => {
+                (Some(old), Some(capacity)) => {
                     let buffers = buffers.as_ref().map_or(&self.buffers, |(_, buffers)| buffers);
-                    let contacts = ContactPrograms::new(&self.gpu, buffers, old.capacity().grown(needed))?;
-                    contacts.copy_memory(old, &mut encoder);
+                    let contacts = ContactPrograms::new(&self.gpu, buffers, capacity)?;
+                    contacts.copy_memory(old, &mut commands);
                     Some(contacts)
                 }
                 _ => None,
             };
-            self.gpu.queue.submit([encoder.finish()]);
-            Ok::<_, TooLarge>((buffers, contacts))
+            Ok::<_, TooLarge>((buffers, contacts, commands.submit().1))
         });
-        let (buffers, contacts) = made.map_err(StepError::Device)??;
+        let (buffers, contacts, work) = made.map_err(StepError::Device)??;
         if let Some((program, buffers)) = buffers {
             (self.program, self.buffers) = (program, buffers);
         }
         self.contacts = contacts;
+        self.known.clear();
+        self.between = work.after(&self.between);
         self.spare.clear();
-        if longer {
+        if differs {
             self.write(self.arena.contents())?;
         }
-        Ok(longer)
+        Ok(differs)
     }
 
     /// Writes meshes.
-    pub(super) fn write(&self, changes: Vec<Change>) -> Result<(), StepError> {
+    pub(super) fn write(&mut self, changes: Vec<Change>) -> Result<(), StepError> {
         if changes.is_empty() {
             return Ok(());
         }
-        scoped(&self.gpu, || {
+        let Self {
+            gpu, buffers, between, ..
+        } = self;
+        let mut write = |buffer: &Buffer, at: u64, bytes: &[u8]| {
+            gpu.queue.write_buffer(buffer, at, bytes);
+            between.uploaded_bytes += bytes.len() as u64;
+        };
+        scoped(gpu, || {
             for change in changes {
-                let queue = &self.gpu.queue;
                 match change {
                     Change::Words(at, words) => {
-                        queue.write_buffer(&self.buffers.words, 4 * u64::from(at), bytemuck::cast_slice(&words));
+                        write(&buffers.words, 4 * u64::from(at), bytemuck::cast_slice(&words));
                     }
                     Change::Header(slot, header) => {
                         let at = u64::from(slot) * size_of::<layout::Mesh>() as u64;
-                        queue.write_buffer(&self.buffers.meshes, at, bytemuck::bytes_of(&header));
+                        write(&buffers.meshes, at, bytemuck::bytes_of(&header));
                     }
                 }
             }

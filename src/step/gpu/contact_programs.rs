@@ -8,7 +8,9 @@ use super::buffers::{StepBuffers, StepCapacity};
 use super::record::Recorder;
 use super::solver_input::SolverInput;
 use crate::gpu::buffers::{Buffers, TooLarge};
+use crate::gpu::commands::Commands;
 use crate::gpu::device::Gpu;
+use crate::gpu::known::Known;
 use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::timer::Timer;
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
@@ -16,7 +18,6 @@ use crate::solver::gpu::SolverBuffers;
 use crate::step::order::Place;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
-use wgpu::{Buffer, CommandEncoder};
 
 /// Initial capacity. Lists grow as needed.
 pub const START: StepCapacity = StepCapacity {
@@ -32,6 +33,7 @@ pub const START: StepCapacity = StepCapacity {
     },
     bodies: 0,
     touches: 2048,
+    solves: false,
 };
 
 /// Stages that find contact points.
@@ -114,41 +116,33 @@ impl ContactPrograms {
     }
 
     /// Copies the memory between steps from `old`.
-    pub fn copy_memory(&self, old: &Self, encoder: &mut CommandEncoder) {
+    pub fn copy_memory(&self, old: &Self, commands: &mut Commands) {
         for (from, to) in old.step.memory().into_iter().zip(self.step.memory()) {
-            copy_all(encoder, from, to);
+            commands.copy(from, to);
         }
     }
 
-    /// Number of dispatches of each stage in one collision substep, with contacts.
-    pub fn dispatches(&self, with_compounds: bool) -> [usize; Stage::COUNT] {
-        let [_, solve] = &self.solve;
-        let programs = [&self.first, solve, &self.last];
-        Stage::ALL.map(|stage| programs.map(|program| program.len(stage, with_compounds)).iter().sum())
-    }
-
     /// Writes the lengths of the lists, and the numbers of bodies and half-spaces.
-    pub fn write_limits(&self, gpu: &Gpu, bodies: u32, planes: u32) {
+    pub fn write_limits(&self, commands: &mut Commands, known: &mut Known, bodies: u32, planes: u32) {
         let limits = self.contacts.capacity.limits(bodies, planes);
-        gpu.queue
-            .write_buffer(&self.contacts.limits, 0, bytemuck::bytes_of(&limits));
+        commands.write_changes(known, &self.contacts.limits, bytemuck::bytes_of(&limits));
     }
 
     /// Records a step without response, which reports contact points.
-    pub fn record_report(&self, encoder: &mut CommandEncoder, population: Population, timer: Option<&Timer>) {
-        encoder.clear_buffer(&self.step.tally, 0, None);
-        encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
+    pub fn record_report(&self, commands: &mut Commands, population: Population, timer: Option<&Timer>) {
+        commands.clear(&self.step.tally);
+        commands.clear(&self.contacts.contact_counters);
         for stage in Stage::ALL {
             let around = timer.map(|timer| timer.around(stage, 0));
-            self.report.record(stage, encoder, population, around);
+            self.report.record(stage, commands, population, around);
         }
     }
 
     /// Records a step with contacts.
-    pub fn record(&self, encoder: &mut CommandEncoder, buffers: &Buffers, input: &SolverInput, timer: Option<&Timer>) {
+    pub fn record(&self, commands: &mut Commands, buffers: &Buffers, input: &SolverInput, timer: Option<&Timer>) {
         let Self { step, solver, .. } = self;
         let solve = &self.solve[usize::from(input.may_sleep())];
-        encoder.clear_buffer(&step.tally, 0, None);
+        commands.clear(&step.tally);
         for (from, to) in [
             (&step.last_step_counters, &solver.solver_counters),
             (&step.last_step_pairs, &solver.saved_pairs),
@@ -156,22 +150,22 @@ impl ContactPrograms {
             (&step.last_step_contact_pairs, &self.contacts.contact_pairs),
             (&step.last_step_contact_points, &self.contacts.contact_points),
         ] {
-            copy_all(encoder, from, to);
+            commands.copy(from, to);
         }
         if input.old_bodies() == 0 {
-            encoder.clear_buffer(&solver.solver_counters, 0, None);
+            commands.clear(&solver.solver_counters);
         }
         for number in 0..input.collision_substeps {
             let place = Place::of(number, input.collision_substeps);
             let (collision_substep, numbers, find) = if place.is_first {
                 (&step.first_collision_substep, &step.first_new_numbers, &self.first)
             } else {
-                encoder.clear_buffer(&buffers.buckets, 0, None);
+                commands.clear(&buffers.buckets);
                 (&step.later_collision_substep, &step.later_new_numbers, &self.later)
             };
-            copy_all(encoder, collision_substep, &solver.collision_substep);
-            copy_all(encoder, numbers, &step.new_numbers);
-            encoder.clear_buffer(&self.contacts.contact_counters, 0, None);
+            commands.copy(collision_substep, &solver.collision_substep);
+            commands.copy(numbers, &step.new_numbers);
+            commands.clear(&self.contacts.contact_counters);
             for stage in Stage::ALL {
                 let program = match stage {
                     Stage::ForceScan => solve,
@@ -180,10 +174,10 @@ impl ContactPrograms {
                     _ => find,
                 };
                 let around = timer.map(|timer| timer.around(stage, number));
-                program.record(stage, encoder, input.population(), around);
+                program.record(stage, commands, input.population(), around);
                 if stage == Stage::BroadPhase && place.is_first {
                     // Copy for rendering.
-                    copy_all(encoder, &buffers.bodies, &buffers.before);
+                    commands.copy(&buffers.bodies, &buffers.before);
                 }
             }
         }
@@ -197,9 +191,4 @@ fn recorder<'s>(response: Response, buffers: &'s Buffers, capacity: &'s StepCapa
         contact_capacity: Some(capacity),
         may_sleep: false,
     }
-}
-
-/// Copies a buffer, or as much of it as fits.
-fn copy_all(encoder: &mut CommandEncoder, from: &Buffer, to: &Buffer) {
-    encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
 }

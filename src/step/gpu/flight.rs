@@ -4,6 +4,7 @@ use super::results::{Detail, Parts, Raw};
 use super::upload::Input;
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::{poll, request, view};
+use crate::types::gpu_work::GpuWork;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::sync::{Mutex, PoisonError};
 use wgpu::{Buffer, BufferAsyncError, PollType, SubmissionIndex};
@@ -14,6 +15,8 @@ pub(super) struct Flight {
     pub input: Input,
     /// Which results are read.
     pub detail: Detail,
+    /// What was asked of the device.
+    pub work: GpuWork,
     /// Receives the results.
     pub staging: Buffer,
     parts: Parts,
@@ -24,11 +27,19 @@ pub(super) struct Flight {
 
 impl Flight {
     /// Call it after the submission that copies the results to `staging`.
-    pub fn new(input: Input, detail: Detail, parts: Parts, staging: Buffer, submission: SubmissionIndex) -> Self {
+    pub fn new(
+        input: Input,
+        detail: Detail,
+        parts: Parts,
+        staging: Buffer,
+        submission: SubmissionIndex,
+        work: GpuWork,
+    ) -> Self {
         let mapped = request(&staging, parts.total);
         Self {
             input,
             detail,
+            work,
             staging,
             parts,
             submission,

@@ -64,11 +64,11 @@ impl DeviceMemory {
         (self.last_bodies.len() as u32, [of(PAIRS), of(POINTS)])
     }
 
-    /// Writes it to lists that are long enough.
+    /// Writes it to lists that are long enough, and returns the number of bytes.
     ///
     /// # Errors
     /// If the device fails.
-    pub fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms) -> Result<(), String> {
+    pub fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms) -> Result<u64, String> {
         let step = &contacts.step;
         let parts = [
             (&buffers.moved, &self.moved),
@@ -83,6 +83,7 @@ impl DeviceMemory {
             for (buffer, words) in parts {
                 gpu.queue.write_buffer(buffer, 0, cast_slice(words));
             }
+            parts.iter().map(|(_, words)| 4 * words.len() as u64).sum()
         })
     }
 }
@@ -132,11 +133,17 @@ impl GpuStep {
             points,
             ..ContactCapacity::default()
         };
-        self.reserve(needed, Some(StepCapacity { contacts, ..capacity }))?;
+        self.reserve(
+            needed,
+            Some(StepCapacity {
+                contacts,
+                solves: true,
+                ..capacity
+            }),
+        )?;
         if let Some(contacts) = &self.contacts {
-            memory
-                .write(&self.gpu, &self.buffers, contacts)
-                .map_err(StepError::Device)?;
+            let written = memory.write(&self.gpu, &self.buffers, contacts);
+            self.between.uploaded_bytes += written.map_err(StepError::Device)?;
             self.last_bodies = memory.last_bodies.clone();
         }
         Ok(())

@@ -13,7 +13,7 @@
 //! | `submit` | submission of a step |
 //! | `flight` | a step in flight |
 //! | `overflow` | repetition of steps whose lists overflowed |
-//! | `capacity` | creation of buffers |
+//! | `capacity`, `recent` | creation of buffers; lists that become shorter |
 //! | `results` | the results of a step |
 //! | `memory` | the memory between steps, for snapshots |
 //! | `hand_over` | the same memory on the CPU |
@@ -25,6 +25,7 @@ mod flight;
 mod hand_over;
 pub mod memory;
 mod overflow;
+mod recent;
 pub mod record;
 pub mod remap;
 pub mod results;
@@ -35,6 +36,7 @@ pub mod upload;
 use crate::gpu::arena::Arena;
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
+use crate::gpu::known::Known;
 use crate::gpu::layout;
 use crate::gpu::program::{Population, Program};
 use crate::gpu::readback::{read_words, scoped};
@@ -42,10 +44,11 @@ use crate::gpu::timer::Timer;
 use crate::solver::speeds::Speeds;
 use crate::state::Motion;
 use crate::step::StepState;
-use crate::types::stage::Stage;
+use crate::types::gpu_work::GpuWork;
 use contact_programs::ContactPrograms;
 use flight::Flight;
-use record::{all_modules, impulse_calls, impulse_program};
+use recent::Recent;
+use record::{all_modules, impulse_kernels, impulse_program};
 use remap::LastBodies;
 use results::{Detail, Output};
 use solver_input::HostSpeeds;
@@ -84,6 +87,10 @@ pub struct GpuStep {
     /// Changes of speed by the host in the steps since then, oldest first.
     host_speeds: VecDeque<HostSpeeds>,
     timer: Option<Timer>,
+    /// The input that is on the device.
+    known: Known,
+    /// The use of lists.
+    recent: Recent,
     /// Submitted steps, oldest first.
     flights: VecDeque<Flight>,
     /// Results that were read before they were asked for; older than all steps in flight.
@@ -93,14 +100,18 @@ pub struct GpuStep {
     /// Number of colliders and compounds in the last submitted step.
     population: Population,
     waits: u64,
+    /// What was done between steps. It counts for the next step.
+    between: GpuWork,
 }
 
 /// Initial capacity. Lists grow as needed.
 const START: Capacity = Capacity {
-    bodies: 256,
+    // One digit of the sort less than 256.
+    bodies: 255,
     compounds: 0,
     parts: 0,
-    planes: 8,
+    // Lists of contact points have an element for each body and half-space.
+    planes: 0,
     pairs: 1024,
     hits: 4096,
     plane_contacts: 256,
@@ -124,8 +135,7 @@ impl GpuStep {
     /// If the device cannot run the stages.
     pub fn with_capacity(gpu: Gpu, capacity: Capacity) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
-            let calls = impulse_calls(&capacity);
-            gpu.compile(all_modules(), calls.iter().map(|call| call.kernel))?;
+            gpu.compile(all_modules(), impulse_kernels())?;
             let buffers = Buffers::new(&gpu, capacity).map_err(|error| error.to_string())?;
             let program = impulse_program(&gpu, &buffers);
             let timer = Timer::new(&gpu);
@@ -143,11 +153,14 @@ impl GpuStep {
                 host_speeds: VecDeque::new(),
                 has_features: false,
                 timer,
+                known: Known::default(),
+                recent: Recent::default(),
                 flights: VecDeque::new(),
                 finished: VecDeque::new(),
                 spare: Vec::new(),
                 population: Population::default(),
                 waits: 0,
+                between: GpuWork::default(),
             }),
             Err(reason) => Err(NoGpu::Failed {
                 adapter: gpu.info.name.clone(),
@@ -182,17 +195,9 @@ impl GpuStep {
 
     /// Total size of the buffers, bytes.
     pub fn bytes(&self) -> u64 {
-        self.buffers.bytes() + self.contacts.as_ref().map_or(0, ContactPrograms::bytes)
-    }
-
-    /// Number of dispatches of each stage in the last submitted step. With contacts it is that of one collision substep,
-    /// once there was one.
-    pub fn dispatches(&self) -> [usize; Stage::COUNT] {
-        let with_compounds = self.population.compounds > 0;
-        match &self.contacts {
-            Some(contacts) => contacts.dispatches(with_compounds),
-            None => Stage::ALL.map(|stage| self.program.len(stage, with_compounds)),
-        }
+        let flights = self.flights.iter().map(|flight| &flight.staging);
+        let staging: u64 = flights.chain(&self.spare).map(Buffer::size).sum();
+        self.buffers.bytes() + self.contacts.as_ref().map_or(0, ContactPrograms::bytes) + staging
     }
 
     /// Runs all stages on `state` and waits for the results. Steps in flight are given up.
@@ -256,6 +261,7 @@ impl GpuStep {
 
     fn fail(&mut self) {
         self.forget();
+        self.known.clear();
         // It is unknown which meshes were written, so the next step writes all.
         self.arena = self.empty_arena();
     }
@@ -274,7 +280,7 @@ impl GpuStep {
     /// # Errors
     /// As [`GpuStep::take`].
     pub fn motions(&mut self) -> Result<Vec<Motion>, StepError> {
-        let Population { bodies, compounds } = self.population;
+        let Population { bodies, compounds, .. } = self.population;
         let words = (bodies + compounds) as usize * size_of::<layout::Moved>() / 4;
         let read = self.finish_all().and_then(|()| {
             let words = read_words(&self.gpu, &self.buffers.moved, words);

@@ -5,14 +5,19 @@
 //! change nothing.
 
 use super::buffers::StepCapacity;
-use super::results::Output;
+use super::flight::Flight;
+use super::results::{Output, Raw};
+use super::upload::Input;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
 use crate::gpu::layout::{
     CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
 };
+use crate::gpu::program::Population;
 use crate::gpu::readback::scoped;
 use crate::manifolds::gpu::ContactCapacity;
+use crate::types::gpu_work::{GpuList, GpuLists, GpuWork};
+use crate::types::settings::Response;
 
 impl GpuStep {
     /// Waits for all steps in flight.
@@ -36,8 +41,11 @@ impl GpuStep {
             if raw.counters[SKIPPED as usize] == 0
                 && let Some(flight) = self.flights.pop_front()
             {
+                let work = self.work_of(&flight, &raw);
+                self.note_use(&flight.input, &work.lists, &raw.tally);
                 self.spare.push(flight.staging);
-                return Ok(raw.sort(&flight.input, self.timer.as_ref()));
+                let output = raw.sort(&flight.input, self.timer.as_ref());
+                return Ok(Output { work, ..output });
             }
             if !self.repeat(&raw.counters, &raw.tally)? {
                 return Err(StepError::Device(
@@ -46,6 +54,66 @@ impl GpuStep {
             }
         }
         Err(StepError::Device("there is no step to wait for".into()))
+    }
+
+    /// What a step asked of the device, with memory and lists.
+    fn work_of(&self, flight: &Flight, raw: &Raw) -> GpuWork {
+        let of = |length: u32, capacity: u32| GpuList { length, capacity };
+        let counter = |counter: u32| raw.counters[counter as usize];
+        let capacity = &self.buffers.capacity;
+        let mut lists = GpuLists {
+            sphere_pairs: of(
+                counter(SPHERE_PAIRS).max(raw.tally[MAX_SPHERE_PAIRS as usize]),
+                capacity.pairs,
+            ),
+            face_pairs: of(counter(HITS), capacity.hits),
+            plane_contacts: of(counter(PLANE_CONTACTS), capacity.plane_contacts),
+            ..GpuLists::default()
+        };
+        let with_points = flight.input.response != Response::Impulse;
+        if let Some(contacts) = self.contacts.as_ref().filter(|_| with_points) {
+            let StepCapacity { contacts, touches, .. } = contacts.capacity();
+            let needed = ContactCapacity::needed(&raw.tally);
+            lists.near_triangles = of(needed.near_triangles, contacts.near_triangles);
+            lists.features = of(needed.features, contacts.features);
+            lists.segments = of(needed.segments, contacts.segments);
+            lists.staged_points = of(needed.staged_points, contacts.staged_points);
+            lists.manifolds = of(needed.pairs, contacts.pairs);
+            lists.contact_points = of(needed.points, contacts.points);
+            lists.touches = of(raw.tally[TOUCHES as usize], touches);
+        }
+        GpuWork {
+            memory_bytes: self.bytes() + flight.staging.size(),
+            lists,
+            ..flight.work
+        }
+    }
+
+    /// Notes how much of each list a step used.
+    fn note_use(&mut self, input: &Input, lists: &GpuLists, tally: &[u32]) {
+        let Population {
+            bodies,
+            compounds,
+            planes,
+        } = input.population();
+        let used = Capacity {
+            bodies,
+            compounds,
+            parts: input.part_count(),
+            planes,
+            pairs: lists.sphere_pairs.length,
+            hits: lists.face_pairs.length,
+            plane_contacts: lists.plane_contacts.length,
+            ..Capacity::default()
+        };
+        let with_points = input.response != Response::Impulse;
+        let for_contacts = with_points.then(|| StepCapacity {
+            contacts: ContactCapacity::needed(tally),
+            bodies: input.old_bodies().max(bodies + planes),
+            touches: lists.touches.length,
+            solves: input.response == Response::Contacts,
+        });
+        self.recent.add(used, for_contacts);
     }
 
     /// Repeats all steps in flight with longer lists, and returns whether a list was too short. No body has moved since
@@ -66,8 +134,10 @@ impl GpuStep {
             return Ok(false);
         }
         self.reserve(needed, for_contacts)?;
+        let mut between = std::mem::take(&mut self.between);
         for flight in std::mem::take(&mut self.flights) {
-            self.launch(flight.input, flight.detail)?;
+            let earlier = flight.work.after(&std::mem::take(&mut between));
+            self.launch(flight.input, flight.detail, earlier)?;
         }
         Ok(true)
     }

@@ -4,9 +4,10 @@ use super::buffers::StepCapacity;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernel::{Kernel, kernel};
-use crate::gpu::layout::{ContactPair, ContactPoint, GROUPS_PER_64_SLOTS, NOTHING};
+use crate::gpu::layout::{ContactPair, ContactPoint, NOTHING};
 use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
+use crate::manifolds::gpu::record::per_64_slots;
 use crate::solver::gpu::layout::{COUNTERS, PAIRS, POINTS, SavedPair, SavedPoint};
 use crate::step::order::{Part, Place, parts};
 use crate::types::settings::Response;
@@ -109,18 +110,24 @@ impl Recorder<'_> {
             }
             Part::Begin => broad_phase::gpu::record_place(calls),
             Part::FindSpherePairs => broad_phase::gpu::record_search(calls, self.capacity),
-            Part::FindNearPairs => angles::gpu::record(calls),
+            Part::FindNearPairs => angles::gpu::record(calls, self.capacity),
             Part::TestTriangles => triangle_test::gpu::record(calls),
             Part::FindContactPoints => {
                 manifolds::gpu::record::record_select(calls, self.capacity);
-                manifolds::gpu::record::record_points(calls);
-                manifolds::gpu::record::record_compounds(calls);
+                if let Some(StepCapacity { contacts, .. }) = self.contact_capacity {
+                    manifolds::gpu::record::record_points(calls, contacts);
+                    manifolds::gpu::record::record_compounds(calls, contacts);
+                }
             }
             Part::ReuseContactPoints => {
-                calls.call(&REUSE_CONTACT_POINTS, manifolds::gpu::record::per(GROUPS_PER_64_SLOTS));
-                list_contact_points(calls);
+                if let Some(StepCapacity { contacts, .. }) = self.contact_capacity {
+                    calls.call(&REUSE_CONTACT_POINTS, per_64_slots(contacts));
+                }
+                self.list_contact_points(calls);
             }
-            Part::ReportContactPoints => list_contact_points(calls),
+            Part::ReportContactPoints => self.list_contact_points(calls),
+            // Bodies do not push each other.
+            Part::SumImpulses if self.response == Response::None => {}
             Part::SumImpulses => force_scan::gpu::record_impulses(calls, self.capacity),
             Part::ApplyImpulses => integrate::gpu::record(calls),
             Part::Wake => {
@@ -158,6 +165,16 @@ impl Recorder<'_> {
     }
 }
 
+impl Recorder<'_> {
+    /// Compacts the lists of contact points, and tests all lists so far for overflow.
+    fn list_contact_points(&self, calls: &mut Calls) {
+        if let Some(StepCapacity { contacts, .. }) = self.contact_capacity {
+            manifolds::gpu::record::record_lists(calls, contacts);
+            calls.call(&OVERFLOW_LISTS, Groups::Exactly(1));
+        }
+    }
+}
+
 /// The calls of a step with [`Response::Impulse`].
 pub fn impulse_calls(capacity: &Capacity) -> Calls {
     let recorder = Recorder {
@@ -169,15 +186,23 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
     recorder.calls(&Stage::ALL, Place::of(0, 1))
 }
 
-/// The same, bound to buffers.
-pub fn impulse_program(gpu: &Gpu, buffers: &Buffers) -> Program {
-    Program::new(gpu, &impulse_calls(&buffers.capacity), &[buffers])
+/// The kernels of such a step, whatever its capacity: lists may grow at any time.
+pub fn impulse_kernels() -> impl Iterator<Item = &'static Kernel> {
+    let of = |pairs: u32| {
+        let capacity = Capacity {
+            bodies: pairs,
+            pairs,
+            ..Capacity::default()
+        };
+        let kernels: Vec<_> = impulse_calls(&capacity).iter().map(|call| call.kernel).collect();
+        kernels
+    };
+    of(1).into_iter().chain(of(1 << 20))
 }
 
-/// Compacts the lists of contact points, and tests all lists so far for overflow.
-fn list_contact_points(calls: &mut Calls) {
-    manifolds::gpu::record::record_lists(calls);
-    calls.call(&OVERFLOW_LISTS, Groups::Exactly(1));
+/// The same calls, bound to buffers.
+pub fn impulse_program(gpu: &Gpu, buffers: &Buffers) -> Program {
+    Program::new(gpu, &impulse_calls(&buffers.capacity), &[buffers])
 }
 
 /// Saves the solver's memory and the contact points of the last collision substep.

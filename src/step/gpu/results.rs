@@ -4,6 +4,7 @@ use super::contact_programs::ContactPrograms;
 use super::upload::Input;
 use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::{Buffers, Capacity};
+use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
     APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HITS,
     Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED,
@@ -19,13 +20,14 @@ use crate::state::{
     Contact, Contacts, Counts, FacePair, Manifold, ManifoldPoint, Manifolds, Motion, PairContact, StepResults,
 };
 use crate::step::StepState;
+use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use bytemuck::Pod;
 use glam::{Quat, Vec3};
 use std::ops::Range;
 use std::time::Duration;
-use wgpu::{Buffer, CommandEncoder};
+use wgpu::Buffer;
 
 /// Which results are read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,6 +62,8 @@ pub struct Output {
     pub counts: Counts,
     /// Time of each stage on the device; zero if it has no time stamps.
     pub times: [Duration; Stage::COUNT],
+    /// What was asked of the device.
+    pub work: GpuWork,
 }
 
 /// The ranges of the results in the staging buffer.
@@ -93,7 +97,7 @@ impl Parts {
         let counters = part(COUNTERS, 4);
         let times = part(timer::BYTES * input.collision_substeps(), 1);
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
-        let Population { bodies, compounds } = input.population();
+        let Population { bodies, compounds, .. } = input.population();
         let moved = part(lists(bodies + compounds), size_of::<Moved>());
         let sphere_pairs = part(lists(capacity.pairs), 8);
         let touching = part(lists(capacity.pairs), size_of::<Touching>());
@@ -138,7 +142,7 @@ impl Parts {
         buffers: &Buffers,
         contacts: Option<&ContactPrograms>,
         timer: Option<&Timer>,
-        encoder: &mut CommandEncoder,
+        commands: &mut Commands,
         to: &Buffer,
     ) {
         let times = timer.map(|timer| (timer.resolved(), &self.times));
@@ -161,7 +165,7 @@ impl Parts {
         });
         for (from, range) in lists.into_iter().chain(found.into_iter().flatten()).chain(times) {
             if !range.is_empty() {
-                encoder.copy_buffer_to_buffer(from, 0, to, range.start, range.end - range.start);
+                commands.read_back(from, to, range);
             }
         }
     }
@@ -291,6 +295,7 @@ impl Output {
         results.collision_substeps = self.collision_substeps;
         results.mean_collision_substeps = self.collision_substeps as f32;
         results.times = self.times;
+        results.gpu = Some(self.work);
         self.motions
     }
 }

@@ -2,7 +2,8 @@
 
 use super::buffers::StepBuffers;
 use super::remap::{BodyRemap, CompoundRemap};
-use crate::gpu::device::Gpu;
+use crate::gpu::commands::Commands;
+use crate::gpu::known::Known;
 use crate::gpu::program::Population;
 use crate::sleep::cpu::hash;
 use crate::solver::gpu::{SolverCapacity, layout, upload};
@@ -14,7 +15,7 @@ use crate::step::gpu::upload::Carried;
 use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;
 use bytemuck::{bytes_of, cast_slice};
-use glam::Vec3;
+use glam::{DQuat, DVec3, Vec3};
 
 /// The solver's input, packed for the device.
 pub struct SolverInput {
@@ -23,6 +24,8 @@ pub struct SolverInput {
     /// Number of collision substeps.
     pub collision_substeps: u32,
     bodies: Vec<layout::SolverBody>,
+    /// Number of half-spaces, which are the last of them.
+    planes: u32,
     host_states: Vec<layout::MotionState>,
     forces: Vec<layout::BodyForces>,
     remap: BodyRemap,
@@ -73,7 +76,14 @@ impl SolverInput {
         });
         let mut added = 0.0f32;
         let mut carried_speeds = Speeds::NONE;
+        // What carries over is not that of the host, and need not be sent when the host's changes.
         let rows = 0..count + placed.compounds.len();
+        for (row, carried) in rows.clone().filter_map(|row| Some((row, (*carried.get(row)?)?))) {
+            if carried.rotation || carried.position.axes.any() {
+                let motion = &mut bodies.motions[collider_of(row)];
+                (motion.center, motion.rotation) = (DVec3::ZERO, DQuat::IDENTITY);
+            }
+        }
         for (row, Carried { linear, angular, .. }) in rows.filter_map(|row| Some((row, carried_velocities(row)?))) {
             let i = collider_of(row);
             let motion = &mut bodies.motions[i];
@@ -111,6 +121,7 @@ impl SolverInput {
             collision_substep,
             collision_substeps,
             bodies: upload::bodies(&bodies),
+            planes: planes.len() as u32,
             host_states,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             remap,
@@ -142,11 +153,12 @@ impl SolverInput {
         &self.remap.compounds
     }
 
-    /// The numbers on which workgroups depend.
+    /// The numbers on which calls depend; half-spaces count as bodies too.
     pub fn population(&self) -> Population {
         Population {
             bodies: self.body_count(),
             compounds: self.remap.compounds.len() as u32,
+            planes: self.planes,
         }
     }
 
@@ -171,7 +183,7 @@ impl SolverInput {
     }
 
     /// Writes all buffers.
-    pub fn write(&self, gpu: &Gpu, step: &StepBuffers, capacity: SolverCapacity) {
+    pub fn write(&self, commands: &mut Commands, known: &mut Known, step: &StepBuffers, capacity: SolverCapacity) {
         let count = self.body_count();
         let packed = |old| upload::collision_substep(&self.settings, &self.collision_substep, [count, old], capacity);
         let same: Vec<u32> = (0..count).collect();
@@ -182,10 +194,12 @@ impl SolverInput {
             (&step.later_new_numbers, cast_slice(&same)),
             (&step.solver_bodies, cast_slice(&self.bodies)),
             (&step.host_states, cast_slice(&self.host_states)),
-            (&step.forces, cast_slice(&self.forces)),
+            (&step.sent_forces, cast_slice(&self.forces)),
         ] {
-            gpu.queue.write_buffer(buffer, 0, bytes);
+            commands.write_changes(known, buffer, bytes);
         }
+        let forces: &[u8] = cast_slice(&self.forces);
+        commands.copy_start(&step.sent_forces, &step.forces, forces.len() as u64);
     }
 }
 

@@ -7,8 +7,10 @@ use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
+use crate::gpu::commands::Commands;
 use crate::gpu::readback::{scoped, staging};
 use crate::state::StepInput;
+use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
 
@@ -53,6 +55,7 @@ impl GpuStep {
             self.last_bodies.forget();
             self.host_speeds.push_back(HostSpeeds::default());
         }
+        self.shrink()?;
         let mut changes = Vec::new();
         if !self.arena.holds(&state.meshes) {
             // Steps that are repeated need their meshes in place.
@@ -72,9 +75,11 @@ impl GpuStep {
             // The buffers for contact points are dropped with [`Response::Impulse`], and created again when needed.
             self.finish_all()?;
             self.contacts = None;
+            self.known.clear();
         }
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
+            solves: input.response == Response::Contacts,
             ..contacts.capacity()
         });
         if self.needs_growth(needed, for_contacts) {
@@ -84,16 +89,19 @@ impl GpuStep {
             self.write(changes)?;
         }
         self.population = input.population();
-        self.launch(input, detail)
+        let between = std::mem::take(&mut self.between);
+        self.launch(input, detail, between)
     }
 
-    pub(super) fn launch(&mut self, input: Input, detail: Detail) -> Result<(), StepError> {
+    /// `earlier` is the work of attempts whose lists were too short.
+    pub(super) fn launch(&mut self, input: Input, detail: Detail, earlier: GpuWork) -> Result<(), StepError> {
         let Self {
             gpu,
             contacts,
             buffers,
             program,
             timer,
+            known,
             flights,
             spare,
             ..
@@ -102,37 +110,38 @@ impl GpuStep {
         let contacts = contacts.as_ref().filter(|_| wanted);
         let flight = scoped(gpu, || {
             let parts = Parts::new(&buffers.capacity, contacts, &input, detail);
-            input.write(gpu, buffers, contacts);
+            let mut commands = Commands::new(gpu, "faceoff step");
+            input.write(&mut commands, known, buffers, contacts);
             if flights.is_empty() {
                 // No list is known to be too short.
-                gpu.queue.write_buffer(&buffers.status, 0, &[0; 16]);
+                commands.write(&buffers.status, &[0; 16]);
             }
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("faceoff step"),
-            });
-            encoder.clear_buffer(&buffers.buckets, 0, None);
-            encoder.clear_buffer(&buffers.body_contacts, 0, None);
+            commands.clear(&buffers.buckets);
+            if contacts.is_none() || input.population().compounds > 0 {
+                // Other steps read nothing of it.
+                commands.clear(&buffers.body_contacts);
+            }
             match (contacts, &input.solver) {
-                (Some(contacts), Some(solver)) => contacts.record(&mut encoder, buffers, solver, timer.as_ref()),
-                (Some(contacts), None) => contacts.record_report(&mut encoder, input.population(), timer.as_ref()),
+                (Some(contacts), Some(solver)) => contacts.record(&mut commands, buffers, solver, timer.as_ref()),
+                (Some(contacts), None) => contacts.record_report(&mut commands, input.population(), timer.as_ref()),
                 (None, _) => {
                     for stage in Stage::ALL {
                         let timestamps = timer.as_ref().map(|timer| timer.around(stage, 0));
-                        program.record(stage, &mut encoder, input.population(), timestamps);
+                        program.record(stage, &mut commands, input.population(), timestamps);
                     }
                 }
             }
             if let Some(timer) = timer {
-                timer.resolve(&mut encoder, input.collision_substeps());
+                timer.resolve(&mut commands.encoder, input.collision_substeps());
             }
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
                 None => staging(gpu, parts.total),
             };
-            parts.copy(buffers, contacts, timer.as_ref(), &mut encoder, &staging);
-            let submission = gpu.queue.submit([encoder.finish()]);
-            Flight::new(input, detail, parts, staging, submission)
+            parts.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
+            let (submission, work) = commands.submit();
+            Flight::new(input, detail, parts, staging, submission, work.after(&earlier))
         });
         flights.push_back(flight.map_err(StepError::Device)?);
         Ok(())

@@ -4,7 +4,8 @@ use super::contact_programs::ContactPrograms;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::buffers::{Buffers, Capacity};
-use crate::gpu::device::Gpu;
+use crate::gpu::commands::Commands;
+use crate::gpu::known::Known;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
     CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, PART, SENSOR, STATIC,
@@ -14,7 +15,7 @@ use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
 use crate::types::body::RigidBody;
 use crate::types::settings::{Culling, Response};
 use bytemuck::cast_slice;
-use glam::{BVec3, DMat3, Vec3};
+use glam::{BVec3, DMat3, Quat, Vec3};
 
 /// A body that continues from the last step, whose results the host may not know yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +60,17 @@ impl Carried {
             + self.position.axes.bitmask() * CARRIED_POSITION
             + self.linear.axes.bitmask() * CARRIED_LINEAR
             + self.angular.axes.bitmask() * CARRIED_ANGULAR
+    }
+
+    /// The motion for the device, from the host's. What carries over does not depend on the host's, so that it is not
+    /// written again.
+    fn sent(&self, own: Motion) -> Motion {
+        Motion {
+            position: self.position.sent(own.position),
+            rotation: if self.rotation { Quat::IDENTITY } else { own.rotation },
+            linear_velocity: self.linear.sent(own.linear_velocity),
+            angular_velocity: self.angular.sent(own.angular_velocity),
+        }
     }
 
     /// The motion of the body, from its last motion and the host's.
@@ -184,11 +196,17 @@ impl Input {
         self.step.bodies
     }
 
-    /// Number of colliders and compounds.
+    /// Number of colliders of compounds.
+    pub fn part_count(&self) -> u32 {
+        self.parts.len() as u32
+    }
+
+    /// The numbers on which calls depend.
     pub fn population(&self) -> Population {
         Population {
             bodies: self.step.bodies,
             compounds: self.step.compounds,
+            planes: self.step.planes,
         }
     }
 
@@ -238,7 +256,13 @@ impl Input {
     }
 
     /// Writes all buffers.
-    pub(super) fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: Option<&ContactPrograms>) {
+    pub(super) fn write(
+        &self,
+        commands: &mut Commands,
+        known: &mut Known,
+        buffers: &Buffers,
+        contacts: Option<&ContactPrograms>,
+    ) {
         let capacity = &buffers.capacity;
         let held = Capacity {
             bodies: self.step.bodies,
@@ -255,17 +279,21 @@ impl Input {
         };
         let mut counters = [0u32; COUNTERS as usize];
         counters[BODIES as usize] = step.bodies;
-        gpu.queue.write_buffer(&buffers.step, 0, bytemuck::bytes_of(&step));
-        gpu.queue.write_buffer(&buffers.counters, 0, cast_slice(&counters));
-        gpu.queue.write_buffer(&buffers.bodies, 0, cast_slice(&self.bodies));
-        gpu.queue
-            .write_buffer(&buffers.compounds, 0, cast_slice(&self.compounds));
-        gpu.queue.write_buffer(&buffers.parts, 0, cast_slice(&self.parts));
-        gpu.queue.write_buffer(&buffers.planes, 0, cast_slice(&self.planes));
+        commands.write(&buffers.counters, cast_slice(&counters));
+        commands.write_changes(known, &buffers.step, bytemuck::bytes_of(&step));
+        commands.write_changes(known, &buffers.parts, cast_slice(&self.parts));
+        commands.write_changes(known, &buffers.planes, cast_slice(&self.planes));
+        for (sent, used, bytes) in [
+            (&buffers.sent_bodies, &buffers.bodies, cast_slice(&self.bodies)),
+            (&buffers.sent_compounds, &buffers.compounds, cast_slice(&self.compounds)),
+        ] {
+            commands.write_changes(known, sent, bytes);
+            commands.copy_start(sent, used, bytes.len() as u64);
+        }
         if let Some(contacts) = contacts {
-            contacts.write_limits(gpu, step.bodies, step.planes);
+            contacts.write_limits(commands, known, step.bodies, step.planes);
             if let Some(solver) = &self.solver {
-                solver.write(gpu, &contacts.step, contacts.solver.capacity);
+                solver.write(commands, known, &contacts.step, contacts.solver.capacity);
             }
         }
     }
@@ -284,16 +312,11 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
     // adds the part that depends on the distance from the origin.
     let anchor = scale * mesh.mass.center;
     let radius = mesh.radius * scale.abs().max_element();
-    let mut sent = bodies.motion(i);
-    if let Some(carried) = carried {
-        sent.position = carried.position.sent(sent.position);
-        sent.linear_velocity = carried.linear.sent(sent.linear_velocity);
-        sent.angular_velocity = carried.angular.sent(sent.angular_velocity);
-    }
+    let sent = carried.map_or_else(|| bodies.motion(i), |carried| carried.sent(bodies.motion(i)));
     layout::Body {
         position: sent.position.to_array(),
         mesh: bodies.mesh[i],
-        rotation: bodies.rotation[i].to_array(),
+        rotation: sent.rotation.to_array(),
         scale: scale.to_array(),
         radius: radius * (1.0 + 1.0e-6) + 1.5e-6 * anchor.length(),
         linear_velocity: sent.linear_velocity.to_array(),
@@ -316,12 +339,7 @@ fn body(bodies: &Bodies, state: &StepInput, i: usize, carried: Option<Carried>) 
 
 /// Compound `number`. `parts` are ascending by compound.
 fn compound(number: u32, own: &Compound, parts: &[&Part], carried: Option<Carried>) -> layout::Compound {
-    let mut sent = own.motion;
-    if let Some(carried) = carried {
-        sent.position = carried.position.sent(sent.position);
-        sent.linear_velocity = carried.linear.sent(sent.linear_velocity);
-        sent.angular_velocity = carried.angular.sent(sent.angular_velocity);
-    }
+    let sent = carried.map_or(own.motion, |carried| carried.sent(own.motion));
     let first = parts.partition_point(|part| part.compound < number);
     let end = parts.partition_point(|part| part.compound <= number);
     layout::Compound {

@@ -1,6 +1,7 @@
 //! Apps whose stages run on a GPU.
 
 pub mod backend;
+pub mod bytes;
 pub mod readback;
 pub mod spatial_queries;
 pub mod with_contacts;

@@ -378,14 +378,13 @@ pub fn dispatches() {
     let mut world = heap(1, 0);
     let mut count = || {
         world.step();
-        let device = world.device.as_ref().unwrap();
-        let count: usize = device.dispatches().iter().sum();
+        let count = world.state.results.gpu.unwrap().dispatches;
         let ground = world.state.input.bodies.mesh[0];
         world.state.input.bodies.clear();
         world.floor(ground);
         count
     };
     let [with, without] = [count(), count()];
-    println!("{without} dispatches in a collision substep without compounds, {with} with them");
+    println!("{without} dispatches in a step without compounds, {with} with them");
     assert_eq!(with, without + 3);
 }

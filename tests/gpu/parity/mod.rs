@@ -11,6 +11,7 @@ mod same_bits;
 mod scene;
 mod scenes;
 mod steps;
+mod work;
 
 use crate::gpu::Test;
 
@@ -18,6 +19,7 @@ pub const TESTS: &[Test] = &[
     ("same_as_on_the_cpu", pairs::same_as_on_the_cpu),
     ("bits_do_not_depend_on_room", same_bits::again_and_with_other_room),
     ("growing_lists_change_nothing", overflow::growing_lists_change_nothing),
+    ("lists_become_shorter", overflow::lists_become_shorter),
     ("fifty_steps_without_response", steps::fifty_steps_without_response),
     ("bodies_and_meshes_come_and_go", churn::bodies_and_meshes_come_and_go),
     ("meshes_of_any_size", inputs::meshes_of_any_size),
@@ -30,4 +32,15 @@ pub const TESTS: &[Test] = &[
         "too_much_is_an_error_that_leaves_no_trace",
         overflow::too_much_is_an_error_that_leaves_no_trace,
     ),
+    (
+        "small_worlds_take_few_dispatches",
+        work::small_worlds_take_few_dispatches,
+    ),
+    (
+        "half_spaces_alone_have_dispatches_for_them",
+        work::half_spaces_alone_have_dispatches_for_them,
+    ),
+    ("bytes_and_lists_are_counted", work::bytes_and_lists_are_counted),
+    ("repetitions_count", work::repetitions_count),
+    ("the_cpu_asks_for_nothing", work::the_cpu_asks_for_nothing),
 ];

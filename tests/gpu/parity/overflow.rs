@@ -31,6 +31,33 @@ pub fn growing_lists_change_nothing(gpu: &Gpu) {
     assert_eq!(ample.capacity(), AMPLE, "what is ample need not grow");
 }
 
+/// Lists that were long for one step become shorter after some hundred steps, and nothing changes but their length.
+pub fn lists_become_shorter(gpu: &Gpu) {
+    let mut step = GpuStep::new(gpu.clone()).unwrap();
+    let crowd = heap(&shapes::torus_240(), 300, 4.0);
+    crowd.on_gpu(&mut step);
+    let (long, most) = (step.capacity(), step.bytes());
+    let mut few = heap(&shapes::torus_240(), 3, 0.5);
+    few.config.gravity = Vec3::ZERO;
+    let mut state = few.state();
+    let before = few.on_gpu(&mut step);
+    for _ in 0..520 {
+        few.fill(&mut state);
+        step.run(&mut state).unwrap();
+        assert_eq!(state.results.contacts.faces.len(), before.results.contacts.faces.len());
+    }
+    let short = step.capacity();
+    assert!(
+        short.hits < long.hits && short.pairs <= long.pairs,
+        "{short:?}, {long:?}"
+    );
+    assert!(short.bodies < long.bodies, "{short:?}, {long:?}");
+    assert!(step.bytes() < most);
+    Bits::of(&few.on_gpu(&mut step)).require(&Bits::of(&before), "with shorter lists");
+    let mut new = GpuStep::new(gpu.clone()).unwrap();
+    Bits::of(&crowd.on_gpu(&mut step)).require(&Bits::of(&crowd.on_gpu(&mut new)), "the crowd again");
+}
+
 /// Two meshes that touch in 100,000 places are a long loop. Mesa's llvmpipe leaves loops early; that must not go unnoticed.
 pub fn too_many_places_are_found_or_an_error(gpu: &Gpu) {
     let mut step = GpuStep::new(gpu.clone()).unwrap();

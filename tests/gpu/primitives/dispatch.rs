@@ -2,6 +2,7 @@
 
 use bevy_faceoff::broad_phase::gpu::ARGUMENTS;
 use bevy_faceoff::gpu::SHADERS;
+use bevy_faceoff::gpu::commands::Commands;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::kernel::Kernel;
 use bevy_faceoff::gpu::layout::{
@@ -67,10 +68,10 @@ fn run(gpu: &Gpu, buffers: &dyn BufferSet, kernel: &'static Kernel, groups: Grou
     scoped(gpu, || {
         let mut calls = Calls::new(STAGE);
         calls.call(kernel, groups);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut commands = Commands::new(gpu, "test");
         let program = Program::new(gpu, &calls, &[buffers]);
-        program.record(STAGE, &mut encoder, 0.into(), None);
-        gpu.queue.submit([encoder.finish()]);
+        program.record(STAGE, &mut commands, 0.into(), None);
+        commands.submit();
     })
     .unwrap();
 }

@@ -1,0 +1,120 @@
+//! Commands of a step: kernels, copies and uploads, counted where they are recorded.
+
+use super::device::Gpu;
+use super::known::Known;
+use crate::types::gpu_work::GpuWork;
+use std::ops::Range;
+use wgpu::{
+    Buffer, CommandEncoder, CommandEncoderDescriptor, ComputePass, ComputePassDescriptor, ComputePassTimestampWrites,
+    SubmissionIndex,
+};
+
+/// Commands that are submitted together.
+pub struct Commands<'g> {
+    gpu: &'g Gpu,
+    /// For commands that are not counted.
+    pub encoder: CommandEncoder,
+    work: GpuWork,
+}
+
+impl<'g> Commands<'g> {
+    /// No commands yet.
+    pub fn new(gpu: &'g Gpu, label: &'static str) -> Self {
+        Self {
+            gpu,
+            encoder: gpu
+                .device
+                .create_command_encoder(&CommandEncoderDescriptor { label: Some(label) }),
+            work: GpuWork::default(),
+        }
+    }
+
+    /// Writes bytes from the start of a buffer, before all other commands.
+    pub fn write(&mut self, buffer: &Buffer, bytes: &[u8]) {
+        self.gpu.queue.write_buffer(buffer, 0, bytes);
+        self.work.uploaded_bytes += bytes.len() as u64;
+    }
+
+    /// The same, if no kernel writes the buffer: only what has changed since the last time is written.
+    pub fn write_changes(&mut self, known: &mut Known, buffer: &Buffer, bytes: &[u8]) {
+        for range in known.change(buffer, bytes) {
+            let changed = &bytes[range.clone()];
+            self.gpu.queue.write_buffer(buffer, range.start as u64, changed);
+            self.work.uploaded_bytes += changed.len() as u64;
+        }
+    }
+
+    /// Sets a buffer to zero.
+    pub fn clear(&mut self, buffer: &Buffer) {
+        self.encoder.clear_buffer(buffer, 0, None);
+        self.work.copies += 1;
+    }
+
+    /// Copies a buffer, or as much of it as fits.
+    pub fn copy(&mut self, from: &Buffer, to: &Buffer) {
+        self.encoder
+            .copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+        self.work.copies += 1;
+    }
+
+    /// Copies the first bytes of a buffer.
+    pub fn copy_start(&mut self, from: &Buffer, to: &Buffer, bytes: u64) {
+        if bytes > 0 {
+            self.encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
+            self.work.copies += 1;
+        }
+    }
+
+    /// Copies the start of a buffer to this range of another one, which the CPU will read.
+    pub fn read_back(&mut self, from: &Buffer, to: &Buffer, range: &Range<u64>) {
+        let bytes = range.end - range.start;
+        self.encoder.copy_buffer_to_buffer(from, 0, to, range.start, bytes);
+        self.work.copies += 1;
+        self.work.read_back_bytes += bytes;
+    }
+
+    /// Begins a compute pass.
+    pub fn pass(&mut self, label: &'static str, timestamps: Option<ComputePassTimestampWrites>) -> Pass<'_> {
+        self.work.passes += 1;
+        Pass {
+            pass: self.encoder.begin_compute_pass(&ComputePassDescriptor {
+                label: Some(label),
+                timestamp_writes: timestamps,
+            }),
+            work: &mut self.work,
+            validates_indirect: self.gpu.validates_indirect,
+        }
+    }
+
+    /// Submits them.
+    pub fn submit(mut self) -> (SubmissionIndex, GpuWork) {
+        let submission = self.gpu.queue.submit([self.encoder.finish()]);
+        self.work.submissions += 1;
+        (submission, self.work)
+    }
+}
+
+/// A compute pass.
+pub struct Pass<'c> {
+    /// For commands that are not counted.
+    pub pass: ComputePass<'c>,
+    work: &'c mut GpuWork,
+    validates_indirect: bool,
+}
+
+impl Pass<'_> {
+    /// Calls the current kernel in this many workgroups along each axis.
+    pub fn dispatch(&mut self, [x, y, z]: [u32; 3]) {
+        self.pass.dispatch_workgroups(x, y, z);
+        self.work.dispatches += 1;
+    }
+
+    /// The same with three words of a buffer, from this one on.
+    pub fn dispatch_indirect(&mut self, arguments: &Buffer, first_word: u32) {
+        self.pass
+            .dispatch_workgroups_indirect(arguments, 4 * u64::from(first_word));
+        self.work.dispatches += 1;
+        self.work.indirect += 1;
+        self.work.validations += u32::from(self.validates_indirect);
+    }
+}

@@ -1,0 +1,141 @@
+//! Makes lists shorter that have become too long, so that a crowd of an hour ago takes no memory and no bytes to read.
+
+use super::buffers::StepCapacity;
+use super::contact_programs::START as CONTACT_START;
+use crate::gpu::buffers::{Capacity, grow};
+use crate::manifolds::gpu::ContactCapacity;
+
+/// The largest use of each list in the last steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Recent {
+    steps: u32,
+    most: Capacity,
+    most_for_contacts: Option<StepCapacity>,
+}
+
+/// After this many steps lists may become shorter. New buffers cost a few milliseconds.
+const STEPS: u32 = 256;
+
+/// A list becomes shorter if no step has used more than this fraction of it: one in so many.
+const UNUSED: u32 = 4;
+
+impl Recent {
+    /// Adds the use of a step.
+    pub fn add(&mut self, used: Capacity, for_contacts: Option<StepCapacity>) {
+        self.steps += 1;
+        self.most = self.most.max(used);
+        self.most_for_contacts = match (self.most_for_contacts, for_contacts) {
+            (Some(most), Some(used)) => Some(most.max(used)),
+            (most, used) => most.or(used),
+        };
+    }
+
+    /// Whether there were enough steps to tell.
+    pub fn is_full(&self) -> bool {
+        self.steps >= STEPS
+    }
+
+    /// The capacity that lists should have instead of this one, if some are too long.
+    pub fn shrunk(
+        &self,
+        capacity: Capacity,
+        for_contacts: Option<StepCapacity>,
+        least: Capacity,
+    ) -> Option<(Capacity, Option<StepCapacity>)> {
+        let Self {
+            most,
+            most_for_contacts,
+            ..
+        } = *self;
+        let lists = Capacity {
+            bodies: shorter(capacity.bodies, most.bodies, least.bodies),
+            compounds: shorter(capacity.compounds, most.compounds, least.compounds),
+            parts: shorter(capacity.parts, most.parts, least.parts),
+            planes: if most.planes.saturating_mul(UNUSED) < capacity.planes {
+                most.planes
+            } else {
+                capacity.planes
+            },
+            pairs: shorter(capacity.pairs, most.pairs, least.pairs),
+            hits: shorter(capacity.hits, most.hits, least.hits),
+            plane_contacts: shorter(capacity.plane_contacts, most.plane_contacts, least.plane_contacts),
+            // The arena has given its places to meshes.
+            meshes: capacity.meshes,
+            words: capacity.words,
+        };
+        // Steps without contacts say nothing of these lists.
+        let of_contacts = match (for_contacts, most_for_contacts) {
+            (Some(capacity), Some(most)) => Some(shorter_for_contacts(capacity, most)),
+            (capacity, _) => capacity,
+        };
+        let is_shorter = lists != capacity || of_contacts != for_contacts;
+        is_shorter.then_some((lists, of_contacts))
+    }
+}
+
+fn shorter_for_contacts(capacity: StepCapacity, most: StepCapacity) -> StepCapacity {
+    let (has, used, least) = (capacity.contacts, most.contacts, CONTACT_START.contacts);
+    StepCapacity {
+        contacts: ContactCapacity {
+            // These two follow from the lists of the step.
+            margin_pairs: has.margin_pairs,
+            slots: has.slots,
+            near_triangles: shorter(has.near_triangles, used.near_triangles, least.near_triangles),
+            features: shorter(has.features, used.features, least.features),
+            segments: shorter(has.segments, used.segments, least.segments),
+            staged_points: shorter(has.staged_points, used.staged_points, least.staged_points),
+            pairs: shorter(has.pairs, used.pairs, least.pairs),
+            points: shorter(has.points, used.points, least.points),
+        },
+        bodies: shorter(capacity.bodies, most.bodies, CONTACT_START.bodies),
+        touches: shorter(capacity.touches, most.touches, CONTACT_START.touches),
+        solves: most.solves,
+    }
+}
+
+/// The length of a list of which this much was used.
+fn shorter(has: u32, used: u32, least: u32) -> u32 {
+    let wanted = grow(0, used).max(least);
+    if used.saturating_mul(UNUSED) < has && wanted < has {
+        wanted
+    } else {
+        has
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(pairs: u32) -> Capacity {
+        Capacity {
+            pairs,
+            ..Capacity::default()
+        }
+    }
+
+    #[test]
+    fn lists_become_shorter_when_a_window_used_little_of_them() {
+        let mut recent = Recent::default();
+        for _ in 1..STEPS {
+            recent.add(of(100), None);
+            assert!(!recent.is_full());
+        }
+        recent.add(of(200), None);
+        assert!(recent.is_full());
+        let (lists, _) = recent.shrunk(of(10_000), None, of(50)).expect("a fiftieth was used");
+        assert_eq!(lists, of(grow(0, 200)));
+        // A step that used more is remembered.
+        recent.add(of(9000), None);
+        assert_eq!(recent.shrunk(of(10_000), None, of(50)), None);
+    }
+
+    #[test]
+    fn lists_that_are_used_stay() {
+        for (has, used, least) in [(1000, 250, 0), (1000, 1000, 0), (1000, 10, 1000), (60, 0, 0), (0, 0, 0)] {
+            assert_eq!(shorter(has, used, least), has, "{has} {used} {least}");
+        }
+        assert_eq!(shorter(1000, 10, 500), 500);
+        assert_eq!(shorter(u32::MAX, 1 << 28, 0), grow(0, 1 << 28));
+    }
+}
