@@ -260,7 +260,7 @@ pub fn run(options: &Options) -> Outcome {
         let step = steps.len() + 1;
         // While kernels compile there are no steps, and their results may come some updates later.
         if app.world().resource::<StepReport>().step < step as u64 {
-            std::thread::yield_now();
+            std::thread::sleep(Duration::from_millis(1));
             continue;
         }
         if let Some(folder) = &options.frames
