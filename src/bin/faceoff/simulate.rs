@@ -221,7 +221,6 @@ pub fn run(options: &Options) -> Outcome {
                 backend,
                 readback: reading.into(),
                 threads: options.threads,
-                ..default()
             },
             ..default()
         },
