@@ -5,13 +5,14 @@
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of}
 #import faceoff::math::layers_interact
-#import faceoff::types::{Body, GridEntry, Step, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, SENSOR}
+#import faceoff::types::{Body, GridEntry, Step, LEVELS, KIND_MASK, DYNAMIC, KINEMATIC, OVERFLOW, SENSOR}
 
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> bodies: array<Body>;
 @group(0) @binding(3) var<storage, read> entries: array<GridEntry>;
 @group(0) @binding(4) var<storage, read> buckets: array<vec2<u32>>;
+@group(0) @binding(7) var<storage, read> status: array<u32>;
 #ifdef EMIT
 @group(0) @binding(5) var<storage, read> pair_counts: array<u32>;
 @group(0) @binding(6) var<storage, read_write> sphere_pairs: array<vec2<u32>>;
@@ -30,8 +31,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     found = pair_counts[i];
 #endif
     let own = entries[i];
+    // After an overflow nothing has moved, and there may be no poses yet: all bodies at one place are pairs without end.
+    let is_void = status[OVERFLOW] != 0u;
     var level = own.level;
-    while own.radius > 0.0 && level < 64 {
+    while !is_void && own.radius > 0.0 && level < 64 {
         if ((counters[LEVELS + u32(level) / 32u] >> (u32(level) % 32u)) & 1u) == 0u {
             level += 1;
             continue;

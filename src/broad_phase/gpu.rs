@@ -20,7 +20,7 @@ const CELLS: Kernel = kernel!("broad_phase/cells");
 /// Writes the bodies in the order of their buckets.
 const ENTRIES: Kernel = kernel!("broad_phase/entries");
 /// Counts the pairs of each body.
-const COUNT: Kernel = kernel!("broad_phase/pairs");
+pub const COUNT: Kernel = kernel!("broad_phase/pairs");
 /// Writes the pairs.
 const EMIT: Kernel = kernel!("broad_phase/pairs", "EMIT");
 /// Computes workgroup counts for the following stages.

@@ -1,18 +1,19 @@
 //! More workgroups than one dimension holds: every one runs, once, whoever counted them.
 
-use bevy_faceoff::broad_phase::gpu::ARGUMENTS;
+use bevy_faceoff::broad_phase::gpu::{ARGUMENTS, COUNT};
 use bevy_faceoff::gpu::SHADERS;
 use bevy_faceoff::gpu::commands::Commands;
 use bevy_faceoff::gpu::device::Gpu;
 use bevy_faceoff::gpu::kernel::Kernel;
 use bevy_faceoff::gpu::layout::{
-    COUNTERS, ENTRIES, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_PAIR, GROUPS_PER_SORT_BLOCK, PAIRS,
-    SKIPPED, SPHERE_PAIRS, Step,
+    Body, COUNTERS, DYNAMIC, ENTRIES, GROUPS_PER_64_PAIRS, GROUPS_PER_DIGIT_BLOCK, GROUPS_PER_PAIR,
+    GROUPS_PER_SORT_BLOCK, GridEntry, LEVELS, OVERFLOW, PAIRS, SKIPPED, SPHERE_PAIRS, Step,
 };
 use bevy_faceoff::gpu::program::{BufferSet, Calls, Groups, MAX_ROW, Program, rows};
 use bevy_faceoff::gpu::radix_sort;
 use bevy_faceoff::gpu::readback::{read_words, scoped};
 use bevy_faceoff::gpu::scan;
+use bevy_faceoff::step::gpu::record::all_modules;
 use bevy_faceoff::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
@@ -172,5 +173,55 @@ pub fn nothing_after_overflow(gpu: &Gpu) {
     let arguments = read_words(gpu, &arguments, 12).unwrap();
     for slot in arguments.chunks(3) {
         assert_eq!(slot.iter().product::<u32>(), 0, "{arguments:?}");
+    }
+}
+
+/// A step in flight behind one that overflowed has no poses. Its bodies may all be at one place, and a search for pairs would
+/// take time quadratic in their number.
+pub fn no_pairs_after_overflow(gpu: &Gpu) {
+    const LEVEL: u32 = 31;
+    gpu.compile(all_modules(), [&COUNT]).unwrap();
+    let body = |i: u32| Body {
+        memberships: u32::MAX,
+        filters: u32::MAX,
+        body: i,
+        ..Body::default()
+    };
+    let entry = |i: u32| GridEntry {
+        center: [0.5; 3],
+        radius: 1.0,
+        body: i,
+        level: LEVEL as i32,
+        flags: DYNAMIC,
+        padding: 0,
+    };
+    let step = Step {
+        bodies: 3,
+        bucket_mask: 0,
+        ..Default::default()
+    };
+    let step = buffer(gpu, bytemuck::cast_slice(&[step]), BufferUsages::UNIFORM);
+    let bodies = buffer(gpu, bytemuck::cast_slice(&[0, 1, 2].map(body)), BufferUsages::empty());
+    let entries = buffer(gpu, bytemuck::cast_slice(&[0, 1, 2].map(entry)), BufferUsages::empty());
+    let buckets = buffer(gpu, &[0, 3], BufferUsages::empty());
+    let mut start = [0; COUNTERS as usize];
+    start[LEVELS as usize] = 1 << LEVEL;
+    let counters = buffer(gpu, &start, BufferUsages::empty());
+    for (overflowed, expected) in [(0, [2, 1, 0]), (1, [0; 3])] {
+        let mut flags = [0; 4];
+        flags[OVERFLOW as usize] = overflowed;
+        let status = buffer(gpu, &flags, BufferUsages::empty());
+        let pair_counts = buffer(gpu, &[77; 3], BufferUsages::empty());
+        let buffers = [
+            ("step", &step),
+            ("status", &status),
+            ("counters", &counters),
+            ("bodies", &bodies),
+            ("entries", &entries),
+            ("buckets", &buckets),
+            ("pair_counts", &pair_counts),
+        ];
+        run(gpu, &buffers, &COUNT, Groups::Exactly(1));
+        assert_eq!(read_words(gpu, &pair_counts, 3).unwrap(), expected, "{overflowed}");
     }
 }

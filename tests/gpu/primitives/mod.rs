@@ -18,4 +18,8 @@ pub const TESTS: &[Test] = &[
     ("indirect_dispatches", dispatch::indirect),
     ("arguments_that_the_broad_phase_writes", dispatch::of_the_broad_phase),
     ("no_work_for_lists_that_do_not_fit", dispatch::nothing_after_overflow),
+    (
+        "no_pairs_are_searched_after_overflow",
+        dispatch::no_pairs_after_overflow,
+    ),
 ];
