@@ -132,10 +132,17 @@ mod tests {
 
     #[test]
     fn lists_that_are_used_stay() {
-        for (has, used, least) in [(1000, 250, 0), (1000, 1000, 0), (1000, 10, 1000), (60, 0, 0), (0, 0, 0)] {
+        for (has, used, least) in [
+            (1000, 250, 0),
+            (1000, 1000, 0),
+            (1000, 10, 1000),
+            (60, 0, 60),
+            (0, 0, 0),
+        ] {
             assert_eq!(shorter(has, used, least), has, "{has} {used} {least}");
         }
         assert_eq!(shorter(1000, 10, 500), 500);
+        assert_eq!(shorter(60, 0, 0), 0);
         assert_eq!(shorter(u32::MAX, 1 << 28, 0), grow(0, 1 << 28));
     }
 }
