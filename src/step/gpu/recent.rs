@@ -65,7 +65,15 @@ impl Recent {
         };
         // Steps without contacts say nothing of these lists.
         let of_contacts = match (for_contacts, most_for_contacts) {
-            (Some(capacity), Some(most)) => Some(shorter_for_contacts(capacity, most)),
+            (Some(has), Some(most)) => Some(StepCapacity {
+                // The lists of the step set a least number of bodies.
+                bodies: if (lists.bodies, lists.planes) == (capacity.bodies, capacity.planes) {
+                    has.bodies
+                } else {
+                    most.bodies
+                },
+                ..shorter_for_contacts(has, most)
+            }),
             (capacity, _) => capacity,
         };
         let is_shorter = lists != capacity || of_contacts != for_contacts;
@@ -87,9 +95,9 @@ fn shorter_for_contacts(capacity: StepCapacity, most: StepCapacity) -> StepCapac
             pairs: shorter(has.pairs, used.pairs, least.pairs),
             points: shorter(has.points, used.points, least.points),
         },
-        bodies: shorter(capacity.bodies, most.bodies, CONTACT_START.bodies),
         touches: shorter(capacity.touches, most.touches, CONTACT_START.touches),
         solves: most.solves,
+        ..capacity
     }
 }
 
@@ -128,6 +136,38 @@ mod tests {
         // A step that used more is remembered.
         recent.add(of(9000), None);
         assert_eq!(recent.shrunk(of(10_000), None, of(50)), None);
+    }
+
+    /// A small world with contacts, whose lists are as short as they can be, keeps its buffers.
+    #[test]
+    fn the_shortest_lists_stay() {
+        let least = Capacity {
+            bodies: 255,
+            pairs: 1024,
+            ..Capacity::default()
+        };
+        let for_contacts = StepCapacity {
+            solves: true,
+            ..CONTACT_START
+        };
+        let for_contacts = for_contacts.covering(&least);
+        let mut recent = Recent::default();
+        let used = StepCapacity {
+            bodies: 3,
+            contacts: ContactCapacity::default(),
+            touches: 0,
+            solves: true,
+        };
+        recent.add(Capacity { bodies: 3, ..of(2) }, Some(used));
+        assert_eq!(recent.shrunk(least, Some(for_contacts), least), None);
+        // After a crowd both become shorter, and then stay.
+        let crowd = Capacity { bodies: 5000, ..least };
+        let (lists, contacts) = recent
+            .shrunk(crowd, Some(for_contacts.covering(&crowd)), least)
+            .expect("3 of 5000 bodies");
+        let contacts = contacts.map(|contacts| contacts.covering(&lists));
+        assert_eq!((lists.bodies, contacts.map(|own| own.bodies)), (255, Some(255)));
+        assert_eq!(recent.shrunk(lists, contacts, least), None);
     }
 
     #[test]
