@@ -1,14 +1,12 @@
 // Exclusive scan, third of three kernels: replaces each value by the sum of all before it.
 #import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::group_index
-#import faceoff::scan::scan_length
+#import faceoff::scan::{inclusive_sum, scan_length}
 
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read> counters: array<u32>;
 @group(0) @binding(2) var<storage, read> sums: array<u32>;
 @group(0) @binding(3) var<storage, read_write> values: array<u32>;
-
-var<workgroup> partial: array<u32, 256>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -25,15 +23,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
     }
     let sum = own.x + own.y + own.z + own.w;
-    var inclusive = sum;
-    for (var offset = 1u; offset < 256u; offset *= 2u) {
-        partial[thread] = inclusive;
-        workgroupBarrier();
-        if thread >= offset {
-            inclusive += partial[thread - offset];
-        }
-        workgroupBarrier();
-    }
+    let inclusive = inclusive_sum(thread, sum);
     var before = sums[block] + inclusive - sum;
     for (var k = 0u; k < 4u; k += 1u) {
         if first + k < length {

@@ -1,14 +1,13 @@
 // Exclusive scan of a list that one workgroup scans alone: replaces each value by the sum of all before it, and writes
 // the total. A total that overflows is written as 0xffffffff, which no list can hold.
 #import faceoff::constants::shared::{NO_TOTAL, SCAN_BLOCK}
-#import faceoff::scan::scan_length
+#import faceoff::scan::{checked_total, inclusive_sum, of_last, scan_length}
 
 @group(0) @binding(0) var<uniform> constants: vec4<u32>;
 @group(0) @binding(1) var<storage, read_write> counters: array<u32>;
 @group(0) @binding(2) var<storage, read_write> values: array<u32>;
 
 var<workgroup> value_count: u32;
-var<workgroup> partial: array<u32, 256>;
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
@@ -31,15 +30,7 @@ fn main(@builtin(local_invocation_index) thread: u32) {
         let all = vec4<f32>(own);
         roughly += all.x + all.y + all.z + all.w;
         let sum = own.x + own.y + own.z + own.w;
-        var inclusive = sum;
-        for (var offset = 1u; offset < 256u; offset *= 2u) {
-            partial[thread] = inclusive;
-            workgroupBarrier();
-            if thread >= offset {
-                inclusive += partial[thread - offset];
-            }
-            workgroupBarrier();
-        }
+        let inclusive = inclusive_sum(thread, sum);
         var place = before + inclusive - sum;
         for (var k = 0u; k < 4u; k += 1u) {
             if first + k < length {
@@ -47,20 +38,10 @@ fn main(@builtin(local_invocation_index) thread: u32) {
                 place += own[k];
             }
         }
-        partial[thread] = inclusive;
-        workgroupBarrier();
-        before += partial[255];
-        workgroupBarrier();
+        before += of_last(thread, inclusive);
     }
-    partial[thread] = bitcast<u32>(roughly);
-    workgroupBarrier();
-    for (var half = 128u; half > 0u; half /= 2u) {
-        if thread < half {
-            partial[thread] = bitcast<u32>(bitcast<f32>(partial[thread]) + bitcast<f32>(partial[thread + half]));
-        }
-        workgroupBarrier();
-    }
+    let total = checked_total(thread, before, roughly);
     if thread == 0u && constants.z != NO_TOTAL {
-        counters[constants.z] = select(before, 0xffffffffu, bitcast<f32>(partial[0]) > 4.29e9);
+        counters[constants.z] = total;
     }
 }

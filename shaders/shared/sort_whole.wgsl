@@ -1,5 +1,6 @@
 // Radix sort of a list that one workgroup sorts alone, by all digits. Keys and values move between two pairs of arrays;
 // after an odd number of digits the result is in the second one.
+#import faceoff::scan::inclusive_sum
 #import faceoff::sort::{begin, place}
 
 // x: the counter that holds the number of keys. y: the number of bits of a key.
@@ -11,7 +12,7 @@
 @group(0) @binding(5) var<storage, read_write> other_values: array<u32>;
 
 var<workgroup> key_count: u32;
-// Number of keys with each digit, then with this digit or a lower one.
+// Number of keys with each digit.
 var<workgroup> found: array<atomic<u32>, 256>;
 
 @compute @workgroup_size(256)
@@ -64,14 +65,5 @@ fn keys_before(thread: u32, length: u32, shift: u32, from_other: bool) -> u32 {
     }
     workgroupBarrier();
     let own = atomicLoad(&found[thread]);
-    var inclusive = own;
-    for (var offset = 1u; offset < 256u; offset *= 2u) {
-        if thread >= offset {
-            inclusive += atomicLoad(&found[thread - offset]);
-        }
-        workgroupBarrier();
-        atomicStore(&found[thread], inclusive);
-        workgroupBarrier();
-    }
-    return inclusive - own;
+    return inclusive_sum(thread, own) - own;
 }
