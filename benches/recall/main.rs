@@ -37,7 +37,7 @@ fn main() {
     println!("| shape | regime | faces of collision | front-facing | eq. 4 as printed | face pairs per pair |");
     println!("|---|---|---|---|---|---|");
     for (name, mesh, baked) in &meshes {
-        recall::table(name, mesh, baked, cases);
+        recall::measure(mesh, baked, cases, |regime, tally| print(name, regime, tally));
     }
     println!("\nSphere pairs whether they touch or not, one thread, medians of 5 interleaved rounds\n");
     println!(
@@ -51,4 +51,19 @@ fn main() {
     for (name, mesh, baked) in &meshes {
         single.install(|| time::table(name, mesh, baked, TIMED));
     }
+}
+
+fn print(name: &str, regime: &cases::Regime, tally: &recall::Tally) {
+    let [faces, front, literal] = tally.found.map(|found| {
+        format!(
+            "{:.3} / {:.3}",
+            found.any as f64 / tally.pairs as f64,
+            found.faces as f64 / tally.faces as f64
+        )
+    });
+    let mean = tally.faces as f64 / tally.pairs as f64;
+    println!(
+        "| {name} | {} | {faces} | {front} | {literal} | {mean:.1} |",
+        regime.name
+    );
 }

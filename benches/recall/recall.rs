@@ -1,6 +1,6 @@
-//! The table of recall.
+//! Recall by regime. `faceoff reproduce` includes this file too.
 
-use crate::cases::{self, Pair, REGIMES, Regime, Tester};
+use super::cases::{self, Pair, REGIMES, Regime, Tester};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::projection::{FaceTable, Group};
@@ -12,18 +12,24 @@ use std::collections::HashSet;
 /// Vertices per ring of both meshes' tubes.
 const AROUND: usize = 10;
 
+/// What a mode found.
 #[derive(Clone, Copy, Default)]
-struct Found {
-    any: usize,
-    faces: usize,
+pub struct Found {
+    /// Pairs of bodies of which it found anything.
+    pub any: usize,
+    /// Intersecting pairs of faces.
+    pub faces: usize,
 }
 
+/// What there is, and what each mode found of it.
 #[derive(Clone, Copy, Default)]
-struct Tally {
-    pairs: usize,
-    faces: usize,
+pub struct Tally {
+    /// Touching pairs of bodies.
+    pub pairs: usize,
+    /// Intersecting pairs of faces.
+    pub faces: usize,
     /// For faces of collision, front-facing, and eq. 4.
-    found: [Found; 3],
+    pub found: [Found; 3],
 }
 
 impl Tally {
@@ -37,8 +43,8 @@ impl Tally {
     }
 }
 
-/// Prints a row per regime.
-pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, cases: usize) {
+/// Measures each regime in turn, and hands it to `row`.
+pub fn measure(mesh: &TriMesh, baked: &CollisionMesh, cases: usize, mut row: impl FnMut(&Regime, &Tally)) {
     let core = cases::core(mesh, AROUND, baked.mass.center);
     let mut inverse = vec![0; mesh.triangles().len()];
     for (t, &face) in baked.mesh.face_ids().iter().enumerate() {
@@ -72,23 +78,8 @@ pub fn table(name: &str, mesh: &TriMesh, baked: &CollisionMesh, cases: usize) {
                 tally.add(&thread.join().expect("no panic"));
             }
         });
-        print(name, regime, &tally);
+        row(regime, &tally);
     }
-}
-
-fn print(name: &str, regime: &Regime, tally: &Tally) {
-    let [faces, front, literal] = tally.found.map(|found| {
-        format!(
-            "{:.3} / {:.3}",
-            found.any as f64 / tally.pairs as f64,
-            found.faces as f64 / tally.faces as f64
-        )
-    });
-    let mean = tally.faces as f64 / tally.pairs as f64;
-    println!(
-        "| {name} | {} | {faces} | {front} | {literal} | {mean:.1} |",
-        regime.name
-    );
 }
 
 fn judge(tester: &mut Tester, pair: &Pair, baked: &CollisionMesh, inverse: &[u32]) -> Tally {

@@ -4,6 +4,7 @@ mod bake;
 mod check;
 mod output;
 mod picture;
+mod reproduce;
 mod simulate;
 
 use assert_cmd::Command;

@@ -45,10 +45,14 @@ impl Canvas {
 
     /// Writes a PNG file, or PNG to standard output if `path` is `-`.
     pub fn save(&self, path: &Path) -> Outcome {
+        let png = self.png().map_err(|e| format!("cannot draw {}: {e}", path.display()))?;
+        output::save(path, &png)
+    }
+
+    /// The bytes of a PNG file.
+    pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
         let mut png = Cursor::new(Vec::new());
-        self.0
-            .write_to(&mut png, image::ImageFormat::Png)
-            .map_err(|e| format!("cannot draw {}: {e}", path.display()))?;
-        output::save(path, png.get_ref())
+        self.0.write_to(&mut png, image::ImageFormat::Png)?;
+        Ok(png.into_inner())
     }
 }

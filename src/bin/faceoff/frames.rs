@@ -17,6 +17,11 @@ const FIELD: f32 = 0.72;
 
 /// Draws the bodies of a world and writes `DIR/frame_STEP.png`.
 pub fn save(world: &mut World, framing: &Framing, step: usize, folder: &Path) -> Outcome {
+    draw(world, framing).save(&folder.join(format!("frame_{step:06}.png")))
+}
+
+/// Draws the bodies of a world.
+pub fn draw(world: &mut World, framing: &Framing) -> Canvas {
     let mut view = View::new(framing);
     let mut bodies = world.query_filtered::<(&MeshCollider, &Transform), Without<Unseen>>();
     let meshes = world.resource::<Assets<CollisionMesh>>();
@@ -28,7 +33,7 @@ pub fn save(world: &mut World, framing: &Framing, step: usize, folder: &Path) ->
     if framing.edges {
         view.edges(framing.side);
     }
-    view.finish().save(&folder.join(format!("frame_{step:06}.png")))
+    view.finish()
 }
 
 /// A muted colour per body.

@@ -78,7 +78,7 @@ fn draw(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> HeightImage {
 }
 
 /// The heights with their scale, and beside them the visible faces.
-fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
+pub fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
     let picture = draw(mesh, about_x, about_y, size);
     let highest = picture.heights.iter().copied().fold(0.0, f32::max);
     let left = MARGIN;

@@ -6,12 +6,14 @@ mod canvas;
 mod check;
 mod frames;
 mod gpu_work;
+mod headless;
 mod image;
 mod inspect;
 mod mechanics;
 mod mesh;
 mod output;
 mod progress;
+mod reproduce;
 mod scenes;
 mod simulate;
 
@@ -37,6 +39,7 @@ enum Command {
     Bake(bake::Options),
     Image(image::Options),
     Inspect(inspect::Options),
+    Reproduce(reproduce::Options),
 }
 
 /// Which triangles are tested.
@@ -74,7 +77,7 @@ impl From<CullingChoice> for Culling {
 }
 
 /// Where the step runs.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum BackendChoice {
     /// A GPU if there is one, else the CPU.
     Auto,
@@ -104,6 +107,7 @@ fn main() -> ExitCode {
         Command::Bake(options) => bake::run(&options),
         Command::Image(options) => image::run(&options),
         Command::Inspect(options) => inspect::run(&options),
+        Command::Reproduce(options) => reproduce::run(&options),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

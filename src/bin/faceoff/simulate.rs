@@ -1,11 +1,11 @@
 //! `faceoff simulate`: a headless Bevy app that runs a scene and prints what each stage cost and found.
 
 use crate::gpu_work::WorkRecord;
+use crate::headless::{self, Headless, STEP};
 use crate::mechanics::Mechanics;
 use crate::scenes::{self, SceneChoice};
 use crate::{BackendChoice, CullingChoice, Outcome, frames, mesh, output};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::mesh::MAX_COORDINATE;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::testing::scenes::paper::{self, Paper};
@@ -14,7 +14,6 @@ use clap::ValueEnum;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// Run a scene: the paper's, bodies in a box with random poses, sizes and velocities, or one in which bodies rest on each other.
 #[derive(clap::Args)]
@@ -181,8 +180,6 @@ struct StageTimes {
     integrate: f64,
 }
 
-const STEP: Duration = Duration::from_nanos(15_625_000);
-
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
     // What cannot be written should be known before the work is done.
@@ -205,47 +202,26 @@ pub fn run(options: &Options) -> Outcome {
     };
     let step_count = options.steps.unwrap_or(choice.steps());
     let response = options.response.map_or_else(|| choice.response(), Response::from);
-    let backend = match options.backend {
-        BackendChoice::Auto => Backend::Auto,
-        BackendChoice::Gpu => Backend::Gpu,
-        BackendChoice::Cpu => Backend::Cpu,
-    };
-
     let reading = options.reading.unwrap_or(ReadingChoice::Lockstep);
     let is_resident = matches!(reading, ReadingChoice::Resident);
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        FaceoffHeadlessPlugins {
-            step: StepPlugin {
-                backend,
-                readback: reading.into(),
-                threads: options.threads,
-            },
-            ..default()
+    let mut app = Headless {
+        backend: options.backend,
+        readback: reading.into(),
+        threads: options.threads,
+        culling: options.culling,
+        response,
+        gravity: match choice {
+            SceneChoice::Box => Gravity(Vec3::ZERO),
+            _ => Gravity::default(),
         },
-    ))
-    .insert_resource(Time::<Fixed>::from_duration(STEP))
-    // Every update is one step, however long it takes.
-    .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
-    .insert_resource(if choice == SceneChoice::Box {
-        Gravity(Vec3::ZERO)
-    } else {
-        Gravity::default()
-    })
-    .insert_resource(Culling::from(options.culling))
-    .insert_resource(response);
-    check_backend(&app)?;
+    }
+    .app()?;
     let framing = scenes::spawn(app.world_mut(), choice, &scene, mesh.as_ref());
     let spawned = app
         .world_mut()
         .query::<(&RigidBody, &MeshCollider)>()
         .iter(app.world())
         .len();
-    app.finish();
-    app.cleanup();
-    // Bevy's first update has no time behind it and runs no step.
-    app.update();
 
     let progress = if step_count > 1 {
         ProgressBar::new(step_count as u64)
@@ -254,14 +230,8 @@ pub fn run(options: &Options) -> Outcome {
     };
     let mut steps = Vec::with_capacity(step_count.min(1 << 20));
     while steps.len() < step_count {
-        app.update();
-        check_backend(&app)?;
+        headless::step(&mut app)?;
         let step = steps.len() + 1;
-        // While kernels compile there are no steps, and their results may come some updates later.
-        if app.world().resource::<StepReport>().step < step as u64 {
-            std::thread::sleep(Duration::from_millis(1));
-            continue;
-        }
         if let Some(folder) = &options.frames
             && (step % options.every as usize == 0 || step == step_count)
         {
@@ -334,14 +304,6 @@ fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {
             Err(format!("{name} must be a number from 0 to {MAX_COORDINATE:e}, not {x}").into())
         }
         given => Ok(given.unwrap_or(default)),
-    }
-}
-
-/// There is something to run the stages on, or will be.
-fn check_backend(app: &App) -> Outcome {
-    match app.world().resource() {
-        ActiveBackend::None { reason } => Err(format!("nothing can run the stages: {reason}").into()),
-        _ => Ok(()),
     }
 }
 

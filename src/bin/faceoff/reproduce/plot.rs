@@ -1,0 +1,80 @@
+//! Plots with logarithmic axes, as SVG.
+
+use crate::Outcome;
+use plotters::prelude::*;
+use std::error::Error;
+
+/// Named points, joined by a line.
+pub struct Series {
+    pub name: String,
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Width and height in pixels.
+const SIZE: (u32, u32) = (900, 460);
+
+/// Draws the series with a legend. Only positive points can be drawn; others are left out.
+pub fn svg(title: &str, x: &str, y: &str, series: &[Series]) -> Outcome<String> {
+    let mut svg = String::new();
+    draw(&mut svg, title, x, y, series).map_err(|e| format!("cannot draw the plot \"{title}\": {e}"))?;
+    Ok(svg)
+}
+
+fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> Result<(), Box<dyn Error>> {
+    let points = || series.iter().flat_map(|s| &s.points).filter(|p| p.0 > 0.0 && p.1 > 0.0);
+    let range = |pick: fn(&(f64, f64)) -> f64| {
+        let low = points().map(pick).fold(f64::INFINITY, f64::min);
+        let high = points().map(pick).fold(0.0, f64::max);
+        if low <= high {
+            (low / 1.15, high * 1.15)
+        } else {
+            (1.0, 10.0)
+        }
+    };
+    let (across, up) = (range(|p| p.0), range(|p| p.1));
+    let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&root)
+        .caption(title, ("sans-serif", 18))
+        .margin(12)
+        .margin_right(24)
+        .x_label_area_size(46)
+        .y_label_area_size(76)
+        .build_cartesian_2d((across.0..across.1).log_scale(), (up.0..up.1).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc(x)
+        .y_desc(y)
+        .x_label_formatter(&label)
+        .y_label_formatter(&label)
+        .light_line_style(BLACK.mix(0.06))
+        .bold_line_style(BLACK.mix(0.2))
+        .draw()?;
+    for (i, line) in series.iter().enumerate() {
+        let colour = Palette99::pick(i).to_rgba();
+        let there: Vec<_> = line.points.iter().copied().filter(|p| p.0 > 0.0 && p.1 > 0.0).collect();
+        chart
+            .draw_series(LineSeries::new(there.clone(), colour.stroke_width(2)))?
+            .label(&line.name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        chart.draw_series(there.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .draw()?;
+    root.present()?;
+    Ok(())
+}
+
+/// A number as short as it can be.
+fn label(x: &f64) -> String {
+    if *x >= 1.0e4 {
+        format!("{x:.0e}")
+    } else {
+        let text = format!("{x:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    }
+}
