@@ -32,6 +32,9 @@ fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> R
         }
     };
     let (across, up) = (range(|p| p.0), range(|p| p.1));
+    // Whole decades, so that the axis has labels, and one more above as room for the legend.
+    let decade = |x: f64| 10f64.powf(x);
+    let up = (decade(up.0.log10().floor()), decade(up.1.log10().ceil() + 1.0));
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&root)
