@@ -27,7 +27,7 @@ pub struct Options {
     /// What is measured besides the CPU: auto adds a GPU if there is one, gpu the best adapter, even a software one.
     #[arg(long, value_enum, default_value = "auto")]
     backend: BackendChoice,
-    /// Fewer steps, cases and sizes: under a minute, for a first look.
+    /// Fewer steps, cases and sizes: for a first look. A software GPU driver takes longer than the rest.
     #[arg(long)]
     quick: bool,
     /// Seed of the random numbers.
