@@ -148,6 +148,8 @@ struct Meta {
     threads: usize,
     response: &'static str,
     dt: f64,
+    /// The most memory that this process had at any time, where the system tells.
+    peak_memory_bytes: Option<u64>,
 }
 
 #[derive(Serialize)]
@@ -268,6 +270,7 @@ pub fn run(options: &Options) -> Outcome {
                 _ => "contacts",
             },
             dt: STEP.as_secs_f64(),
+            peak_memory_bytes: peak_memory(),
         },
         steps,
     };
@@ -296,6 +299,13 @@ impl Options {
             None => Ok(()),
         }
     }
+}
+
+/// Reads `VmHWM` of proc_pid_status(5), which only Linux has.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)
 }
 
 fn positive(name: &str, given: Option<f32>, default: f32) -> Outcome<f32> {

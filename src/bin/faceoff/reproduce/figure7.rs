@@ -3,9 +3,9 @@
 #[path = "../../../../benches/narrow_phase/plain.rs"]
 mod plain;
 
-use super::boxes::Shape;
 use super::plot::{self, Series};
 use super::report::{Report, Table};
+use super::world::Shape;
 use super::{Plan, median, paper};
 use crate::Outcome;
 use bevy_faceoff::state::Body;

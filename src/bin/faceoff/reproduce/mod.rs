@@ -1,21 +1,24 @@
 //! `faceoff reproduce`: the experiments of Aly & Elawady 2010, and what the paper does not show, as a report.
 
-mod boxes;
 mod figure7;
+mod growth;
 mod paper;
 mod plot;
 mod report;
+mod table1;
 mod tables;
+mod world;
 
 use crate::{BackendChoice, Outcome, image, output};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::shapes;
-use boxes::Shape;
 use indicatif::{ProgressBar, ProgressStyle};
 use report::{Report, Table};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
+use table1::{Device, MODES};
+use world::{Shape, World};
 
 /// Run the experiments of Aly & Elawady 2010 and write a report: report.html, which needs no other file, with CSV, SVG and JSON
 /// files beside it.
@@ -38,11 +41,6 @@ pub struct Options {
 /// How much is measured.
 struct Plan {
     seed: u64,
-    adapter: Option<String>,
-    /// Steps of each scene of table 1.
-    steps: usize,
-    /// Every so many rows of table 1 are run on the GPU.
-    gpu_every: usize,
     /// Rounds of figure 7.
     rounds: usize,
     figure_7: &'static [usize],
@@ -55,20 +53,10 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(options: &Options, adapter: Option<String>) -> Self {
-        let software = adapter.as_deref().is_some_and(is_software);
+    fn new(options: &Options) -> Self {
         let quick = options.quick;
-        let mut plan = Self {
+        Self {
             seed: options.seed,
-            steps: if quick { 3 } else { 25 },
-            // The last row of table 1 has the number 22.
-            gpu_every: if quick {
-                22
-            } else if software {
-                11
-            } else {
-                2
-            },
             rounds: if quick { 3 } else { 15 },
             figure_7: if quick {
                 &[100, 1000, paper::FIGURE_7_BODIES]
@@ -84,33 +72,63 @@ impl Plan {
             degrees: if quick { &[10, 5] } else { &[10, 5, 3, 2, 1] },
             images: if quick { &[32, 64] } else { &[64, 128, 256] },
             bar: ProgressBar::hidden(),
-            adapter,
-        };
-        let rows = paper::TABLE_1.len();
-        let runs = rows
-            + if plan.adapter.is_some() {
-                rows / plan.gpu_every
-            } else {
-                0
-            };
-        // Both shapes in both modes, a picture of each, and eight regimes of each.
-        let total =
-            4 * runs + 2 + plan.figure_7.len() + plan.growth.len() + 2 * plan.degrees.len() * plan.images.len() + 2 * 8;
-        plan.bar = ProgressBar::new(total as u64);
-        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} measurements, {elapsed}") {
-            plan.bar.set_style(style);
         }
-        plan
     }
 
-    /// How tables and legends name the GPU.
-    fn gpu_name(&self) -> &'static str {
-        if self.adapter.as_deref().is_some_and(is_software) {
-            "software GPU driver"
-        } else {
-            "GPU"
+    /// Shows a bar for all measurements on these devices.
+    fn show(&mut self, devices: &[Device]) {
+        let rows: usize = devices.iter().map(|device| device.rows.len()).sum();
+        let bakes = self.degrees.len() * self.images.len();
+        let sizes = self.figure_7.len() + self.growth.len();
+        // Each shape: table 1 in each mode, figure 6, and eight regimes of recall.
+        let total = 2 * (MODES.len() * rows + 1 + bakes + 8) + sizes;
+        self.bar = ProgressBar::new(total as u64);
+        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} measurements, {elapsed}") {
+            self.bar.set_style(style);
         }
     }
+}
+
+/// The CPU, and the GPU if one is wanted and there.
+fn devices(options: &Options) -> Outcome<Vec<Device>> {
+    let steps = if options.quick { 3 } else { 25 };
+    let rows = |wanted: &dyn Fn(usize) -> bool| paper::TABLE_1.iter().filter(|row| wanted(row.bodies)).collect();
+    let mut devices = vec![Device {
+        world: World::new(BackendChoice::Cpu)?,
+        name: "CPU",
+        rows: rows(&|_| true),
+        steps,
+    }];
+    if options.backend == BackendChoice::Cpu {
+        return Ok(devices);
+    }
+    let world = World::new(options.backend)?;
+    if let Some(adapter) = world.adapter() {
+        // The software driver takes seconds for a step of the largest box.
+        let software = is_software(&adapter);
+        devices.push(Device {
+            world,
+            name: if software { "software GPU driver" } else { "GPU" },
+            rows: match (options.quick, software) {
+                (true, true) => rows(&|bodies| bodies == 300),
+                (true, false) => rows(&|bodies| bodies % 1100 == 0),
+                (false, true) => rows(&|bodies| bodies % 1100 == 0),
+                (false, false) => rows(&|_| true),
+            },
+            steps: if software { 3 } else { steps },
+        });
+    }
+    Ok(devices)
+}
+
+/// The version of a dependency, from the lock file that this program was built with.
+fn version_of(name: &str) -> String {
+    const LOCK: &str = include_str!("../../../../Cargo.lock");
+    let package = format!("name = \"{name}\"\nversion = \"");
+    let at = LOCK.find(&package).map(|at| &LOCK[at + package.len()..]);
+    at.and_then(|rest| rest.split('"').next())
+        .unwrap_or("unknown")
+        .to_owned()
 }
 
 /// Whether an adapter computes on the CPU, by its name.
@@ -127,7 +145,10 @@ pub fn run(options: &Options) -> Outcome {
     // What cannot be written should be known before the work is done.
     output::check(&options.out.join("report.html"))?;
     let start = Instant::now();
-    let plan = Plan::new(options, boxes::adapter(options.backend)?);
+    let mut devices = devices(options)?;
+    let mut plan = Plan::new(options);
+    plan.show(&devices);
+    let plan = plan;
     let mut report = Report::default();
     let (degrees, pixels) = if options.quick { (5, 128) } else { (1, 256) };
 
@@ -139,29 +160,20 @@ pub fn run(options: &Options) -> Outcome {
             speed,
         })
     };
-    let plain_torus = Shape {
-        name: "torus",
-        mesh: CollisionMesh::new(&shapes::torus_240()),
-        speed: 0.5,
-    };
-    let mut last = Report::default();
-    // First, while the process is small: it measures the memory of the process.
-    plan.bar.set_message("growth");
-    boxes::growth(&plan, &plain_torus, &mut last)?;
     let both = [
-        shape("torus", shapes::torus_240(), plain_torus.speed)?,
+        shape("torus", shapes::torus_240(), 0.5)?,
         shape("knot", shapes::knot_1120(), 3.0)?,
     ];
 
     plan.bar.set_message("table 1");
     report.heading("Table 1: broad and narrow phase");
     report.text(&format!(
-        "Medians of {} steps. The paper's column is its table 1, on a GeForce 8800 GTX; a ratio above 1 means that ours is faster, \
-         on other hardware. Sphere pairs are pairs of bodies whose bounding spheres overlap. The paper does not give the size of its \
-         box; ours has a size at which there are about as many pairs. Face tables: {degrees} degrees, {pixels} x {pixels} pixels.",
-        plan.steps
+        "Medians over the steps of the table. The paper's column is its table 1, on a GeForce 8800 GTX; a ratio above 1 means that \
+         ours is faster, on other hardware. Sphere pairs are pairs of bodies whose bounding spheres overlap. The paper does not give \
+         the size of its box; ours has a size at which there are about as many pairs. Face tables: a direction every {degrees} \
+         degrees, {pixels} x {pixels} pixels.",
     ));
-    boxes::table_1(&plan, &both, &mut report)?;
+    table1::table_1(&plan, &mut devices, &both, &mut report)?;
 
     report.heading("Figure 4: height images");
     for shape in &both {
@@ -173,7 +185,7 @@ pub fn run(options: &Options) -> Outcome {
     }
     plan.bar.set_message("figure 6");
     report.heading("Figure 6: the largest scenes");
-    boxes::figure_6(&plan, &both, &mut report)?;
+    table1::figure_6(&plan, &mut devices[0], &both, &mut report)?;
 
     plan.bar.set_message("figure 7");
     report.heading("Figure 7: more bodies, the same number of pairs");
@@ -199,13 +211,19 @@ pub fn run(options: &Options) -> Outcome {
     tables::sizes(&plan, &both, &mut report)?;
 
     report.heading("Growth of a whole step");
-    report.text("Tori on the CPU, exact. Memory is what the process grew by, where the system tells; it includes Bevy's entities.");
-    report.append(last);
+    report.text(
+        "Tori on the CPU, exact. Each row is a process of its own. Memory is the most that it had at any time, where the system tells; it \
+         includes Bevy's entities.",
+    );
+    plan.bar.set_message("growth");
+    growth::growth(&plan, &mut report)?;
     plan.bar.finish_and_clear();
 
     let mut meta = Table::new("about", &["about", "value"]);
     let mut about = |name: &str, value: String| meta.rows.push(vec![json!(name), json!(value)]);
     about("bevy_faceoff", env!("CARGO_PKG_VERSION").to_owned());
+    about("bevy", version_of("bevy"));
+    about("wgpu", version_of("wgpu"));
     about(
         "command",
         format!(
@@ -222,13 +240,13 @@ pub fn run(options: &Options) -> Outcome {
     about("system", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH));
     about(
         "GPU adapter",
-        match &plan.adapter {
-            Some(name) if is_software(name) => {
+        match devices.iter().find_map(|device| device.world.adapter()) {
+            Some(name) if is_software(&name) => {
                 format!(
                     "{name}. This is a software driver that computes on the CPU; its times say nothing about a graphics card."
                 )
             }
-            Some(name) => name.clone(),
+            Some(name) => name,
             None => "none was measured".to_owned(),
         },
     );

@@ -1,14 +1,28 @@
 //! Plots with logarithmic axes, as SVG.
 
 use crate::Outcome;
+use plotters::coord::combinators::LogCoord;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
 use plotters::prelude::*;
 use std::error::Error;
+use std::ops::Range;
 
 /// Named points, joined by a line.
 pub struct Series {
     pub name: String,
     pub points: Vec<(f64, f64)>,
 }
+
+/// Colours that people with any colour vision can tell apart: Okabe & Ito 2008, "Color Universal Design", without yellow.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 0, 0),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 158, 115),
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(204, 121, 167),
+];
 
 /// Width and height in pixels.
 const SIZE: (u32, u32) = (900, 460);
@@ -32,6 +46,11 @@ fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> R
         }
     };
     let (across, up) = (range(|p| p.0), range(|p| p.1));
+    // The legend stands where the lines are low.
+    let falls = (series.iter().flat_map(|s| s.points.first().zip(s.points.last()))).any(|(first, last)| {
+        let (left, right) = if first.0 < last.0 { (first, last) } else { (last, first) };
+        left.1 > 2.0 * right.1
+    });
     // Whole decades, so that the axis has labels, and one more above as room for the legend.
     let decade = |x: f64| 10f64.powf(x);
     let up = (decade(up.0.log10().floor()), decade(up.1.log10().ceil() + 1.0));
@@ -43,7 +62,7 @@ fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> R
         .margin_right(24)
         .x_label_area_size(46)
         .y_label_area_size(76)
-        .build_cartesian_2d((across.0..across.1).log_scale(), (up.0..up.1).log_scale())?;
+        .build_cartesian_2d(Decades::new(across), Decades::new(up))?;
     chart
         .configure_mesh()
         .x_desc(x)
@@ -54,7 +73,7 @@ fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> R
         .bold_line_style(BLACK.mix(0.2))
         .draw()?;
     for (i, line) in series.iter().enumerate() {
-        let colour = Palette99::pick(i).to_rgba();
+        let colour = COLOURS[i % COLOURS.len()];
         let there: Vec<_> = line.points.iter().copied().filter(|p| p.0 > 0.0 && p.1 > 0.0).collect();
         chart
             .draw_series(LineSeries::new(there.clone(), colour.stroke_width(2)))?
@@ -64,12 +83,45 @@ fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> R
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        .position(if falls {
+            SeriesLabelPosition::UpperRight
+        } else {
+            SeriesLabelPosition::UpperLeft
+        })
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.3))
         .draw()?;
     root.present()?;
     Ok(())
+}
+
+/// A logarithmic axis. That of plotters has a mark where one decade ends, and another where the next one begins.
+struct Decades(LogCoord<f64>);
+
+impl Decades {
+    fn new(range: (f64, f64)) -> Self {
+        Self((range.0..range.1).log_scale().into())
+    }
+}
+
+impl Ranged for Decades {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.0.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let mut points = self.0.key_points(hint);
+        points.sort_by(f64::total_cmp);
+        points.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * *b);
+        points
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.0.range()
+    }
 }
 
 /// A number as short as it can be.

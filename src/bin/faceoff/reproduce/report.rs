@@ -119,13 +119,6 @@ impl Report {
         Ok(())
     }
 
-    /// Adds all of another report at the end.
-    pub fn append(&mut self, other: Self) {
-        self.body += &other.body;
-        self.tables.extend(other.tables);
-        self.files.extend(other.files);
-    }
-
     /// Writes all files.
     pub fn save(&self, folder: &Path, meta: &Table) -> Outcome {
         for (name, bytes) in &self.files {

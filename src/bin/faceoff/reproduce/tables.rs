@@ -6,9 +6,9 @@ mod cases;
 mod recall;
 
 use super::Plan;
-use super::boxes::Shape;
 use super::plot::{self, Series};
 use super::report::{Report, Table};
+use super::world::Shape;
 use crate::Outcome;
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::projection::{BakeSettings, Progress, bake_pool};
