@@ -1,5 +1,6 @@
 // Contact generation: drops features that disagree with a nearby patch. Of the overlapping features of a vertex only
 // the shallowest stays: the face through which it entered. One workgroup per pair.
+#import faceoff::agree::agree
 #import faceoff::constants::manifolds::MIN_AGREEMENT
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
@@ -12,7 +13,7 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];

@@ -1,5 +1,6 @@
 // Contact generation: joins the segments of a pair into closed contours, and computes their patches. One workgroup per
 // pair. The twin of `src/manifolds/cpu/contour.rs`.
+#import faceoff::agree::agree
 #import faceoff::constants::manifolds::{MAX_DEPTH, MIN_ENCLOSED_AREA, REACH_FACTOR}
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
@@ -33,13 +34,13 @@ var<private> count: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
     first = setup.first_segment;
-    count = setup.segment_count;
-    if setup.valid == 0u || count == 0u {
+    count = agree(thread, select(setup.segment_count, 0u, setup.valid == 0u));
+    if count == 0u {
         return;
     }
     join(thread);
@@ -147,7 +148,7 @@ fn tie_loose_ends(thread: u32, reach: f32) {
         }
     }
     sync();
-    let number = atomicLoad(&loose);
+    let number = agree(thread, atomicLoad(&loose));
     if number > MAX_LOOSE_ENDS {
         return;
     }
@@ -202,7 +203,7 @@ fn label(thread: u32) {
             atomicStore(&changed[flag], 1u);
         }
         sync();
-        go_on = atomicLoad(&changed[flag]) == 1u;
+        go_on = agree(thread, atomicLoad(&changed[flag])) == 1u;
         // Clears the flag of the round after the next. Other threads may still read this round's.
         if thread == 0u {
             atomicStore(&changed[(flag + 2u) % 3u], 0u);
@@ -239,8 +240,7 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
             }
         }
         workgroupBarrier();
-        let root = atomicLoad(&lowest);
-        workgroupBarrier();
+        let root = agree(thread, atomicLoad(&lowest));
         if root == t::NOTHING {
             finished = true;
             break;
@@ -286,7 +286,7 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     }
     sum = total(sum, thread);
     let length = sum.w;
-    if !(length > 0.0) {
+    if agree(thread, u32(length > 0.0)) == 0u {
         return result;
     }
     let center = origin + sum.xyz / length;
@@ -305,7 +305,8 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     let radius = sqrt(maximum(square, thread));
     let size = sqrt(dot(area, area));
     // A contour that retraces itself encloses only rounding errors.
-    if !(size > MIN_ENCLOSED_AREA * setup.size * setup.size && size > 0.5 * setup.rounding * length) {
+    let encloses = size > MIN_ENCLOSED_AREA * setup.size * setup.size && size > 0.5 * setup.rounding * length;
+    if agree(thread, u32(encloses)) == 0u {
         return result;
     }
     result.center = center;

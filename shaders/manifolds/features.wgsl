@@ -1,5 +1,6 @@
 // Contact generation: the features and segments of nearby triangles. One workgroup per pair of bodies, one thread per
 // pair of triangles. The first round counts them; the second writes them in the order of the triangles.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::manifolds::{MIN_AGREEMENT, MAX_DEPTH}
 #import faceoff::dispatch::group_index
@@ -29,19 +30,21 @@ var<workgroup> base: vec2<u32>;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
     let deep = constants.x == 1u;
-    if setup.valid == 0u || (deep && setup.patch_count == 0u) {
+    let is_done = setup.valid == 0u || (deep && setup.patch_count == 0u);
+    let near_count = agree(thread, select(setup.near_count, t::NOTHING, is_done));
+    if near_count == t::NOTHING {
         return;
     }
     let a = sides::first(setup);
     let b = sides::second(setup);
     var found = vec2(0u);
     var surveyed = thread;
-    while surveyed < setup.near_count {
+    while surveyed < near_count {
         let at = setup.first_near + surveyed;
         let mask = survey(setup, a, b, at, deep);
         near_triangles[at].z = mask;
@@ -52,18 +55,18 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread == 63u {
         base = reserve(index, all, deep);
     }
-    workgroupBarrier();
     // The positions of the results, or `NOTHING` if they do not fit.
-    var next = base;
-    if next.x == t::NOTHING {
+    let first = workgroupUniformLoad(&base);
+    var next = first;
+    if first.x == t::NOTHING {
         return;
     }
     var round = 0u;
-    while round < setup.near_count {
+    while round < near_count {
         let i = round + thread;
         let at = setup.first_near + i;
         var mask = 0u;
-        if i < setup.near_count {
+        if i < near_count {
             mask = near_triangles[at].z;
         }
         let own = counts(mask);
@@ -76,7 +79,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         workgroupBarrier();
     }
     // Some devices abort long loops.
-    if surveyed < setup.near_count || round < setup.near_count {
+    if surveyed < near_count || round < near_count {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
 }

@@ -1,5 +1,6 @@
 // Contact generation: containment without intersecting faces, and the shortest way out. One workgroup per pair. The
 // twin of `src/manifolds/cpu/inside.rs`.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::containment::{contains, unfinished}
 #import faceoff::dispatch::group_index
@@ -25,11 +26,11 @@ var<workgroup> best_number: array<u32, 64>;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
-    if setup.valid == 0u || setup.segment_count > 0u {
+    if agree(thread, u32(setup.valid == 0u || setup.segment_count > 0u)) == 1u {
         return;
     }
     let a = sides::first(setup);
@@ -51,10 +52,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 // all other features of the pair.
 fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread: u32) -> bool {
     let mesh = meshes[outer.mesh];
-    if (mesh.flags & t::SOLID) == 0u {
+    // No component can be inside a mesh that is not solid.
+    let candidates = select(0u, meshes[inner.mesh].component_count, (mesh.flags & t::SOLID) != 0u);
+    let components = agree(thread, candidates);
+    if components == 0u {
         return false;
     }
-    let components = meshes[inner.mesh].component_count;
     let several = components > 1u;
     var start = vec3(0.0);
     var any_inside = false;
@@ -89,7 +92,8 @@ fn try_side(index: u32, outer: sides::Side, inner: sides::Side, end: u32, thread
 fn is_inside(mesh: t::Mesh, outer: sides::Side, end: u32, p: vec3<f32>, thread: u32) -> bool {
     let own = sides::to_own(outer, p) / outer.scale;
     // Optimisation only: points outside the slightly enlarged box are outside the body.
-    if any(abs(own - mesh.box_center) > mesh.box_half * 1.00001 + mesh.radius * 1.0e-5) {
+    let outside = any(abs(own - mesh.box_center) > mesh.box_half * 1.00001 + mesh.radius * 1.0e-5);
+    if agree(thread, u32(outside)) == 1u {
         return false;
     }
     return contains(mesh, end, own, thread);

@@ -1,6 +1,7 @@
 // Contact generation: pairs of triangles that are near each other. One workgroup per pair of bodies traverses both
 // bounding-volume trees, eight children of one node against eight of another at a time, one thread each: once to count,
 // once to write. The order is that of the trees, whatever the order of threads.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{AROUND_ERROR, MAX_DEPTH, DIRECTION_ERROR, ERROR}
 #import faceoff::dispatch::group_index
@@ -32,14 +33,15 @@ var<private> windowed: bool;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
     windowed = constants.x == 1u;
     let max_depth = MAX_DEPTH * setup.size;
     // A margin wider than the largest overlap has found all pairs already.
-    if setup.valid == 0u || (windowed && (setup.patch_count == 0u || max_depth <= setup.margin)) {
+    let is_done = windowed && (setup.patch_count == 0u || max_depth <= setup.margin);
+    if agree(thread, u32(setup.valid == 0u || is_done)) == 1u {
         return;
     }
     pad = 2.0 * setup.rounding;
@@ -57,13 +59,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread == 0u {
         base = atomicAdd(&contact_counters[t::NEAR_TRIANGLES], count);
         let fits = base <= limits.near_triangles && count <= limits.near_triangles - base;
-        base = select(t::NOTHING, base, fits);
-        pair_setups[index].first_near = base;
+        pair_setups[index].first_near = select(t::NOTHING, base, fits);
         pair_setups[index].near_count = select(0u, count, fits);
+        base = select(t::NOTHING, base, fits && count > 0u);
     }
-    workgroupBarrier();
-    let first = base;
-    if first != t::NOTHING && count > 0u {
+    let first = workgroupUniformLoad(&base);
+    if first != t::NOTHING {
         descend(setup, a, b, thread, first);
     }
 }
@@ -85,7 +86,6 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     // Which of the three bit sets is in use.
     var mask_set = 0u;
     loop {
-        // Uniform control flow: all threads count the results of all.
         if depth == 0u {
             break;
         }
@@ -93,8 +93,8 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
         if thread < 2u {
             atomicStore(&found[next_set + thread], 0u);
         }
-        depth -= 1u;
-        let nodes = stack[depth];
+        var next_depth = depth - 1u;
+        let nodes = stack[next_depth];
         let level_a = tree::level_of(nodes.x);
         let level_b = tree::level_of(nodes.y);
         let number_a = nodes.x & tree::NUMBER;
@@ -127,12 +127,12 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
             count += number;
         } else {
             if meets {
-                stack[depth + rank_of(mask, thread)] = pair;
+                stack[next_depth + rank_of(mask, thread)] = pair;
             }
-            depth += number;
+            next_depth += number;
         }
         mask_set = next_set;
-        workgroupBarrier();
+        depth = agree(thread, next_depth);
     }
     // Some devices abort long loops.
     if depth != 0u {

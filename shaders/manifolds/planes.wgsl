@@ -102,8 +102,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
     }
     greatest(best_value, number, thread);
     let floor_height = -best[0];
-    var last = best_vertex[0];
-    workgroupBarrier();
+    var last = workgroupUniformLoad(&best_vertex[0]);
     if last == t::NOTHING {
         return 0u;
     }
@@ -133,8 +132,7 @@ fn find(body: t::Body, plane: t::Plane, thread: u32) -> u32 {
                 }
             }
             greatest(best_value, number, thread);
-            last = best_vertex[0];
-            workgroupBarrier();
+            last = workgroupUniformLoad(&best_vertex[0]);
             // The remaining vertices coincide with selected ones.
             if last == t::NOTHING {
                 break;

@@ -1,6 +1,7 @@
 // Contact generation: patches without an overlapping feature get their points from rays along the normal, cast from
 // five points in the patch to where they leave the bodies. One workgroup per pair, one thread per point. The twin of
 // `src/manifolds/cpu/ray.rs`.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, RAY_LENGTH, SHALLOW}
 #import faceoff::dispatch::group_index
@@ -24,17 +25,15 @@ var<workgroup> base: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
-    if setup.valid == 0u || setup.patch_count == 0u {
-        return;
+    var empty_patches = 0u;
+    for (var k = 0u; setup.valid != 0u && k < setup.patch_count; k += 1u) {
+        empty_patches += 1u - patches[setup.first_segment / 2u + k].kept;
     }
-    var empty_count = 0u;
-    for (var k = 0u; k < setup.patch_count; k += 1u) {
-        empty_count += 1u - patches[setup.first_segment / 2u + k].kept;
-    }
+    let empty_count = agree(thread, empty_patches);
     if empty_count == 0u {
         return;
     }
@@ -51,8 +50,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         pair_setups[index].probe_count = select(0u, count, fits);
         base = select(t::NOTHING, base, fits);
     }
-    workgroupBarrier();
-    if base == t::NOTHING {
+    if workgroupUniformLoad(&base) == t::NOTHING {
         return;
     }
     for (var i = thread; i < PLACES * empty_count; i += 64u) {

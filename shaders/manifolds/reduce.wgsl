@@ -1,5 +1,6 @@
 // Contact reduction: selects the few points that represent a manifold. The deepest, then repeatedly the one farthest
 // from those selected, in position and normal. One workgroup per pair. The twin of `src/manifolds/cpu/reduce.rs`.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
 #import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
@@ -24,7 +25,7 @@ var<workgroup> base: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&contact_counters[t::MARGIN_PAIRS]) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
@@ -61,8 +62,7 @@ fn choose(setup: t::PairSetup, thread: u32) -> u32 {
     }
     greatest(best_value, place, thread);
     let deepest = -best[0];
-    var last = best_at[0];
-    workgroupBarrier();
+    var last = workgroupUniformLoad(&best_at[0]);
     var count = 0u;
     while last != t::NOTHING {
         if thread == 0u {
@@ -104,8 +104,7 @@ fn choose(setup: t::PairSetup, thread: u32) -> u32 {
             atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
         }
         greatest(best_value, place, thread);
-        last = best_at[0];
-        workgroupBarrier();
+        last = workgroupUniformLoad(&best_at[0]);
     }
     return count;
 }

@@ -1,5 +1,6 @@
 // Exclusive scan, second of three kernels: one workgroup scans the sums of all blocks and writes the total. A total
 // that overflows is written as 0xffffffff, which no list can hold.
+#import faceoff::agree::agree
 #import faceoff::constants::shared::{NO_TOTAL, SCAN_BLOCK}
 #import faceoff::dispatch::divide_up
 #import faceoff::scan::{checked_total, inclusive_sum, of_last, scan_length}
@@ -10,7 +11,8 @@
 
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
-    let blocks = divide_up(scan_length(constants, counters[constants.x]), SCAN_BLOCK);
+    let length = agree(thread, scan_length(constants, counters[constants.x]));
+    let blocks = divide_up(length, SCAN_BLOCK);
     // The sum of all earlier blocks.
     var before = 0u;
     // The sum over this thread's blocks as a float, to detect overflow.

@@ -1,5 +1,6 @@
 // Exclusive scan of a list that one workgroup scans alone: replaces each value by the sum of all before it, and writes
 // the total. A total that overflows is written as 0xffffffff, which no list can hold.
+#import faceoff::agree::agree
 #import faceoff::constants::shared::{NO_TOTAL, SCAN_BLOCK}
 #import faceoff::scan::{checked_total, inclusive_sum, of_last, scan_length}
 
@@ -7,14 +8,9 @@
 @group(0) @binding(1) var<storage, read_write> counters: array<u32>;
 @group(0) @binding(2) var<storage, read_write> values: array<u32>;
 
-var<workgroup> value_count: u32;
-
 @compute @workgroup_size(256)
 fn main(@builtin(local_invocation_index) thread: u32) {
-    if thread == 0u {
-        value_count = scan_length(constants, counters[constants.x]);
-    }
-    let length = workgroupUniformLoad(&value_count);
+    let length = agree(thread, scan_length(constants, counters[constants.x]));
     // The sum of all earlier blocks.
     var before = 0u;
     // The sum over this thread's values as a float, to detect overflow.

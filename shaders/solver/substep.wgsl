@@ -29,10 +29,9 @@ var<workgroup> range: s::IslandRange;
 var<workgroup> parts: array<vec2<f32>, THREADS>;
 var<workgroup> result: vec2<f32>;
 
-// What a thread knows of its island.
-struct IslandThread {
+// What all threads know of their island.
+struct SolvedIsland {
     range: s::IslandRange,
-    thread: u32,
     // Number of points.
     points: u32,
 }
@@ -52,9 +51,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
 #endif
     }
-    var island: IslandThread;
+    var island: SolvedIsland;
     island.range = workgroupUniformLoad(&range);
-    island.thread = thread;
     if island.range.first == island.range.end {
         return;
     }
@@ -63,24 +61,24 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var last = 0u;
     for (var number = 0u; number <= last; number += 1u) {
         let h = collision_substep.h / f32(factor);
-        substep(island, number, h);
-        let all = reduced(thread, measure(island, number == 0u));
+        substep(thread, island, number, h);
+        let all = reduced(thread, measure(thread, island, number == 0u));
         if number == 0u {
             island.points = max(u32(all.y), 1u);
             factor = substep_factor(all.x, island.points);
             last = factor * collision_substep.substeps;
-            scale_impulses(island, 1.0 / f32(factor));
+            scale_impulses(thread, island, 1.0 / f32(factor));
         }
     }
     // The saved impulses are those of a substep of the common length.
-    scale_impulses(island, f32(factor));
+    scale_impulses(thread, island, f32(factor));
 }
 
 // The largest compression of the pairs of a thread and their number of points, if `needed`. Sums of floats are exact up
 // to 2^24 points.
-fn measure(island: IslandThread, needed: bool) -> vec2<f32> {
+fn measure(thread: u32, island: SolvedIsland, needed: bool) -> vec2<f32> {
     var own = vec2(0.0);
-    for (var k = island.range.first + island.thread; needed && k < island.range.end; k += THREADS) {
+    for (var k = island.range.first + thread; needed && k < island.range.end; k += THREADS) {
         let pair = solver_pairs[island_pairs[k].pair];
         own = vec2(max(own.x, compression(pair)), own.y + f32(pair.count));
     }
@@ -102,7 +100,7 @@ fn reduced(thread: u32, part: vec2<f32>) -> vec2<f32> {
 }
 
 // The pairs of a colour, as a range.
-fn pairs_of(island: IslandThread, color: u32) -> vec2<u32> {
+fn pairs_of(island: SolvedIsland, color: u32) -> vec2<u32> {
     let end = island_pairs[island.range.first + color].color_end;
     if color == 0u {
         return vec2(island.range.first, end);
@@ -111,8 +109,8 @@ fn pairs_of(island: IslandThread, color: u32) -> vec2<u32> {
 }
 
 // Multiplies the impulses, for substeps of another length. The totals of the collision substep stay.
-fn scale_impulses(island: IslandThread, factor: f32) {
-    for (var k = island.range.first + island.thread; k < island.range.end; k += THREADS) {
+fn scale_impulses(thread: u32, island: SolvedIsland, factor: f32) {
+    for (var k = island.range.first + thread; k < island.range.end; k += THREADS) {
         let pair = solver_pairs[island_pairs[k].pair];
         for (var point = pair.first; point < pair.first + pair.count; point += 1u) {
             let before = point_states[point].normal_impulse;
@@ -126,9 +124,8 @@ fn scale_impulses(island: IslandThread, factor: f32) {
 
 // One substep of `h` seconds. Each part stands here once, in a loop over what passes are for: compilers put all
 // functions in place.
-fn substep(island: IslandThread, number: u32, h: f32) {
+fn substep(thread: u32, island: SolvedIsland, number: u32, h: f32) {
     let range = island.range;
-    let thread = island.thread;
     let is_first = number == 0u;
     let last = select(v::RESTITUTION, v::RELAX, is_first);
     for (var purpose = select(v::BIAS, v::RELAX, is_first); purpose <= last; purpose += 1u) {
@@ -148,7 +145,7 @@ fn substep(island: IslandThread, number: u32, h: f32) {
             }
         }
         storageBarrier();
-        fastest = reduced(thread, vec2(fastest, 0.0)).x;
+        let fastest_of_all = reduced(thread, vec2(fastest, 0.0)).x;
         for (var color = 0u; color < select(range.colors, 0u, purpose == v::RESTITUTION); color += 1u) {
             let pairs = pairs_of(island, color);
             for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
@@ -164,11 +161,11 @@ fn substep(island: IslandThread, number: u32, h: f32) {
             least = collision_substep.relax_iterations;
         } else if purpose == v::RESTITUTION {
             least = collision_substep.restitution_iterations;
-            parameters.convergence_speed = RESTITUTION_TOLERANCE * fastest;
+            parameters.convergence_speed = RESTITUTION_TOLERANCE * fastest_of_all;
         }
         var most = max(min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u)), least);
-        most = select(most, 0u, is_first || (purpose == v::RESTITUTION && fastest == 0.0));
-        solve(island, parameters, least, most);
+        most = select(most, 0u, is_first || (purpose == v::RESTITUTION && fastest_of_all == 0.0));
+        solve(thread, island, parameters, least, most);
     }
     for (var k = range.first + thread; k < range.end; k += THREADS) {
         end_impacts(solver_pairs[island_pairs[k].pair]);
@@ -217,18 +214,18 @@ fn move_impulses(pair: s::SolverPair, purpose: u32, time: f32) {
 
 // Passes over all pairs, at least `least` and at most `most`, until they have converged. Impulses are extrapolated along
 // a search direction, as in the method of conjugate gradients.
-fn solve(island: IslandThread, parameters: v::Pass, least: u32, most: u32) {
+fn solve(thread: u32, island: SolvedIsland, parameters: v::Pass, least: u32, most: u32) {
     var last_energy = 0.0;
     for (var iteration = 1u; iteration <= most; iteration += 1u) {
         var own = v::Residual(0.0, 0.0);
         for (var color = 0u; color < island.range.colors; color += 1u) {
             let pairs = pairs_of(island, color);
-            for (var k = pairs.x + island.thread; k < pairs.y; k += THREADS) {
+            for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
                 v::solve(solver_pairs[island_pairs[k].pair], parameters, &own);
             }
             storageBarrier();
         }
-        let residual = reduced(island.thread, vec2(own.velocity, own.energy));
+        let residual = reduced(thread, vec2(own.velocity, own.energy));
         if iteration == most || (iteration >= least && residual.x <= 1.0) {
             break;
         }
@@ -237,7 +234,7 @@ fn solve(island: IslandThread, parameters: v::Pass, least: u32, most: u32) {
         last_energy = residual.y;
         for (var color = 0u; color < island.range.colors; color += 1u) {
             let pairs = pairs_of(island, color);
-            for (var k = pairs.x + island.thread; k < pairs.y; k += THREADS) {
+            for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
                 v::extrapolate(solver_pairs[island_pairs[k].pair], keep);
             }
             storageBarrier();

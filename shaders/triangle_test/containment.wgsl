@@ -2,6 +2,7 @@
 
 // Whether a point is inside a closed mesh. All 64 threads of a workgroup work on one point.
 
+#import faceoff::agree::agree
 #import faceoff::arena::vector
 #import faceoff::tree
 #import faceoff::types as t
@@ -26,7 +27,7 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     }
     workgroupBarrier();
     loop {
-        let last = atomicLoad(&depth);
+        let last = agree(thread, atomicLoad(&depth));
         if last == 0u {
             break;
         }
@@ -37,7 +38,6 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
         }
         let mine = thread / 8u;
         let number = waiting[last - 1u - min(mine, taken - 1u)] & tree::NUMBER;
-        workgroupBarrier();
         if thread == 0u {
             atomicStore(&depth, last - taken);
         }
@@ -53,15 +53,10 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
         workgroupBarrier();
     }
     unfinished = unfinished || atomicLoad(&depth) != 0u;
-    workgroupBarrier();
-    let winding = atomicLoad(&inside);
-    let parity = atomicLoad(&crossings) % 2u;
-    // All threads have read the result before the counters are cleared for the next component.
-    workgroupBarrier();
-    if (mesh.flags & t::ORIENTATION_MASK) == t::MIXED {
-        return parity == 1u;
-    }
-    return winding != 0;
+    let is_odd = atomicLoad(&crossings) % 2u == 1u;
+    let is_inside = select(atomicLoad(&inside) != 0, is_odd, (mesh.flags & t::ORIENTATION_MASK) == t::MIXED);
+    // All threads have the result before the counters are cleared for the next component.
+    return agree(thread, u32(is_inside)) == 1u;
 }
 
 // Whether the node exists and the ray meets its box.

@@ -2,6 +2,7 @@
 // against eight of another at a time, one thread each, and finally eight triangles against eight. Candidates wait in a
 // queue until there is work for all threads. The order of the results is that of the trees, whatever the order of
 // threads.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::triangle_test::SIGNIFICANT
 #import faceoff::containment::{contains, unfinished}
@@ -29,6 +30,8 @@ var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> tested: atomic<u32>;
 var<workgroup> hit_base: u32;
 var<workgroup> origin: vec3<f32>;
+// Numbers of waiting pairs of nodes and of triangles.
+var<workgroup> lengths: vec2<u32>;
 
 // Sums over the contour per thread: midpoints weighted by length, with the length; area; offset from each start to its
 // end.
@@ -53,7 +56,7 @@ struct Pair {
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= atomicLoad(&counters[t::PAIRS]) {
+    if index >= agree(thread, atomicLoad(&counters[t::PAIRS])) {
         return;
     }
     let near = near_pairs[index];
@@ -97,7 +100,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     // Which of the three bit sets is in use.
     var mask_set = 0u;
     loop {
-        // Uniform control flow: all threads count the results of all.
         let testing = waiting >= 64u || (depth == 0u && waiting > 0u);
         if !testing && depth == 0u {
             break;
@@ -108,14 +110,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         let bit = 1u << (thread % 32u);
         let word = mask_set + thread / 32u;
+        var next_lengths = vec2(depth, waiting);
         if testing {
             // Up to 64 pairs of triangles, one thread each.
             let taken = min(waiting, 64u);
-            waiting -= taken;
+            let first = waiting - taken;
+            next_lengths.y = first;
             var verdict: tri::Verdict;
             var triangles = vec2(0u);
             if thread < taken {
-                triangles = queue[waiting + thread];
+                triangles = queue[first + thread];
                 let ca = corners_a(pair, triangles.x);
                 let cb = corners_b(pair, triangles.y);
                 let reach = tri::reach(ca) + tri::reach(cb);
@@ -160,49 +164,56 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             }
             hit_count += hits_now;
         } else {
-            depth -= 1u;
-            let nodes = stack[depth];
+            let last = depth - 1u;
+            let nodes = stack[last];
             let level_a = tree::level_of(nodes.x);
             let level_b = tree::level_of(nodes.y);
             let number_a = nodes.x & tree::NUMBER;
             let number_b = nodes.y & tree::NUMBER;
             let i = thread / 8u;
             let j = thread % 8u;
-            if level_a == 0u && level_b == 0u {
-                // Two clusters of eight triangles. Each thread places its own two triangles: that costs less than
-                // waiting for other threads.
-                let triangles = vec2(8u * number_a + i, 8u * number_b + j);
-                let candidate = may_intersect(pair, triangles);
-                if candidate {
-                    atomicOr(&found[word], bit);
-                }
-                workgroupBarrier();
-                let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
-                if candidate {
-                    queue[waiting + rank_of(mask, thread)] = triangles;
-                }
-                waiting += countOneBits(mask.x) + countOneBits(mask.y);
+            // Two clusters of eight triangles: each thread places its own two triangles, which costs less than waiting for
+            // other threads. Else the taller tree is opened, or both if they are equally tall.
+            let leaves = level_a == 0u && level_b == 0u;
+            let open_a = level_a >= level_b;
+            let open_b = level_b >= level_a;
+            var candidate = vec2(8u * number_a + i, 8u * number_b + j);
+            var meets = false;
+            if leaves {
+                meets = may_intersect(pair, candidate);
             } else {
-                // The taller tree is opened, or both if they are equally tall.
-                let open_a = level_a >= level_b;
-                let open_b = level_b >= level_a;
-                let child_a = select(nodes.x, tree::node(level_a - 1u, 8u * number_a + i), open_a);
-                let child_b = select(nodes.y, tree::node(level_b - 1u, 8u * number_b + j), open_b);
+                candidate = vec2(
+                    select(nodes.x, tree::node(level_a - 1u, candidate.x), open_a),
+                    select(nodes.y, tree::node(level_b - 1u, candidate.y), open_b),
+                );
                 let wanted = (open_a || i == 0u) && (open_b || j == 0u);
-                let meets = wanted && boxes_meet(pair, child_a, child_b);
+                meets = wanted && boxes_meet(pair, candidate.x, candidate.y);
+            }
+            if meets {
+                atomicOr(&found[word], bit);
+            }
+            workgroupBarrier();
+            let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
+            let number = countOneBits(mask.x) + countOneBits(mask.y);
+            if leaves {
                 if meets {
-                    atomicOr(&found[word], bit);
+                    queue[waiting + rank_of(mask, thread)] = candidate;
                 }
-                workgroupBarrier();
-                let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
+                next_lengths = vec2(last, waiting + number);
+            } else {
                 if meets {
-                    stack[depth + rank_of(mask, thread)] = vec2(child_a, child_b);
+                    stack[last + rank_of(mask, thread)] = candidate;
                 }
-                depth += countOneBits(mask.x) + countOneBits(mask.y);
+                next_lengths.x = last + number;
             }
         }
         mask_set = next_set;
-        workgroupBarrier();
+        if thread == 0u {
+            lengths = next_lengths;
+        }
+        let agreed = workgroupUniformLoad(&lengths);
+        depth = agreed.x;
+        waiting = agreed.y;
     }
 
     // Some devices abort long loops: Mesa's llvmpipe does after some ten thousand iterations, separately for each group
@@ -212,7 +223,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 
     var contained = false;
-    if hit_count == 0u {
+    if agree(thread, hit_count) == 0u {
         contained = any_inside(pair, true, thread);
         if !contained {
             contained = any_inside(pair, false, thread);

@@ -1,4 +1,5 @@
 // TriangleTest: the vertices of each body that lie inside half-spaces. One workgroup per body.
+#import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::dispatch::group_index
 #import faceoff::math::{conjugate, layers_interact, rotate}
@@ -19,7 +20,7 @@ var<workgroup> deepest: array<f32, 64>;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= step.bodies || atomicLoad(&counters[t::SKIPPED]) != 0u {
+    if index >= step.bodies || agree(thread, atomicLoad(&counters[t::SKIPPED])) != 0u {
         return;
     }
     let body = bodies[index];
@@ -40,8 +41,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         body_contacts[index].first_plane = base;
         body_contacts[index].planes = near;
     }
-    workgroupBarrier();
-    var at = base;
+    var at = workgroupUniformLoad(&base);
     if at + near > step.plane_contact_capacity {
         return;
     }

@@ -64,6 +64,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/types", layout::CONSTANTS),
         module!("shared/math"),
         module!("shared/dispatch"),
+        module!("shared/agree"),
         module!("shared/scan"),
         module!("shared/sort"),
         module!("shared/arena"),

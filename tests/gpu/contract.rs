@@ -61,7 +61,7 @@ fn structs() -> impl Iterator<Item = &'static Struct> {
     layout::STRUCTS.iter().chain(solver::layout::STRUCTS)
 }
 
-fn compose(kernel: &Kernel) -> Result<naga::Module, String> {
+pub fn compose(kernel: &Kernel) -> Result<naga::Module, String> {
     let mut composer = shader::composer(all_modules()).map_err(|error| error.to_string())?;
     kernel
         .compose(&mut composer)

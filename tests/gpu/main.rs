@@ -11,6 +11,7 @@ mod contract;
 mod dynamics;
 #[path = "../common/gpu.rs"]
 mod gpu;
+mod kernels;
 mod manifolds;
 #[path = "../common/oracle/mod.rs"]
 mod oracle;
@@ -44,6 +45,6 @@ fn main() {
             #[cfg(feature = "cli")]
             ("cli", cli::TESTS),
         ],
-        &[("contract", contract::TESTS)],
+        &[("contract", contract::TESTS), ("kernels", kernels::TESTS)],
     );
 }

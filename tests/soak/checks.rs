@@ -1,0 +1,201 @@
+//! What must be true after every step.
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use bevy_faceoff::prelude::*;
+use std::collections::HashMap;
+use std::fmt;
+use std::time::Duration;
+
+/// Steps between the death of an entity and the end of its collisions, at most: one, and two more with later results.
+const PATIENCE: usize = 4;
+
+/// Checks of a run so far.
+pub struct Checks {
+    /// Pairs that have started and not ended, with the step in which one of them vanished.
+    open: HashMap<[Entity; 2], Option<usize>>,
+    /// The same when a snapshot was taken: a world that is restored touches as it did then, without messages.
+    open_at_snapshot: HashMap<[Entity; 2], Option<usize>>,
+    starts: u64,
+    rejected: u64,
+    failures: u64,
+    /// Seconds of each step, and whether it may be slow.
+    times: Vec<(f32, bool)>,
+    /// Steps in which it may still be slow.
+    slow: usize,
+    /// Bytes of the process, by step.
+    memory: Vec<(usize, u64)>,
+    is_latent: bool,
+    /// The number of the last step. No step runs while the clock is paused, and what was reported stays.
+    last_step: u64,
+}
+
+/// The result of a run without errors.
+pub struct Report {
+    pub starts: u64,
+    pub rejected: u64,
+    /// How often a device failed.
+    pub failures: u64,
+    /// Seconds of the median step.
+    pub median: f32,
+    /// The slowest ordinary step, and how many took over 20 times the median.
+    pub slowest: f32,
+    pub outliers: usize,
+    /// The slowest step in which a device was opened or steps changed place.
+    pub slowest_disturbed: f32,
+    /// How much the process grew from the first quarter of the run to its end, if the system tells.
+    pub growth: Option<f32>,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(
+            f,
+            "{} collisions started and all ended; {} bodies rejected; {} failures of devices; step {:.2} ms in the median, \
+             at most {:.1} ms, {} over 20 times the median, {:.1} ms where a device was opened or steps changed place",
+            self.starts,
+            self.rejected,
+            self.failures,
+            1e3 * self.median,
+            1e3 * self.slowest,
+            self.outliers,
+            1e3 * self.slowest_disturbed
+        )?;
+        match self.growth {
+            Some(growth) => write!(f, "; memory grew by {:.1} %", 100.0 * growth),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Checks {
+    pub fn new(readback: Readback) -> Self {
+        Self {
+            open: HashMap::new(),
+            open_at_snapshot: HashMap::new(),
+            starts: 0,
+            rejected: 0,
+            failures: 0,
+            times: Vec::new(),
+            slow: 0,
+            memory: Vec::new(),
+            is_latent: readback == Readback::Latent,
+            last_step: 0,
+        }
+    }
+
+    /// A snapshot was taken.
+    pub fn take(&mut self) {
+        self.open_at_snapshot = self.open.clone();
+    }
+
+    /// It was restored.
+    pub fn restore(&mut self) {
+        self.open = self.open_at_snapshot.clone();
+    }
+
+    /// Checks the world after a step.
+    ///
+    /// # Panics
+    /// If a message does not fit those before it, or if something stale or not finite is reported.
+    pub fn step(&mut self, world: &mut World, number: usize, time: Duration, disturbed: bool) {
+        self.messages(world, number);
+        let last_step = world.resource::<StepReport>().step;
+        let has_stepped = std::mem::replace(&mut self.last_step, last_step) != last_step;
+        for collision in world.resource::<Collisions>().iter() {
+            let pair = [collision.collider1, collision.collider2];
+            let Contact { point, normal, .. } = collision.contact;
+            assert!(point.is_finite() && normal.is_finite(), "step {number}: {pair:?} touches at {point}");
+            let alive = pair.iter().all(|&entity| world.get_entity(entity).is_ok());
+            assert!(alive || self.is_latent || !has_stepped, "step {number}: {pair:?} is reported after its end");
+        }
+        let mut bodies = world.query_filtered::<(Entity, &Transform, &RigidBody), With<LinearVelocity>>();
+        let rejected: Vec<Entity> = (bodies.iter(world))
+            .filter(|(_, pose, _)| !pose.is_finite())
+            .map(|(entity, ..)| entity)
+            .collect();
+        // Only what was rejected may be there: the step makes nothing that is no number.
+        assert!(
+            rejected.len() as u64 <= self.rejected,
+            "step {number}: {rejected:?} are nowhere"
+        );
+        if disturbed {
+            self.slow = 4;
+        }
+        self.times.push((time.as_secs_f32(), self.slow > 0));
+        self.slow = self.slow.saturating_sub(1);
+        if number % 64 == 0
+            && let Some(bytes) = resident()
+        {
+            self.memory.push((number, bytes));
+        }
+    }
+
+    /// Reads the messages of steps at the end, when nothing is there any more.
+    pub fn drain(&mut self, world: &mut World) {
+        let number = self.times.len();
+        self.messages(world, number);
+    }
+
+    fn messages(&mut self, world: &mut World, number: usize) {
+        for end in world.resource_mut::<Messages<CollisionEnd>>().drain() {
+            let pair = [end.collider1, end.collider2];
+            assert!(self.open.remove(&pair).is_some(), "step {number}: {pair:?} ended before it started");
+        }
+        for start in world.resource_mut::<Messages<CollisionStart>>().drain() {
+            let pair = [start.collider1, start.collider2];
+            assert!(pair[0] < pair[1], "step {number}: {pair:?} is not in order");
+            assert!(
+                self.open.insert(pair, None).is_none(),
+                "step {number}: {pair:?} started twice"
+            );
+            self.starts += 1;
+        }
+        self.rejected += world.resource_mut::<Messages<BodyRejected>>().drain().count() as u64;
+        self.failures += world.resource_mut::<Messages<BackendFailed>>().drain().count() as u64;
+        for (pair, vanished) in &mut self.open {
+            if pair.iter().any(|&entity| world.get_entity(entity).is_err()) {
+                let since = *vanished.get_or_insert(number);
+                // No step runs while the clock is paused.
+                assert!(
+                    number - since <= PATIENCE + 4,
+                    "step {number}: {pair:?} has not ended since step {since}"
+                );
+            }
+        }
+    }
+
+    /// The report.
+    ///
+    /// # Panics
+    /// If a collision has not ended.
+    pub fn finish(self) -> Report {
+        assert!(self.open.is_empty(), "{} collisions never ended", self.open.len());
+        assert!(self.starts > 0, "nothing collided");
+        let mut ordinary: Vec<f32> = self.times.iter().filter(|time| !time.1).map(|time| time.0).collect();
+        ordinary.sort_unstable_by(f32::total_cmp);
+        let median = ordinary.get(ordinary.len() / 2).copied().unwrap_or_default();
+        let disturbed = self.times.iter().filter(|time| time.1).map(|time| time.0);
+        let growth = || {
+            let warm = self.memory.get(self.memory.len() / 4)?.1 as f32;
+            Some(self.memory.last()?.1 as f32 / warm - 1.0)
+        };
+        Report {
+            starts: self.starts,
+            rejected: self.rejected,
+            failures: self.failures,
+            median,
+            slowest: ordinary.last().copied().unwrap_or_default(),
+            outliers: ordinary.iter().filter(|&&time| time > 20.0 * median).count(),
+            slowest_disturbed: disturbed.fold(0.0, f32::max),
+            growth: growth(),
+        }
+    }
+}
+
+/// Bytes of this process in memory, where the system tells.
+fn resident() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    Some(1024 * line.trim().trim_end_matches("kB").trim().parse::<u64>().ok()?)
+}
