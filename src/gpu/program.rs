@@ -8,7 +8,6 @@ use super::device::Gpu;
 use super::kernel::{Compiled, Kernel};
 use crate::types::stage::Stage;
 use std::collections::HashMap;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::*;
 
 /// Number of workgroups of a call.
@@ -333,11 +332,15 @@ impl Binder<'_> {
 }
 
 fn uniform(gpu: &Gpu, values: [u32; 4]) -> Buffer {
-    gpu.device.create_buffer_init(&BufferInitDescriptor {
+    // Not with its contents at once: that maps the buffer, and wgpu panics if the device has just been lost.
+    let buffer = gpu.device.create_buffer(&BufferDescriptor {
         label: Some(CONSTANTS),
-        contents: bytemuck::bytes_of(&values),
-        usage: BufferUsages::UNIFORM,
-    })
+        size: size_of_val(&values) as u64,
+        usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    gpu.queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&values));
+    buffer
 }
 
 /// One dimension of a dispatch has at most 65,535 workgroups, so they are laid out in rows. `dispatch.wgsl` numbers

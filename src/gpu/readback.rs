@@ -8,18 +8,18 @@ use wgpu::{Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, BufferView,
 /// Runs `work` in error scopes. Errors outside of a scope would make Bevy end the app.
 ///
 /// # Errors
-/// The first error, if there is one.
+/// The first error, if there is one; that the device is lost, if wgpu panics.
 pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, String> {
     let filters = [ErrorFilter::Internal, ErrorFilter::OutOfMemory, ErrorFilter::Validation];
     let scopes = filters.map(|filter| gpu.device.push_error_scope(filter));
-    let result = work();
+    let result = catch_lost(work);
     let mut first = None;
     // Scopes are popped in reverse order.
     for scope in scopes.into_iter().rev() {
         let error = pollster::block_on(scope.pop());
         first = first.or(error);
     }
-    first.map_or(Ok(result), |error| Err(error.to_string()))
+    first.map_or(result, |error| Err(error.to_string()))
 }
 
 /// Waits until all work is done.

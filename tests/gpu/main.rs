@@ -39,6 +39,8 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::readback", apps::readback::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::soak", apps::soak::TESTS),
+            #[cfg(feature = "bevy")]
             ("apps::spatial_queries", apps::spatial_queries::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::writes", apps::writes::TESTS),

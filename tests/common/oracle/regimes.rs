@@ -121,7 +121,14 @@ pub const REGIMES: &[Regime] = &[
         cases: 1000,
         rule: Rule::Rounding,
         expect: Expect::Any,
-        make: dwarf_at_giant,
+        make: |s, r| dwarf_at_giant(s, r, 200.0),
+    },
+    Regime {
+        name: "size 1 to 1000",
+        cases: 500,
+        rule: Rule::Rounding,
+        expect: Expect::Any,
+        make: |s, r| dwarf_at_giant(s, r, 1000.0),
     },
     general("stretched, mirrored", 4000, Expect::Any, |s, r| {
         let pair = near_by(s, r);
@@ -191,11 +198,11 @@ fn near_by(shapes: &Shapes, rng: &mut Rng) -> [Body; 2] {
     near(rng, meshes, sizes, 0.7)
 }
 
-/// A body near a vertex of one that is 200 times as large.
-fn dwarf_at_giant(shapes: &Shapes, rng: &mut Rng) -> Vec<Body> {
+/// A body near a vertex of one that is `ratio` times as large.
+fn dwarf_at_giant(shapes: &Shapes, rng: &mut Rng, ratio: f64) -> Vec<Body> {
     let meshes = shapes.two(rng);
     let giant = Body::new(meshes[0], rng.in_cube(5.0), rng.rotation(), diameter(rng));
-    let diameter = f64::from(giant.scale.x) / 200.0;
+    let diameter = f64::from(giant.scale.x) / ratio;
     let place = giant.place(rng.pick(&meshes[0].vertices).as_dvec3()) + rng.in_ball(0.5 * diameter);
     let dwarf = Body::new(meshes[1], place, rng.rotation(), diameter);
     if rng.chance(0.5) {

@@ -3,6 +3,7 @@
 pub mod backend;
 pub mod bytes;
 pub mod readback;
+pub mod soak;
 pub mod spatial_queries;
 pub mod with_contacts;
 pub mod writes;
