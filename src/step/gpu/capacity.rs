@@ -3,9 +3,9 @@
 use super::buffers::StepCapacity;
 use super::contact_programs::{ContactPrograms, START};
 use super::recent::Recent;
-use super::record::{all_kernels, all_modules, impulse_program};
-use super::{GpuStep, StepError};
-use crate::gpu::arena::Change;
+use super::record::{all_kernels, all_modules, impulse_program, report_kernels};
+use super::{Compiled, GpuStep, StepError};
+use crate::gpu::arena::{Arena, Change};
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::commands::Commands;
 use crate::gpu::layout;
@@ -13,30 +13,36 @@ use crate::gpu::readback::scoped;
 use wgpu::Buffer;
 
 impl GpuStep {
-    /// Compiles the kernels for contact points, creates their buffers, and includes topology in the meshes.
-    pub(super) fn ensure_contacts(&mut self) -> Result<(), StepError> {
-        if self.contacts.is_some() {
+    /// Compiles the kernels for contact points, and with `solves` those of the solver. Creates the buffers, and includes
+    /// topology in the meshes.
+    pub(super) fn ensure_contacts(&mut self, solves: bool) -> Result<(), StepError> {
+        let wanted = if solves { Compiled::All } else { Compiled::Points };
+        if self.contacts.is_some() && self.compiled >= wanted {
             return Ok(());
         }
         self.finish_all()?;
         let Self {
             gpu,
             buffers,
-            has_features,
+            contacts,
+            compiled,
             ..
         } = self;
         let made = scoped(gpu, || {
-            if !*has_features {
+            if *compiled < Compiled::All && solves {
                 gpu.compile(all_modules(), all_kernels())?;
+            } else if *compiled < wanted {
+                gpu.compile(all_modules(), report_kernels())?;
             }
-            Ok::<_, String>(ContactPrograms::new(gpu, buffers, START))
+            let missing = contacts.is_none();
+            Ok::<_, String>(missing.then(|| ContactPrograms::new(gpu, buffers, START)))
         });
-        let contacts = made.and_then(|made| made).map_err(StepError::Device)?;
-        if !self.has_features {
-            self.has_features = true;
-            self.arena = self.empty_arena();
+        let made = made.and_then(|made| made).map_err(StepError::Device)?.transpose()?;
+        if *compiled < Compiled::Points {
+            self.arena = Arena::with_features();
         }
-        self.contacts = Some(contacts?);
+        self.compiled = self.compiled.max(wanted);
+        self.contacts = self.contacts.take().or(made);
         Ok(())
     }
 

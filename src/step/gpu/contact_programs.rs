@@ -39,7 +39,8 @@ pub const START: StepCapacity = StepCapacity {
 /// Stages that find contact points.
 const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::TriangleTest, Stage::Manifolds];
 
-/// Buffers and calls of steps with contact points.
+/// Buffers and calls of steps with contact points. Without [`StepCapacity::solves`] there are none for the solver, whose
+/// kernels may not be compiled.
 pub struct ContactPrograms {
     /// The buffers of contact generation.
     pub contacts: ContactBuffers,
@@ -84,20 +85,22 @@ impl ContactPrograms {
         let bind = |calls: Calls| made.bind(gpu, buffers, &calls);
         let [first, middle, last] = [Place::of(0, 3), Place::of(1, 3), Place::of(2, 3)];
         let report = bind(simple.calls(&Stage::ALL, Place::of(0, 1)));
-        let programs = [
-            bind(contacts.calls(&DETECTION, first)),
-            bind(contacts.calls(&DETECTION, middle)),
-            bind(contacts.calls(&[Stage::Integrate], middle)),
-            bind(contacts.calls(&[Stage::Integrate], last)),
-        ];
-        // It is the same in every collision substep.
-        let solve = [false, true].map(|may_sleep| {
-            let recorder = Recorder { may_sleep, ..contacts };
-            bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
-        });
+        if capacity.solves {
+            let programs = [
+                bind(contacts.calls(&DETECTION, first)),
+                bind(contacts.calls(&DETECTION, middle)),
+                bind(contacts.calls(&[Stage::Integrate], middle)),
+                bind(contacts.calls(&[Stage::Integrate], last)),
+            ];
+            // It is the same in every collision substep.
+            let solve = [false, true].map(|may_sleep| {
+                let recorder = Recorder { may_sleep, ..contacts };
+                bind(recorder.calls(&[Stage::ForceScan], Place::of(0, 1)))
+            });
+            made.solve = solve;
+            [made.first, made.later, made.between, made.last] = programs;
+        }
         made.report = report;
-        made.solve = solve;
-        [made.first, made.later, made.between, made.last] = programs;
         Ok(made)
     }
 

@@ -118,7 +118,7 @@ impl GpuStep {
     }
 
     fn write_memory(&mut self, memory: &DeviceMemory) -> Result<(), StepError> {
-        self.ensure_contacts()?;
+        self.ensure_contacts(true)?;
         let Some(capacity) = self.contacts.as_ref().map(ContactPrograms::capacity) else {
             return Ok(());
         };

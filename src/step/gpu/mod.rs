@@ -78,8 +78,8 @@ pub struct GpuStep {
     program: Program,
     /// Buffers and calls for contact points; created when first needed.
     contacts: Option<ContactPrograms>,
-    /// Kernels for contact points are compiled, and meshes include their topology.
-    has_features: bool,
+    /// The kernels that are compiled.
+    compiled: Compiled,
     /// The bodies of the last submitted step, if it had contacts.
     last_bodies: LastBodies,
     /// Speeds of bodies after the last step whose results were taken.
@@ -102,6 +102,17 @@ pub struct GpuStep {
     waits: u64,
     /// What was done between steps. It counts for the next step.
     between: GpuWork,
+}
+
+/// The kernels that are compiled. Each response needs more than the one before.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Compiled {
+    /// Those of [`Response::Impulse`](crate::types::settings::Response::Impulse).
+    Impulses,
+    /// Those for contact points too. Meshes include their topology.
+    Points,
+    /// All.
+    All,
 }
 
 /// Initial capacity. Lists grow as needed.
@@ -151,7 +162,7 @@ impl GpuStep {
                 last_bodies: LastBodies::default(),
                 speeds: Speeds::NONE,
                 host_speeds: VecDeque::new(),
-                has_features: false,
+                compiled: Compiled::Impulses,
                 timer,
                 known: Known::default(),
                 recent: Recent::default(),
@@ -174,7 +185,7 @@ impl GpuStep {
     /// # Errors
     /// If the device cannot run them.
     pub fn with_contacts(mut self) -> Result<Self, NoGpu> {
-        match self.ensure_contacts() {
+        match self.ensure_contacts(true) {
             Ok(()) => Ok(self),
             Err(error) => Err(NoGpu::Failed {
                 adapter: self.gpu.info.name.clone(),
@@ -268,7 +279,7 @@ impl GpuStep {
 
     /// An arena without meshes.
     fn empty_arena(&self) -> Arena {
-        if self.has_features {
+        if self.compiled >= Compiled::Points {
             Arena::with_features()
         } else {
             Arena::default()

@@ -7,6 +7,7 @@ use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::{ContactPair, ContactPoint, NOTHING};
 use crate::gpu::program::{Calls, Groups, Program};
 use crate::gpu::shader::{Module, Shaders, module};
+use crate::manifolds::gpu::ContactCapacity;
 use crate::manifolds::gpu::record::per_64_slots;
 use crate::solver::gpu::layout::{COUNTERS, PAIRS, POINTS, SavedPair, SavedPoint};
 use crate::step::order::{Part, Place, parts};
@@ -188,16 +189,46 @@ pub fn impulse_calls(capacity: &Capacity) -> Calls {
 
 /// The kernels of such a step, whatever its capacity: lists may grow at any time.
 pub fn impulse_kernels() -> impl Iterator<Item = &'static Kernel> {
-    let of = |pairs: u32| {
+    kernels_of(impulse_calls)
+}
+
+/// The kernels of a step with [`Response::None`], whatever its capacity.
+pub fn report_kernels() -> impl Iterator<Item = &'static Kernel> {
+    kernels_of(|capacity| {
+        let contact_capacity = StepCapacity {
+            contacts: ContactCapacity {
+                pairs: capacity.pairs,
+                points: capacity.pairs,
+                ..ContactCapacity::default()
+            },
+            bodies: capacity.bodies,
+            touches: 0,
+            solves: false,
+        };
+        let recorder = Recorder {
+            response: Response::None,
+            capacity,
+            contact_capacity: Some(&contact_capacity.covering(capacity)),
+            may_sleep: false,
+        };
+        recorder.calls(&Stage::ALL, Place::of(0, 1))
+    })
+}
+
+/// The kernels of calls for short lists, and of those for long ones.
+fn kernels_of(calls: impl Fn(&Capacity) -> Calls) -> impl Iterator<Item = &'static Kernel> {
+    [1, 1 << 20].into_iter().flat_map(move |length| {
         let capacity = Capacity {
-            bodies: pairs,
-            pairs,
+            bodies: length,
+            compounds: 1,
+            parts: 1,
+            planes: 1,
+            pairs: length,
             ..Capacity::default()
         };
-        let kernels: Vec<_> = impulse_calls(&capacity).iter().map(|call| call.kernel).collect();
+        let kernels: Vec<_> = calls(&capacity).iter().map(|call| call.kernel).collect();
         kernels
-    };
-    of(1).into_iter().chain(of(1 << 20))
+    })
 }
 
 /// The same calls, bound to buffers.

@@ -36,7 +36,7 @@ impl GpuStep {
     ) -> Result<(), StepError> {
         let wants_points = state.config.response != Response::Impulse;
         if wants_points {
-            self.ensure_contacts()?;
+            self.ensure_contacts(state.config.response == Response::Contacts)?;
         }
         let mut input = Input::new(state, carried);
         if state.config.response == Response::Contacts {

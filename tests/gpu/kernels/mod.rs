@@ -6,7 +6,14 @@ mod uniformity;
 
 use crate::contract::compose;
 use crate::gpu::Plain;
-use bevy_faceoff::step::gpu::record::all_kernels;
+use bevy_faceoff::gpu::buffers::Capacity;
+use bevy_faceoff::gpu::kernel::Kernel;
+use bevy_faceoff::manifolds::gpu::ContactCapacity;
+use bevy_faceoff::step::gpu::buffers::StepCapacity;
+use bevy_faceoff::step::gpu::record::{Recorder, all_kernels, impulse_calls, impulse_kernels, report_kernels};
+use bevy_faceoff::step::order::Place;
+use bevy_faceoff::types::settings::Response;
+use bevy_faceoff::types::stage::Stage;
 use std::collections::BTreeSet;
 use wgpu::naga::front::wgsl;
 
@@ -14,6 +21,25 @@ pub const TESTS: &[Plain] = &[
     (
         "all_threads_of_a_workgroup_reach_its_barriers",
         all_threads_of_a_workgroup_reach_its_barriers,
+    ),
+    #[cfg(feature = "cli")]
+    (
+        "every_kernel_is_written_in_hlsl",
+        languages::every_kernel_is_written_in_hlsl,
+    ),
+    #[cfg(feature = "cli")]
+    (
+        "every_kernel_is_written_in_msl",
+        languages::every_kernel_is_written_in_msl,
+    ),
+    #[cfg(feature = "cli")]
+    (
+        "every_kernel_is_written_in_spir_v",
+        languages::every_kernel_is_written_in_spir_v,
+    ),
+    (
+        "only_what_a_response_calls_is_compiled",
+        only_what_a_response_calls_is_compiled,
     ),
     (
         "barriers_that_some_threads_miss_are_found",
@@ -24,6 +50,50 @@ pub const TESTS: &[Plain] = &[
         barriers_that_all_threads_reach_are_not,
     ),
 ];
+
+fn only_what_a_response_calls_is_compiled() {
+    let names = |kernels: &mut dyn Iterator<Item = &'static Kernel>| -> BTreeSet<&str> {
+        kernels.map(|kernel| kernel.name).collect()
+    };
+    let impulse = names(&mut impulse_kernels());
+    let report = names(&mut report_kernels());
+    let all = names(&mut all_kernels());
+    assert!(impulse.len() < report.len() && report.len() < all.len());
+    assert!(!report.iter().any(|name| name.starts_with("solver/")), "{report:?}");
+    for length in [1, 100, 4096, 4097, 20_000, 1 << 20] {
+        let capacity = Capacity {
+            bodies: length,
+            planes: 4,
+            pairs: 4 * length,
+            ..Capacity::default()
+        };
+        let contact_capacity = StepCapacity {
+            contacts: ContactCapacity {
+                pairs: length,
+                points: 4 * length,
+                ..ContactCapacity::default()
+            },
+            bodies: length,
+            touches: 0,
+            solves: false,
+        };
+        let recorder = Recorder {
+            response: Response::None,
+            capacity: &capacity,
+            contact_capacity: Some(&contact_capacity),
+            may_sleep: false,
+        };
+        let called = names(
+            &mut recorder
+                .calls(&Stage::ALL, Place::of(0, 1))
+                .iter()
+                .map(|call| call.kernel),
+        );
+        assert!(called.is_subset(&report), "{length}: {called:?}");
+        let called = names(&mut impulse_calls(&capacity).iter().map(|call| call.kernel));
+        assert!(called.is_subset(&impulse), "{length}: {called:?}");
+    }
+}
 
 fn all_threads_of_a_workgroup_reach_its_barriers() {
     let wrong: Vec<String> = all_kernels()
