@@ -4,3 +4,4 @@ mod data;
 mod exact;
 mod fine;
 mod oracle_itself;
+mod properties;
