@@ -84,8 +84,16 @@ pub fn linked_contact(rng: &mut Rng, meshes: [&Arc<Mesh>; 2]) -> [Body; 2] {
     }
     let touching = b.moved(way * step);
     let before = last_contact(&a, &touching, -way, 0.01f64.min(step));
-    let deeper = rng.range(0.0, 0.01);
-    [a, touching.moved(way * (deeper - before))]
+    let mut deeper = rng.range(0.0, 0.01);
+    // Tubes that graze each other separate again within this distance.
+    while deeper > 1e-5 {
+        let moved = touching.moved(way * (deeper - before));
+        if surfaces_meet(&a, &moved) {
+            return [a, moved];
+        }
+        deeper *= 0.5;
+    }
+    [a, touching]
 }
 
 /// Scales each axis by 0.3 to 1 and mirrors at random.
