@@ -128,7 +128,7 @@ impl Checks {
         }
         self.times.push((time.as_secs_f32(), self.slow > 0));
         self.slow = self.slow.saturating_sub(1);
-        if number % 64 == 0
+        if number.is_multiple_of(64)
             && let Some(bytes) = resident()
         {
             self.memory.push((number, bytes));
@@ -170,6 +170,18 @@ impl Checks {
                 );
             }
         }
+    }
+
+    /// What a long run prints on its way.
+    pub fn so_far(&self) -> String {
+        let recent = &self.times[self.times.len().saturating_sub(1024)..];
+        let mean = recent.iter().map(|time| time.0).sum::<f32>() / recent.len().max(1) as f32;
+        let memory = self.memory.last().map_or(0, |memory| memory.1 >> 20);
+        format!(
+            "{:.1} ms a step lately, {} collisions, {memory} MiB",
+            1e3 * mean,
+            self.starts
+        )
     }
 
     /// The report.

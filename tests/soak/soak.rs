@@ -55,6 +55,9 @@ pub fn run(plan: Plan) -> Report {
             &soak.spoiled,
         );
         soak.keep_going();
+        if number % 1024 == 1023 {
+            println!("step {} of {}: {}", number + 1, plan.steps, checks.so_far());
+        }
     }
     soak.empty();
     for _ in 0..100 {
@@ -322,7 +325,8 @@ impl Soak {
         let is_lost = |body: Entity| {
             let velocity = world.get::<LinearVelocity>(body).map_or(Vec3::ZERO, |v| v.0);
             let pose = world.get::<Transform>(body);
-            pose.is_none_or(|pose| !(pose.translation.length() < out) || !velocity.is_finite())
+            let is_far = |pose: &Transform| !pose.is_finite() || pose.translation.length() >= out;
+            pose.is_none_or(is_far) || !velocity.is_finite()
         };
         let lost: Vec<Entity> = self.bodies.iter().copied().filter(|&body| is_lost(body)).collect();
         for body in lost {
