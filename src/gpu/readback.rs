@@ -76,9 +76,16 @@ pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, Strin
 /// time.
 ///
 /// # Errors
-/// If it panicked.
+/// If it panicked, with the message of the panic.
 pub fn catch_lost<T>(call: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(call)).map_err(|_| "it is lost".to_string())
+    catch_unwind(AssertUnwindSafe(call)).map_err(|panic| {
+        let text = panic.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        match text {
+            Some(text) => format!("it is lost: {}", text.trim()),
+            None => "it is lost".to_string(),
+        }
+    })
 }
 
 /// A staging buffer.
