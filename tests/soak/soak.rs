@@ -320,8 +320,8 @@ impl Soak {
                 self.be_usual();
             }
         }
+        let out = 3.0 * self.half_width() + 20.0;
         let world = self.app.world_mut();
-        let out = 3.0 * (0.6 * (self.wanted as f32).sqrt() + 1.0) + 20.0;
         let is_lost = |body: Entity| {
             let velocity = world.get::<LinearVelocity>(body).map_or(Vec3::ZERO, |v| v.0);
             let pose = world.get::<Transform>(body);

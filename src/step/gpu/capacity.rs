@@ -29,10 +29,10 @@ impl GpuStep {
             ..
         } = self;
         let made = scoped(gpu, || {
-            if *compiled < Compiled::All && solves {
-                gpu.compile(all_modules(), all_kernels())?;
-            } else if *compiled < wanted {
-                gpu.compile(all_modules(), report_kernels())?;
+            // Kernels that the device has are not compiled again.
+            match wanted {
+                Compiled::All => gpu.compile(all_modules(), all_kernels())?,
+                _ => gpu.compile(all_modules(), report_kernels())?,
             }
             let missing = contacts.is_none();
             Ok::<_, String>(missing.then(|| ContactPrograms::new(gpu, buffers, START)))
