@@ -5,6 +5,7 @@ mod broad_phase;
 mod ccd;
 mod dynamics;
 mod force_scan;
+mod limits;
 mod manifolds;
 #[path = "common/oracle/mod.rs"]
 mod oracle;

@@ -1,7 +1,10 @@
 // BroadPhase: each body searches the cells around it, on its own level and all coarser ones. So each pair is found
 // once: by the smaller body or, on the same level, by the one of smaller number. The first run counts the pairs; the
 // second, with EMIT, writes them to the positions from the scan of the counts. One thread per body.
-#import faceoff::constants::broad_phase::SPHERE_SLACK
+//
+// The search of a body ends after MAX_PARTNERS others. Its count is then more than any list holds, so that the step is
+// not done here: in a crowd each body would be compared with each other one.
+#import faceoff::constants::broad_phase::{MAX_PARTNERS, SPHERE_SLACK}
 #import faceoff::dispatch::group_index
 #import faceoff::grid::{bucket_of, cell_of}
 #import faceoff::math::layers_interact
@@ -34,16 +37,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     // After an overflow nothing has moved, and there may be no poses yet: all bodies at one place are pairs without end.
     let is_void = status[OVERFLOW] != 0u;
     var level = own.level;
-    while !is_void && own.radius > 0.0 && level < 64 {
+    var is_crowded = false;
+    while !is_void && !is_crowded && own.radius > 0.0 && level < 64 {
         if ((counters[LEVELS + u32(level) / 32u] >> (u32(level) % 32u)) & 1u) == 0u {
             level += 1;
             continue;
         }
         let middle = cell_of(own.center, level);
-        for (var k = 0; k < 27; k += 1) {
+        for (var k = 0; k < 27 && !is_crowded; k += 1) {
             let cell = middle + vec3(k % 3, (k / 3) % 3, k / 9) - 1;
             let bucket = buckets[bucket_of(cell, level, step.bucket_mask)];
-            for (var j = bucket.x; j < bucket.y; j += 1u) {
+            for (var j = bucket.x; j < bucket.y && !is_crowded; j += 1u) {
                 let other = entries[j];
                 if other.level != level || (level == own.level && other.body <= own.body) || !(other.radius > 0.0) {
                     continue;
@@ -56,14 +60,17 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 if found < step.pair_capacity {
                     sphere_pairs[found] = vec2(min(own.body, other.body), max(own.body, other.body));
                 }
-#endif
                 found += 1u;
+#else
+                found += 1u;
+                is_crowded = found >= MAX_PARTNERS;
+#endif
             }
         }
         level += 1;
     }
 #ifndef EMIT
-    pair_counts[i] = found;
+    pair_counts[i] = select(found, 0x80000000u, is_crowded);
 #endif
 }
 

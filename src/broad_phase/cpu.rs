@@ -5,11 +5,13 @@ pub(super) mod grid;
 
 use crate::parallel::loops;
 use crate::state::Bodies;
+use crate::state::crowd::Crowd;
 use crate::types::body::RigidBody;
 use counting_sort::CountingSort;
 use grid::{Grid, Level};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -32,9 +34,13 @@ const MAX_STATIC_FILLS: usize = 12;
 /// Bodies per task.
 const TASK: usize = 512;
 
+/// Most searches of a body that find others on average, if there is a crowd.
+const SEARCHES: usize = 4;
+
 /// Writes the pairs of bodies that may collide and whose speculative spheres overlap into `sphere_pairs`: `a < b`,
-/// ascending.
-pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec<[u32; 2]>) {
+/// ascending. If there are more than `limit`, each search of a body ends after so many pairs that the list has about
+/// this length; returns the bodies of which pairs are left out.
+pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_pairs: &mut Vec<[u32; 2]>) -> Crowd {
     let Scratch {
         moving_grid,
         static_grid,
@@ -75,26 +81,40 @@ pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec
         found.resize_with(tasks + static_tasks, Finder::default);
     }
     let found = &mut found[..tasks + static_tasks];
-    loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
-        let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
-        finder.found.clear();
-        if task < tasks {
-            finder.moving_pairs(moving_grid, static_grid, range(task, moving_grid), bodies);
-        } else {
-            finder.static_pairs(static_grid, moving_grid, range(task - tasks, static_grid), bodies);
-        }
-    });
+    let mut search = |per_search: Option<usize>| {
+        let total = AtomicUsize::new(0);
+        loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
+            let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
+            finder.begin(limit, per_search);
+            if per_search.is_none() && total.load(Ordering::Relaxed) > limit {
+                return;
+            }
+            if task < tasks {
+                finder.moving_pairs(moving_grid, static_grid, range(task, moving_grid), bodies);
+            } else {
+                finder.static_pairs(static_grid, moving_grid, range(task - tasks, static_grid), bodies);
+            }
+            total.fetch_add(finder.found.len(), Ordering::Relaxed);
+        });
+        total.into_inner()
+    };
+    if search(None) > limit {
+        search(Some((limit / (SEARCHES * bodies.center.len())).max(1)));
+    }
 
     // Ascending order, so that the result does not depend on the grid or on the threads.
     unsorted.clear();
+    let mut crowded = Vec::new();
     for finder in found {
         unsorted.extend_from_slice(&finder.found);
+        crowded.extend_from_slice(&finder.crowded);
     }
     firsts.clear();
     firsts.extend(unsorted.iter().map(|pair| pair[0]));
     sort.sort(bodies.center.len(), firsts);
     loops::collect(sort.order().map(|at| unsorted[at as usize]), TASK, sphere_pairs);
     loops::sort_runs(sphere_pairs, |pair| pair[0]);
+    Crowd::of(crowded)
 }
 
 /// Finds the pairs of a range of bodies.
@@ -102,9 +122,37 @@ pub(crate) fn run(bodies: &Bodies, scratch: &mut Scratch, sphere_pairs: &mut Vec
 struct Finder {
     found: Vec<[u32; 2]>,
     runs: Vec<Range<usize>>,
+    /// Most pairs that the task finds.
+    limit: usize,
+    /// Most pairs that a search of a body finds.
+    per_search: Option<usize>,
+    /// The bodies whose search ended early.
+    crowded: Vec<u32>,
 }
 
 impl Finder {
+    fn begin(&mut self, limit: usize, per_search: Option<usize>) {
+        self.found.clear();
+        self.crowded.clear();
+        (self.limit, self.per_search) = (limit, per_search);
+    }
+
+    /// The number of pairs at which the search of the next body ends.
+    fn end_of_search(&self) -> usize {
+        // One more than the limit tells that it is exceeded.
+        self.per_search
+            .map_or(self.limit.saturating_add(1), |most| self.found.len() + most)
+    }
+
+    /// Ends the search of a body. Returns whether the task goes on.
+    fn end_search(&mut self, body: u32, end: usize) -> bool {
+        let is_full = self.found.len() >= end;
+        if is_full && self.per_search.is_some() {
+            self.crowded.push(body);
+        }
+        !is_full || self.per_search.is_some()
+    }
+
     /// Finds the pairs of the moving bodies in `range`, in grid order: with moving bodies of coarser levels, with later
     /// ones of their own level, and with static bodies of their own and coarser levels.
     fn moving_pairs(&mut self, moving_grid: &Grid, static_grid: &Grid, range: Range<usize>, bodies: &Bodies) {
@@ -150,10 +198,14 @@ impl Finder {
                 end = grid.later_neighbors(level, own, &mut self.runs);
             }
             let sphere = grid.sphere(i);
-            let mut found = |j: usize| add([grid.ids[i], grid.ids[j]], bodies, &mut self.found);
+            let full = self.end_of_search();
+            let mut found = |j: usize| add([grid.ids[i], grid.ids[j]], bodies, &mut self.found, full);
             grid.overlaps(sphere, i + 1..end, &mut found);
             for run in &self.runs {
                 grid.overlaps(sphere, run.clone(), &mut found);
+            }
+            if !self.end_search(grid.ids[i], full) {
+                return;
             }
         }
     }
@@ -176,20 +228,26 @@ impl Finder {
                 self.runs.clear();
                 other.rows(level, wanted, &mut self.runs);
             }
+            let full = self.end_of_search();
             for run in &self.runs {
                 other.overlaps(sphere, run.start.max(first(i))..run.end, |j| {
-                    add([own.ids[i], other.ids[j]], bodies, &mut self.found);
+                    add([own.ids[i], other.ids[j]], bodies, &mut self.found, full)
                 });
+            }
+            if !self.end_search(own.ids[i], full) {
+                return;
             }
         }
     }
 }
 
-fn add([a, b]: [u32; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>) {
+/// Adds a pair that may collide, while there are fewer than `full`. Returns whether there still are.
+fn add([a, b]: [u32; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>, full: usize) -> bool {
     let pair = [a.min(b), a.max(b)];
-    if may_collide(bodies, pair) {
+    if found.len() < full && may_collide(bodies, pair) {
         found.push(pair);
     }
+    found.len() < full
 }
 
 fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {

@@ -26,8 +26,13 @@ const EMIT: Kernel = kernel!("broad_phase/pairs", "EMIT");
 /// Computes workgroup counts for the following stages.
 pub const ARGUMENTS: Kernel = kernel!("broad_phase/arguments");
 
+/// Most pairs that a body finds. In physical space bodies have far fewer: its search looks for bodies that are as large
+/// as itself or larger.
+const MAX_PARTNERS: u32 = 1 << 14;
+
 const CONSTANTS: Module = shared_constants!("faceoff::constants::broad_phase", {
     f32 SPHERE_SLACK = grid::SPHERE_SLACK;
+    u32 MAX_PARTNERS = MAX_PARTNERS;
 });
 
 /// This stage's modules and kernels.

@@ -229,6 +229,9 @@ pub struct StepReport {
     pub in_flight: usize,
     /// How many times a step has waited for the results of an earlier one since the device was opened.
     pub waits: u64,
+    /// Number of bodies of which pairs were left out, because they overlap so many others that the step would have exceeded
+    /// its [`StepLimits`](crate::types::limits::StepLimits). If it is not 0, the step was not exact.
+    pub crowded_bodies: usize,
     /// What the step asked of the GPU: commands, bytes and memory. `None` if it ran on the CPU.
     pub gpu: Option<GpuWork>,
 }
@@ -262,6 +265,7 @@ impl fmt::Debug for StepReport {
             parallel_stages,
             in_flight,
             waits,
+            crowded_bodies,
             gpu,
         } = self;
         let stages = fmt::from_fn(|f| {
@@ -286,6 +290,7 @@ impl fmt::Debug for StepReport {
             .field("parallel_stages", parallel_stages)
             .field("in_flight", in_flight)
             .field("waits", waits)
+            .field("crowded_bodies", crowded_bodies)
             .field("gpu", gpu)
             .finish()
     }

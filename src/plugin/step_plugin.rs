@@ -18,6 +18,7 @@ use crate::plugin::sync::{Step, collect, hierarchy, publish};
 use crate::step::gpu::Poses;
 use crate::types::body::*;
 use crate::types::hooks::ActiveCollisionHooks;
+use crate::types::limits::StepLimits;
 use crate::types::material::{Friction, Restitution};
 use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
@@ -44,6 +45,7 @@ impl Plugin for StepPlugin {
             .init_resource::<Gravity>()
             .init_resource::<Response>()
             .init_resource::<SolverSettings>()
+            .init_resource::<StepLimits>()
             .init_resource::<Collisions>()
             .init_resource::<Time<Physics>>()
             .init_resource::<StepReport>()
@@ -229,6 +231,7 @@ fn register_types(app: &mut App) {
         .register_type::<Gravity>()
         .register_type::<Response>()
         .register_type::<SolverSettings>()
+        .register_type::<StepLimits>()
         .register_type::<Backend>()
         .register_type::<Time<Physics>>();
 }

@@ -8,6 +8,7 @@ use crate::state::{Body, NearPair, PairContact};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::{GpuStep, StepError};
 use crate::step::{self, StepState};
+use crate::types::limits::StepLimits;
 use crate::types::settings::Culling;
 use crate::types::stage::Stage;
 use glam::{Quat, Vec3};
@@ -201,6 +202,8 @@ pub fn check_on_gpu(
 /// The input of a step for these placements.
 fn step_of(placements: &[Placement], options: &CheckOptions) -> Result<StepState, PlacementError> {
     let mut state = StepState::default();
+    // Whoever asks waits for the whole answer.
+    state.input.config.limits = StepLimits::NONE;
     for (body, placement) in placements.iter().enumerate() {
         let slot = slot_of(&placement.mesh, &mut state.input.meshes);
         let entry = Body {

@@ -1,5 +1,6 @@
 //! Parameters of a step that hold for all bodies.
 
+use crate::types::limits::StepLimits;
 use crate::types::settings::Response;
 use crate::types::solver_settings::SolverSettings;
 use glam::Vec3;
@@ -15,6 +16,8 @@ pub struct StepConfig {
     pub response: Response,
     /// Settings of the contact solver.
     pub solver: SolverSettings,
+    /// Limits on the lists of a step on the CPU.
+    pub limits: StepLimits,
 }
 
 impl Default for StepConfig {
@@ -24,6 +27,7 @@ impl Default for StepConfig {
             gravity: Vec3::ZERO,
             response: Response::Impulse,
             solver: SolverSettings::default(),
+            limits: StepLimits::default(),
         }
     }
 }

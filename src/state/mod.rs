@@ -20,6 +20,7 @@ pub mod body;
 pub mod compound;
 pub mod config;
 pub mod contacts;
+pub mod crowd;
 pub mod departure;
 pub mod fault;
 pub(crate) mod inactive;

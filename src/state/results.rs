@@ -1,6 +1,7 @@
 //! The results of a step, and their counts.
 
 use super::contacts::Contacts;
+use super::crowd::Crowd;
 use super::manifolds::Manifolds;
 use super::pairs::NearPair;
 use crate::types::gpu_work::GpuWork;
@@ -36,6 +37,8 @@ pub struct StepResults {
     pub collision_substeps: u32,
     /// The mean number of collision substeps of the bodies.
     pub mean_collision_substeps: f32,
+    /// The bodies of which pairs were left out; none, unless the step exceeded its limits.
+    pub crowd: Crowd,
     /// Duration of each stage.
     pub times: [Duration; Stage::COUNT],
     /// What the step asked of a GPU; `None` if it ran on the CPU.
@@ -68,6 +71,8 @@ pub struct Counts {
     pub contact_points: usize,
     /// Bodies asleep after the step.
     pub asleep: usize,
+    /// Bodies of which pairs were left out; see [`StepLimits`](crate::types::limits::StepLimits).
+    pub crowded: usize,
 }
 
 impl StepResults {
@@ -81,6 +86,7 @@ impl StepResults {
             face_pairs: self.contacts.faces.len(),
             contact_points: self.manifolds.points.len(),
             asleep: self.asleep.iter().filter(|&&asleep| asleep).count(),
+            crowded: self.crowd.bodies,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::memory::StepMemory;
 use super::scratch::StepScratch;
 use crate::solver::speeds::Speeds;
+use crate::state::crowd::Crowd;
 use crate::state::margins::SpeculativeMargins;
 use crate::state::{StepInput, StepResults};
 use crate::types::settings::Response;
@@ -10,6 +11,8 @@ use crate::types::settings::Response;
 /// Prepares the first collision substep.
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
     scratch.schedule.set_all(1);
+    results.crowd = Crowd::default();
+    scratch.most_near_pairs = None;
     results.asleep.clear();
     scratch.inactive.clear();
     scratch.touches.clear();

@@ -5,9 +5,12 @@
 use super::StepState;
 use super::begin::begin;
 use super::cost::is_small;
+use super::crowds;
 use super::hooks::{NoHooks, StepHooks, filter_pairs, modify_contacts};
 use super::order::{Part, Place, parts_of};
+use super::scratch::StepScratch;
 use crate::manifolds::report::report_points;
+use crate::state::{NearPair, Plane, StepInput, StepResults};
 use crate::types::body::RigidBody;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
@@ -102,6 +105,44 @@ fn run_stage(stage: Stage, number: u32, step: &mut StepState, hooks: &mut dyn St
     step.results.times[stage as usize] += start.elapsed();
 }
 
+/// Tests the near pairs. If their faces exceed the limit, some pairs are left out of this and the next stages.
+fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut StepScratch) {
+    let StepResults {
+        near_pairs,
+        manifolds,
+        contacts,
+        crowd,
+        ..
+    } = results;
+    let mut test = |planes: &[Plane], near_pairs: &[NearPair], limit| {
+        triangle_test::cpu::run(
+            &input.bodies,
+            &input.meshes,
+            planes,
+            near_pairs,
+            manifolds,
+            &scratch.inactive,
+            |pair| !scratch.left_out.contains_plane_pair(pair),
+            limit,
+            &mut scratch.triangle_test,
+            contacts,
+        )
+    };
+    let limit = input.config.limits.face_pairs;
+    if test(&input.planes, near_pairs, limit).is_err() {
+        let mut left = limit;
+        *crowd = crowd.or(crowds::cut(near_pairs, &input.bodies, |portion| {
+            test(&[], portion, left).is_ok_and(|faces| {
+                left -= faces;
+                true
+            })
+        }));
+        scratch.most_near_pairs = Some(near_pairs.len());
+        // All of them fit, or there is only one.
+        let _ = test(&input.planes, near_pairs, usize::MAX);
+    }
+}
+
 fn run_part(part: Part, number: u32, step: &mut StepState) {
     let StepState {
         input,
@@ -114,7 +155,11 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
-            broad_phase::cpu::run(&input.bodies, &mut scratch.broad_phase, &mut results.sphere_pairs);
+            let limit = config.limits.body_pairs;
+            let (search, pairs) = (&mut scratch.broad_phase, &mut results.sphere_pairs);
+            results.crowd = results
+                .crowd
+                .or(broad_phase::cpu::run(&input.bodies, limit, search, pairs));
             if number > 0 {
                 let still_moves = |&body: &u32| input.bodies.travel_time_of(body as usize) > 0.0;
                 results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));
@@ -132,18 +177,11 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
                 &mut scratch.angles,
                 &mut results.near_pairs,
             );
+            if let Some(most) = scratch.most_near_pairs {
+                crowds::keep_at_most(most, &mut results.near_pairs, &input.bodies);
+            }
         }
-        Part::TestTriangles => triangle_test::cpu::run(
-            &input.bodies,
-            &input.meshes,
-            &input.planes,
-            &results.near_pairs,
-            &results.manifolds,
-            &scratch.inactive,
-            |pair| !scratch.left_out.contains_plane_pair(pair),
-            &mut scratch.triangle_test,
-            &mut results.contacts,
-        ),
+        Part::TestTriangles => test_triangles(input, results, scratch),
         Part::FindContactPoints => manifolds::step::find(
             &config,
             &input.bodies,

@@ -53,6 +53,7 @@
 mod begin;
 mod cost;
 pub mod cpu;
+mod crowds;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hooks;

@@ -67,7 +67,8 @@ impl Reach {
         } = self;
         bodies.travel_time.fill(config.dt);
         SpeculativeMargins::Moving { drift }.set_reach(bodies, config);
-        broad_phase::cpu::run(bodies, broad_phase, pairs);
+        let crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, broad_phase, pairs);
+        let is_crowded = crowd.bodies > 0;
         let moves = |i: u32| solver_bodies.bodies[i as usize].moves();
         let solid = |i: u32| solver_bodies.bodies[i as usize].solid;
         let sweep = |i: u32| Sweep::of(bodies, config, i);
@@ -80,12 +81,20 @@ impl Reach {
         for &[a, b] in pairs.iter().filter(|pair| pair.iter().all(|&i| moves(i))) {
             groups.join(a, b);
         }
+        if is_crowded {
+            // Pairs are missing, so that any two bodies may meet.
+            let mut moving = (0..bodies.len() as u32).filter(|&i| moves(i));
+            if let Some(first) = moving.next() {
+                moving.for_each(|i| groups.join(first, i));
+            }
+        }
         meetings.clear();
         meetings.resize(bodies.len(), Meeting::NONE);
         for i in (0..bodies.len() as u32).filter(|&i| moves(i) && solid(i)) {
             let meeting = &mut meetings[groups.root(i) as usize];
             meeting.include(solver_bodies, i as usize);
             let own = sweep(i);
+            meeting.exists |= is_crowded;
             if planes.iter().any(|plane| own.meets_plane(plane)) {
                 meeting.exists = true;
                 meeting.speeds.add(Vec3::ZERO, 0.0);

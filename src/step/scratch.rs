@@ -33,6 +33,8 @@ pub struct StepScratch {
     pub(crate) touches: Touches,
     /// Continuous collision detection, with the impacts of the step so far.
     pub(crate) ccd: Ccd,
+    /// Most near pairs of a collision substep, if the first one has left pairs out.
+    pub(crate) most_near_pairs: Option<usize>,
     pub(crate) solver: Solver,
     pub(crate) sleeper: Sleeper,
     pub(crate) broad_phase: broad_phase::cpu::Scratch,

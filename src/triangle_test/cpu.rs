@@ -21,6 +21,7 @@ use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Contacts, FacePair, Manifolds, NearPair, PairContact, PlacedMesh, Plane};
 use pair_setup::PairSetup;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory kept between steps.
 #[derive(Default)]
@@ -58,11 +59,17 @@ impl Scratch {
     }
 }
 
+/// More intersecting faces than the step's limit.
+#[derive(Debug)]
+pub(crate) struct TooManyFaces;
+
 /// Pairs per task: small enough to balance the load, large enough to keep the scratch memory in cache.
 const TASK: usize = 16;
 
 /// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies penetrate
 /// `planes`, if the pair is `wanted`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
+///
+/// Returns the number of intersecting faces. If it exceeds the `limit`, the test ends early and leaves `contacts` empty.
 pub(crate) fn run(
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -71,9 +78,11 @@ pub(crate) fn run(
     manifolds: &Manifolds,
     inactive: &InactiveBodies,
     wanted: impl Fn([u32; 2]) -> bool + Sync,
+    limit: usize,
     scratch: &mut Scratch,
     contacts: &mut Contacts,
-) {
+) -> Result<usize, TooManyFaces> {
+    contacts.clear();
     let mut overlapping = std::mem::take(&mut scratch.overlapping);
     find_overlapping(manifolds, inactive, &mut overlapping);
     // Inactive solid pairs keep their contact points, and these tell whether they touch. If no point overlaps, no faces
@@ -83,15 +92,24 @@ pub(crate) fn run(
     };
     let (tasks, workers) = scratch.ready(near_pairs.len());
     let parts = tasks.par_iter_mut().zip(near_pairs.par_chunks(TASK));
+    let faces = AtomicUsize::new(0);
     loops::for_each(parts, 1, |(task, pairs)| {
         task.found.clear();
         let mut worker = workers.lock();
         for pair in pairs.iter().filter(|pair| !is_known(pair.bodies)) {
+            if faces.load(Ordering::Relaxed) > limit {
+                return;
+            }
+            let before = task.found.faces.len();
             with_simd!(simd => test_pair(simd, bodies, meshes, pair, &mut worker, &mut task.found));
+            faces.fetch_add(task.found.faces.len() - before, Ordering::Relaxed);
         }
     });
+    if faces.into_inner() > limit {
+        scratch.overlapping = overlapping;
+        return Err(TooManyFaces);
+    }
 
-    contacts.clear();
     for Task { found, .. } in tasks.iter() {
         let base = contacts.faces.len() as u32;
         contacts.faces.extend_from_slice(&found.faces);
@@ -110,6 +128,7 @@ pub(crate) fn run(
         &mut scratch.planes,
         &mut contacts.planes,
     );
+    Ok(contacts.faces.len())
 }
 
 /// Finds the inactive pairs whose contact points of the last collision substep overlap.

@@ -165,6 +165,7 @@ struct StepRecord {
     collision_substeps: u32,
     mean_collision_substeps: f32,
     sleeping: usize,
+    crowded_bodies: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     gpu: Option<WorkRecord>,
     /// Only where it is written: it costs a look at every body.
@@ -339,6 +340,7 @@ impl StepRecord {
             collision_substeps: report.collision_substeps,
             mean_collision_substeps: report.mean_collision_substeps,
             sleeping: report.sleeping,
+            crowded_bodies: report.crowded_bodies,
             gpu: report.gpu.as_ref().map(WorkRecord::from),
             mechanics,
         }
@@ -394,6 +396,9 @@ fn summary(record: &Record) -> String {
     row("triangle tests", "", &|s| s.triangle_tests as f64);
     row("face pairs", "", &|s| s.face_pairs as f64);
     row("contact points", "", &|s| s.contact_points as f64);
+    if record.steps.iter().any(|step| step.crowded_bodies > 0) {
+        row("crowded bodies", "", &|s| s.crowded_bodies as f64);
+    }
     if record.steps.iter().any(|step| step.gpu.is_some()) {
         let of = |value: fn(&WorkRecord) -> u64| move |s: &StepRecord| s.gpu.as_ref().map_or(0, value) as f64;
         row("dispatches", "", &of(WorkRecord::all_dispatches));

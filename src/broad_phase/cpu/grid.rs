@@ -318,7 +318,7 @@ impl Grid {
 
     /// Calls `found` with each body of `others` whose sphere overlaps this one.
     #[inline(always)]
-    pub fn overlaps(&self, sphere: [f32; 4], others: Range<usize>, mut found: impl FnMut(usize)) {
+    pub fn overlaps(&self, sphere: [f32; 4], others: Range<usize>, mut found: impl FnMut(usize) -> bool) {
         let simd = baseline();
         let [x, y, z, r] = sphere.map(|value| splat(simd, value));
         for first in others.clone().step_by(LANES) {
@@ -333,8 +333,8 @@ impl Grid {
             let mut hits = bitmask(overlap);
             while hits != 0 {
                 let i = first + hits.trailing_zeros() as usize;
-                if i < others.end {
-                    found(i);
+                if i < others.end && !found(i) {
+                    return;
                 }
                 hits &= hits - 1;
             }

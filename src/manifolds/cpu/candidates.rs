@@ -68,6 +68,16 @@ pub struct Candidates {
     pub may_cross: bool,
 }
 
+/// Shortens a list that uses less than a quarter of its memory. Short lists stay as they are, so that pairs that come and
+/// go allocate nothing.
+fn shrink<T>(list: &mut Vec<T>, used: usize) {
+    const SHORT: usize = 64;
+    let used = used.max(SHORT);
+    if list.capacity() > 4 * used {
+        list.shrink_to(2 * used);
+    }
+}
+
 /// A pair of triangles.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -139,6 +149,12 @@ impl Candidates {
         self.triangles.iter_mut().for_each(Vec::clear);
         self.pairs.clear();
         self.may_cross = false;
+    }
+
+    /// Returns memory of lists that have lately had at most `used` elements.
+    pub fn shrink(&mut self, used: usize) {
+        self.triangles.iter_mut().for_each(|list| shrink(list, used));
+        shrink(&mut self.pairs, used);
     }
 
     /// Places the triangles, and calls `found` for each candidate within `reach`, in order.

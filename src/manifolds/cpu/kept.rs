@@ -16,6 +16,8 @@ const MAX_CANDIDATES: usize = 1 << 16;
 const CALLS: f64 = 4.0;
 /// Least slack, in units of the bodies' size.
 const LEAST_SLACK: f64 = 0.004;
+/// Memory that so many searches have not used is returned.
+const SEARCHES: u32 = 256;
 /// Slack of a new pair, in units of the margin.
 const NEW_SLACK: f64 = 0.25;
 
@@ -46,8 +48,18 @@ pub struct KeptCandidates {
     window: Option<Window>,
     /// Number of times that they were used.
     uses: u32,
+    /// The searches since memory was last returned.
+    recent: Recent,
     /// Whether the last search was worth more than one thread.
     pub is_large: bool,
+}
+
+/// Searches of a pair.
+#[derive(Clone, Copy, Debug, Default)]
+struct Recent {
+    searches: u32,
+    /// Most candidates of one of them.
+    most: usize,
 }
 
 /// The pose of a pair's second body relative to the first.
@@ -61,9 +73,16 @@ struct RelativePose {
 }
 
 impl Kept {
-    /// Makes it that of a new pair. The allocations stay.
+    /// Makes it that of a new pair. Small allocations stay.
     pub fn forget(&mut self) {
         self.begin(None);
+        for kept in [&mut self.near, &mut self.deep] {
+            for share in &mut kept.shares {
+                share.clear();
+                share.shrink(0);
+            }
+            kept.recent = Recent::default();
+        }
     }
 
     /// Makes it that of a pair that is used once, so that slack would be wasted. The allocations stay.
@@ -193,8 +212,12 @@ impl KeptCandidates {
         self.shares.iter().map(Candidates::len).sum()
     }
 
-    /// Drops very many candidates, and searches with less slack from now on.
+    /// Drops very many candidates, and searches with less slack from now on. Returns memory that was only needed by
+    /// earlier searches.
     pub fn limit(&mut self) {
+        if self.uses > 0 {
+            return;
+        }
         if self.len() > MAX_CANDIDATES {
             *self = Self {
                 found_at: self.found_at.take(),
@@ -202,6 +225,15 @@ impl KeptCandidates {
                 is_large: self.is_large,
                 ..Self::default()
             };
+        } else {
+            // Some lists are long in every other search only.
+            self.recent.most = self.recent.most.max(self.len());
+            self.recent.searches += 1;
+            if self.recent.searches == SEARCHES {
+                let most = self.recent.most;
+                self.shares.iter_mut().for_each(|share| share.shrink(most));
+                self.recent = Recent::default();
+            }
         }
     }
 }

@@ -36,7 +36,7 @@ impl KeptPairs {
             self.pairs.sort_unstable_by_key(|pair| pair.bodies);
         }
         let mut now = pairs.iter().map(|pair| pair.bodies).peekable();
-        for old in self.pairs.drain(..) {
+        for mut old in self.pairs.drain(..) {
             while now.next_if(|&bodies| bodies < old.bodies).is_some() {}
             let is_left = now.next_if_eq(&old.bodies).is_some();
             let list = if is_left {
@@ -44,6 +44,7 @@ impl KeptPairs {
             } else if waits(old.bodies) {
                 &mut self.waiting
             } else {
+                old.kept.forget();
                 &mut self.free
             };
             list.push(old);
@@ -55,7 +56,6 @@ impl KeptPairs {
             let or_free = same.or_else(|| {
                 let mut free = self.free.pop()?;
                 free.bodies = bodies;
-                free.kept.forget();
                 Some(free)
             });
             self.pairs.push(or_free.unwrap_or_else(|| {
@@ -87,6 +87,9 @@ impl KeptPairs {
                 left += 1;
             }
         }
-        self.free.extend(self.pairs.drain(left..));
+        self.free.extend(self.pairs.drain(left..).map(|mut pair| {
+            pair.kept.forget();
+            pair
+        }));
     }
 }

@@ -17,6 +17,7 @@ use crate::state::bodies::check_body;
 use crate::state::fault::BodyFault;
 use crate::state::mesh_arena::MeshArena;
 use crate::types::body::*;
+use crate::types::limits::StepLimits;
 use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
 use bevy::asset::LoadState;
@@ -44,6 +45,7 @@ pub(crate) struct Rules<'w> {
     response: Res<'w, Response>,
     culling: Res<'w, Culling>,
     solver: Res<'w, SolverSettings>,
+    limits: Res<'w, StepLimits>,
 }
 
 /// The hierarchy above colliders and bodies.
@@ -83,6 +85,7 @@ pub(crate) fn collect(
     step.state.input.config.response = *rules.response;
     step.state.input.config.gravity = rules.gravity();
     step.state.input.config.solver = rules.solver();
+    step.state.input.config.limits = *rules.limits;
 
     step.new_faults.clear();
     step.candidates.clear();

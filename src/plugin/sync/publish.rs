@@ -170,6 +170,14 @@ pub(crate) fn publish(
     (report.in_flight, report.waits) = step.engine.flights();
     let Some(results) = &mut step.results else { return };
     let counts = step.counts;
+    if counts.crowded > 0 && report.crowded_bodies == 0 {
+        let example = step.state.results.crowd.example as usize;
+        error!(
+            "{} bodies overlap so many others that the step leaves some of their pairs out; one of them is {} at {}. Move them \
+             apart, despawn some, let their CollisionLayers not meet, or raise StepLimits",
+            counts.crowded, results.bodies[example], step.state.input.bodies.center[example]
+        );
+    }
     *report = StepReport {
         step: report.step + 1,
         bodies: results.body_count,
@@ -186,6 +194,7 @@ pub(crate) fn publish(
         triangle_tests: counts.triangle_tests,
         face_pairs: counts.face_pairs,
         parallel_stages: step.engine.parallel_stages(),
+        crowded_bodies: counts.crowded,
         gpu: step.state.results.gpu,
         ..*report
     };

@@ -237,6 +237,7 @@ impl Raw {
                 face_pairs: count(HITS),
                 contact_points: self.found,
                 asleep: self.tally[ASLEEP as usize] as usize,
+                crowded: 0,
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
             near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
@@ -296,6 +297,7 @@ impl Output {
         results.mean_collision_substeps = self.collision_substeps as f32;
         results.times = self.times;
         results.gpu = Some(self.work);
+        results.crowd = Default::default();
         self.motions
     }
 }

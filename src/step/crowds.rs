@@ -1,0 +1,47 @@
+//! What a step does where so many bodies overlap one another that their faces exceed its limits.
+
+use crate::state::crowd::Crowd;
+use crate::state::{Bodies, NearPair};
+use crate::types::body::RigidBody;
+
+/// Number of pairs that are tested before the next look at the limit.
+const PORTION: usize = 256;
+
+/// Cuts `pairs` down to what fits the limits, and returns the bodies that lose pairs.
+///
+/// `fits` tests some pairs, and returns whether all that it has tested so far stay within the limits. Pairs with a
+/// static body come first, so that nothing falls through the floor; then those of bodies with few partners. Of the rest
+/// each body keeps about as many as the others do.
+pub(super) fn cut(pairs: &mut Vec<NearPair>, bodies: &Bodies, mut fits: impl FnMut(&[NearPair]) -> bool) -> Crowd {
+    let mut partners = vec![0u32; bodies.len()];
+    for i in pairs.iter().flat_map(|pair| pair.bodies) {
+        partners[i as usize] += 1;
+    }
+    let is_static = |&i: &u32| bodies.kind[i as usize] == RigidBody::Static;
+    let crowding = |pair: &NearPair| {
+        let [a, b] = pair.bodies;
+        let least = partners[a as usize].min(partners[b as usize]);
+        let with_static = pair.bodies.iter().any(is_static);
+        // By the distance of the numbers, so that every body of a crowd keeps some.
+        (if with_static { 0 } else { least }, b - a, a)
+    };
+    pairs.sort_unstable_by_key(crowding);
+    let portions = pairs.chunks(PORTION).take_while(|&portion| fits(portion)).count();
+    // One pair always fits, or a pair of huge meshes would never be tested.
+    let kept = (portions * PORTION).clamp(1, pairs.len());
+    let crowd = Crowd::of(pairs[kept..].iter().flat_map(|pair| pair.bodies).collect());
+    pairs.truncate(kept);
+    pairs.sort_unstable_by_key(|pair| pair.bodies);
+    crowd
+}
+
+/// Cuts `pairs` down to `most`, in the same order as [`cut`].
+pub(super) fn keep_at_most(most: usize, pairs: &mut Vec<NearPair>, bodies: &Bodies) {
+    if pairs.len() > most {
+        let mut kept = 0;
+        cut(pairs, bodies, |portion| {
+            kept += portion.len();
+            kept <= most
+        });
+    }
+}

@@ -1,0 +1,43 @@
+//! Limits on the lists of a step.
+
+#[cfg(feature = "bevy")]
+use bevy::prelude::*;
+
+/// How many pairs a step on the CPU holds at most. They bound its memory and its time where thousands of bodies are in
+/// one place, each of which touches all others.
+///
+/// The default limits are far beyond what fits in physical space: two gigabytes of pairs. Where a step would exceed one,
+/// pairs are left out, so that it is **not exact**: first those of the bodies that overlap the most others.
+/// [`StepReport::crowded_bodies`](crate::plugin::collisions::StepReport::crowded_bodies) counts these bodies, and an
+/// error names one of them. The rest of the world is not affected.
+///
+/// A device has its own limits, those of its buffers. If a list does not fit there, the step runs on the CPU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Resource, Reflect),
+    reflect(Resource, Default, Debug, PartialEq)
+)]
+pub struct StepLimits {
+    /// Pairs of bodies whose bounding spheres overlap. Each takes up to 250 bytes.
+    pub body_pairs: usize,
+    /// Pairs of intersecting faces. Each takes 64 bytes. A single pair of bodies may have more.
+    pub face_pairs: usize,
+}
+
+impl StepLimits {
+    /// No limits: every step is exact, as long as there is memory and time.
+    pub const NONE: Self = Self {
+        body_pairs: usize::MAX,
+        face_pairs: usize::MAX,
+    };
+}
+
+impl Default for StepLimits {
+    fn default() -> Self {
+        Self {
+            body_pairs: 1 << 23,
+            face_pairs: 1 << 24,
+        }
+    }
+}

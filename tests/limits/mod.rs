@@ -1,0 +1,173 @@
+//! Many bodies in one place, and limits that they exceed.
+
+use crate::world::World;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::plugin::settings::StepLimits;
+use bevy_faceoff::prelude::*;
+use glam::{Quat, Vec3};
+
+/// Fifteen bodies to the side of the crowd: a floor and two columns of boxes that rest on it and touch each other.
+const ASIDE: usize = 15;
+
+/// `crowd` tori at nearly the same place above a floor, and a few boxes that stand aside.
+fn crowded(crowd: usize, response: Response, limits: StepLimits) -> World {
+    let mut world = World::new();
+    world.state.input.config.response = response;
+    world.state.input.config.limits = limits;
+    let cube = world.mesh(&shapes::cube(1.0));
+    let torus = world.mesh(&shapes::torus_240());
+    let wide = Vec3::new(100.0, 1.0, 100.0);
+    world.add(RigidBody::Static, cube, wide, Vec3::new(0.0, -0.5, 0.0), Quat::IDENTITY);
+    for i in 1..ASIDE {
+        let (column, height) = (i % 2, (i - 1) / 2);
+        let position = Vec3::new(20.0 + 5.0 * column as f32, 0.499 + 0.998 * height as f32, 0.0);
+        world.add(RigidBody::Dynamic, cube, Vec3::ONE, position, Quat::IDENTITY);
+    }
+    for i in 0..crowd {
+        let position = Vec3::new(0.01 * (i % 10) as f32, 0.45, 0.01 * (i / 10) as f32);
+        world.add(RigidBody::Dynamic, torus, Vec3::ONE, position, Quat::IDENTITY);
+    }
+    world
+}
+
+/// Pairs of bodies that touch, of which none is in the crowd.
+fn aside(world: &World) -> Vec<[u32; 2]> {
+    let pairs = world.state.results.contacts.pairs.iter().map(|pair| pair.bodies);
+    pairs
+        .filter(|pair| pair.iter().all(|&i| (i as usize) < ASIDE))
+        .collect()
+}
+
+const FEW_BODIES: StepLimits = StepLimits {
+    body_pairs: 2000,
+    face_pairs: usize::MAX,
+};
+const FEW_FACES: StepLimits = StepLimits {
+    body_pairs: usize::MAX,
+    face_pairs: 100_000,
+};
+
+#[test]
+fn a_crowd_loses_pairs_and_the_others_lose_none() {
+    for response in [Response::None, Response::Impulse, Response::Contacts] {
+        for limits in [FEW_BODIES, FEW_FACES] {
+            let mut free = crowded(0, response, StepLimits::default());
+            let mut world = crowded(200, response, limits);
+            free.step();
+            world.step();
+            let results = &world.state.results;
+            assert!(
+                results.crowd.bodies > 100 && results.crowd.bodies <= 200,
+                "{response:?}, {limits:?}: {:?}",
+                results.crowd
+            );
+            assert!(results.crowd.example as usize >= ASIDE);
+            assert_eq!(free.state.results.crowd.bodies, 0);
+            assert_eq!(aside(&world), aside(&free), "{response:?}, {limits:?}");
+            // The crowd still stands on the floor, and some of its pairs are left.
+            let pairs = &results.contacts.pairs;
+            let on_floor = pairs
+                .iter()
+                .filter(|pair| pair.bodies[0] == 0 && pair.bodies[1] as usize >= ASIDE);
+            assert_eq!(on_floor.count(), 200, "{response:?}, {limits:?}");
+            let within = pairs.iter().filter(|pair| pair.bodies[0] as usize >= ASIDE).count();
+            assert!(
+                within > 0 && within < 200 * 199 / 2,
+                "{response:?}, {limits:?}: {within}"
+            );
+            assert!(results.sphere_pairs.len() <= limits.body_pairs.saturating_mul(2));
+            assert!(results.contacts.faces.len() <= limits.face_pairs);
+        }
+    }
+}
+
+#[test]
+fn what_is_left_out_does_not_depend_on_threads() {
+    let run = |threads: usize, limits| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut world = crowded(150, Response::Contacts, limits);
+        pool.install(|| (0..3).for_each(|_| world.step()));
+        let results = &world.state.results;
+        let poses: Vec<_> = world.state.input.bodies.position.iter().map(|p| p.to_array()).collect();
+        (
+            results.sphere_pairs.clone(),
+            results.contacts.faces.clone(),
+            results.crowd,
+            poses,
+        )
+    };
+    for limits in [FEW_BODIES, FEW_FACES] {
+        assert_eq!(run(1, limits), run(4, limits));
+    }
+}
+
+#[test]
+fn a_crowd_pushes_itself_apart() {
+    let mut world = crowded(60, Response::Contacts, FEW_FACES);
+    let spread = |world: &World| {
+        let crowd = &world.state.input.bodies.position[ASIDE..];
+        let middle = crowd.iter().sum::<Vec3>() / crowd.len() as f32;
+        crowd.iter().map(|p| p.distance(middle)).fold(0.0, f32::max)
+    };
+    let before = spread(&world);
+    (0..60).for_each(|_| world.step());
+    assert!(spread(&world) > 2.0 * before, "{before} to {}", spread(&world));
+    let below = world.state.input.bodies.position[1..]
+        .iter()
+        .filter(|p| p.y < 0.1)
+        .count();
+    assert_eq!(below, 0, "bodies fell through the floor");
+}
+
+#[test]
+fn one_pair_may_have_more_faces_than_the_limit() {
+    let mut world = crowded(
+        2,
+        Response::None,
+        StepLimits {
+            face_pairs: 1,
+            ..StepLimits::default()
+        },
+    );
+    world.step();
+    assert!(!world.state.results.contacts.pairs.is_empty());
+    assert!(world.state.results.contacts.faces.len() > 1);
+}
+
+#[test]
+fn without_a_crowd_the_limits_change_nothing() {
+    let run = |limits| {
+        let mut world = crowded(30, Response::Contacts, limits);
+        (0..5).for_each(|_| world.step());
+        assert_eq!(world.state.results.crowd.bodies, 0);
+        world.state.input.bodies.position.clone()
+    };
+    assert_eq!(run(StepLimits::default()), run(StepLimits::NONE));
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_bodies_in_one_place() {
+    for response in [Response::Impulse, Response::Contacts] {
+        let mut world = World::weightless();
+        world.state.input.config.response = response;
+        let torus = world.mesh(&shapes::torus_240());
+        for _ in 0..1_000_000 {
+            world.add(RigidBody::Dynamic, torus, Vec3::ONE, Vec3::ZERO, Quat::IDENTITY);
+        }
+        for _ in 0..2 {
+            let start = std::time::Instant::now();
+            world.step();
+            let results = &world.state.results;
+            println!(
+                "{response:?}: {:.1} s, {} sphere pairs, {} faces, {:?}",
+                start.elapsed().as_secs_f32(),
+                results.sphere_pairs.len(),
+                results.contacts.faces.len(),
+                results.crowd,
+            );
+            assert!(results.crowd.bodies > 0);
+            assert!(world.state.input.bodies.position.iter().all(|p| p.is_finite()));
+        }
+    }
+}
