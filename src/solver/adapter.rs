@@ -2,6 +2,7 @@
 
 use super::bodies::SolverPart;
 use super::bodies::{SolverBodies, SolverBody, SolverMotion};
+use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Plane};
 use crate::types::body::{ExternalForces, RigidBody};
@@ -35,8 +36,9 @@ impl SolverBodies {
                 gravity_scale: bodies.gravity_scale[i],
                 linear_damping: params.linear_damping,
                 angular_damping: params.angular_damping,
-                max_linear_speed: params.max_linear_speed,
-                max_angular_speed: params.max_angular_speed,
+                // Gravity, forces and impulses may accelerate a body without end.
+                max_linear_speed: params.max_linear_speed.min(MAX_SPEED),
+                max_angular_speed: params.max_angular_speed.min(MAX_SPEED),
                 locked_axes: params.locked_axes,
                 solid: !bodies.sensor[i],
                 continuous: params.continuous,

@@ -7,7 +7,7 @@
 
 use super::body::{Body, BodyParams, Motion};
 use super::compound::{Compound, Part};
-use super::fault::{BodyFault, MAX_SPEED, MIN_RADIUS};
+use super::fault::{BodyFault, MAX_GRAVITY_SCALE, MAX_SPEED, MIN_RADIUS};
 use super::mesh_arena::MeshArena;
 use super::part_index::PartIndex;
 use crate::geometry::MassProperties;
@@ -282,6 +282,9 @@ pub(crate) fn check_body(body: &Body) -> Result<(), BodyFault> {
         .max_element();
     if speed > MAX_SPEED {
         return Err(BodyFault::TooFast(speed));
+    }
+    if body.gravity_scale.abs() > MAX_GRAVITY_SCALE {
+        return Err(BodyFault::GravityScale(body.gravity_scale));
     }
     if let Some(mass) = body.mass.filter(|&mass| mass <= 0.0) {
         return Err(BodyFault::Mass(mass));

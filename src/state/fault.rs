@@ -12,6 +12,9 @@ pub const MIN_RADIUS: f32 = 1.0e-9;
 /// The largest component of a velocity, m/s or rad/s. Its square then stays far from overflow.
 pub const MAX_SPEED: f32 = 1.0e9;
 
+/// The largest gravity scale. A body that falls with it for a second stays far from overflow.
+pub const MAX_GRAVITY_SCALE: f32 = 1.0e6;
+
 /// Why a body cannot take part in a step.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum BodyFault {
@@ -44,6 +47,9 @@ pub enum BodyFault {
     /// It is faster than [`MAX_SPEED`].
     #[error("its velocity has a component of {0:e}, beyond {MAX_SPEED:e}: slow it down")]
     TooFast(f32),
+    /// Its [`GravityScale`](crate::plugin::components::GravityScale) is larger than [`MAX_GRAVITY_SCALE`].
+    #[error("its GravityScale is {0:e}, beyond {MAX_GRAVITY_SCALE:e}: choose a smaller one")]
+    GravityScale(f32),
     /// The normal of a plane is zero or not finite.
     #[error("the normal {0} of its PlaneCollider has no direction: set a vector of non-zero, finite length")]
     PlaneNormal(Vec3),

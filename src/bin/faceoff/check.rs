@@ -1,16 +1,14 @@
 //! `faceoff check`: finds the pairs of placed meshes that touch.
 
+use crate::scene_file::{BodyEntry, SceneFile};
 use crate::{BackendChoice, CullingChoice, Outcome, mesh, output};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::gpu::device;
 use bevy_faceoff::queries::{Check, CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu};
 use bevy_faceoff::step::gpu::GpuStep;
-use glam::{Quat, Vec3};
 use indicatif::ProgressBar;
-use serde::de::{Error, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
-use std::collections::{BTreeMap, HashMap};
-use std::fmt;
+use serde::Serialize;
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -35,55 +33,6 @@ pub struct Options {
     /// Write the pairs as JSON to this file, or - for standard output.
     #[arg(long)]
     json: Option<PathBuf>,
-}
-
-/// A scene file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SceneFile {
-    #[serde(deserialize_with = "each_once")]
-    meshes: BTreeMap<String, PathBuf>,
-    bodies: Vec<BodyEntry>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BodyEntry {
-    mesh: String,
-    #[serde(default)]
-    translation: Vec3,
-    #[serde(default)]
-    rotation: Quat,
-    #[serde(default = "one")]
-    scale: Vec3,
-}
-
-fn one() -> Vec3 {
-    Vec3::ONE
-}
-
-/// Reads a map and rejects duplicate names, because bodies would silently get the wrong mesh.
-fn each_once<'de, D: Deserializer<'de>>(input: D) -> Result<BTreeMap<String, PathBuf>, D::Error> {
-    struct Meshes;
-    impl<'de> Visitor<'de> for Meshes {
-        type Value = BTreeMap<String, PathBuf>;
-        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            f.write_str("a map from names to mesh files")
-        }
-        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-            let mut meshes = BTreeMap::new();
-            while let Some((name, file)) = map.next_entry::<String, PathBuf>()? {
-                if meshes.contains_key(&name) {
-                    return Err(A::Error::custom(format!(
-                        "`meshes` has the name {name:?} twice; give each mesh a different name"
-                    )));
-                }
-                meshes.insert(name, file);
-            }
-            Ok(meshes)
-        }
-    }
-    input.deserialize_map(Meshes)
 }
 
 /// The JSON output.
@@ -169,7 +118,7 @@ fn read(path: &Path) -> io::Result<String> {
 fn placements(path: &Path, culling: CullingChoice) -> Outcome<Vec<Placement>> {
     let name = path.display();
     let text = read(path).map_err(|e| format!("cannot read {name}: {e}"))?;
-    let scene: SceneFile = ron::from_str(&text)
+    let scene = SceneFile::parse(&text)
         .map_err(|e| format!("{name}:{e}; see `faceoff check --help` for the format of a scene"))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut meshes: HashMap<&str, CollisionMesh> = HashMap::new();

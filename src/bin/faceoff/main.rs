@@ -14,6 +14,7 @@ mod mesh;
 mod output;
 mod progress;
 mod reproduce;
+mod scene_file;
 mod scenes;
 mod simulate;
 

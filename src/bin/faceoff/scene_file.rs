@@ -1,0 +1,74 @@
+//! The file that describes a scene for `faceoff check`.
+
+use glam::{Quat, Vec3};
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+
+/// A scene file: see `faceoff check --help`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// The mesh file of each name.
+    #[serde(deserialize_with = "each_once")]
+    pub meshes: BTreeMap<String, PathBuf>,
+    /// The bodies, in the order of the output.
+    pub bodies: Vec<BodyEntry>,
+}
+
+/// A placed mesh.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyEntry {
+    /// The name of its mesh.
+    pub mesh: String,
+    #[serde(default)]
+    /// Position, metres.
+    pub translation: Vec3,
+    #[serde(default)]
+    /// Rotation.
+    pub rotation: Quat,
+    #[serde(default = "one")]
+    /// Scale along each axis of the mesh.
+    pub scale: Vec3,
+}
+
+impl SceneFile {
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// If the text is no scene.
+    pub fn parse(text: &str) -> Result<Self, ron::error::SpannedError> {
+        ron::from_str(text)
+    }
+}
+
+fn one() -> Vec3 {
+    Vec3::ONE
+}
+
+/// Reads a map and rejects duplicate names, because bodies would silently get the wrong mesh.
+fn each_once<'de, D: Deserializer<'de>>(input: D) -> Result<BTreeMap<String, PathBuf>, D::Error> {
+    struct Meshes;
+    impl<'de> Visitor<'de> for Meshes {
+        type Value = BTreeMap<String, PathBuf>;
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a map from names to mesh files")
+        }
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut meshes = BTreeMap::new();
+            while let Some((name, file)) = map.next_entry::<String, PathBuf>()? {
+                if meshes.contains_key(&name) {
+                    return Err(A::Error::custom(format!(
+                        "`meshes` has the name {name:?} twice; give each mesh a different name"
+                    )));
+                }
+                meshes.insert(name, file);
+            }
+            Ok(meshes)
+        }
+    }
+    input.deserialize_map(Meshes)
+}
