@@ -12,7 +12,9 @@ use glam::{DVec3, Vec3};
 pub struct MeshContact {
     /// Anchors: the point on each mesh's surface relative to the mesh's [`Placed::translation`], in world axes, metres.
     /// Where a vertex of a finely tessellated curved surface touches, the anchor lies on the smooth surface that the
-    /// mesh approximates.
+    /// mesh approximates. A point that stands for a deep overlap ([`FeatureKind::Overlap`]) may lie within the meshes.
+    ///
+    /// [`FeatureKind::Overlap`]: crate::types::feature_id::FeatureKind::Overlap
     pub anchors: [DVec3; 2],
     /// Unit vector from the first mesh to the second, in world axes.
     pub normal: Vec3,

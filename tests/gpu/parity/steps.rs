@@ -36,6 +36,7 @@ pub fn fifty_steps_without_response(gpu: &Gpu) {
             rest_offset: 0.0,
             ..SolverSettings::default()
         },
+        ..StepConfig::default()
     };
     let mut on_device = scene.clone();
     let mut step = GpuStep::new(gpu.clone()).unwrap();
