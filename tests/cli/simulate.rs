@@ -15,11 +15,12 @@ const STAGES: [&str; 6] = [
     "integrate",
 ];
 /// What is counted of contacts and bodies, and measured.
-const MECHANICS: [&str; 8] = [
+const MECHANICS: [&str; 9] = [
     "contact_points",
     "collision_substeps",
     "mean_collision_substeps",
     "sleeping",
+    "crowded_bodies",
     "kinetic_energy",
     "momentum",
     "deepest_penetration",
