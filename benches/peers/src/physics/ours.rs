@@ -26,6 +26,7 @@ impl Faceoff {
                 sleeping: false,
                 ..SolverSettings::default()
             },
+            ..StepConfig::default()
         };
         for body in &scene.bodies {
             let mesh = state.input.meshes.add(body.shape.mesh().clone());
