@@ -2,12 +2,18 @@
 
 #![no_main]
 
+#[path = "../tests/common/gltf_files.rs"]
+mod gltf_files;
 #[path = "../tests/common/oracle/mod.rs"]
 mod oracle;
 #[path = "../tests/fuzz/pairs.rs"]
 mod pairs;
+#[path = "../tests/common/ply_files.rs"]
+mod ply_files;
 #[path = "../tests/fuzz/seeds.rs"]
 mod seeds;
+#[path = "../tests/common/stl_files.rs"]
+mod stl_files;
 #[path = "../tests/fuzz/targets.rs"]
 mod targets;
 

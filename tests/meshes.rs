@@ -6,4 +6,8 @@ mod geometry;
 mod gltf_files;
 #[path = "common/oracle/mod.rs"]
 mod oracle;
+#[path = "common/ply_files.rs"]
+mod ply_files;
 mod projection;
+#[path = "common/stl_files.rs"]
+mod stl_files;

@@ -60,9 +60,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
                 if found < step.pair_capacity {
                     sphere_pairs[found] = vec2(min(own.body, other.body), max(own.body, other.body));
                 }
+#endif
                 found += 1u;
-#else
-                found += 1u;
+#ifndef EMIT
                 is_crowded = found >= MAX_PARTNERS;
 #endif
             }

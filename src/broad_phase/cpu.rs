@@ -34,7 +34,7 @@ const MAX_STATIC_FILLS: usize = 12;
 /// Bodies per task.
 const TASK: usize = 512;
 
-/// Most searches of a body that find others on average, if there is a crowd.
+/// A body searches several levels of two grids. In a crowd about so many of these searches end early.
 const SEARCHES: usize = 4;
 
 /// Writes the pairs of bodies that may collide and whose speculative spheres overlap into `sphere_pairs`: `a < b`,

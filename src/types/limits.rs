@@ -7,9 +7,14 @@ use bevy::prelude::*;
 /// one place, each of which touches all others.
 ///
 /// The default limits are far beyond what fits in physical space: two gigabytes of pairs. Where a step would exceed one,
-/// pairs are left out, so that it is **not exact**: first those of the bodies that overlap the most others.
-/// [`StepReport::crowded_bodies`](crate::plugin::collisions::StepReport::crowded_bodies) counts these bodies, and an
-/// error names one of them. The rest of the world is not affected.
+/// pairs are left out, so that it is **not exact**.
+/// [`StepReport::crowded_bodies`](crate::plugin::collisions::StepReport::crowded_bodies) counts the bodies that lose
+/// pairs, and an error names one of them.
+///
+/// * Beyond `body_pairs` each body keeps at least a quarter of its share, which is `body_pairs` over the number of bodies.
+///   Two bodies that overlap fewer others keep each other.
+/// * Beyond `face_pairs` those of the bodies that overlap the most others are left out first, and pairs with static
+///   bodies last.
 ///
 /// A device has its own limits, those of its buffers. If a list does not fit there, the step runs on the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

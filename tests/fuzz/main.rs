@@ -1,11 +1,17 @@
 //! Every reader, and pairs of random meshes, under mutated input: see [`targets`]. The seeds of the random numbers are fixed.
 //! `fuzz/run` runs the same targets guided by coverage.
 
+#[path = "../common/gltf_files.rs"]
+mod gltf_files;
 mod mutate;
 #[path = "../common/oracle/mod.rs"]
 mod oracle;
 mod pairs;
+#[path = "../common/ply_files.rs"]
+mod ply_files;
 mod seeds;
+#[path = "../common/stl_files.rs"]
+mod stl_files;
 mod targets;
 
 use mutate::Mutator;

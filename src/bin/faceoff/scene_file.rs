@@ -24,14 +24,14 @@ pub struct SceneFile {
 pub struct BodyEntry {
     /// The name of its mesh.
     pub mesh: String,
-    #[serde(default)]
     /// Position, metres.
-    pub translation: Vec3,
     #[serde(default)]
+    pub translation: Vec3,
     /// Rotation.
+    #[serde(default)]
     pub rotation: Quat,
-    #[serde(default = "one")]
     /// Scale along each axis of the mesh.
+    #[serde(default = "one")]
     pub scale: Vec3,
 }
 
