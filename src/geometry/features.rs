@@ -44,7 +44,8 @@ pub struct MeshFeatures {
     /// edge have no owner: those of more than two triangles and, if [`MeshFeatures::sided`], those that are flat or
     /// concave.
     pub owned: Vec<u32>,
-    /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge.
+    /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge, and beside a sliver that
+    /// keeps the mesh closed.
     pub across: Vec<u32>,
     /// For each triangle, the largest rotation of a contact normal away from the triangle's own at an edge that it
     /// owns, radians. It is 0 if the triangle owns no edge, and at most [`ANY_NORMAL`], which allows any normal.
@@ -175,7 +176,9 @@ impl MeshFeatures {
                 self.curvature_radii[t] = self.curvature_radii[t].min(radius);
                 self.curvature[t] = self.curvature[t].min(curvature);
             }
-            if count <= 2 && !(self.sided && self.is_flat_or_concave(owner, self.across[edge])) {
+            // A closed mesh has edges of one triangle, too: beside slivers, which are no triangles of the mesh.
+            let cannot_touch = count == 2 && self.sided && self.is_flat_or_concave(owner, self.across[edge]);
+            if count <= 2 && !cannot_touch {
                 self.owned[owner] |= 8 << k;
             }
         }
@@ -354,6 +357,25 @@ mod tests {
         let features = MeshFeatures::of(&open);
         assert!(!features.sided);
         assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 4);
+    }
+
+    #[test]
+    fn an_edge_beside_a_sliver_of_a_closed_mesh_can_touch() {
+        let cube = shapes::cube(1.0);
+        let [a, b, c] = cube.triangles()[0];
+        let mut vertices = cube.vertices().to_vec();
+        let middle = vertices.len() as u32;
+        vertices.push(0.5 * (vertices[a as usize] + vertices[b as usize]));
+        let mut triangles = cube.triangles().to_vec();
+        // The edge of the neighbour is not split. A sliver fills the T-junction.
+        triangles.splice(..1, [[a, middle, c], [middle, b, c], [a, b, middle]]);
+        let mesh = TriMesh::new(vertices, triangles).unwrap();
+        assert_eq!(mesh.triangles().len(), 13);
+        let features = MeshFeatures::of(&mesh);
+        assert!(features.sided);
+        assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 3);
+        // Two halves of an edge of the cube, the same edge of the neighbour, and the other eleven.
+        assert_eq!(owned(&features, 56), 14);
     }
 
     #[test]
