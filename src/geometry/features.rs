@@ -73,6 +73,20 @@ pub struct MeshFeatures {
     pub sided: bool,
 }
 
+/// The first triangle of an edge.
+#[derive(Clone, Copy, Default)]
+struct Owner {
+    triangle: usize,
+    /// Which of its edges it is.
+    side: usize,
+    /// The vertex where that edge begins.
+    from: u32,
+    /// Number of triangles of the edge.
+    count: u32,
+    /// Whether another triangle runs along the edge in the same direction.
+    same_way: bool,
+}
+
 impl MeshFeatures {
     /// Computes the features of `mesh`.
     pub fn of(mesh: &TriMesh) -> Self {
@@ -134,21 +148,22 @@ impl MeshFeatures {
         let Edges { ends, of_triangles } = Edges::of(&self.triangles, self.vertices.len());
         self.triangle_edges = of_triangles;
         self.across = vec![NONE; ends.len()];
-        // For each edge: its owner, its position in the owner, and the number of its triangles.
-        let mut owners = vec![(0, 0, 0); ends.len()];
+        let mut owners = vec![Owner::default(); ends.len()];
         let collapsed: Vec<bool> = self.triangles.iter().map(|t| is_collapsed(*t)).collect();
         for (t, edges) in self.triangle_edges.iter().enumerate() {
             if collapsed[t] {
                 continue;
             }
             for (k, &edge) in edges.iter().enumerate() {
+                let from = self.triangles[t][k];
                 let owner = &mut owners[edge as usize];
-                if owner.2 == 0 {
-                    *owner = (t, k, 0);
+                if owner.count == 0 {
+                    (owner.triangle, owner.side, owner.from) = (t, k, from);
                 } else {
                     self.across[edge as usize] = t as u32;
+                    owner.same_way |= from == owner.from;
                 }
-                owner.2 += 1;
+                owner.count += 1;
             }
         }
         let normals_at_ends = self.angle_weighted_normals();
@@ -156,12 +171,15 @@ impl MeshFeatures {
         let flattest = |collapsed: &bool| if *collapsed { 0.0 } else { f32::INFINITY };
         self.curvature_radii = collapsed.iter().map(flattest).collect();
         self.curvature = self.curvature_radii.clone();
-        for (edge, &(owner, k, count)) in owners.iter().enumerate() {
+        for (edge, owner) in owners.into_iter().enumerate() {
+            let Owner { side, count, .. } = owner;
+            let (same_way, owner) = (owner.same_way, owner.triangle);
             if count == 0 {
                 continue;
             }
             let (mut radius, mut curvature) = (0.0, 0.0);
-            if count == 2 {
+            // Two triangles that run the same way along an edge lie on each other, or are wound oppositely.
+            if count == 2 && !same_way {
                 let triangles = [owner, self.across[edge] as usize];
                 let angle = self.angle_between(triangles);
                 if angle <= CREASE {
@@ -179,7 +197,7 @@ impl MeshFeatures {
             // A closed mesh has edges of one triangle, too: beside slivers, which are no triangles of the mesh.
             let cannot_touch = count == 2 && self.sided && self.is_flat_or_concave(owner, self.across[edge]);
             if count <= 2 && !cannot_touch {
-                self.owned[owner] |= 8 << k;
+                self.owned[owner] |= 8 << side;
             }
         }
         ends
@@ -376,6 +394,14 @@ mod tests {
         assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 3);
         // Two halves of an edge of the cube, the same edge of the neighbour, and the other eleven.
         assert_eq!(owned(&features, 56), 14);
+    }
+
+    #[test]
+    fn a_face_that_is_there_twice_is_no_smooth_surface() {
+        let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        let features = MeshFeatures::of(&TriMesh::new(corners, vec![[0, 1, 2]; 2]).unwrap());
+        assert_eq!(features.curvature_radii, [0.0; 2]);
+        assert_eq!(features.vertex_curvature_radii, [0.0; 3]);
     }
 
     #[test]
