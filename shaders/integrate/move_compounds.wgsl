@@ -1,7 +1,7 @@
 // Integrate: the same for compounds and their colliders. One thread per compound.
 #import faceoff::compound::{CompoundMotion, placed_part}
 #import faceoff::dispatch::group_index
-#import faceoff::math::{compose, rotate, rotation_by}
+#import faceoff::math::{compose, limited, rotate, rotation_by}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> step: t::Step;
@@ -31,6 +31,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             v += impulses[parts[k].collider].linear;
             w += impulses[parts[k].collider].angular;
         }
+        v = limited(v);
+        w = limited(w);
     }
     // The centre of mass moves along a line, and the origin rotates about it.
     let before = rotate(compound.rotation, compound.center);

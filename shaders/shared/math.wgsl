@@ -3,6 +3,13 @@
 // Functions that WGSL lacks, or whose built-in versions are too inaccurate: its sin, cos and atan2 may have errors of
 // 2^-11.
 
+#import faceoff::constants::shared::MAX_SPEED
+
+// A velocity no larger than bodies may have.
+fn limited(v: vec3<f32>) -> vec3<f32> {
+    return clamp(v, vec3(-MAX_SPEED), vec3(MAX_SPEED));
+}
+
 // Rotates v by the unit quaternion q.
 fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
     let t = 2.0 * cross(q.xyz, v);

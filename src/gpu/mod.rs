@@ -36,8 +36,8 @@ pub mod timer;
 
 use crate::geometry::features::ANY_NORMAL;
 use crate::projection::heights;
-use crate::state::margins;
 use crate::state::pairs::DEFAULT_DIRECTION;
+use crate::state::{fault, margins};
 use shader::{Module, Shaders, module, shared_constants};
 
 /// Constants that kernels of several stages share with the host.
@@ -53,6 +53,7 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::shared", {
     u32 MESH_RECORD = mesh_features::RECORD;
     f32 ANY_NORMAL = ANY_NORMAL;
     vec3 DEFAULT_DIRECTION = DEFAULT_DIRECTION;
+    f32 MAX_SPEED = fault::MAX_SPEED;
     f32 SAFETY = margins::SAFETY;
     f32 BOUND = margins::BOUND;
 });

@@ -4,6 +4,7 @@ use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::parallel::loops;
 use crate::solver::SolverBodies;
+use crate::state::fault::MAX_SPEED;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Impulse, Manifolds, Plane, StepConfig};
 use crate::types::body::RigidBody;
@@ -38,8 +39,8 @@ pub(crate) fn apply_impulses(config: &StepConfig, meshes: &MeshArena, impulses: 
                 return;
             }
             if kind == RigidBody::Dynamic {
-                *velocity += config.gravity * (gravity_scale * dt) + impulse.linear;
-                *spin += impulse.angular;
+                *velocity = pushed(*velocity, config.gravity * (gravity_scale * dt) + impulse.linear);
+                *spin = pushed(*spin, impulse.angular);
             }
             // The centre of mass moves along a line, and the mesh rotates about it.
             let center = frame.center + (*velocity * dt).as_dvec3();
@@ -61,8 +62,11 @@ fn apply_to_compounds(config: &StepConfig, impulses: &[Impulse], bodies: &mut Bo
         let i = compound.number as usize;
         let (mut velocity, mut spin) = (compound.motion.linear_velocity, compound.motion.angular_velocity);
         if bodies.kind[i] == RigidBody::Dynamic {
-            velocity += config.gravity * (bodies.gravity_scale[i] * dt) + impulses[i].linear;
-            spin += impulses[i].angular;
+            velocity = pushed(
+                velocity,
+                config.gravity * (bodies.gravity_scale[i] * dt) + impulses[i].linear,
+            );
+            spin = pushed(spin, impulses[i].angular);
         }
         let center = compound.center + (velocity * dt).as_dvec3();
         let rotation = if spin == Vec3::ZERO {
@@ -73,6 +77,17 @@ fn apply_to_compounds(config: &StepConfig, impulses: &[Impulse], bodies: &mut Bo
         compound.set(center, rotation, velocity, spin);
     }
     bodies.place_parts(0..bodies.parts.len());
+}
+
+/// A velocity after a change, no larger than bodies may have. A change that is no number, from contacts of huge bodies
+/// that rotate fast, has no effect.
+fn pushed(velocity: Vec3, change: Vec3) -> Vec3 {
+    let after = velocity + change;
+    if after.is_nan() {
+        velocity
+    } else {
+        after.clamp(Vec3::splat(-MAX_SPEED), Vec3::splat(MAX_SPEED))
+    }
 }
 
 /// Stops bodies with continuous collision detection at their first impact, and records the sensors on their paths.
@@ -104,4 +119,18 @@ pub(crate) fn stop_fast_bodies(
 /// Copies poses and velocities from the solver's bodies.
 pub(crate) fn move_bodies(solver_bodies: &SolverBodies, meshes: &MeshArena, bodies: &mut Bodies) {
     solver_bodies.write(bodies, meshes);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_velocity_stays_a_number_below_the_limit() {
+        let before = Vec3::new(1.0, -2.0, 3.0);
+        assert_eq!(pushed(before, Vec3::X), Vec3::new(2.0, -2.0, 3.0));
+        let huge = Vec3::new(f32::INFINITY, f32::NEG_INFINITY, 1.0);
+        assert_eq!(pushed(before, huge), Vec3::new(MAX_SPEED, -MAX_SPEED, 4.0));
+        assert_eq!(pushed(before, Vec3::new(0.0, f32::NAN, 0.0)), before);
+    }
 }
