@@ -132,8 +132,9 @@ pub fn valid_contacts(bytes: &[u8]) {
     assert!(few.len() <= ContactWorker::MAX_POINTS && few.is_empty() == all.is_empty());
     for point in all.iter().chain(&few) {
         assert!(point.normal.is_normalized(), "{point:?}");
+        // Rays through an overlap begin a millionth of the size outside of both bodies.
         assert!(
-            point.separation.is_finite() && f64::from(point.separation) <= 1.01 * f64::from(margin) + 1e-6 * size,
+            point.separation.is_finite() && f64::from(point.separation) <= 1.01 * f64::from(margin) + 2.1e-6 * size,
             "{point:?}"
         );
         for (i, placed) in placed.iter().enumerate() {
