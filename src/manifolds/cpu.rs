@@ -47,6 +47,14 @@ impl Scratch {
         self.kept = KeptPairs::default();
     }
 
+    /// Only what pairs keep, without other memory.
+    pub(super) fn renewed(self) -> Self {
+        Self {
+            kept: self.kept,
+            ..Self::default()
+        }
+    }
+
     /// Whether any pair of the last call is so large that it is worth more than one thread.
     pub(crate) fn has_large_pair(&self) -> bool {
         self.kept.has_large_pair()

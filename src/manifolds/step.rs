@@ -23,6 +23,16 @@ impl Scratch {
     pub fn has_large_pair(&self) -> bool {
         self.meshes.has_large_pair()
     }
+
+    /// Returns memory, but for that of the last manifolds and of what pairs keep.
+    pub fn renew(&mut self) {
+        *self = Self {
+            before: std::mem::take(&mut self.before),
+            meshes: std::mem::take(&mut self.meshes).renewed(),
+            ..Self::default()
+        };
+        self.before.shrink();
+    }
 }
 
 /// Writes the manifolds of all active pairs that respond to contacts into `manifolds`; of pairs with planes those that are

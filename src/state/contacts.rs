@@ -104,6 +104,14 @@ pub struct PlaneContact {
 }
 
 impl Contacts {
+    /// Returns memory beyond twice what is used.
+    pub(crate) fn shrink(&mut self) {
+        self.pairs.shrink_to(2 * self.pairs.len());
+        self.faces.shrink_to(2 * self.faces.len());
+        self.planes.shrink_to(2 * self.planes.len());
+        self.points.shrink_to(2 * self.points.len());
+    }
+
     /// Empties all lists and keeps the memory.
     pub(crate) fn clear(&mut self) {
         self.pairs.clear();

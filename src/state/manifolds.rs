@@ -77,6 +77,13 @@ impl Manifolds {
         self.surfaces.clear();
     }
 
+    /// Returns memory beyond twice what is used.
+    pub(crate) fn shrink(&mut self) {
+        self.pairs.shrink_to(2 * self.pairs.len());
+        self.points.shrink_to(2 * self.points.len());
+        self.surfaces.shrink_to(2 * self.surfaces.len());
+    }
+
     /// Completes a pair whose points start at `first`. A pair without points is not added.
     pub(crate) fn end_pair(&mut self, bodies: [u32; 2], first: usize) {
         let count = self.points.len() - first;

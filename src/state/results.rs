@@ -76,6 +76,14 @@ pub struct Counts {
 }
 
 impl StepResults {
+    /// Returns memory beyond twice what is used.
+    pub(crate) fn shrink(&mut self) {
+        self.sphere_pairs.shrink_to(2 * self.sphere_pairs.len());
+        self.near_pairs.shrink_to(2 * self.near_pairs.len());
+        self.contacts.shrink();
+        self.manifolds.shrink();
+    }
+
     /// The sizes of the results.
     pub fn counts(&self) -> Counts {
         Counts {

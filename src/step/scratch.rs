@@ -1,5 +1,5 @@
 //! Scratch memory of the CPU's stages. It is reused, so that a step like the last one allocates nothing. No result
-//! depends on it.
+//! depends on it, but for the manifolds of sleeping pairs.
 
 use super::hooks::LeftOut;
 use super::reach::Reach;
@@ -12,9 +12,15 @@ use crate::state::inactive::InactiveBodies;
 use crate::state::margins::SpeculativeMargins;
 use crate::{angles, broad_phase, force_scan, manifolds, triangle_test};
 
+/// Steps after which scratch memory is allocated anew: a minute of a game. It grows to what the largest pair and the
+/// densest crowd ever needed; without this the memory of a process would grow for hours.
+const LIFETIME: u32 = 4096;
+
 /// Scratch memory of the stages.
 #[derive(Default)]
 pub struct StepScratch {
+    /// Number of steps since it was allocated.
+    age: u32,
     /// The bodies' keys.
     pub(crate) keys: Vec<u64>,
     /// The solver's bodies, followed by the half-spaces.
@@ -42,4 +48,101 @@ pub struct StepScratch {
     pub(crate) triangle_test: triangle_test::cpu::Scratch,
     pub(crate) manifolds: manifolds::step::Scratch,
     pub(crate) force_scan: force_scan::cpu::Scratch,
+}
+
+impl StepScratch {
+    /// Returns memory that depends on what pairs of bodies had in common, if it is old. Called before a step; tells
+    /// whether it did.
+    pub(crate) fn age(&mut self) -> bool {
+        self.age += 1;
+        let is_old = self.age == LIFETIME;
+        if is_old {
+            self.renew();
+        }
+        is_old
+    }
+
+    fn renew(&mut self) {
+        self.age = 0;
+        self.touches = Touches::default();
+        self.ccd = Ccd::default();
+        self.solver = Solver::default();
+        self.angles = angles::cpu::Scratch::default();
+        self.triangle_test = triangle_test::cpu::Scratch::default();
+        self.force_scan = force_scan::cpu::Scratch::default();
+        self.manifolds.renew();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::state::Body;
+    use crate::step::{StepState, cpu};
+    use crate::testing::scenes::{Scene, pour};
+    use crate::types::body::RigidBody;
+    use crate::types::settings::Response;
+    use glam::Quat;
+
+    /// A heap of knots after some steps, in which its first ones have fallen asleep.
+    fn heap(response: Response, mut before_step: impl FnMut(&mut StepState)) -> StepState {
+        let mut scene = Scene::new();
+        pour::walls(&mut scene, 6.0, 2.5, 3.0);
+        pour::knots(&mut scene, 5, 2, || Quat::from_rotation_x(1.0));
+        let mut step = StepState::default();
+        step.input.config.response = response;
+        step.input.config.gravity = scene.gravity;
+        let meshes = &mut step.input.meshes;
+        let mut bodies: Vec<Body> = (scene.bodies.iter())
+            .map(|body| {
+                let slot = meshes.add(body.shape.mesh().clone());
+                let kind = if body.fixed {
+                    RigidBody::Static
+                } else {
+                    RigidBody::Dynamic
+                };
+                Body {
+                    kind,
+                    ..Body::at_rest(slot, body.position, body.rotation, body.scale)
+                }
+            })
+            .collect();
+        for _ in 0..400 {
+            step.input.bodies.clear();
+            for body in &bodies {
+                let added = step.input.bodies.push(body, &step.input.meshes);
+                added.expect("the scene is valid");
+            }
+            before_step(&mut step);
+            cpu::run_all(&mut step);
+            for (i, body) in bodies.iter_mut().enumerate() {
+                let moved = step.input.bodies.motion(i);
+                (body.position, body.rotation) = (moved.position, moved.rotation);
+                (body.linear_velocity, body.angular_velocity) = (moved.linear_velocity, moved.angular_velocity);
+            }
+        }
+        step
+    }
+
+    #[test]
+    fn new_memory_gives_the_same_bits() {
+        for response in [Response::Impulse, Response::Contacts] {
+            let mut touching = 0;
+            let kept = heap(response, |step| touching += step.results.contacts.pairs.len());
+            let renewed = heap(response, |step| {
+                step.scratch.renew();
+                step.results.shrink();
+            });
+            assert!(touching > 400, "{touching}");
+            let sleeps = kept.results.asleep.contains(&true);
+            assert_eq!(sleeps, response == Response::Contacts);
+            assert_eq!(
+                kept.input.bodies.position, renewed.input.bodies.position,
+                "{response:?}"
+            );
+            assert_eq!(
+                kept.results.contacts.points, renewed.results.contacts.points,
+                "{response:?}"
+            );
+        }
+    }
 }
