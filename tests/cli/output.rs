@@ -69,6 +69,59 @@ fn output_that_is_lost_is_an_error() {
     }
 }
 
+/// A limit on the size of files fails like a full disk: in the middle of a file.
+#[test]
+#[cfg(unix)]
+fn a_full_disk_is_an_error_and_leaves_nothing_half_written() {
+    let folder = Folder::new();
+    folder.asset("torus.obj");
+    folder.good(&["bake", "torus.obj", "-o", "out"]);
+    let before = folder.read("out/torus.faceoff");
+    for (arguments, file) in [
+        (&["bake", "torus.obj", "--force", "-o", "out"][..], "torus.faceoff"),
+        (&["image", "torus.obj", "-o", "image.png"], "image.png"),
+        (
+            &["simulate", "--bodies", "2", "--steps", "100", "--json", "steps.json"],
+            "steps.json",
+        ),
+        (
+            &[
+                "simulate", "--bodies", "2", "--steps", "1", "--frames", "frames", "--every", "1",
+            ],
+            "frames/frame_",
+        ),
+    ] {
+        let output = Command::new("sh")
+            // One block of 512 or 1024 bytes. Without its signal the limit is an error like any other.
+            .args([
+                "-c",
+                "trap '' XFSZ; ulimit -f 1; exec \"$@\"",
+                "sh",
+                env!("CARGO_BIN_EXE_faceoff"),
+            ])
+            .args(arguments)
+            .current_dir(folder.path("."))
+            .env("XDG_RUNTIME_DIR", folder.path("."))
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {stderr}");
+        assert!(
+            stderr.contains("error: cannot write") && stderr.contains(file),
+            "{arguments:?}: {stderr}"
+        );
+    }
+    assert_eq!(folder.read("out/torus.faceoff"), before, "the old file is kept");
+    let names = |of: &str| -> Vec<_> {
+        let files = std::fs::read_dir(folder.path(of)).unwrap();
+        files.map(|file| file.unwrap().file_name()).collect()
+    };
+    assert_eq!(names("out"), ["torus.faceoff"]);
+    assert!(names("frames").is_empty());
+    assert!(!folder.path("image.png").exists() && !folder.path("steps.json").exists());
+    assert_eq!(names(".").len(), 3, "{:?}", names("."));
+}
+
 #[test]
 fn a_reader_that_has_enough_is_no_error() {
     let folder = scene();
