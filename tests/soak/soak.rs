@@ -25,7 +25,12 @@ pub struct Plan {
     pub seed: u64,
     /// One random change every so many steps, on average.
     pub steps_per_change: usize,
+    /// The bytes that the process has allocated and not freed, if memory is to be checked.
+    pub live_bytes: Option<fn() -> usize>,
 }
+
+/// More steps than scratch memory lives.
+const RENEWAL: usize = 4200;
 
 /// Runs a world of many bodies in a bin.
 ///
@@ -33,8 +38,16 @@ pub struct Plan {
 /// If anything is wrong after a step: see [`Checks`].
 pub fn run(plan: Plan) -> Report {
     let mut soak = Soak::new(plan);
-    let mut checks = Checks::new(plan.readback);
+    let mut checks = Checks::new(plan.readback, plan.steps);
+    let (mut busy, mut empty) = (0, 0);
     for number in 0..plan.steps {
+        if let Some(live_bytes) = plan.live_bytes
+            && number == plan.steps / 2
+        {
+            busy = live_bytes();
+            soak.rest(&mut checks, RENEWAL);
+            empty = live_bytes();
+        }
         let change = match soak.random.usize(..plan.steps_per_change) {
             0 => soak.change(),
             _ => Change::Usual,
@@ -59,12 +72,12 @@ pub fn run(plan: Plan) -> Report {
             println!("step {} of {}: {}", number + 1, plan.steps, checks.so_far());
         }
     }
-    soak.empty();
-    for _ in 0..100 {
-        soak.app.update();
-        checks.drain(soak.app.world_mut());
+    soak.rest(&mut checks, if plan.live_bytes.is_some() { RENEWAL } else { 100 });
+    let growth = |live_bytes: fn() -> usize| (live_bytes() as f32 - empty as f32) / busy as f32;
+    Report {
+        growth: plan.live_bytes.map(growth),
+        ..checks.finish()
     }
-    checks.finish()
 }
 
 /// What a random change means for the checks.
@@ -354,13 +367,18 @@ impl Soak {
         }
     }
 
-    /// Despawns all bodies.
-    fn empty(&mut self) {
+    /// Despawns all bodies, and lets the empty world go on for some steps. The next change fills it again.
+    fn rest(&mut self, checks: &mut Checks, steps: usize) {
         self.be_usual();
+        self.snapshot = None;
         for body in std::mem::take(&mut self.bodies) {
             if let Ok(body) = self.app.world_mut().get_entity_mut(body) {
                 body.despawn();
             }
+        }
+        for _ in 0..steps {
+            self.app.update();
+            checks.drain(self.app.world_mut());
         }
     }
 }

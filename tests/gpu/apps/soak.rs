@@ -25,6 +25,7 @@ fn run(readback: Readback) {
         steps: 120,
         seed: 1,
         steps_per_change: 2,
+        live_bytes: None,
     });
     println!("{report}");
 }
