@@ -1,6 +1,7 @@
 //! The vertices and edges of a mesh with their neighbourhoods, from which contact points are computed.
 
 use super::edges::{Edges, NO_EDGE, is_collapsed};
+use super::slivers::AcrossSlivers;
 use crate::geometry::{Orientation, TriMesh};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -95,7 +96,7 @@ impl MeshFeatures {
             ..Self::default()
         };
         let numbers = features.add_triangles(mesh);
-        let ends = features.add_edges();
+        let ends = features.add_edges(mesh, &numbers);
         features.add_edge_normal_rotations();
         features.add_neighbors(&ends);
         features.add_components(mesh, &numbers);
@@ -143,8 +144,9 @@ impl MeshFeatures {
         mesh.welded().iter().map(|&keeper| numbers[keeper as usize]).collect()
     }
 
-    /// Adds edges, their owners and the curvature across them. Returns the ends of the edges.
-    fn add_edges(&mut self) -> Vec<[u32; 2]> {
+    /// Adds edges, their owners and the curvature across them. Returns the ends of the edges. `numbers` maps vertices of the
+    /// mesh to [`MeshFeatures::vertices`].
+    fn add_edges(&mut self, mesh: &TriMesh, numbers: &[u32]) -> Vec<[u32; 2]> {
         let Edges { ends, of_triangles } = Edges::of(&self.triangles, self.vertices.len());
         self.triangle_edges = of_triangles;
         self.across = vec![NONE; ends.len()];
@@ -165,6 +167,10 @@ impl MeshFeatures {
                 }
                 owner.count += 1;
             }
+        }
+        let mut slivers = self.slivers(mesh, numbers);
+        for (edge, owner) in owners.iter().enumerate().filter(|(_, owner)| owner.count == 1) {
+            slivers.add(ends[edge], owner.triangle);
         }
         let normals_at_ends = self.angle_weighted_normals();
         // A collapsed triangle is no smooth surface.
@@ -194,13 +200,31 @@ impl MeshFeatures {
                 self.curvature_radii[t] = self.curvature_radii[t].min(radius);
                 self.curvature[t] = self.curvature[t].min(curvature);
             }
-            // A closed mesh has edges of one triangle, too: beside slivers, which are no triangles of the mesh.
-            let cannot_touch = count == 2 && self.sided && self.is_flat_or_concave(owner, self.across[edge]);
-            if count <= 2 && !cannot_touch {
+            let is_flat_or_concave = |others: &[usize]| {
+                let mut all = others.iter();
+                self.sided && !others.is_empty() && all.all(|&other| self.is_flat_or_concave(owner, other))
+            };
+            let cannot_touch = match count {
+                1 => is_flat_or_concave(slivers.at(ends[edge])),
+                2 => is_flat_or_concave(&[self.across[edge] as usize]),
+                _ => true,
+            };
+            if !cannot_touch {
                 self.owned[owner] |= 8 << side;
             }
         }
         ends
+    }
+
+    /// The faces of zero area, by the same numbers of vertices.
+    fn slivers(&self, mesh: &TriMesh, numbers: &[u32]) -> AcrossSlivers {
+        let number = |v: u32| match numbers[v as usize] {
+            // Only slivers have this vertex.
+            NONE => self.vertices.len() as u32 + mesh.welded()[v as usize],
+            number => number,
+        };
+        let slivers = mesh.dropped_faces().iter().map(|face| face.map(number));
+        AcrossSlivers::new(slivers.filter(|face| !is_collapsed(*face)))
     }
 
     /// The normal of a contact at an edge lies between the normals of the edge's two triangles.
@@ -254,11 +278,11 @@ impl MeshFeatures {
     }
 
     /// Whether triangle `other` does not go below the plane of triangle `own`.
-    fn is_flat_or_concave(&self, own: usize, other: u32) -> bool {
+    fn is_flat_or_concave(&self, own: usize, other: usize) -> bool {
         let at = |v: u32| self.vertices[v as usize].as_dvec3();
         let [p, q, r] = self.triangles[own].map(at);
         let normal = (q - p).cross(r - p);
-        let heights = self.triangles[other as usize].map(|v| normal.dot(at(v) - p) / normal.length());
+        let heights = self.triangles[other].map(|v| normal.dot(at(v) - p) / normal.length());
         let size = p.distance(q).max(p.distance(r));
         heights.iter().all(|h| *h >= -MIN_FOLD * size)
     }
@@ -377,23 +401,34 @@ mod tests {
         assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 4);
     }
 
-    #[test]
-    fn an_edge_beside_a_sliver_of_a_closed_mesh_can_touch() {
+    /// A cube, where a side of a triangle is split, but not that of its neighbour. A sliver fills the T-junction.
+    fn cube_with_t_junction(triangle: usize, side: usize) -> TriMesh {
         let cube = shapes::cube(1.0);
-        let [a, b, c] = cube.triangles()[0];
+        let [a, b, c] = [0, 1, 2].map(|i| cube.triangles()[triangle][(side + i) % 3]);
         let mut vertices = cube.vertices().to_vec();
         let middle = vertices.len() as u32;
         vertices.push(0.5 * (vertices[a as usize] + vertices[b as usize]));
         let mut triangles = cube.triangles().to_vec();
-        // The edge of the neighbour is not split. A sliver fills the T-junction.
-        triangles.splice(..1, [[a, middle, c], [middle, b, c], [a, b, middle]]);
-        let mesh = TriMesh::new(vertices, triangles).unwrap();
-        assert_eq!(mesh.triangles().len(), 13);
-        let features = MeshFeatures::of(&mesh);
-        assert!(features.sided);
-        assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 3);
-        // Two halves of an edge of the cube, the same edge of the neighbour, and the other eleven.
-        assert_eq!(owned(&features, 56), 14);
+        let halves = [[a, middle, c], [middle, b, c]];
+        triangles.splice(triangle..=triangle, halves.into_iter().chain([[a, b, middle]]));
+        TriMesh::new(vertices, triangles).unwrap()
+    }
+
+    #[test]
+    fn an_edge_beside_a_sliver_can_touch_if_it_is_convex() {
+        let diagonals = (0..12).flat_map(|t| (0..3).map(move |k| (t, k))).filter(|&(t, k)| {
+            let features = MeshFeatures::of(&cube_with_t_junction(t, k));
+            assert!(features.sided);
+            assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 3);
+            match owned(&features, 56) {
+                // The edges of the cube.
+                12 => true,
+                // Of one of them also its two halves.
+                14 => false,
+                other => panic!("{other}"),
+            }
+        });
+        assert_eq!(diagonals.count(), 12);
     }
 
     #[test]

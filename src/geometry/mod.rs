@@ -13,6 +13,7 @@ pub(crate) mod linear_cast;
 mod mass;
 pub mod mesh;
 pub mod shapes;
+mod slivers;
 mod thickness;
 mod topology;
 pub mod triangle;

@@ -23,6 +23,7 @@
 //! | a bullet flies past sleepers | they sleep on | on both |
 //! | a ball in a bowl without friction | gains no energy | on the CPU |
 //! | a box on a turntable | rests | on the CPU |
+//! | a ball slides over a T-junction of a flat floor | keeps its velocity | on both |
 //! | an open sheet on a ball | comes to rest | on neither: it rocks |
 //!
 //! Other tests play these, and they are not here again:
@@ -48,6 +49,7 @@ mod no_device;
 mod player;
 mod sheet;
 mod spinning_coin;
+mod t_junction;
 mod turntable;
 
 use bevy_faceoff::prelude::*;
@@ -106,6 +108,7 @@ fn plays() -> Vec<Play> {
         Cpu bullets::a_stack_stands_beside_a_bullet;
         Cpu bowl::a_ball_in_a_bowl_gains_no_energy;
         Cpu turntable::a_box_rests_on_a_turntable;
+        Cpu t_junction::a_ball_does_not_feel_it;
         Cpu sheet::an_open_sheet_on_a_ball_comes_to_rest, "turns at 0.34 rad/s after 20 s, awake";
 
         Gpu balls::two_dropped_on_each_other_keep_their_energy;
@@ -118,6 +121,7 @@ fn plays() -> Vec<Play> {
         Gpu dice_tower::three_of_a_centimetre_stand;
         Gpu elastic_box::one_bounce_on_a_plane_keeps_the_energy;
         Gpu spinning_coin::with_a_vertex_in_the_middle_slows_down_by_theory;
+        Gpu t_junction::a_ball_does_not_feel_it;
         Gpu player::walks_and_respawns_as_told;
         Gpu player::walks_and_respawns_as_told_with_latent_results;
         Gpu player::walks_and_respawns_as_told_with_resident_bodies;
