@@ -136,6 +136,17 @@ pub(crate) struct Engine {
 #[cfg(feature = "gpu")]
 const RETRIES: u32 = 3;
 
+#[cfg(feature = "gpu")]
+impl Drop for Engine {
+    /// Waits for a device that is being opened. Drivers crash if the process ends while they compile kernels.
+    fn drop(&mut self) {
+        if let Some(opening) = self.opening.take() {
+            // What it has opened, or why not, is of no use any more.
+            let _ = opening.join();
+        }
+    }
+}
+
 impl Engine {
     /// Creates the thread pool. The backend is not chosen yet.
     ///
