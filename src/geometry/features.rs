@@ -178,8 +178,13 @@ impl MeshFeatures {
         self.curvature_radii = collapsed.iter().map(flattest).collect();
         self.curvature = self.curvature_radii.clone();
         for (edge, owner) in owners.into_iter().enumerate() {
-            let Owner { side, count, .. } = owner;
-            let (same_way, owner) = (owner.same_way, owner.triangle);
+            let Owner {
+                triangle: owner,
+                side,
+                count,
+                same_way,
+                ..
+            } = owner;
             if count == 0 {
                 continue;
             }
@@ -200,16 +205,16 @@ impl MeshFeatures {
                 self.curvature_radii[t] = self.curvature_radii[t].min(radius);
                 self.curvature[t] = self.curvature[t].min(curvature);
             }
-            let is_flat_or_concave = |others: &[usize]| {
-                let mut all = others.iter();
-                self.sided && !others.is_empty() && all.all(|&other| self.is_flat_or_concave(owner, other))
+            let is_convex = |others: &[usize]| {
+                let mut others = others.iter();
+                !self.sided || others.len() == 0 || others.any(|&other| !self.is_flat_or_concave(owner, other))
             };
-            let cannot_touch = match count {
-                1 => is_flat_or_concave(slivers.at(ends[edge])),
-                2 => is_flat_or_concave(&[self.across[edge] as usize]),
-                _ => true,
+            let can_touch = match count {
+                1 => is_convex(slivers.at(ends[edge])),
+                2 => is_convex(&[self.across[edge] as usize]),
+                _ => false,
             };
-            if !cannot_touch {
+            if can_touch {
                 self.owned[owner] |= 8 << side;
             }
         }
@@ -223,8 +228,9 @@ impl MeshFeatures {
             NONE => self.vertices.len() as u32 + mesh.welded()[v as usize],
             number => number,
         };
-        let slivers = mesh.dropped_faces().iter().map(|face| face.map(number));
-        AcrossSlivers::new(slivers.filter(|face| !is_collapsed(*face)))
+        let mut slivers: Vec<[u32; 3]> = mesh.dropped_faces().iter().map(|face| face.map(number)).collect();
+        slivers.retain(|face| !is_collapsed(*face));
+        AcrossSlivers::new(&slivers)
     }
 
     /// The normal of a contact at an edge lies between the normals of the edge's two triangles.

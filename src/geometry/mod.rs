@@ -17,6 +17,7 @@ mod slivers;
 mod thickness;
 mod topology;
 pub mod triangle;
+pub(crate) mod union_find;
 mod weld;
 
 pub use aabb::Aabb;

@@ -1,60 +1,49 @@
 //! Slivers: faces of zero area, which are no triangles of a mesh but keep it closed. They fill T-junctions, where the edge
 //! of one triangle lies along the edges of several others.
 
+use super::union_find::UnionFind;
 use std::collections::HashMap;
 
 /// The triangles that meet across slivers.
 #[derive(Default)]
 pub struct AcrossSlivers {
     /// For each edge beside slivers, its group.
-    groups: HashMap<[u32; 2], usize>,
+    groups: HashMap<[u32; 2], u32>,
     /// For each group, the triangles at the edges beside its slivers.
-    triangles: Vec<Vec<usize>>,
+    triangles: HashMap<u32, Vec<usize>>,
 }
 
 impl AcrossSlivers {
     /// Groups of slivers that have edges in common. `slivers` are given by their vertices.
-    pub fn new(slivers: impl Iterator<Item = [u32; 3]>) -> Self {
-        let mut groups: HashMap<[u32; 2], usize> = HashMap::new();
-        // The group with which a group has been joined, or itself.
-        let mut joined: Vec<usize> = Vec::new();
-        fn first(joined: &[usize], mut group: usize) -> usize {
-            while joined[group] != group {
-                group = joined[group];
-            }
-            group
-        }
-        for [a, b, c] in slivers {
-            let own = joined.len();
-            joined.push(own);
-            for edge in [sorted([a, b]), sorted([b, c]), sorted([c, a])] {
-                let group = *groups.entry(edge).or_insert(own);
-                let (p, q) = (first(&joined, group), first(&joined, own));
-                joined[p.max(q)] = p.min(q);
+    pub fn new(slivers: &[[u32; 3]]) -> Self {
+        let mut groups: HashMap<[u32; 2], u32> = HashMap::new();
+        let mut joined = UnionFind::new(slivers.len());
+        for (own, &[a, b, c]) in (0..).zip(slivers) {
+            for edge in [[a, b], [b, c], [c, a]] {
+                joined.join(own, *groups.entry(sorted(edge)).or_insert(own));
             }
         }
         for group in groups.values_mut() {
-            *group = first(&joined, *group);
+            *group = joined.root(*group);
         }
         Self {
             groups,
-            triangles: vec![Vec::new(); joined.len()],
+            triangles: HashMap::new(),
         }
     }
 
     /// Tells that a triangle has this edge. Nothing happens if the edge is not beside slivers.
     pub fn add(&mut self, edge: [u32; 2], triangle: usize) {
         if let Some(&group) = self.groups.get(&sorted(edge)) {
-            self.triangles[group].push(triangle);
+            self.triangles.entry(group).or_default().push(triangle);
         }
     }
 
     /// The triangles that meet at an edge, itself among them; empty if it is not beside slivers.
     pub fn at(&self, edge: [u32; 2]) -> &[usize] {
-        match self.groups.get(&sorted(edge)) {
-            Some(&group) => &self.triangles[group],
-            None => &[],
-        }
+        let group = self.groups.get(&sorted(edge));
+        let triangles = group.and_then(|group| self.triangles.get(group));
+        triangles.map_or(&[], Vec::as_slice)
     }
 }
 
@@ -69,7 +58,7 @@ mod tests {
     #[test]
     fn triangles_meet_across_all_slivers_of_a_group() {
         // Two slivers side by side, and one elsewhere.
-        let mut across = AcrossSlivers::new([[7, 8, 9], [0, 1, 2], [3, 2, 1]].into_iter());
+        let mut across = AcrossSlivers::new(&[[7, 8, 9], [0, 1, 2], [3, 2, 1]]);
         for (edge, triangle) in [([1, 0], 10), ([3, 1], 11), ([2, 3], 12), ([8, 7], 13), ([4, 5], 14)] {
             across.add(edge, triangle);
         }

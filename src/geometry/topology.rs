@@ -1,6 +1,7 @@
 //! Connectivity of a mesh: welded vertices, orientation, connected components, boundary edges.
 
 use super::edges::{Edges, is_collapsed};
+use super::union_find::UnionFind;
 use super::weld::{least_distance, size, weld};
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
@@ -122,27 +123,16 @@ impl Faces<'_> {
 
     /// One vertex of each component, ordered by the components' first faces in the input.
     fn component_vertices(&self, welded: &[u32]) -> Vec<u32> {
-        let mut parent: Vec<u32> = (0..welded.len() as u32).collect();
-        fn root(parent: &mut [u32], mut v: u32) -> u32 {
-            while parent[v as usize] != v {
-                parent[v as usize] = parent[parent[v as usize] as usize];
-                v = parent[v as usize];
-            }
-            v
-        }
+        let mut joined = UnionFind::new(welded.len());
         for t in self.triangles {
-            let [a, b, c] = t.map(|v| root(&mut parent, welded[v as usize]));
-            let low = a.min(b).min(c);
-            for v in [a, b, c] {
-                parent[v as usize] = low;
-            }
+            let [a, b, c] = t.map(|v| welded[v as usize]);
+            joined.join(a, b);
+            joined.join(a, c);
         }
         // For each root, the component's first face and a corner of that face.
         let mut firsts: HashMap<u32, (u32, u32)> = HashMap::new();
         for (t, &face) in self.triangles.iter().zip(self.face_ids) {
-            let first = firsts
-                .entry(root(&mut parent, welded[t[0] as usize]))
-                .or_insert((face, t[0]));
+            let first = firsts.entry(joined.root(welded[t[0] as usize])).or_insert((face, t[0]));
             *first = (*first).min((face, t[0]));
         }
         let mut firsts: Vec<(u32, u32)> = firsts.into_values().collect();

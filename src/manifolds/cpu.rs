@@ -47,12 +47,10 @@ impl Scratch {
         self.kept = KeptPairs::default();
     }
 
-    /// Only what pairs keep, without other memory.
-    pub(super) fn renewed(self) -> Self {
-        Self {
-            kept: self.kept,
-            ..Self::default()
-        }
+    /// Returns memory, but for that of what pairs keep.
+    pub(super) fn renew(&mut self) {
+        (self.tasks, self.workers) = Default::default();
+        self.kept.shrink();
     }
 
     /// Whether any pair of the last call is so large that it is worth more than one thread.

@@ -26,12 +26,9 @@ impl Scratch {
 
     /// Returns memory, but for that of the last manifolds and of what pairs keep.
     pub fn renew(&mut self) {
-        *self = Self {
-            before: std::mem::take(&mut self.before),
-            meshes: std::mem::take(&mut self.meshes).renewed(),
-            ..Self::default()
-        };
+        (self.pairs, self.found, self.planes) = Default::default();
         self.before.shrink();
+        self.meshes.renew();
     }
 }
 

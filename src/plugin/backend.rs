@@ -138,7 +138,7 @@ const RETRIES: u32 = 3;
 
 #[cfg(feature = "gpu")]
 impl Drop for Engine {
-    /// Waits for a device that is being opened. Drivers crash if the process ends while they compile kernels.
+    /// Waits for a device that is being opened. A driver may crash if the process ends while it compiles kernels.
     fn drop(&mut self) {
         if let Some(opening) = self.opening.take() {
             // What it has opened, or why not, is of no use any more.

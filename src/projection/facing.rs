@@ -8,6 +8,7 @@
 //! that each component that is visible from outside has a volume of the right sign. If the proof fails for any reason,
 //! all triangles are drawn from both sides. That costs time but does not change the result.
 
+use crate::geometry::union_find::UnionFind;
 use crate::geometry::{Orientation, TriMesh};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
@@ -198,27 +199,17 @@ impl Surface {
     /// For each triangle, the index of its component.
     fn components(&self) -> Vec<usize> {
         let vertices = self.welded.iter().flatten().max().map_or(0, |&v| v as usize + 1);
-        let mut parent: Vec<usize> = (0..vertices).collect();
-        fn root(parent: &mut [usize], mut v: usize) -> usize {
-            while parent[v] != v {
-                parent[v] = parent[parent[v]];
-                v = parent[v];
-            }
-            v
-        }
-        for t in &self.welded {
-            let [a, b, c] = t.map(|v| root(&mut parent, v as usize));
-            let low = a.min(b).min(c);
-            for v in [a, b, c] {
-                parent[v] = low;
-            }
+        let mut joined = UnionFind::new(vertices);
+        for &[a, b, c] in &self.welded {
+            joined.join(a, b);
+            joined.join(a, c);
         }
         let mut number = vec![usize::MAX; vertices];
         let mut count = 0;
         self.welded
             .iter()
             .map(|t| {
-                let slot = &mut number[root(&mut parent, t[0] as usize)];
+                let slot = &mut number[joined.root(t[0]) as usize];
                 if *slot == usize::MAX {
                     *slot = count;
                     count += 1;

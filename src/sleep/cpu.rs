@@ -1,9 +1,9 @@
 //! Sleep on the CPU: islands of bodies at rest, found by union-find over touching pairs.
 
+use crate::geometry::union_find::UnionFind;
 use crate::solver::CollisionSubstep;
 use crate::solver::bodies::{SolverBodies, SolverBody, SolverMotion};
 use crate::state::inactive::InactiveBodies;
-use crate::state::union_find::UnionFind;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::types::body::RigidBody;
 use crate::types::solver_settings::SolverSettings;

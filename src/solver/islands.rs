@@ -5,7 +5,7 @@
 //! may be pressed through what is static.
 
 use super::pace::Pace;
-use crate::state::union_find::UnionFind;
+use crate::geometry::union_find::UnionFind;
 use std::ops::Range;
 
 /// In place of an island, a slot or a pair that does not exist.

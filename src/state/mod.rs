@@ -13,7 +13,6 @@
 //! | [`results`] | all results of a step |
 //! | [`margins`] | speculative margins |
 //! | `inactive` | pairs that sleep and need no work |
-//! | `union_find` | sets of bodies that are joined pair by pair |
 
 pub mod bodies;
 pub mod body;
@@ -33,7 +32,6 @@ pub(crate) mod part_index;
 pub mod placed_mesh;
 pub mod planes;
 pub mod results;
-pub(crate) mod union_find;
 
 pub use bodies::{Bodies, Frame};
 pub use body::{Body, BodyParams, Motion};

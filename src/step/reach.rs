@@ -7,6 +7,7 @@
 
 use super::territories::Territories;
 use crate::broad_phase;
+use crate::geometry::union_find::UnionFind;
 use crate::simd::lanes::{SimdBase, bitmask, load_points, splat_point};
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
@@ -14,7 +15,6 @@ use crate::solver::SolverBodies;
 use crate::solver::speeds::Speeds;
 use crate::state::margins::{SAFETY, SpeculativeMargins, sway};
 use crate::state::mesh_arena::{BoxGroup, MeshArena};
-use crate::state::union_find::UnionFind;
 use crate::state::{Bodies, Plane, StepConfig, StepInput};
 use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};

@@ -6,7 +6,7 @@
 //! joined, unless both have the same number.
 
 use super::reach::{Meeting, Sweep};
-use crate::state::union_find::UnionFind;
+use crate::geometry::union_find::UnionFind;
 use crate::state::{Bodies, StepConfig};
 use glam::DVec3;
 

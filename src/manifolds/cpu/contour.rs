@@ -3,6 +3,7 @@
 use super::feature::{Feature, Key, TrianglePair};
 use super::search::Window;
 use crate::geometry::Aabb;
+use crate::geometry::union_find::UnionFind;
 use glam::{DVec3, Vec3};
 
 /// Least cosine between the normals of a patch and of a feature that agrees with it.
@@ -58,7 +59,7 @@ pub struct Contours {
     keys: Vec<(Key, u32, usize)>,
     /// Ends without a partner, with their segments.
     loose: Vec<(DVec3, u32)>,
-    parents: Vec<u32>,
+    joined: UnionFind,
     order: Vec<(u32, u32)>,
     sorted: Vec<Segment>,
 }
@@ -160,16 +161,15 @@ impl Contours {
     /// Joins the segments into contours and patches. `size` is that of the bodies.
     pub fn join(&mut self, margin: f64, size: f64) {
         self.keys.clear();
-        self.parents.clear();
+        self.joined.reset(self.segments.len());
         for (i, segment) in (0..).zip(&self.segments) {
-            self.parents.push(i);
             self.keys.extend([(segment.keys[0], i, 0), (segment.keys[1], i, 1)]);
         }
         self.keys.sort_unstable();
         self.loose.clear();
         for run in self.keys.chunk_by(|x, y| x.0 == y.0) {
             for other in &run[1..] {
-                unite(&mut self.parents, run[0].1, other.1);
+                self.joined.join(run[0].1, other.1);
             }
             if let [(_, i, end)] = run {
                 self.loose.push((self.segments[*i as usize].ends[*end], *i));
@@ -178,7 +178,7 @@ impl Contours {
         self.tie_loose_ends(TIE * size);
         self.order.clear();
         for i in 0..self.segments.len() as u32 {
-            self.order.push((root(&mut self.parents, i), i));
+            self.order.push((self.joined.root(i), i));
         }
         self.order.sort_unstable();
         self.sorted.clear();
@@ -203,7 +203,7 @@ impl Contours {
         for (n, &(p, i)) in self.loose.iter().enumerate() {
             for &(q, j) in self.loose[n + 1..].iter().take_while(|(q, _)| q.x - p.x <= reach) {
                 if p.distance_squared(q) <= reach * reach {
-                    unite(&mut self.parents, i, j);
+                    self.joined.join(i, j);
                 }
             }
         }
@@ -243,19 +243,6 @@ impl Contours {
         };
         Window { around, direction }
     }
-}
-
-fn unite(parents: &mut [u32], i: u32, j: u32) {
-    let [p, q] = [i, j].map(|i| root(parents, i));
-    parents[p.max(q) as usize] = p.min(q);
-}
-
-fn root(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        parents[i as usize] = parents[parents[i as usize] as usize];
-        i = parents[i as usize];
-    }
-    i
 }
 
 impl Patch {

@@ -70,6 +70,11 @@ impl KeptPairs {
         &mut self.pairs
     }
 
+    /// Returns the memory of pairs that are gone.
+    pub fn shrink(&mut self) {
+        self.free = Vec::new();
+    }
+
     /// Whether any pair is so large that it is worth more than one thread.
     pub fn has_large_pair(&self) -> bool {
         self.pairs.iter().any(|pair| pair.kept.is_large())

@@ -9,6 +9,13 @@ pub(crate) struct UnionFind {
 
 impl UnionFind {
     /// `count` sets of one number each.
+    pub fn new(count: usize) -> Self {
+        let mut sets = Self::default();
+        sets.reset(count);
+        sets
+    }
+
+    /// The same, with the memory of these.
     pub fn reset(&mut self, count: usize) {
         self.parents.clear();
         self.parents.extend(0..count as u32);
