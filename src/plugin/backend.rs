@@ -21,9 +21,9 @@ use bevy::prelude::*;
 use rayon::ThreadPool;
 
 #[cfg(feature = "gpu")]
-use crate::gpu::device::{self, Gpu, NoGpu};
+use crate::gpu::device::{Gpu, NoGpu};
 #[cfg(feature = "gpu")]
-use crate::gpu::readback::catch_lost;
+use crate::plugin::device_source::{Retries, Source};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
 #[cfg(feature = "gpu")]
@@ -90,19 +90,6 @@ pub struct BackendFailed {
     pub reason: String,
 }
 
-/// The owner of the device.
-#[cfg(feature = "gpu")]
-#[derive(Clone)]
-enum Source {
-    /// Unknown until the renderer's plugins are finished.
-    Unknown,
-    /// The plugin opens its own device.
-    Own,
-    /// Bevy's renderer owns this device.
-    #[cfg_attr(not(feature = "bevy_render"), expect(dead_code, reason = "there is none"))]
-    Renderer(Gpu),
-}
-
 /// Runs the stages on the chosen backend.
 pub(crate) struct Engine {
     /// Threads of the CPU stages. Rayon's global pool runs jobs from other threads last, so a bake on it would delay
@@ -119,9 +106,8 @@ pub(crate) struct Engine {
     gpu: Option<Box<GpuStep>>,
     #[cfg(feature = "gpu")]
     opening: Option<JoinHandle<Result<GpuStep, NoGpu>>>,
-    /// How many more times a lost device may be replaced.
     #[cfg(feature = "gpu")]
-    retries: u32,
+    retries: Retries,
     active: ActiveBackend,
     /// Whether `active` was returned by [`Engine::poll`].
     announced: bool,
@@ -130,11 +116,6 @@ pub(crate) struct Engine {
     /// Whether steps run on the CPU although there is a device.
     on_cpu: bool,
 }
-
-/// How many times a lost device is replaced. After a single loss, for example by a driver update, the reopened device
-/// works. Repeated losses have another cause.
-#[cfg(feature = "gpu")]
-const RETRIES: u32 = 3;
 
 #[cfg(feature = "gpu")]
 impl Drop for Engine {
@@ -173,7 +154,7 @@ impl Engine {
             #[cfg(feature = "gpu")]
             opening: None,
             #[cfg(feature = "gpu")]
-            retries: RETRIES,
+            retries: Retries::default(),
             active: ActiveBackend::Opening,
             announced: false,
             failure: None,
@@ -319,7 +300,7 @@ impl Engine {
                 return;
             }
             match gpu.run(state) {
-                Ok(()) => return,
+                Ok(()) => return self.retries.count_step(),
                 Err(error) => self.replace(&error),
             }
         }
@@ -363,30 +344,6 @@ impl Engine {
 }
 
 #[cfg(feature = "gpu")]
-impl Source {
-    /// Opens the source's device if it is suitable, and compiles the kernels. Those of contacts are compiled now with
-    /// `contacts`, else when a step needs them.
-    fn open(&self, software: bool, contacts: bool) -> Result<GpuStep, NoGpu> {
-        let gpu = match self {
-            Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| gpu.clone()),
-            Self::Own | Self::Unknown => device::open(software),
-        };
-        let gpu = gpu?;
-        let adapter = gpu.info.name.clone();
-        let make = || {
-            let step = GpuStep::new(gpu)?;
-            if contacts { step.with_contacts() } else { Ok(step) }
-        };
-        catch_lost(make).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
-    }
-
-    /// Whether the device is the renderer's and is lost, so that Bevy must open another one.
-    fn is_lost(&self) -> bool {
-        matches!(self, Self::Renderer(gpu) if device::is_lost(gpu))
-    }
-}
-
-#[cfg(feature = "gpu")]
 impl Engine {
     /// The stages on a device, if there is one.
     pub fn gpu_step(&mut self) -> Option<&mut GpuStep> {
@@ -416,7 +373,7 @@ impl Engine {
         }
         if let (Some(step), Source::Renderer(_)) = (self.gpu.take(), before) {
             let name = &step.gpu().info.name;
-            self.retries = self.retries.saturating_sub(1);
+            self.retries.take();
             self.failure = Some(format!(
                 "Bevy's renderer opened {name} again, and the stages continue there"
             ));
@@ -465,7 +422,10 @@ impl Engine {
             }
         });
         match result {
-            Ok(output) => Some(output),
+            Ok(output) => {
+                self.retries.count_step();
+                Some(output)
+            }
             Err(error) => {
                 self.replace(&error);
                 None
@@ -491,8 +451,7 @@ impl Engine {
         let name = failed.gpu().info.name.clone();
         drop(failed);
         let lost = matches!(error, StepError::Device(_));
-        if lost && self.retries > 0 {
-            self.retries -= 1;
+        if lost && self.retries.take() {
             if self.source.is_lost() {
                 return self.wait_for_renderer(&error.to_string());
             }

@@ -27,6 +27,8 @@ pub mod collisions;
 pub mod components;
 #[cfg(feature = "debug_gizmos")]
 pub mod debug;
+#[cfg(feature = "gpu")]
+mod device_source;
 pub mod diagnostics;
 pub mod events;
 mod groups;

@@ -19,6 +19,7 @@ pub struct Checks {
     starts: u64,
     rejected: u64,
     failures: u64,
+    on_device: usize,
     /// Seconds of each step, and whether it may be slow.
     times: Vec<(f32, bool)>,
     /// Steps in which it may still be slow.
@@ -34,6 +35,8 @@ pub struct Report {
     pub rejected: u64,
     /// How often a device failed.
     pub failures: u64,
+    /// Number of steps that ran on a device.
+    pub on_device: usize,
     /// Seconds of the median step.
     pub median: f32,
     /// The slowest ordinary step, and how many took over 20 times the median.
@@ -52,10 +55,11 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
-            "{} collisions started and all ended; {} bodies rejected; {} failures of devices; step {:.2} ms in the median, \
+            "{} collisions started and all ended; {} bodies rejected; {} steps on a device, which failed {} times; step {:.2} ms in the median, \
              at most {:.1} ms, {} over 20 times the median, {:.1} ms where a device was opened or steps changed place",
             self.starts,
             self.rejected,
+            self.on_device,
             self.failures,
             1e3 * self.median,
             1e3 * self.slowest,
@@ -83,6 +87,7 @@ impl Checks {
             starts: 0,
             rejected: 0,
             failures: 0,
+            on_device: 0,
             times,
             slow: 0,
             is_latent: readback == Readback::Latent,
@@ -108,6 +113,7 @@ impl Checks {
         self.messages(world, number);
         let last_step = world.resource::<StepReport>().step;
         let has_stepped = std::mem::replace(&mut self.last_step, last_step) != last_step;
+        self.on_device += usize::from(has_stepped && world.resource::<StepReport>().gpu.is_some());
         for collision in world.resource::<Collisions>().iter() {
             let pair = [collision.collider1, collision.collider2];
             let Contact { point, normal, .. } = collision.contact;
@@ -201,6 +207,7 @@ impl Checks {
             starts: self.starts,
             rejected: self.rejected,
             failures: self.failures,
+            on_device: self.on_device,
             median,
             slowest: ordinary.last().copied().unwrap_or_default(),
             outliers: ordinary.iter().filter(|&&time| time > 20.0 * median).count(),

@@ -312,7 +312,7 @@ impl Soak {
                 }
             }
             _ => {
-                // Seldom: after three losses steps stay on the CPU.
+                // Seldom: after three losses that soon follow each other steps stay on the CPU.
                 #[cfg(feature = "gpu")]
                 if place.y > 4.7
                     && let Some(gpu) = bevy_faceoff::plugin::gpu(world)
