@@ -38,8 +38,8 @@ const TASK: usize = 512;
 const SEARCHES: usize = 4;
 
 /// Writes the pairs of bodies that may collide and whose speculative spheres overlap into `sphere_pairs`: `a < b`,
-/// ascending. If there are more than `limit`, each search of a body ends after so many pairs that the list has about
-/// this length; returns the bodies of which pairs are left out.
+/// ascending. If there are more than `limit`, no search of a body finds more than a certain number of pairs, which is the
+/// same for all and as large as the limit allows to a factor of two. Returns the bodies of which pairs are left out.
 pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_pairs: &mut Vec<[u32; 2]>) -> Crowd {
     let Scratch {
         moving_grid,
@@ -81,12 +81,12 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         found.resize_with(tasks + static_tasks, Finder::default);
     }
     let found = &mut found[..tasks + static_tasks];
-    let mut search = |per_search: Option<usize>| {
+    let mut search = |most: MostPairs| {
         let total = AtomicUsize::new(0);
         loops::for_each(found.par_iter_mut().enumerate(), 1, |(task, finder)| {
             let range = |task: usize, grid: &Grid| task * TASK..((task + 1) * TASK).min(grid.ids.len());
-            finder.begin(limit, per_search);
-            if per_search.is_none() && total.load(Ordering::Relaxed) > limit {
+            finder.begin(most);
+            if total.load(Ordering::Relaxed) > most.in_all {
                 return;
             }
             if task < tasks {
@@ -98,8 +98,20 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
         });
         total.into_inner()
     };
-    if search(None) > limit {
-        search(Some((limit / (SEARCHES * bodies.center.len())).max(1)));
+    let within_limit = |per_search| MostPairs {
+        in_all: limit,
+        per_search,
+    };
+    if search(within_limit(usize::MAX)) > limit {
+        let mut per_search = (limit / (SEARCHES * bodies.center.len())).max(1);
+        // Bodies outside the crowd have few partners, and lose none of them once this is more.
+        while search(within_limit(2 * per_search)) <= limit {
+            per_search *= 2;
+        }
+        search(MostPairs {
+            in_all: usize::MAX,
+            per_search,
+        });
     }
 
     // Ascending order, so that the result does not depend on the grid or on the threads.
@@ -117,40 +129,54 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     Crowd::of(crowded)
 }
 
+/// Where a search for pairs ends early.
+#[derive(Clone, Copy)]
+struct MostPairs {
+    /// Most pairs of all bodies. With one more the search is given up.
+    in_all: usize,
+    /// Most pairs that one search of one body finds.
+    per_search: usize,
+}
+
+impl Default for MostPairs {
+    /// No limits.
+    fn default() -> Self {
+        Self {
+            in_all: usize::MAX,
+            per_search: usize::MAX,
+        }
+    }
+}
+
 /// Finds the pairs of a range of bodies.
 #[derive(Default)]
 struct Finder {
     found: Vec<[u32; 2]>,
     runs: Vec<Range<usize>>,
-    /// Most pairs that the task finds.
-    limit: usize,
-    /// Most pairs that a search of a body finds.
-    per_search: Option<usize>,
-    /// The bodies whose search ended early.
+    most: MostPairs,
+    /// The bodies that lost a pair, because their search ended early.
     crowded: Vec<u32>,
 }
 
 impl Finder {
-    fn begin(&mut self, limit: usize, per_search: Option<usize>) {
+    fn begin(&mut self, most: MostPairs) {
         self.found.clear();
         self.crowded.clear();
-        (self.limit, self.per_search) = (limit, per_search);
+        self.most = most;
     }
 
     /// The number of pairs at which the search of the next body ends.
     fn end_of_search(&self) -> usize {
-        // One more than the limit tells that it is exceeded.
-        self.per_search
-            .map_or(self.limit.saturating_add(1), |most| self.found.len() + most)
+        let MostPairs { in_all, per_search } = self.most;
+        self.found
+            .len()
+            .saturating_add(per_search)
+            .min(in_all.saturating_add(1))
     }
 
-    /// Ends the search of a body. Returns whether the task goes on.
-    fn end_search(&mut self, body: u32, end: usize) -> bool {
-        let is_full = self.found.len() >= end;
-        if is_full && self.per_search.is_some() {
-            self.crowded.push(body);
-        }
-        !is_full || self.per_search.is_some()
+    /// Whether the task has found more than all may find.
+    fn is_full(&self) -> bool {
+        self.found.len() > self.most.in_all
     }
 
     /// Finds the pairs of the moving bodies in `range`, in grid order: with moving bodies of coarser levels, with later
@@ -198,13 +224,14 @@ impl Finder {
                 end = grid.later_neighbors(level, own, &mut self.runs);
             }
             let sphere = grid.sphere(i);
-            let full = self.end_of_search();
-            let mut found = |j: usize| add([grid.ids[i], grid.ids[j]], bodies, &mut self.found, full);
-            grid.overlaps(sphere, i + 1..end, &mut found);
+            let end_of_search = self.end_of_search();
+            let (found, crowded) = (&mut self.found, &mut self.crowded);
+            let mut add = |j: usize| add([grid.ids[i], grid.ids[j]], bodies, end_of_search, found, crowded);
+            grid.overlaps(sphere, i + 1..end, &mut add);
             for run in &self.runs {
-                grid.overlaps(sphere, run.clone(), &mut found);
+                grid.overlaps(sphere, run.clone(), &mut add);
             }
-            if !self.end_search(grid.ids[i], full) {
+            if self.is_full() {
                 return;
             }
         }
@@ -228,26 +255,34 @@ impl Finder {
                 self.runs.clear();
                 other.rows(level, wanted, &mut self.runs);
             }
-            let full = self.end_of_search();
+            let end = self.end_of_search();
+            let (found, crowded) = (&mut self.found, &mut self.crowded);
             for run in &self.runs {
                 other.overlaps(sphere, run.start.max(first(i))..run.end, |j| {
-                    add([own.ids[i], other.ids[j]], bodies, &mut self.found, full)
+                    add([own.ids[i], other.ids[j]], bodies, end, found, crowded)
                 });
             }
-            if !self.end_search(own.ids[i], full) {
+            if self.is_full() {
                 return;
             }
         }
     }
 }
 
-/// Adds a pair that may collide, while there are fewer than `full`. Returns whether there still are.
-fn add([a, b]: [u32; 2], bodies: &Bodies, found: &mut Vec<[u32; 2]>, full: usize) -> bool {
+/// Adds a pair to `found` if it may collide. Returns whether the search goes on; if there are already `end`, the pair's
+/// first body is crowded instead.
+fn add([a, b]: [u32; 2], bodies: &Bodies, end: usize, found: &mut Vec<[u32; 2]>, crowded: &mut Vec<u32>) -> bool {
     let pair = [a.min(b), a.max(b)];
-    if found.len() < full && may_collide(bodies, pair) {
-        found.push(pair);
+    if !may_collide(bodies, pair) {
+        return true;
     }
-    found.len() < full
+    if found.len() < end {
+        found.push(pair);
+        true
+    } else {
+        crowded.push(a);
+        false
+    }
 }
 
 fn may_collide(bodies: &Bodies, [a, b]: [u32; 2]) -> bool {

@@ -11,8 +11,9 @@ use bevy::prelude::*;
 /// [`StepReport::crowded_bodies`](crate::plugin::collisions::StepReport::crowded_bodies) counts the bodies that lose
 /// pairs, and an error names one of them.
 ///
-/// * Beyond `body_pairs` each body keeps at least a quarter of its share, which is `body_pairs` over the number of bodies.
-///   Two bodies that overlap fewer others keep each other.
+/// * Beyond `body_pairs` no search of a body finds more than a certain number of pairs: the largest that the limit allows,
+///   to a factor of two, and at least a quarter of a body's share, which is `body_pairs` over the number of bodies. Two
+///   bodies that overlap fewer others keep each other.
 /// * Beyond `face_pairs` those of the bodies that overlap the most others are left out first, and pairs with static
 ///   bodies last.
 ///

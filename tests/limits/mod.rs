@@ -81,6 +81,49 @@ fn a_crowd_loses_pairs_and_the_others_lose_none() {
     }
 }
 
+/// A dense floor of boxes has eight partners each. Its share of the limit would be less than two.
+#[test]
+fn a_small_crowd_takes_nothing_from_many_others() {
+    let lattice = |crowd: usize, body_pairs: usize| {
+        let mut world = World::weightless();
+        world.state.input.config.response = Response::None;
+        world.state.input.config.limits.body_pairs = body_pairs;
+        let cube = world.mesh(&shapes::cube(1.0));
+        for i in 0..900 {
+            let position = Vec3::new((i % 30) as f32, 0.0, (i / 30) as f32);
+            world.add(RigidBody::Dynamic, cube, Vec3::ONE, position, Quat::IDENTITY);
+        }
+        for _ in 0..crowd {
+            world.add(
+                RigidBody::Dynamic,
+                cube,
+                Vec3::ONE,
+                Vec3::new(0.0, 50.0, 0.0),
+                Quat::IDENTITY,
+            );
+        }
+        world.step();
+        world.state.results
+    };
+    let (free, results) = (lattice(0, usize::MAX), lattice(300, 8000));
+    let aside: Vec<_> = results
+        .sphere_pairs
+        .iter()
+        .filter(|pair| pair[1] < 900)
+        .copied()
+        .collect();
+    assert!(aside.len() > 900 * 3);
+    assert_eq!(aside, free.sphere_pairs);
+    assert!(
+        results.crowd.bodies > 100 && results.crowd.example >= 900,
+        "{:?}",
+        results.crowd
+    );
+    let within = results.sphere_pairs.len() - aside.len();
+    assert!(within >= 300, "{within}");
+    assert!(results.sphere_pairs.len() <= 8000);
+}
+
 #[test]
 fn what_is_left_out_does_not_depend_on_threads() {
     let run = |threads: usize, limits| {
