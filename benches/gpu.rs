@@ -9,6 +9,8 @@
 //!
 //! A table of work has what a step asks of the device once lists are long enough, for each of the three readings.
 //!
+//! `--kernels` prints the time of each kernel of 300 tori and of 300 knots, with contacts.
+//!
 //! `--memory` prints the sizes of all buffers for a million tori, from the lists of 2,200 at the same density.
 //!
 //! `--quick` omits scenes that take minutes on a software driver. `--counts` counts 2,200 tori without measuring times,
@@ -18,7 +20,7 @@
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::buffers::{Buffers, Capacity};
-use bevy_faceoff::gpu::device;
+use bevy_faceoff::gpu::device::{self, Gpu};
 use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
 use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::solver::gpu::SolverBuffers;
@@ -38,7 +40,13 @@ const RESPONSES: [Response; 3] = [Response::Impulse, Response::None, Response::C
 
 fn main() {
     let has = |option: &str| std::env::args().any(|argument| argument == option);
-    let made = device::open(true).and_then(GpuStep::new);
+    let opened = device::open(true);
+    let opened = if has("--kernels") {
+        opened.and_then(Gpu::with_kernel_times)
+    } else {
+        opened
+    };
+    let made = opened.and_then(GpuStep::new);
     let mut step = match made {
         Ok(step) => step,
         Err(error) => {
@@ -52,6 +60,14 @@ fn main() {
         info.name, info.device_type, info.backend, info.driver, info.driver_info
     );
     let (torus, knot) = (shapes::torus_240(), shapes::knot_1120());
+    if has("--kernels") {
+        for (name, mesh, count) in [("300 tori", &torus, 300), ("300 knots", &knot, 300)] {
+            if let Err(error) = kernels(&mut step, name, mesh, count) {
+                println!("{name}: {error}");
+            }
+        }
+        return;
+    }
     let scenes: &[(&str, &TriMesh, usize)] = if has("--counts") {
         &[]
     } else if has("--quick") {
@@ -112,6 +128,37 @@ fn main() {
             }
         }
     }
+}
+
+/// Prints the time of each kernel in a step with contacts.
+fn kernels(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize) -> Result<(), StepError> {
+    let mesh = CollisionMesh::new(mesh);
+    let make = || scene(&mesh, count, Response::Contacts, SPEED, 1.0);
+    // Lists grow in the first step.
+    step.run(&mut make())?;
+    step.forget();
+    let mut state = make();
+    step.run(&mut state)?;
+    let times = step.gpu().kernel_times().map_err(StepError::Device)?;
+    let mut sums: Vec<(&str, usize, Duration)> = Vec::new();
+    for (kernel, time) in times {
+        match sums.iter_mut().find(|sum| sum.0 == kernel) {
+            Some(sum) => (sum.1, sum.2) = (sum.1 + 1, sum.2 + time),
+            None => sums.push((kernel, 1, time)),
+        }
+    }
+    sums.sort_by_key(|&(_, _, time)| std::cmp::Reverse(time));
+    let milliseconds = |time: Duration| 1.0e3 * time.as_secs_f64();
+    let all = milliseconds(sums.iter().map(|&(_, _, time)| time).sum()).max(f64::MIN_POSITIVE);
+    let substeps = state.results.collision_substeps;
+    println!(
+        "\n{name}, contacts, {substeps} collision substeps: {all:.3} ms\n\n| kernel | calls | ms | share |\n|---|---|---|---|"
+    );
+    for (kernel, calls, time) in sums {
+        let time = milliseconds(time);
+        println!("| {kernel} | {calls} | {time:.3} | {:.1} % |", 100.0 * time / all);
+    }
+    Ok(())
 }
 
 /// Prints the memory of a million bodies, if lists are as long by body as those of 2,200 are now.

@@ -1,6 +1,7 @@
 // Contact generation: pairs of triangles that are near each other. One workgroup per pair of bodies traverses both
-// bounding-volume trees, eight children of one node against eight of another at a time, one thread each: once to count,
-// once to write. The order is that of the trees, whatever the order of threads.
+// bounding-volume trees, eight children of one node against eight of another at a time, one thread each. It counts the
+// pairs and remembers where they are, and writes them once it knows their place in the list. If there are more than it
+// can remember, it traverses the trees again to write them. The order is that of the trees, whatever the order of threads.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{AROUND_ERROR, MAX_DEPTH, DIRECTION_ERROR, ERROR}
@@ -25,10 +26,16 @@ var<workgroup> stack: array<vec2<u32>, 512>;
 var<workgroup> found: array<atomic<u32>, 6>;
 var<workgroup> base: u32;
 
+// The first pairs of leaves with triangles that are near: the numbers of the two leaves, and a bit per pair of triangles.
+const MAX_LEAVES: u32 = 128u;
+var<workgroup> near_leaves: array<vec4<u32>, MAX_LEAVES>;
+
 var<private> reach: f32;
 // Rounding allowance.
 var<private> pad: f32;
 var<private> windowed: bool;
+// Number of pairs of leaves with triangles that are near; the same in all threads.
+var<private> leaf_count: u32;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
@@ -64,9 +71,32 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         base = select(t::NOTHING, base, fits && count > 0u);
     }
     let first = workgroupUniformLoad(&base);
-    if first != t::NOTHING {
-        descend(setup, a, b, thread, first);
+    if first == t::NOTHING {
+        return;
     }
+    if agree(thread, leaf_count) > MAX_LEAVES {
+        descend(setup, a, b, thread, first);
+    } else {
+        write_leaves(thread, first);
+    }
+}
+
+// Writes the pairs of triangles in `near_leaves`.
+fn write_leaves(thread: u32, first: u32) {
+    var at = first;
+    for (var i = 0u; i < leaf_count; i++) {
+        let leaves = near_leaves[i];
+        let mask = leaves.zw;
+        if (mask[thread / 32u] & (1u << (thread % 32u))) != 0u {
+            near_triangles[at + rank_of(mask, thread)] = vec4(children(leaves.xy, thread), 0u, 0u);
+        }
+        at += countOneBits(mask.x) + countOneBits(mask.y);
+    }
+}
+
+// The children of two nodes that a thread compares.
+fn children(numbers: vec2<u32>, thread: u32) -> vec2<u32> {
+    return 8u * numbers + vec2(thread / 8u, thread % 8u);
 }
 
 // Counts the pairs and, unless `first` is `NOTHING`, writes them from there on.
@@ -83,6 +113,7 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     let j = thread % 8u;
     var depth = 1u;
     var count = 0u;
+    leaf_count = 0u;
     // Which of the three bit sets is in use.
     var mask_set = 0u;
     loop {
@@ -97,13 +128,12 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
         let nodes = stack[next_depth];
         let level_a = tree::level_of(nodes.x);
         let level_b = tree::level_of(nodes.y);
-        let number_a = nodes.x & tree::NUMBER;
-        let number_b = nodes.y & tree::NUMBER;
+        let numbers = nodes & vec2(tree::NUMBER);
         let leaves = level_a == 0u && level_b == 0u;
         // The taller tree is opened, or both if they are equally tall.
         let open_a = level_a >= level_b;
         let open_b = level_b >= level_a;
-        var pair = vec2(8u * number_a + i, 8u * number_b + j);
+        var pair = children(numbers, thread);
         var meets = false;
         if leaves {
             meets = triangles_near(setup, a, b, pair);
@@ -124,6 +154,10 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
             if meets && first != t::NOTHING {
                 near_triangles[first + count + rank_of(mask, thread)] = vec4(pair, 0u, 0u);
             }
+            if thread == 0u && number > 0u && leaf_count < MAX_LEAVES {
+                near_leaves[leaf_count] = vec4(numbers, mask);
+            }
+            leaf_count += u32(number > 0u);
             count += number;
         } else {
             if meets {

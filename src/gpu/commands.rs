@@ -1,6 +1,7 @@
 //! Commands of a step: kernels, copies and uploads, counted where they are recorded.
 
 use super::device::Gpu;
+use super::kernel_timer::KernelTimer;
 use super::known::Known;
 use crate::types::gpu_work::GpuWork;
 use std::ops::Range;
@@ -20,6 +21,9 @@ pub struct Commands<'g> {
 impl<'g> Commands<'g> {
     /// No commands yet.
     pub fn new(gpu: &'g Gpu, label: &'static str) -> Self {
+        if let Some(timer) = &gpu.kernel_timer {
+            timer.begin();
+        }
         Self {
             gpu,
             encoder: gpu
@@ -83,11 +87,15 @@ impl<'g> Commands<'g> {
             }),
             work: &mut self.work,
             validates_indirect: self.gpu.validates_indirect,
+            timer: self.gpu.kernel_timer.as_deref(),
         }
     }
 
     /// Submits them.
     pub fn submit(mut self) -> (SubmissionIndex, GpuWork) {
+        if let Some(timer) = &self.gpu.kernel_timer {
+            timer.resolve(&mut self.encoder);
+        }
         let submission = self.gpu.queue.submit([self.encoder.finish()]);
         self.work.submissions += 1;
         (submission, self.work)
@@ -100,9 +108,17 @@ pub struct Pass<'c> {
     pub pass: ComputePass<'c>,
     work: &'c mut GpuWork,
     validates_indirect: bool,
+    timer: Option<&'c KernelTimer>,
 }
 
 impl Pass<'_> {
+    /// If kernels are timed, a time stamp before this one, or at the end of the pass.
+    pub fn time(&mut self, kernel: Option<&'static str>) {
+        if let Some(timer) = self.timer {
+            timer.stamp(&mut self.pass, kernel);
+        }
+    }
+
     /// Calls the current kernel in this many workgroups along each axis.
     pub fn dispatch(&mut self, [x, y, z]: [u32; 3]) {
         self.pass.dispatch_workgroups(x, y, z);

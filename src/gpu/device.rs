@@ -1,7 +1,9 @@
 //! The GPU device that the stages run on, and why there may be none.
 
 use super::kernel::Kernels;
+use super::kernel_timer::KernelTimer;
 use super::readback::{alive, wait};
+use std::sync::Arc;
 use thiserror::Error;
 use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, InstanceFlags, Limits, Queue};
 
@@ -21,6 +23,8 @@ pub struct Gpu {
     pub(super) validates_indirect: bool,
     /// Each is compiled once, by the first that needs it.
     pub(super) kernels: Kernels,
+    /// For benches.
+    pub(super) kernel_timer: Option<Arc<KernelTimer>>,
 }
 
 impl Gpu {
@@ -32,6 +36,7 @@ impl Gpu {
             info,
             validates_indirect: flags.contains(InstanceFlags::VALIDATION_INDIRECT_CALL),
             kernels: Kernels::default(),
+            kernel_timer: None,
         }
     }
 }
@@ -182,7 +187,8 @@ async fn request(adapter: &Adapter, flags: InstanceFlags) -> Result<Gpu, NoGpu> 
     let (device, queue) = adapter
         .request_device(&wgpu::DeviceDescriptor {
             label: Some("faceoff"),
-            required_features: adapter.features() & Features::TIMESTAMP_QUERY,
+            required_features: adapter.features()
+                & (Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_PASSES),
             // The limits of the adapter instead of the defaults, for longer lists.
             required_limits: limits,
             ..Default::default()

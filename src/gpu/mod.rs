@@ -24,6 +24,7 @@ pub mod buffers;
 pub mod commands;
 pub mod device;
 pub mod kernel;
+pub mod kernel_timer;
 pub mod known;
 pub mod layout;
 pub mod mesh_features;

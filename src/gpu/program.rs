@@ -211,6 +211,7 @@ impl<const N: usize> BufferSet for [(&str, &Buffer); N] {
 /// A call with its bindings.
 #[derive(Clone, Debug)]
 struct BoundCall {
+    kernel: &'static str,
     pipeline: ComputePipeline,
     bind_group: BindGroup,
     groups: Groups,
@@ -266,6 +267,7 @@ impl Program {
         for call in calls.filter(takes_part) {
             pass.pass.set_pipeline(&call.pipeline);
             pass.pass.set_bind_group(0, &call.bind_group, &[]);
+            pass.time(Some(call.kernel));
             match (call.groups, &call.arguments) {
                 (Groups::Exactly(n), _) => dispatch(&mut pass, n),
                 (Groups::PerBodies(per), _) => dispatch(&mut pass, bodies.div_ceil(per)),
@@ -276,6 +278,7 @@ impl Program {
                 (Groups::Indirect(..), None) => {}
             }
         }
+        pass.time(None);
     }
 }
 
@@ -314,6 +317,7 @@ impl Binder<'_> {
             entries: &entries,
         });
         BoundCall {
+            kernel: call.kernel.name,
             pipeline,
             bind_group,
             groups: call.groups,

@@ -30,8 +30,44 @@ fn what_does_not_do_what_it_says_is_told_by_entity_and_name() {
     long_ways();
     hooks();
     faults();
+    crowds();
     #[cfg(feature = "bevy_mesh")]
     without_meshes();
+}
+
+/// A crowd that loses pairs: an error names one of its bodies, and the report counts them until they are apart.
+fn crowds() {
+    let mut sim = Sim::new();
+    sim.world().insert_resource(Response::None);
+    sim.world().insert_resource(StepLimits {
+        body_pairs: 50,
+        ..default()
+    });
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let aside = sim.spawn(resting(&cube, Vec3::Y * 50.0));
+    let crowd: Vec<Entity> = (0..30).map(|_| sim.spawn(resting(&cube, Vec3::ZERO))).collect();
+    for _ in 0..3 {
+        sim.step(1);
+        let crowded = sim.report().crowded_bodies;
+        assert!((10..=30).contains(&crowded), "{crowded}");
+    }
+    let errors = told();
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert!(errors[0].contains("StepLimits"), "{errors:?}");
+    assert!(!errors[0].contains(&aside.to_string()), "{errors:?}");
+    assert!(
+        crowd
+            .iter()
+            .any(|body| errors[0].contains(&format!("one of them is {body} at"))),
+        "{errors:?}"
+    );
+    for (i, &body) in crowd.iter().enumerate() {
+        let place = Transform::from_xyz(3.0 * i as f32, 0.0, 0.0);
+        sim.world().entity_mut(body).insert(place);
+    }
+    sim.step(1);
+    assert_eq!(sim.report().crowded_bodies, 0);
+    assert_eq!(told(), [""; 0]);
 }
 
 /// Numbers that count as others.

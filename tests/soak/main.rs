@@ -72,7 +72,7 @@ fn half_an_hour_of_a_thousand_bodies() {
 
 #[cfg(feature = "gpu")]
 #[test]
-#[ignore = "takes an hour with a software driver"]
+#[ignore = "takes hours with a software driver"]
 fn ten_thousand_steps_on_a_device() {
     let report = soak::run(Plan {
         backend: Backend::Gpu,
