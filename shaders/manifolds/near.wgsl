@@ -88,15 +88,10 @@ fn write_leaves(thread: u32, first: u32) {
         let leaves = near_leaves[i];
         let mask = leaves.zw;
         if (mask[thread / 32u] & (1u << (thread % 32u))) != 0u {
-            near_triangles[at + rank_of(mask, thread)] = vec4(children(leaves.xy, thread), 0u, 0u);
+            near_triangles[at + tree::rank_of(mask, thread)] = vec4(tree::children_of(leaves.xy, thread), 0u, 0u);
         }
         at += countOneBits(mask.x) + countOneBits(mask.y);
     }
-}
-
-// The children of two nodes that a thread compares.
-fn children(numbers: vec2<u32>, thread: u32) -> vec2<u32> {
-    return 8u * numbers + vec2(thread / 8u, thread % 8u);
 }
 
 // Counts the pairs and, unless `first` is `NOTHING`, writes them from there on.
@@ -109,8 +104,6 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     }
     workgroupBarrier();
     let bit = 1u << (thread % 32u);
-    let i = thread / 8u;
-    let j = thread % 8u;
     var depth = 1u;
     var count = 0u;
     leaf_count = 0u;
@@ -126,23 +119,14 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
         }
         var next_depth = depth - 1u;
         let nodes = stack[next_depth];
-        let level_a = tree::level_of(nodes.x);
-        let level_b = tree::level_of(nodes.y);
-        let numbers = nodes & vec2(tree::NUMBER);
-        let leaves = level_a == 0u && level_b == 0u;
-        // The taller tree is opened, or both if they are equally tall.
-        let open_a = level_a >= level_b;
-        let open_b = level_b >= level_a;
-        var pair = children(numbers, thread);
+        let opened = tree::open(nodes, thread);
+        let pair = opened.pair;
+        let leaves = opened.leaves;
         var meets = false;
         if leaves {
             meets = triangles_near(setup, a, b, pair);
         } else {
-            pair = vec2(
-                select(nodes.x, tree::node(level_a - 1u, pair.x), open_a),
-                select(nodes.y, tree::node(level_b - 1u, pair.y), open_b),
-            );
-            meets = (open_a || i == 0u) && (open_b || j == 0u) && boxes_near(setup, a, b, pair);
+            meets = opened.wanted && boxes_near(setup, a, b, pair);
         }
         if meets {
             atomicOr(&found[mask_set + thread / 32u], bit);
@@ -152,16 +136,16 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
         let number = countOneBits(mask.x) + countOneBits(mask.y);
         if leaves {
             if meets && first != t::NOTHING {
-                near_triangles[first + count + rank_of(mask, thread)] = vec4(pair, 0u, 0u);
+                near_triangles[first + count + tree::rank_of(mask, thread)] = vec4(pair, 0u, 0u);
             }
             if thread == 0u && number > 0u && leaf_count < MAX_LEAVES {
-                near_leaves[leaf_count] = vec4(numbers, mask);
+                near_leaves[leaf_count] = vec4(nodes & vec2(tree::NUMBER), mask);
             }
             leaf_count += u32(number > 0u);
             count += number;
         } else {
             if meets {
-                stack[next_depth + rank_of(mask, thread)] = pair;
+                stack[next_depth + tree::rank_of(mask, thread)] = pair;
             }
             next_depth += number;
         }
@@ -178,15 +162,6 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     }
     workgroupBarrier();
     return count;
-}
-
-// Number of earlier threads whose bit is set.
-fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
-    let below = (1u << (thread % 32u)) - 1u;
-    if thread < 32u {
-        return countOneBits(mask.x & below);
-    }
-    return countOneBits(mask.x) + countOneBits(mask.y & below);
 }
 
 // Whether both nodes exist, are in the window, and their boxes are near along the axes of both.

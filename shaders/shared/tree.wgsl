@@ -40,3 +40,39 @@ fn box_of(end: u32, node: u32) -> u32 {
     let number = node & NUMBER;
     return select(0u, first[level] + 6u * number, number < count[level]);
 }
+
+// What one of 64 threads compares when a pair of nodes is opened.
+struct Opened {
+    // A pair of nodes or, if both are leaves, the numbers of two triangles.
+    pair: vec2<u32>,
+    leaves: bool,
+    // Whether no other thread compares the same.
+    wanted: bool,
+}
+
+// Opens the taller one of two nodes, or both if they are equally tall: eight children of one against eight of the other.
+fn open(nodes: vec2<u32>, thread: u32) -> Opened {
+    let levels = nodes >> vec2(28u);
+    let children = children_of(nodes & vec2(NUMBER), thread);
+    if levels.x == 0u && levels.y == 0u {
+        return Opened(children, true, true);
+    }
+    let opens = vec2(levels.x >= levels.y, levels.y >= levels.x);
+    let opened = vec2(node(levels.x - 1u, children.x), node(levels.y - 1u, children.y));
+    let is_first = vec2(thread / 8u, thread % 8u) == vec2(0u);
+    return Opened(select(nodes, opened, opens), false, all(opens | is_first));
+}
+
+// The numbers of the children of two nodes that a thread compares.
+fn children_of(numbers: vec2<u32>, thread: u32) -> vec2<u32> {
+    return 8u * numbers + vec2(thread / 8u, thread % 8u);
+}
+
+// Number of earlier threads whose bit is set in a mask of 64.
+fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
+    let below = (1u << (thread % 32u)) - 1u;
+    if thread < 32u {
+        return countOneBits(mask.x & below);
+    }
+    return countOneBits(mask.x) + countOneBits(mask.y & below);
+}

@@ -134,7 +134,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             workgroupBarrier();
             let mask = vec2(atomicLoad(&found[mask_set]), atomicLoad(&found[mask_set + 1u]));
             let hits_now = countOneBits(mask.x) + countOneBits(mask.y);
-            let rank = rank_of(mask, thread);
+            let rank = tree::rank_of(mask, thread);
             if thread == 0u && hits_now > 0u {
                 hit_base = atomicAdd(&counters[t::HITS], hits_now);
             }
@@ -166,28 +166,15 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         } else {
             let last = depth - 1u;
             let nodes = stack[last];
-            let level_a = tree::level_of(nodes.x);
-            let level_b = tree::level_of(nodes.y);
-            let number_a = nodes.x & tree::NUMBER;
-            let number_b = nodes.y & tree::NUMBER;
-            let i = thread / 8u;
-            let j = thread % 8u;
-            // Two clusters of eight triangles: each thread places its own two triangles, which costs less than waiting for
-            // other threads. Else the taller tree is opened, or both if they are equally tall.
-            let leaves = level_a == 0u && level_b == 0u;
-            let open_a = level_a >= level_b;
-            let open_b = level_b >= level_a;
-            var candidate = vec2(8u * number_a + i, 8u * number_b + j);
+            let opened = tree::open(nodes, thread);
+            let candidate = opened.pair;
+            let leaves = opened.leaves;
             var meets = false;
             if leaves {
+                // Each thread places its own two triangles, which costs less than waiting for other threads.
                 meets = may_intersect(pair, candidate);
             } else {
-                candidate = vec2(
-                    select(nodes.x, tree::node(level_a - 1u, candidate.x), open_a),
-                    select(nodes.y, tree::node(level_b - 1u, candidate.y), open_b),
-                );
-                let wanted = (open_a || i == 0u) && (open_b || j == 0u);
-                meets = wanted && boxes_meet(pair, candidate.x, candidate.y);
+                meets = opened.wanted && boxes_meet(pair, candidate.x, candidate.y);
             }
             if meets {
                 atomicOr(&found[word], bit);
@@ -197,12 +184,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
             let number = countOneBits(mask.x) + countOneBits(mask.y);
             if leaves {
                 if meets {
-                    queue[waiting + rank_of(mask, thread)] = candidate;
+                    queue[waiting + tree::rank_of(mask, thread)] = candidate;
                 }
                 next_lengths = vec2(last, waiting + number);
             } else {
                 if meets {
-                    stack[last + rank_of(mask, thread)] = candidate;
+                    stack[last + tree::rank_of(mask, thread)] = candidate;
                 }
                 next_lengths.x = last + number;
             }
@@ -262,15 +249,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         results[index] = result;
     }
-}
-
-// Number of earlier threads whose bit is set.
-fn rank_of(mask: vec2<u32>, thread: u32) -> u32 {
-    let below = (1u << (thread % 32u)) - 1u;
-    if thread < 32u {
-        return countOneBits(mask.x & below);
-    }
-    return countOneBits(mask.x) + countOneBits(mask.y & below);
 }
 
 // From a's axes and the pair's unit to the world.
