@@ -13,7 +13,7 @@ const SIZE: [u32; 2] = [960, 720];
 /// Samples per pixel along each axis.
 const SAMPLES: u32 = 2;
 /// The height of the view at distance 1.
-const FIELD: f32 = 0.72;
+const FIELD: f32 = 0.78;
 
 /// Draws the bodies of a world and writes `DIR/frame_STEP.png`.
 pub fn save(world: &mut World, framing: &Framing, step: usize, folder: &Path) -> Outcome {

@@ -21,7 +21,7 @@ struct Run {
 pub fn growth(plan: &Plan, report: &mut Report) -> Outcome {
     let mut table = Table::new(
         "growth",
-        &["bodies", "step_ms", "us_per_body", "peak_memory_mib", "bytes_per_body"],
+        &["bodies", "step_ms", "us_per_body", "peak_megabytes", "bytes_per_body"],
     );
     let (mut time, mut memory) = (Vec::new(), Vec::new());
     // What a process needs for one body is the app's, not the bodies'.
@@ -35,7 +35,7 @@ pub fn growth(plan: &Plan, report: &mut Report) -> Outcome {
             json!(bodies),
             json!(run.step_ms),
             json!(each),
-            json!(run.peak_bytes.map(|bytes| bytes / 1048576.0)),
+            json!(run.peak_bytes.map(|bytes| bytes / 1e6)),
             json!(per_body),
         ]);
         time.push((n, each));

@@ -169,8 +169,9 @@ pub fn run(options: &Options) -> Outcome {
     report.text(&format!(
         "Medians over the steps of the table. The paper's column is its table 1, on a GeForce 8800 GTX; a ratio above 1 means that \
          ours is faster, on other hardware. Sphere pairs are pairs of bodies whose bounding spheres overlap. The paper does not give \
-         the size of its box; ours has a size at which there are about as many pairs. Face tables: a direction every {degrees} \
-         degrees, {pixels} x {pixels} pixels.",
+         the size of its box; ours has a size at which there are about as many pairs. Each row is a run of its own, in \
+         which bodies move as the mode's collisions make them, so that its pairs differ from those of other modes and numbers of \
+         steps; the recall below compares equal poses. Face tables: a direction every {degrees} degrees, {pixels} x {pixels} pixels.",
     ));
     table1::table_1(&plan, &mut devices, &both, &mut report)?;
 

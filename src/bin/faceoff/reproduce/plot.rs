@@ -3,6 +3,7 @@
 use crate::Outcome;
 use plotters::coord::combinators::LogCoord;
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use std::error::Error;
 use std::ops::Range;
@@ -75,10 +76,23 @@ fn draw(svg: &mut String, title: &str, x: &str, y: &str, series: &[Series]) -> R
     for (i, line) in series.iter().enumerate() {
         let colour = COLOURS[i % COLOURS.len()];
         let there: Vec<_> = line.points.iter().copied().filter(|p| p.0 > 0.0 && p.1 > 0.0).collect();
-        chart
-            .draw_series(LineSeries::new(there.clone(), colour.stroke_width(2)))?
-            .label(&line.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        let style = colour.stroke_width(2);
+        // Every other line is dashed, so that the one below it is seen.
+        let dashed = i > 0 && i % 2 == 0;
+        let (dash, gap) = (7, 6);
+        let drawn = if dashed {
+            chart.draw_series(DashedLineSeries::new(there.clone(), dash, gap, style))?
+        } else {
+            chart.draw_series(LineSeries::new(there.clone(), style))?
+        };
+        drawn.label(&line.name).legend(move |(x, y)| {
+            let line = [(x, y), (x + 20, y)];
+            if dashed {
+                DashedPathElement::new(line, dash, gap, style).into_dyn()
+            } else {
+                PathElement::new(line, style).into_dyn()
+            }
+        });
         chart.draw_series(there.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;
     }
     chart
