@@ -33,6 +33,10 @@ pub const TESTS: &[Test] = &[
         overflow::too_much_is_an_error_that_leaves_no_trace,
     ),
     (
+        "a_crowd_is_refused_and_leaves_no_trace",
+        overflow::a_crowd_is_refused_and_leaves_no_trace,
+    ),
+    (
         "small_worlds_take_few_dispatches",
         work::small_worlds_take_few_dispatches,
     ),

@@ -80,6 +80,46 @@ pub fn too_many_places_are_found_or_an_error(gpu: &Gpu) {
     agree(&heap(&strip(64, 60.0), 80, 4.0), &mut step, "64 triangles").require_no_failures();
 }
 
+/// A crowd with more intersecting faces than a device holds is refused with the need, and the next step is as ever. A real
+/// device would take minutes to be filled, so this one may bind little memory only.
+pub fn a_crowd_is_refused_and_leaves_no_trace(gpu: &Gpu) {
+    let mut step = GpuStep::new(with_binding_size(gpu, 8 << 20)).unwrap();
+    let crowd = heap(&shapes::torus_240(), 80, 0.1);
+    let mut state = crowd.state();
+    let positions = state.input.bodies.position.clone();
+    let error = step.run(&mut state).unwrap_err();
+    let StepError::TooLarge(need) = error else {
+        panic!("{error}")
+    };
+    assert_eq!(need.limit, 8 << 20);
+    assert!(need.bytes > need.limit, "{need}");
+    assert_eq!(state.input.bodies.position, positions);
+    let tally = agree(&heap(&shapes::torus_240(), 40, 2.0), &mut step, "after a crowd");
+    tally.require_no_failures();
+    assert!(tally.touching > 20);
+}
+
+/// The same adapter's device, opened again, with buffers of so many bytes at most.
+fn with_binding_size(gpu: &Gpu, bytes: u64) -> Gpu {
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    let flags = descriptor.flags;
+    let (device, queue) = pollster::block_on(async {
+        let instance = wgpu::Instance::new(descriptor);
+        let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+        adapters.retain(|adapter| adapter.get_info() == gpu.info);
+        let required_limits = wgpu::Limits {
+            max_storage_buffer_binding_size: bytes,
+            ..adapters[0].limits()
+        };
+        let descriptor = wgpu::DeviceDescriptor {
+            required_limits,
+            ..Default::default()
+        };
+        adapters[0].request_device(&descriptor).await.unwrap()
+    });
+    Gpu::new(device, queue, gpu.info.clone(), flags)
+}
+
 /// What the device cannot hold is an error, and the next step is as if it had never been tried.
 pub fn too_much_is_an_error_that_leaves_no_trace(gpu: &Gpu) {
     let limits = gpu.device.limits();
