@@ -1,7 +1,7 @@
 //! Declaration and compilation of kernels. Bindings and workgroup sizes are reflected from the WGSL.
 
 use super::device::Gpu;
-use super::readback::scoped;
+use super::readback::{DeviceError, scoped};
 use super::shader::{Module, composer};
 use naga_oil::compose::{Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue, ShaderType};
 use std::borrow::Cow;
@@ -235,7 +235,7 @@ impl Gpu {
         &self,
         modules: impl IntoIterator<Item = &'s Module>,
         kernels: impl IntoIterator<Item = &'s Kernel>,
-    ) -> Result<(), String> {
+    ) -> Result<(), DeviceError> {
         let mut compiled = self.kernels.lock();
         let mut missing: Vec<_> = kernels.into_iter().filter(|k| !compiled.contains_key(k.name)).collect();
         missing.sort_by_key(|kernel| kernel.name);
@@ -243,11 +243,14 @@ impl Gpu {
         if missing.is_empty() {
             return Ok(());
         }
-        let mut composer = composer(modules).map_err(|e| e.to_string())?;
+        let mut composer = composer(modules).map_err(DeviceError::failed)?;
         let mut composed = Vec::with_capacity(missing.len());
         for kernel in missing {
             let module = kernel.compose(&mut composer);
-            composed.push((kernel, module.map_err(|error| error.emit_to_string(&composer))?));
+            composed.push((
+                kernel,
+                module.map_err(|error| DeviceError::Failed(error.emit_to_string(&composer)))?,
+            ));
         }
         compiled.extend(self.compile_side_by_side(composed)?);
         Ok(())
@@ -256,7 +259,7 @@ impl Gpu {
     fn compile_side_by_side(
         &self,
         composed: Vec<(&Kernel, naga::Module)>,
-    ) -> Result<Vec<(&'static str, Compiled)>, String> {
+    ) -> Result<Vec<(&'static str, Compiled)>, DeviceError> {
         let threads = std::thread::available_parallelism()
             .map_or(1, usize::from)
             .min(composed.len());

@@ -1,7 +1,7 @@
 //! The time of each kernel on the device, for benches.
 
 use super::device::{Gpu, NoGpu};
-use super::readback::read_words;
+use super::readback::{DeviceError, read_words};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use wgpu::{
@@ -61,7 +61,7 @@ impl Gpu {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn kernel_times(&self) -> Result<Vec<(&'static str, Duration)>, String> {
+    pub fn kernel_times(&self) -> Result<Vec<(&'static str, Duration)>, DeviceError> {
         let Some(timer) = &self.kernel_timer else {
             return Ok(Vec::new());
         };

@@ -3,30 +3,65 @@
 use super::device::Gpu;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, channel};
+use thiserror::Error;
 use wgpu::{Buffer, BufferAsyncError, BufferDescriptor, BufferUsages, BufferView, ErrorFilter, MapMode, PollType};
+
+/// Why a device did not do its work.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum DeviceError {
+    /// It has no memory left. A new device would have none either.
+    #[error("out of memory: {0}")]
+    OutOfMemory(String),
+    /// It is lost, or refuses a call.
+    #[error("{0}")]
+    Failed(String),
+}
+
+impl DeviceError {
+    /// A loss or a refusal, with its reason.
+    pub fn failed(reason: impl ToString) -> Self {
+        Self::Failed(reason.to_string())
+    }
+}
+
+impl From<wgpu::Error> for DeviceError {
+    fn from(error: wgpu::Error) -> Self {
+        let wgpu::Error::OutOfMemory { source } = &error else {
+            return Self::Failed(error.to_string());
+        };
+        // wgpu's own text does not say which call found no memory.
+        let mut reason = source.to_string();
+        let mut cause = source.source();
+        while let Some(deeper) = cause {
+            reason += &format!(": {deeper}");
+            cause = deeper.source();
+        }
+        Self::OutOfMemory(reason)
+    }
+}
 
 /// Runs `work` in error scopes. Errors outside of a scope would make Bevy end the app.
 ///
 /// # Errors
-/// The first error, if there is one; that the device is lost, if wgpu panics.
-pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, String> {
-    let filters = [ErrorFilter::Internal, ErrorFilter::OutOfMemory, ErrorFilter::Validation];
+/// The error, if there is one; that the device is lost, if wgpu panics. Of several errors that of memory: what does not
+/// exist for want of it is invalid in every later call.
+pub fn scoped<T>(gpu: &Gpu, work: impl FnOnce() -> T) -> Result<T, DeviceError> {
+    let filters = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation];
     let scopes = filters.map(|filter| gpu.device.push_error_scope(filter));
     let result = catch_lost(work);
-    let mut first = None;
+    let mut worst = None;
     // Scopes are popped in reverse order.
     for scope in scopes.into_iter().rev() {
-        let error = pollster::block_on(scope.pop());
-        first = first.or(error);
+        worst = pollster::block_on(scope.pop()).or(worst);
     }
-    first.map_or(result, |error| Err(error.to_string()))
+    worst.map_or(result, |error| Err(error.into()))
 }
 
 /// Waits until all work is done.
 ///
 /// # Errors
 /// If the device is lost.
-pub fn wait(gpu: &Gpu) -> Result<(), String> {
+pub fn wait(gpu: &Gpu) -> Result<(), DeviceError> {
     poll(gpu, PollType::wait_indefinitely())
 }
 
@@ -34,20 +69,20 @@ pub fn wait(gpu: &Gpu) -> Result<(), String> {
 ///
 /// # Errors
 /// If the device is lost.
-pub fn poll(gpu: &Gpu, what: PollType) -> Result<(), String> {
+pub fn poll(gpu: &Gpu, what: PollType) -> Result<(), DeviceError> {
     let polled = catch_lost(|| gpu.device.poll(what))?;
-    polled.map(|_| ()).map_err(|error| error.to_string())
+    polled.map(|_| ()).map_err(DeviceError::failed)
 }
 
 /// Checks that the device works. A lost device may report that a buffer is mapped, and reading it would panic.
 ///
 /// # Errors
 /// If the device is lost.
-pub fn alive(gpu: &Gpu) -> Result<(), String> {
+pub fn alive(gpu: &Gpu) -> Result<(), DeviceError> {
     scoped(gpu, || {
         // wgpu does not report errors of lost devices, but it refuses at once to map their buffers.
         match request(&staging(gpu, 4), 4).try_recv() {
-            Ok(Err(_)) => Err("it is lost".to_string()),
+            Ok(Err(_)) => Err(DeviceError::failed("it is lost")),
             _ => Ok(()),
         }
     })?
@@ -67,7 +102,7 @@ pub fn request(staging: &Buffer, bytes: u64) -> Receiver<Result<(), BufferAsyncE
 ///
 /// # Errors
 /// If the device is lost.
-pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, String> {
+pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, DeviceError> {
     alive(gpu)?;
     catch_lost(|| staging.slice(..bytes).get_mapped_range())
 }
@@ -77,13 +112,13 @@ pub fn view(gpu: &Gpu, staging: &Buffer, bytes: u64) -> Result<BufferView, Strin
 ///
 /// # Errors
 /// If it panicked, with the message of the panic.
-pub fn catch_lost<T>(call: impl FnOnce() -> T) -> Result<T, String> {
+pub fn catch_lost<T>(call: impl FnOnce() -> T) -> Result<T, DeviceError> {
     catch_unwind(AssertUnwindSafe(call)).map_err(|panic| {
         let text = panic.downcast_ref::<&str>().copied();
         let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
         match text {
-            Some(text) => format!("it is lost: {}", text.trim()),
-            None => "it is lost".to_string(),
+            Some(text) => DeviceError::failed(format!("it is lost: {}", text.trim())),
+            None => DeviceError::failed("it is lost"),
         }
     })
 }
@@ -102,11 +137,11 @@ pub fn staging(gpu: &Gpu, bytes: u64) -> Buffer {
 ///
 /// # Errors
 /// If the device is lost.
-pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) -> T) -> Result<T, String> {
+pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) -> T) -> Result<T, DeviceError> {
     let receiver = scoped(gpu, || request(staging, bytes.max(4)))?;
     wait(gpu)?;
-    let mapped = receiver.recv().map_err(|error| error.to_string())?;
-    mapped.map_err(|error| error.to_string())?;
+    let mapped = receiver.recv().map_err(DeviceError::failed)?;
+    mapped.map_err(DeviceError::failed)?;
     let result = look(&view(gpu, staging, bytes.max(4))?[..bytes as usize]);
     scoped(gpu, || staging.unmap())?;
     Ok(result)
@@ -116,7 +151,7 @@ pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) 
 ///
 /// # Errors
 /// The device's message.
-pub fn read_words(gpu: &Gpu, buffer: &Buffer, words: usize) -> Result<Vec<u32>, String> {
+pub fn read_words(gpu: &Gpu, buffer: &Buffer, words: usize) -> Result<Vec<u32>, DeviceError> {
     let bytes = 4 * words as u64;
     scoped(gpu, || {
         let staging = staging(gpu, bytes);

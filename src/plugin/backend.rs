@@ -23,6 +23,8 @@ use rayon::ThreadPool;
 #[cfg(feature = "gpu")]
 use crate::gpu::device::{Gpu, NoGpu};
 #[cfg(feature = "gpu")]
+use crate::gpu::readback::DeviceError;
+#[cfg(feature = "gpu")]
 use crate::plugin::device_source::{Retries, Source};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::results::{Detail, Output};
@@ -450,8 +452,8 @@ impl Engine {
         let Some(failed) = self.gpu.take() else { return };
         let name = failed.gpu().info.name.clone();
         drop(failed);
-        let lost = matches!(error, StepError::Device(_));
-        if lost && self.retries.take() {
+        let may_be_cured = matches!(error, StepError::Device(DeviceError::Failed(_)));
+        if may_be_cured && self.retries.take() {
             if self.source.is_lost() {
                 return self.wait_for_renderer(&error.to_string());
             }

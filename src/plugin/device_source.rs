@@ -30,7 +30,10 @@ impl Source {
             let step = GpuStep::new(gpu)?;
             if contacts { step.with_contacts() } else { Ok(step) }
         };
-        catch_lost(make).unwrap_or_else(|reason| Err(NoGpu::Failed { adapter, reason }))
+        catch_lost(make).unwrap_or_else(|error| {
+            let reason = error.to_string();
+            Err(NoGpu::Failed { adapter, reason })
+        })
     }
 
     /// Whether the device is the renderer's and is lost, so that Bevy must open another one.

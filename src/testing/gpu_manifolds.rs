@@ -9,7 +9,7 @@ use crate::gpu::layout::{
     ContactPoint, FLAT_RADIUS, MARGIN_PAIRS,
 };
 use crate::gpu::program::{Calls, Population, Program};
-use crate::gpu::readback::{read_words, scoped};
+use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::manifolds::gpu::record::{record_lists, record_points};
 use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, SHADERS};
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
@@ -69,7 +69,7 @@ impl GpuManifolds {
             }),
             Err(reason) => Err(NoGpu::Failed {
                 adapter: gpu.info.name.clone(),
-                reason,
+                reason: reason.to_string(),
             }),
         }
     }
@@ -118,9 +118,9 @@ impl GpuManifolds {
             self.capacity = self.capacity.grown(ContactCapacity::needed(&counters));
             self.repeats += 1;
         }
-        Err(StepError::Device(
-            "lists stay too short however long they are made".into(),
-        ))
+        Err(StepError::Device(DeviceError::failed(
+            "lists stay too short however long they are made",
+        )))
     }
 
     fn scoped<T>(&self, work: impl FnOnce(&Gpu) -> T) -> Result<T, StepError> {

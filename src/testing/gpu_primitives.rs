@@ -6,7 +6,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::kernel::Kernel;
 use crate::gpu::program::{BufferSet, Calls, Groups, Program};
 use crate::gpu::radix_sort::{self, Sort};
-use crate::gpu::readback::{read_words, scoped};
+use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::gpu::scan::{self, Length, Scan};
 use crate::types::stage::Stage;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
@@ -16,7 +16,7 @@ use wgpu::{Buffer, BufferUsages};
 ///
 /// # Errors
 /// The device's message.
-pub fn exclusive_scan(gpu: &Gpu, values: &[u32], at_most: u32) -> Result<(Vec<u32>, u32), String> {
+pub fn exclusive_scan(gpu: &Gpu, values: &[u32], at_most: u32) -> Result<(Vec<u32>, u32), DeviceError> {
     let run = RunOnce::new(gpu, [&scan::SCAN_WHOLE, &scan::SUMS, &scan::SPINE, &scan::APPLY])?;
     let length = values.len() as u32;
     let counters = run.buffer(&[length, 0]);
@@ -41,7 +41,7 @@ pub fn exclusive_scan(gpu: &Gpu, values: &[u32], at_most: u32) -> Result<(Vec<u3
 ///
 /// # Errors
 /// The device's message.
-pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32, at_most: u32) -> Result<(Vec<u32>, Vec<u32>), String> {
+pub fn sort(gpu: &Gpu, keys: &[u32], bits: u32, at_most: u32) -> Result<(Vec<u32>, Vec<u32>), DeviceError> {
     let run = RunOnce::new(
         gpu,
         [
@@ -100,7 +100,7 @@ impl<'g> RunOnce<'g> {
     ///
     /// # Errors
     /// The compiler's message.
-    fn new<'k>(gpu: &'g Gpu, kernels: impl IntoIterator<Item = &'k Kernel>) -> Result<Self, String> {
+    fn new<'k>(gpu: &'g Gpu, kernels: impl IntoIterator<Item = &'k Kernel>) -> Result<Self, DeviceError> {
         gpu.compile(SHADERS.modules, kernels)?;
         Ok(Self { gpu })
     }
@@ -119,7 +119,7 @@ impl<'g> RunOnce<'g> {
     ///
     /// # Errors
     /// The device's message.
-    fn program(&self, buffers: &dyn BufferSet, add: impl FnOnce(&mut Calls)) -> Result<(), String> {
+    fn program(&self, buffers: &dyn BufferSet, add: impl FnOnce(&mut Calls)) -> Result<(), DeviceError> {
         const STAGE: Stage = Stage::BroadPhase;
         scoped(self.gpu, || {
             let mut calls = Calls::new(STAGE);
@@ -135,7 +135,7 @@ impl<'g> RunOnce<'g> {
     ///
     /// # Errors
     /// The device's message.
-    fn read(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, String> {
+    fn read(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, DeviceError> {
         read_words(self.gpu, buffer, words)
     }
 }

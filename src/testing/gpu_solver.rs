@@ -5,7 +5,7 @@ use crate::gpu::commands::Commands;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, ContactPair, ContactPoint};
 use crate::gpu::program::{Calls, Program};
-use crate::gpu::readback::{read_words, scoped};
+use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::manifolds::Manifolds;
 use crate::sleep;
 use crate::solver::gpu as solver;
@@ -183,7 +183,7 @@ impl GpuSolver {
             counters = self.launch(settings, collision_substep)?;
         }
         if counters[SKIPPED as usize] != 0 {
-            return Err(StepError::Device("lists stay too short".into()));
+            return Err(StepError::Device(DeviceError::failed("lists stay too short")));
         }
         self.old_bodies = self.bodies;
         self.remapped = false;
@@ -339,7 +339,7 @@ impl GpuSolver {
 /// The stage under which the calls are recorded.
 const STAGE: Stage = Stage::Integrate;
 
-fn device<T>(result: Result<T, String>) -> Result<T, StepError> {
+fn device<T>(result: Result<T, DeviceError>) -> Result<T, StepError> {
     result.map_err(StepError::Device)
 }
 

@@ -311,6 +311,25 @@ fn files_that_cannot_be_used_are_named() {
     );
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_a_gpu_is_an_error_and_the_default_a_run_on_the_cpu() {
+    let folder = Folder::new();
+    let run = |backend: &str| {
+        folder
+            .command(&["simulate", "--bodies", "2", "--steps", "1", "--backend", backend])
+            .env("VK_DRIVER_FILES", "/nowhere")
+            .env("VK_ICD_FILENAMES", "/nowhere")
+            .output()
+            .unwrap()
+    };
+    let refused = run("gpu");
+    let reason = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success());
+    assert!(reason.contains("no GPU adapter is found: install a"), "{reason}");
+    assert!(run("auto").status.success());
+}
+
 /// Mesa complains that XDG_RUNTIME_DIR is missing whenever it is asked for adapters, so that nobody may ask for nothing.
 #[cfg(target_os = "linux")]
 #[test]

@@ -1,6 +1,6 @@
 //! Apps without a window, in which every update is one step.
 
-use crate::{BackendChoice, CullingChoice, Outcome};
+use crate::{BackendChoice, CullingChoice, Outcome, output};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::prelude::*;
@@ -57,11 +57,15 @@ impl Headless {
 
 /// Updates until the next step is done, and returns its report.
 ///
-/// While kernels compile there are no steps, and results of a GPU may come some updates later.
+/// While kernels compile there are no steps, and results of a GPU may come some updates later. Failures of a device are
+/// warnings, because the step goes on elsewhere.
 pub fn step(app: &mut App) -> Outcome<&StepReport> {
     let before = app.world().resource::<StepReport>().step;
     loop {
         app.update();
+        for failure in app.world_mut().resource_mut::<Messages<BackendFailed>>().drain() {
+            output::log(&format!("warning: {}", failure.reason));
+        }
         check_backend(app)?;
         if app.world().resource::<StepReport>().step > before {
             return Ok(app.world().resource());

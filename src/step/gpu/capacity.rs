@@ -9,7 +9,7 @@ use crate::gpu::arena::{Arena, Change};
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::commands::Commands;
 use crate::gpu::layout;
-use crate::gpu::readback::scoped;
+use crate::gpu::readback::{DeviceError, scoped};
 use wgpu::Buffer;
 
 impl GpuStep {
@@ -35,7 +35,7 @@ impl GpuStep {
                 _ => gpu.compile(all_modules(), report_kernels())?,
             }
             let missing = contacts.is_none();
-            Ok::<_, String>(missing.then(|| ContactPrograms::new(gpu, buffers, START)))
+            Ok::<_, DeviceError>(missing.then(|| ContactPrograms::new(gpu, buffers, START)))
         });
         let made = made.and_then(|made| made).map_err(StepError::Device)?.transpose()?;
         if *compiled < Compiled::Points {

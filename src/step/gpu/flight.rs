@@ -3,7 +3,7 @@
 use super::results::{Detail, Parts, Raw};
 use super::upload::Input;
 use crate::gpu::device::Gpu;
-use crate::gpu::readback::{poll, request, view};
+use crate::gpu::readback::{DeviceError, poll, request, view};
 use crate::types::gpu_work::GpuWork;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::sync::{Mutex, PoisonError};
@@ -51,7 +51,7 @@ impl Flight {
     ///
     /// # Errors
     /// If the device is lost.
-    pub fn wait(&mut self, gpu: &Gpu) -> Result<(Raw, bool), String> {
+    pub fn wait(&mut self, gpu: &Gpu) -> Result<(Raw, bool), DeviceError> {
         poll(gpu, PollType::Poll)?;
         let mapped = self.mapped.get_mut().unwrap_or_else(PoisonError::into_inner);
         let (result, waited) = match mapped.try_recv() {
@@ -61,12 +61,12 @@ impl Flight {
                     timeout: None,
                 };
                 poll(gpu, this)?;
-                (mapped.recv().map_err(|error| error.to_string())?, true)
+                (mapped.recv().map_err(DeviceError::failed)?, true)
             }
-            Err(TryRecvError::Disconnected) => return Err("the results of a step were dropped".into()),
+            Err(TryRecvError::Disconnected) => return Err(DeviceError::failed("the results of a step were dropped")),
             Ok(result) => (result, false),
         };
-        result.map_err(|error| error.to_string())?;
+        result.map_err(DeviceError::failed)?;
         let bytes = view(gpu, &self.staging, self.parts.total)?;
         let raw = self.parts.read(&bytes);
         drop(bytes);

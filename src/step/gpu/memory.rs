@@ -7,7 +7,7 @@ use super::{GpuStep, StepError};
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{ContactPair, ContactPoint, Moved};
-use crate::gpu::readback::{read_words, scoped};
+use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::manifolds::gpu::ContactCapacity;
 use crate::solver::gpu::layout::{COUNTERS, MotionState, PAIRS, POINTS, SavedPair, SavedPoint};
 use bytemuck::cast_slice;
@@ -36,7 +36,7 @@ impl DeviceMemory {
         buffers: &Buffers,
         contacts: &ContactPrograms,
         last_bodies: &LastBodies,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, DeviceError> {
         if last_bodies.is_empty() {
             return Ok(Self::default());
         }
@@ -68,7 +68,7 @@ impl DeviceMemory {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms) -> Result<u64, String> {
+    pub fn write(&self, gpu: &Gpu, buffers: &Buffers, contacts: &ContactPrograms) -> Result<u64, DeviceError> {
         let step = &contacts.step;
         let parts = [
             (&buffers.moved, &self.moved),

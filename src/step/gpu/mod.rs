@@ -39,7 +39,7 @@ use crate::gpu::device::{Gpu, NoGpu};
 use crate::gpu::known::Known;
 use crate::gpu::layout;
 use crate::gpu::program::{Population, Program};
-use crate::gpu::readback::{read_words, scoped};
+use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::gpu::timer::Timer;
 use crate::solver::speeds::Speeds;
 use crate::state::Motion;
@@ -64,7 +64,7 @@ pub enum StepError {
     TooLarge(#[from] TooLarge),
     /// The device reports an error or is lost.
     #[error("the device says: {0}")]
-    Device(String),
+    Device(DeviceError),
     /// The device aborts long loops.
     #[error("the device left the test of a pair before its end: too many triangles of the two are near each other")]
     CutShort,
@@ -147,7 +147,7 @@ impl GpuStep {
     pub fn with_capacity(gpu: Gpu, capacity: Capacity) -> Result<Self, NoGpu> {
         let made = scoped(&gpu, || {
             gpu.compile(all_modules(), impulse_kernels())?;
-            let buffers = Buffers::new(&gpu, capacity).map_err(|error| error.to_string())?;
+            let buffers = Buffers::new(&gpu, capacity).map_err(DeviceError::failed)?;
             let program = impulse_program(&gpu, &buffers);
             let timer = Timer::new(&gpu);
             Ok((buffers, program, timer))
@@ -173,9 +173,9 @@ impl GpuStep {
                 waits: 0,
                 between: GpuWork::default(),
             }),
-            Err(reason) => Err(NoGpu::Failed {
+            Err(error) => Err(NoGpu::Failed {
                 adapter: gpu.info.name.clone(),
-                reason,
+                reason: error.to_string(),
             }),
         }
     }

@@ -14,7 +14,7 @@ use crate::gpu::layout::{
     CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
 };
 use crate::gpu::program::Population;
-use crate::gpu::readback::scoped;
+use crate::gpu::readback::{DeviceError, scoped};
 use crate::manifolds::gpu::ContactCapacity;
 use crate::types::gpu_work::{GpuList, GpuLists, GpuWork};
 use crate::types::settings::Response;
@@ -48,12 +48,12 @@ impl GpuStep {
                 return Ok(Output { work, ..output });
             }
             if !self.repeat(&raw.counters, &raw.tally)? {
-                return Err(StepError::Device(
-                    "a list is too short, and none needs to be longer".into(),
-                ));
+                return Err(StepError::Device(DeviceError::failed(
+                    "a list is too short, and none needs to be longer",
+                )));
             }
         }
-        Err(StepError::Device("there is no step to wait for".into()))
+        Err(StepError::Device(DeviceError::failed("there is no step to wait for")))
     }
 
     /// What a step asked of the device, with memory and lists.
