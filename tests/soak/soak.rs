@@ -21,6 +21,9 @@ pub struct Plan {
     pub readback: Readback,
     pub threads: usize,
     pub bodies: usize,
+    /// Half the width of the bin, relative to the square root of the number of bodies. With 0.6 they lie on each other in
+    /// piles of two or three, with 1.5 mostly side by side.
+    pub room: f32,
     pub steps: usize,
     pub seed: u64,
     /// One random change every so many steps, on average.
@@ -99,6 +102,8 @@ struct Soak {
     /// Bodies that random changes may meet.
     bodies: Vec<Entity>,
     wanted: usize,
+    /// Half the width of the bin.
+    half_width: f32,
     /// Bodies that got a place that is no number.
     spoiled: Vec<Entity>,
     snapshot: Option<Snapshot>,
@@ -139,6 +144,7 @@ impl Soak {
             meshes,
             bodies: Vec::new(),
             wanted: plan.bodies,
+            half_width: plan.room * (plan.bodies as f32).sqrt() + 1.0,
             spoiled: Vec::new(),
             snapshot: None,
             unusual: 0,
@@ -152,7 +158,7 @@ impl Soak {
 
     /// A floor, and four walls around the bodies.
     fn build_bin(&mut self) {
-        let half = self.half_width();
+        let half = self.half_width;
         let world = self.app.world_mut();
         world.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
         for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
@@ -160,13 +166,8 @@ impl Soak {
         }
     }
 
-    /// Wide enough for piles of two or three bodies on each other.
-    fn half_width(&self) -> f32 {
-        0.6 * (self.wanted as f32).sqrt() + 1.0
-    }
-
     fn place(&mut self) -> Vec3 {
-        let half = self.half_width() - 1.0;
+        let half = self.half_width - 1.0;
         let mut along = || half * (2.0 * self.random.f32() - 1.0);
         let (x, z) = (along(), along());
         Vec3::new(x, 1.0 + 4.0 * self.random.f32(), z)
@@ -333,7 +334,7 @@ impl Soak {
                 self.be_usual();
             }
         }
-        let out = 3.0 * self.half_width() + 20.0;
+        let out = 3.0 * self.half_width + 20.0;
         let world = self.app.world_mut();
         let is_lost = |body: Entity| {
             let velocity = world.get::<LinearVelocity>(body).map_or(Vec3::ZERO, |v| v.0);

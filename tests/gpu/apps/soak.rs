@@ -22,6 +22,7 @@ fn run(readback: Readback) {
         readback,
         threads: 1,
         bodies: 20,
+        room: 0.6,
         steps: 120,
         seed: 1,
         steps_per_change: 2,
