@@ -53,6 +53,7 @@
 //! * `bevy`, on by default: [`plugin`] and [`prelude`]. Without it no crate of Bevy is built.
 //! * `gpu`, on by default: the stages on a GPU, through wgpu.
 //! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `debug_gizmos`: what works with these parts of Bevy.
+//! * `interpolation`: motion that looks smooth at any frame rate.
 //! * `cli`: the command line `faceoff`.
 
 pub mod asset;
@@ -107,6 +108,8 @@ pub mod prelude {
     pub use crate::plugin::components::*;
     pub use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
     pub use crate::plugin::hooks::{CollisionHooks, CollisionHooksPlugin, ContactPair, ContactSurface};
+    #[cfg(feature = "interpolation")]
+    pub use crate::plugin::interpolation::{InterpolationPlugin, TransformInterpolation};
     #[cfg(feature = "bevy_mesh")]
     pub use crate::plugin::mesh_collider_from::MeshColliderFrom;
     #[cfg(feature = "bevy_gltf")]

@@ -41,6 +41,8 @@ const TESTS: &[Test] = &[
     ),
     ("a_device_may_be_lost_before_the_first_step", lost_early),
     ("the_cpu_takes_over_from_a_device_that_is_always_lost", lost_repeatedly),
+    #[cfg(feature = "interpolation")]
+    ("frames_between_steps_are_drawn_evenly", smooth),
 ];
 
 fn main() {
@@ -371,4 +373,35 @@ fn lost_repeatedly(_: &Gpu) {
     sim.step(5);
     assert_eq!(active(&sim).name(), "cpu", "though the renderer has a new device");
     assert!(mover.x(&sim) > before);
+}
+
+/// 240 frames a second, about four to a step, with both readings that write components.
+#[cfg(feature = "interpolation")]
+fn smooth(_: &Gpu) {
+    const FRAME: Duration = Duration::from_nanos(4_166_667);
+    for readback in [Readback::Lockstep, Readback::Latent] {
+        let mut sim = run(shared(readback));
+        let mover = Mover::new(&mut sim);
+        sim.set(mover.body, TransformInterpolation);
+        sim.world().insert_resource(TimeUpdateStrategy::ManualDuration(FRAME));
+        // Until results arrive.
+        sim.step(24);
+        let mut before = sim.position(mover.body).x;
+        for frame in 0..120 {
+            sim.step(1);
+            let now = sim.position(mover.body).x;
+            let moved = (now - before) / FRAME.as_secs_f32();
+            assert!((moved - 1.0).abs() < 1e-2, "{readback:?}, frame {frame}: {moved} m/s");
+            before = now;
+        }
+        // A jump is one, and what comes later of the steps before it does not undo it.
+        let there = Transform::from_xyz(0.0, 50.0, 0.0);
+        sim.set(mover.body, (there, Teleport));
+        for _ in 0..40 {
+            sim.step(1);
+            let height = sim.position(mover.body).y;
+            assert!((height - 50.0).abs() < 1e-4, "{readback:?}: {height}");
+        }
+        assert!(sim.position(mover.body).x > 0.0, "it flies on");
+    }
 }

@@ -24,7 +24,7 @@ pub fn open(app: &mut App, title: &str) {
             }),
             ..default()
         }),
-        FaceoffPlugins::default(),
+        FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()),
         FaceoffGizmosPlugin,
     ))
     .insert_resource(ClearColor(Color::srgb(0.07, 0.08, 0.10)))

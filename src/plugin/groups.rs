@@ -33,6 +33,8 @@ impl PluginGroup for FaceoffPlugins {
         let group = group.add(crate::plugin::mesh_collider_from::MeshColliderFromPlugin);
         #[cfg(feature = "bevy_gltf")]
         let group = group.add(crate::plugin::prefab::MeshColliderHierarchyPlugin);
+        #[cfg(feature = "interpolation")]
+        let group = group.add(crate::plugin::interpolation::InterpolationPlugin::default());
         group
     }
 }

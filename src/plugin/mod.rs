@@ -16,6 +16,7 @@
 //! | ask what a ray hits | [`queries`] |
 //! | move a character that walks, climbs and rides | [`character`] |
 //! | get pointer events on colliders | `picking`, with the feature `bevy_picking` |
+//! | show motion that is smooth at any frame rate | `interpolation`, with the feature of that name |
 //! | save and restore the state of the simulation | [`snapshot`] |
 //! | see where the step runs | [`backend`] |
 
@@ -33,6 +34,8 @@ pub mod diagnostics;
 pub mod events;
 mod groups;
 pub mod hooks;
+#[cfg(feature = "interpolation")]
+pub mod interpolation;
 #[cfg(feature = "bevy_mesh")]
 pub mod mesh_collider_from;
 #[cfg(feature = "bevy_picking")]

@@ -9,7 +9,8 @@ use bevy::prelude::*;
 /// [`Time<Physics>`](super::clock::Physics).
 ///
 /// The schedule runs in `FixedPostUpdate`, in the system set `FaceoffStep`. Order other systems there before or after
-/// this set. A run condition on the set enables or disables the steps.
+/// this set. A run condition on the set enables or disables the steps. In `RunFixedMainLoop` the set holds what publishes
+/// results that are late while time stands still.
 ///
 /// `world.run_schedule(FaceoffStep)` runs one step at once, at any place. Such a step has the length of the fixed
 /// timestep, even if a clock is paused. It waits for the results of a GPU and publishes them, whatever the

@@ -119,7 +119,8 @@ impl Plugin for StepPlugin {
             schedule.add_systems(release.in_set(FaceoffSystems::Collect));
             latent::observe(app);
             let after = RunFixedMainLoopSystems::AfterFixedMainLoop;
-            app.add_systems(RunFixedMainLoop, publish_while_time_stands.in_set(after));
+            let publish = publish_while_time_stands.in_set(FaceoffStep).in_set(after);
+            app.add_systems(RunFixedMainLoop, publish);
         }
         let hold = hierarchy::hold_nested.before(bevy::transform::TransformSystems::Propagate);
         app.add_schedule(schedule)

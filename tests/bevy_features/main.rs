@@ -1,6 +1,6 @@
 //! What needs more of Bevy than the plugin itself does: its meshes, its glTF loader, its gizmos.
 
-#[cfg(any(feature = "bevy_gltf", feature = "bevy_picking"))]
+#[cfg(any(feature = "bevy_gltf", feature = "bevy_picking", feature = "interpolation"))]
 #[path = "../common/app.rs"]
 mod app;
 #[path = "../common/asset_app.rs"]
@@ -13,6 +13,8 @@ mod bevy_mesh;
 mod debug_gizmos;
 #[path = "../common/gltf_files.rs"]
 mod gltf_files;
+#[cfg(feature = "interpolation")]
+mod interpolation;
 #[cfg(feature = "bevy_picking")]
 mod picking;
 #[cfg(feature = "bevy_gltf")]

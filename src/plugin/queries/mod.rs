@@ -52,7 +52,7 @@ impl Plugin for SpatialQueryPlugin {
         // The results of a GPU may be published between two steps.
         let late = RunFixedMainLoopSystems::AfterFixedMainLoop;
         app.add_systems(FaceoffStep, update.ambiguous_with_all())
-            .add_systems(RunFixedMainLoop, update::catch_up.in_set(late));
+            .add_systems(RunFixedMainLoop, update::catch_up.in_set(FaceoffStep).in_set(late));
     }
 }
 
