@@ -37,6 +37,7 @@
 
 use crate::plugin::components::Teleport;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
+use crate::plugin::sync::publish;
 use crate::types::body::RigidBody;
 use bevy::prelude::*;
 use bevy_transform_interpolation::{TransformEasingSystems, reset_easing_states_on_transform_change};
@@ -73,7 +74,10 @@ impl Plugin for InterpolationPlugin {
         if self.interpolate_all {
             app.register_required_components::<RigidBody, TransformInterpolation>();
         }
+        let keep = publish::keep_poses.after(publish::write_back);
+        app.register_required_components::<TransformInterpolation, publish::PoseOfStep>();
         app.add_systems(FaceoffStep, show_teleports_at_once.in_set(FaceoffSystems::Collect))
+            .add_systems(FaceoffStep, keep.in_set(FaceoffSystems::Publish).ambiguous_with_all())
             .configure_sets(
                 RunFixedMainLoop,
                 (

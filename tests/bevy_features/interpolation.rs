@@ -138,6 +138,33 @@ fn steps_are_the_same_to_the_bit() {
     assert_eq!(every_step.ended, drawn.ended);
 }
 
+/// What is drawn between two steps is no placement, which would end touches at once.
+#[test]
+fn a_bouncing_ball_starts_and_ends_no_collision_more_often() {
+    let ends = |interpolated: bool| {
+        let mut sim = fast();
+        sim.world().insert_resource(Gravity::default());
+        sim.spawn((PlaneCollider::through(Vec3::ZERO, Vec3::Y), Restitution::new(1.0)));
+        let ball = sim.mesh(&shapes::ball(0.5, 3));
+        sim.world().insert_resource(EventHysteresis(0.5));
+        // It flies for a fifth of a second.
+        let ball = sim.spawn(ball_like(&ball, Vec3::Y * 0.55, Vec3::ZERO));
+        if interpolated {
+            sim.set(ball, TransformInterpolation);
+        }
+        while sim.report().step < 150 {
+            sim.step(1);
+        }
+        assert!(
+            sim.position(ball).y > 0.51 || sim.velocity(ball).y.abs() > 0.5,
+            "it bounces"
+        );
+        (sim.started.len(), sim.ended.len())
+    };
+    assert_eq!(ends(false), (1, 0));
+    assert_eq!(ends(true), (1, 0));
+}
+
 #[test]
 fn all_bodies_are_interpolated_if_that_is_asked_for() {
     let mut app = App::new();

@@ -50,14 +50,32 @@ pub(crate) fn land(world: &mut World) -> bool {
     true
 }
 
+/// The `Transform` after the last step, on entities whose `Transform` changes between steps without being placed.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub(crate) struct PoseOfStep(pub Transform);
+
+/// Keeps the poses that the step has written.
+#[cfg(feature = "interpolation")]
+pub(crate) fn keep_poses(mut poses: Query<(&Transform, &mut PoseOfStep)>) {
+    for (transform, mut pose) in &mut poses {
+        pose.0 = *transform;
+    }
+}
+
 /// Finds which of the colliders and bodies that touched were placed by others since the last step.
-pub(crate) fn find_written(mut step: ResMut<Step>, transforms: Query<Ref<Transform>>, ticks: SystemChangeTick) {
+pub(crate) fn find_written(
+    mut step: ResMut<Step>,
+    transforms: Query<(Ref<Transform>, Option<&PoseOfStep>)>,
+    ticks: SystemChangeTick,
+) {
     let step = &mut *step;
     step.written.clear();
     let Some(written_at) = step.written_at else { return };
     let is_written = |&entity: &Entity| {
-        let changed = transforms.get(entity).map(|transform| transform.last_changed());
-        changed.is_ok_and(|tick| tick.is_newer_than(written_at, ticks.this_run()))
+        transforms.get(entity).is_ok_and(|(transform, pose)| match pose {
+            Some(pose) => *transform != pose.0,
+            None => transform.last_changed().is_newer_than(written_at, ticks.this_run()),
+        })
     };
     let touching = step.touching.iter().flat_map(|touching| touching.key()).flatten();
     step.written.extend(touching.filter(is_written));
