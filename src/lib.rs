@@ -34,6 +34,7 @@
 //! | to | see |
 //! |---|---|
 //! | build a game or a headless app | [`prelude`], [`plugin`] |
+//! | choose settings, come from another engine, understand a surprise | [`guide`] |
 //! | make triangle meshes | [`geometry`] |
 //! | bake them, and choose how | [`projection`] |
 //! | load and save baked meshes, without an app | [`asset`] |
@@ -58,6 +59,8 @@
 
 pub mod asset;
 pub mod geometry;
+#[cfg(feature = "bevy")]
+pub mod guide;
 #[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod projection;

@@ -57,6 +57,7 @@ const LAYERS: &[&[&str]] = &[
     &["queries"],
     &["testing"],
     &["plugin"],
+    &["guide"],
     &["lib"],
 ];
 

@@ -1,0 +1,136 @@
+//! Which settings suit which program.
+//!
+//! The defaults suit a game with a few to some hundred bodies that fall, slide, stack and roll. Change a setting if your
+//! program is one of these.
+//!
+//! # A few bodies that matter
+//!
+//! A marble run, a vehicle made of parts, a puzzle of interlocking pieces. Keep the defaults, and draw between steps:
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_faceoff::prelude::*;
+//!
+//! # let mut app = App::new();
+//! # app.add_plugins((MinimalPlugins, AssetPlugin::default()));
+//! app.add_plugins(FaceoffPlugins::default());
+//! // With the feature `interpolation`:
+//! // app.add_plugins(FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()));
+//!
+//! fn shoot(mut commands: Commands, bullet: Res<Bullet>) {
+//!     commands.spawn((
+//!         RigidBody::Dynamic,
+//!         bullet.0.clone(),
+//!         Transform::from_xyz(0.0, 1.0, 0.0),
+//!         LinearVelocity(Vec3::NEG_Z * 300.0),
+//!         // It would pass a thin wall within one step.
+//!         ContinuousCollision,
+//!     ));
+//! }
+//!
+//! #[derive(Resource)]
+//! struct Bullet(MeshCollider);
+//! ```
+//!
+//! # Hundreds of bodies in piles
+//!
+//! Rubble, coins, a shaken box. Time goes to contacts between bodies that are awake.
+//!
+//! * Let them sleep. [`SleepingDisabled`] keeps a body awake, and with it all that it touches.
+//! * Give small bodies coarse meshes. The mesh that is drawn may be a finer one.
+//! * Let rubble not collide with what does not matter: [`CollisionLayers`](crate::types::body::CollisionLayers).
+//! * Look at [`StepReport`](crate::plugin::collisions::StepReport) before you change anything else. If
+//!   `collision_substeps` is above 1 while the pile lies still, something thin or fast is among it.
+//!
+//! # Swarms of thousands that only bounce
+//!
+//! Asteroids, debris, a crowd of drones. One impulse per pair is enough, and nothing rests on anything:
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy_faceoff::prelude::*;
+//!
+//! # let mut app = App::new();
+//! # app.add_plugins((MinimalPlugins, AssetPlugin::default()));
+//! app.add_plugins(FaceoffPlugins::default())
+//!     .insert_resource(Response::Impulse)
+//!     .insert_resource(Gravity(Vec3::ZERO));
+//! ```
+//!
+//! On a graphics card choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
+//! poses, and draw from `plugin::poses`. Then nothing is read back.
+//!
+//! # Servers, and games that must repeat
+//!
+//! No window, no graphics card, the same result whenever the same thing happens:
+//!
+//! ```
+//! use bevy::log::LogPlugin;
+//! use bevy::prelude::*;
+//! use bevy_faceoff::prelude::*;
+//!
+//! # let mut app = App::new();
+//! app.add_plugins((
+//!     MinimalPlugins,
+//!     // Tells why a body is rejected, and where the stages run. Once per process.
+//!     LogPlugin::default(),
+//!     FaceoffHeadlessPlugins {
+//!         step: StepPlugin {
+//!             backend: Backend::Cpu,
+//!             // Several matches share the machine.
+//!             threads: 1,
+//!             ..default()
+//!         },
+//!         ..default()
+//!     },
+//! ));
+//! ```
+//!
+//! The same build on the same machine gives the same bits on any number of threads, if bodies are spawned in the same
+//! order. [`Snapshot`](crate::plugin::snapshot::Snapshot) takes the state and restores it.
+//!
+//! # Tests
+//!
+//! An app on a clock of its own runs one step per update, as fast as it can:
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use bevy::time::TimeUpdateStrategy;
+//! use bevy_faceoff::{geometry::shapes, prelude::*};
+//!
+//! let mut app = App::new();
+//! app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
+//! let step = app.world().resource::<Time<Fixed>>().timestep();
+//! app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+//! let mut meshes = app.world_mut().resource_mut::<Assets<CollisionMesh>>();
+//! let cube = MeshCollider(meshes.add(CollisionMesh::new(&shapes::cube(1.0))));
+//! let floor = app.world_mut().spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y)).id();
+//! let cube = app.world_mut().spawn((RigidBody::Dynamic, cube, Transform::from_xyz(0.0, 2.0, 0.0))).id();
+//! app.finish();
+//! app.cleanup();
+//! for _ in 0..64 {
+//!     app.update();
+//! }
+//! assert!(app.world().resource::<Collisions>().get(cube, floor).is_some());
+//! ```
+//!
+//! # Tools, and a solver of your own
+//!
+//! * Whether parts of a machine interfere: [`queries::check`](crate::queries), without an app.
+//! * Contact points for a solver of your own: [`Response::None`](crate::types::settings::Response), and
+//!   [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds) after each step.
+//! * A library of meshes: `faceoff bake`, or Bevy's asset processor.
+//!
+//! # More accurate, or cheaper
+//!
+//! | to | change |
+//! |---|---|
+//! | hold tall stacks of very unequal masses | [`SolverSettings::substeps`], 8 by default |
+//! | let fast small bodies cost less, and pass thin ones now and then | [`SolverSettings::max_collision_substeps`] = 1, and [`ContinuousCollision`] on those that matter |
+//! | test fewer triangles and miss some collisions | [`Culling`](crate::types::settings::Culling) |
+//! | simulate less often | `Time::<Fixed>::from_hz(32.0)`; contacts then push less smoothly |
+//!
+//! [`SleepingDisabled`]: crate::plugin::components::SleepingDisabled
+//! [`ContinuousCollision`]: crate::plugin::components::ContinuousCollision
+//! [`SolverSettings::substeps`]: crate::types::solver_settings::SolverSettings::substeps
+//! [`SolverSettings::max_collision_substeps`]: crate::types::solver_settings::SolverSettings::max_collision_substeps

@@ -1,0 +1,15 @@
+//! Guides: how to choose settings, what changes for those who come from another engine, and what to do about surprises.
+//!
+//! | you want to | read |
+//! |---|---|
+//! | set the plugin up for your kind of game, server or tool | [`choose_settings`] |
+//! | move a game from Avian | [`from_avian`] |
+//! | move a game from bevy_rapier | [`from_bevy_rapier`] |
+//! | understand a warning, an error or a surprise | [`troubleshooting`] |
+//!
+//! The README has the tables of everything that there is, and the examples are programs to start from.
+
+pub mod choose_settings;
+pub mod from_avian;
+pub mod from_bevy_rapier;
+pub mod troubleshooting;
