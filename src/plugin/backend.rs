@@ -301,6 +301,7 @@ impl Engine {
             if stage != Stage::BroadPhase {
                 return;
             }
+            state.scratch.age(&mut state.results);
             match gpu.run(state) {
                 Ok(()) => return self.retries.count_step(),
                 Err(error) => self.replace(&error),

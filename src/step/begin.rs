@@ -10,9 +10,7 @@ use crate::types::settings::Response;
 
 /// Prepares the first collision substep.
 pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut StepResults, scratch: &mut StepScratch) {
-    if scratch.age() {
-        results.shrink();
-    }
+    scratch.age(results);
     scratch.schedule.set_all(1);
     results.crowd = Crowd::default();
     scratch.most_near_pairs = None;

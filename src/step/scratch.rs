@@ -8,6 +8,7 @@ use crate::ccd::stage::Ccd;
 use crate::force_scan::touches::Touches;
 use crate::sleep::cpu::Sleeper;
 use crate::solver::{Solver, SolverBodies};
+use crate::state::StepResults;
 use crate::state::inactive::InactiveBodies;
 use crate::state::margins::SpeculativeMargins;
 use crate::{angles, broad_phase, force_scan, manifolds, triangle_test};
@@ -51,15 +52,14 @@ pub struct StepScratch {
 }
 
 impl StepScratch {
-    /// Returns memory that depends on what pairs of bodies had in common, if it is old. Called before a step; tells
-    /// whether it did.
-    pub(crate) fn age(&mut self) -> bool {
+    /// Returns memory that depends on what pairs of bodies had in common, if it is old. Called before every step, also one
+    /// on a device: steps on the CPU may be long ago.
+    pub(crate) fn age(&mut self, results: &mut StepResults) {
         self.age += 1;
-        let is_old = self.age == LIFETIME;
-        if is_old {
+        if self.age == LIFETIME {
             self.renew();
+            results.shrink();
         }
-        is_old
     }
 
     fn renew(&mut self) {

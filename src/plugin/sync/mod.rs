@@ -278,6 +278,7 @@ impl Step {
             return self.engine.is_latent();
         }
         while let Some(detail) = self.engine.latent() {
+            self.state.scratch.age(&mut self.state.results);
             let carried = &self.latent.carried;
             let Some(output) = self.engine.advance(&self.state.input, carried, detail, LATENCY) else {
                 // The device failed. The next backend starts from the components.
