@@ -10,6 +10,9 @@ use std::time::Duration;
 /// Steps between the death of an entity and the end of its collisions, at most: one, and two more with later results.
 const PATIENCE: u64 = 4;
 
+/// How many steps may be slow when a device is opened or steps change place.
+const SLOW_STEPS: usize = 4;
+
 /// Checks of a run so far.
 pub struct Checks {
     /// Pairs that have started and not ended, with the last step when one of them vanished.
@@ -90,7 +93,7 @@ impl Checks {
             on_device: 0,
             times,
             // The first step on a device compiles kernels.
-            slow: 4,
+            slow: SLOW_STEPS,
             is_latent: readback == Readback::Latent,
             last_step: 0,
         }
@@ -137,7 +140,7 @@ impl Checks {
             );
         }
         if disturbed {
-            self.slow = 4;
+            self.slow = SLOW_STEPS;
         }
         self.times.push((time.as_secs_f32(), self.slow > 0));
         self.slow = self.slow.saturating_sub(1);
