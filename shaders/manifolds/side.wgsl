@@ -24,8 +24,8 @@ struct Side {
     triangle_count: u32,
     // Index of its features among the words.
     features: u32,
-    // Triangles have an inside and an outside. Those of open or inconsistent meshes are two-sided.
-    sided: bool,
+    // Some triangles have no inside and outside.
+    some_two_sided: bool,
     // `OF_SECOND` or 0.
     mark: u32,
 }
@@ -60,7 +60,6 @@ fn b_to_a(setup: t::PairSetup) -> mat3x3<f32> {
 }
 
 fn side_of(mesh: u32, scale: vec3<f32>, offset: vec3<f32>, rotation: mat3x3<f32>) -> Side {
-    let orientation = meshes[mesh].flags & t::ORIENTATION_MASK;
     let mirrored = (scale.x < 0.0) != ((scale.y < 0.0) != (scale.z < 0.0));
     var side: Side;
     side.rotation = rotation;
@@ -72,7 +71,7 @@ fn side_of(mesh: u32, scale: vec3<f32>, offset: vec3<f32>, rotation: mat3x3<f32>
     side.triangles = meshes[mesh].corners;
     side.triangle_count = meshes[mesh].triangle_count;
     side.features = meshes[mesh].features;
-    side.sided = orientation == t::OUTWARD || orientation == t::INWARD;
+    side.some_two_sided = (meshes[mesh].flags & t::SOME_TWO_SIDED) != 0u;
     return side;
 }
 
@@ -143,6 +142,11 @@ fn owned(side: Side, number: u32) -> u32 {
     return words[record(side, number) + 12u] & 63u;
 }
 
+// Whether a triangle pushes only to the side of its normal.
+fn is_one_sided(side: Side, number: u32) -> bool {
+    return !side.some_two_sided || (words[record(side, number) + 12u] & t::ONE_SIDED) != 0u;
+}
+
 // Largest angle between a triangle's normal and a contact normal at an edge that it owns, radians. `ANY_NORMAL` permits
 // every normal.
 fn edge_normal_rotation(side: Side, number: u32) -> f32 {
@@ -195,7 +199,7 @@ fn triangle(side: Side, number: u32) -> Triangle {
         result.normal = baked_normal(side, number);
     }
     result.winding_sign = side.mirror;
-    if faces_away(side, result.normal, result.corners[0]) {
+    if faces_away(side, number, result.normal, result.corners[0]) {
         result.normal = -result.normal;
         result.winding_sign = -side.mirror;
     }
@@ -210,14 +214,15 @@ fn baked_normal(side: Side, number: u32) -> vec3<f32> {
 // The same; for two-sided triangles the side of the other body.
 fn normal_of(side: Side, number: u32) -> vec3<f32> {
     let normal = baked_normal(side, number);
-    if side.sided {
+    if !side.some_two_sided {
         return normal;
     }
-    return select(normal, -normal, faces_away(side, normal, place(side, vector(side.triangles + 9u * number))));
+    let corner = place(side, vector(side.triangles + 9u * number));
+    return select(normal, -normal, faces_away(side, number, normal, corner));
 }
 
-fn faces_away(side: Side, normal: vec3<f32>, corner: vec3<f32>) -> bool {
-    return !side.sided && dot(normal, side.other_center - corner) < 0.0;
+fn faces_away(side: Side, number: u32, normal: vec3<f32>, corner: vec3<f32>) -> bool {
+    return !is_one_sided(side, number) && dot(normal, side.other_center - corner) < 0.0;
 }
 
 // Heights of a triangle's corners over another's plane.

@@ -150,9 +150,10 @@ struct Mesh {
     corners: u32,
     // Bounding box: centre and half size.
     box_center: vec3<f32>,
-    padding_a: u32,
+    // Nine words per cap of a nearly closed mesh.
+    caps: u32,
     box_half: vec3<f32>,
-    padding_b: u32,
+    cap_count: u32,
 }
 
 // A body in the sorted grid.

@@ -16,7 +16,8 @@ var<workgroup> depth: atomic<u32>;
 // The device aborted a loop.
 var<private> unfinished: bool = false;
 
-// By the winding number along the ray from p along +z or, if the winding is inconsistent, by the parity of crossings.
+// By the winding number along the ray from p along +z or, if the winding is inconsistent, by the parity of crossings. The caps
+// of a nearly closed mesh count too.
 // `end` is the mesh's position in the pair. Eight nodes are opened at a time, one thread per child.
 fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
     if thread == 0u {
@@ -45,7 +46,9 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
         if mine < taken {
             let child = 8u * number + thread % 8u;
             if level == 0u {
-                count_crossing(mesh, child, p);
+                if child < mesh.triangle_count {
+                    count_crossing(mesh, mesh.corners + 9u * child, p);
+                }
             } else if meets(mesh, end, tree::node(level - 1u, child), p) {
                 waiting[atomicAdd(&depth, 1u)] = tree::node(level - 1u, child);
             }
@@ -53,6 +56,10 @@ fn contains(mesh: t::Mesh, end: u32, p: vec3<f32>, thread: u32) -> bool {
         workgroupBarrier();
     }
     unfinished = unfinished || atomicLoad(&depth) != 0u;
+    for (var i = thread; i < mesh.cap_count; i += 64u) {
+        count_crossing(mesh, mesh.caps + 9u * i, p);
+    }
+    workgroupBarrier();
     let is_odd = atomicLoad(&crossings) % 2u == 1u;
     let is_inside = select(atomicLoad(&inside) != 0, is_odd, (mesh.flags & t::ORIENTATION_MASK) == t::MIXED);
     // All threads have the result before the counters are cleared for the next component.
@@ -71,11 +78,8 @@ fn meets(mesh: t::Mesh, end: u32, node: u32, p: vec3<f32>) -> bool {
     return abs(offset.x) <= half.x && abs(offset.y) <= half.y && offset.z >= -half.z;
 }
 
-fn count_crossing(mesh: t::Mesh, number: u32, p: vec3<f32>) {
-    if number >= mesh.triangle_count {
-        return;
-    }
-    let at = mesh.corners + 9u * number;
+// Counts the crossing of the triangle whose corners begin at this word.
+fn count_crossing(mesh: t::Mesh, at: u32, p: vec3<f32>) {
     // In units of the mesh's size, because products of five lengths occur.
     let side = crossing(
         (vector(at) - p) / mesh.radius, (vector(at + 3u) - p) / mesh.radius, (vector(at + 6u) - p) / mesh.radius

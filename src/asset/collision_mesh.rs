@@ -3,7 +3,7 @@
 use crate::geometry::cluster::cluster_order;
 use crate::geometry::features::MeshFeatures;
 use crate::geometry::lanes::MeshLanes;
-use crate::geometry::{MassProperties, Orientation, TriMesh};
+use crate::geometry::{MassProperties, OneSided, TriMesh};
 #[cfg(feature = "bevy")]
 use crate::projection::Group;
 use crate::projection::{BakeSettings, Cancelled, FaceTable, Inward, Progress, SupportHeights};
@@ -31,6 +31,8 @@ pub struct CollisionMesh {
 pub struct BakedMesh {
     /// The validated mesh, with its triangles in cluster order.
     pub mesh: TriMesh,
+    /// Which triangles push only to the side of their normal.
+    pub one_sided: OneSided,
     /// Volume, centre of mass, inertia, thickness.
     pub mass: MassProperties,
     /// Radius of the bounding sphere about the centre of mass, in mesh units. It is rounded up, so that no vertex is
@@ -61,7 +63,7 @@ impl PartialEq for CollisionMesh {
 impl From<BakedMesh> for CollisionMesh {
     /// Derives the data that the steps need.
     fn from(baked: BakedMesh) -> Self {
-        let features = MeshFeatures::of(&baked.mesh);
+        let features = MeshFeatures::of(&baked.mesh, baked.one_sided.clone());
         Self {
             lanes: Arc::new(MeshLanes::new(&baked.mesh, &features, baked.mass.center)),
             features: Arc::new(features),
@@ -146,11 +148,13 @@ impl CollisionMesh {
         if settings == self.settings {
             return Ok(self.clone());
         }
-        if (settings.weld_tolerance, settings.inward) != (self.settings.weld_tolerance, self.settings.inward) {
+        let of_mesh = |settings: &BakeSettings| (settings.weld_tolerance, settings.inward, settings.shell_thickness);
+        if of_mesh(&settings) != of_mesh(&self.settings) {
             return Self::without_faces(&self.mesh, settings).rebake(settings, pool, progress);
         }
         let mut baked = BakedMesh {
             mesh: self.mesh.clone(),
+            one_sided: self.one_sided.clone(),
             heights: self.heights.clone(),
             faces: None,
             settings,
@@ -166,75 +170,23 @@ impl CollisionMesh {
     }
 }
 
-impl BakedMesh {
-    /// Warnings for the author of the mesh, one sentence each: dropped faces, an open surface, and the like. Empty for
-    /// a sound mesh. Code that loads a mesh should log them once, with the name of the file.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        let dropped = self.mesh.dropped();
-        if dropped > 0 {
-            let all = self.mesh.triangles().len() as u64 + u64::from(dropped);
-            warnings.push(format!(
-                "{dropped} of {all} faces have zero area and were dropped; the others keep their indices"
-            ));
-        }
-        match self.mesh.orientation() {
-            Orientation::Open => warnings.push(self.open_warning()),
-            Orientation::Mixed => warnings.push(
-                "some neighbouring faces have opposite winding, so the mass is that of the bounding box; recalculate the \
-                 normals or set the mass yourself"
-                    .into(),
-            ),
-            Orientation::Inward => warnings.push(
-                "its faces point inward, so it is a room: bodies inside are free, its walls push inward, and its mass is \
-                 that of a solid that fills it; if it is meant to be solid, flip its faces or bake it with `inward: Solid`"
-                    .into(),
-            ),
-            Orientation::Outward if self.mass.approximate => warnings.push(
-                "the mesh encloses almost no volume, or its size does not fit single precision, so its mass is \
-                 approximate; set the mass yourself"
-                    .into(),
-            ),
-            Orientation::Outward => {}
-        }
-        warnings
-    }
-
-    /// The warning about an open mesh.
-    fn open_warning(&self) -> String {
-        let mut text = "the mesh is open".to_owned();
-        if let Some(gaps) = self.mesh.gaps() {
-            let edges = if gaps.edges == 1 { "edge has" } else { "edges have" };
-            text += &format!(" ({} {edges} no partner", gaps.edges);
-            if let (Some(nearest), Some(relative)) = (gaps.nearest, gaps.relative) {
-                text += &format!(
-                    "; the nearest corners of these that no such edge joins are {nearest:.2e} apart, {relative:.1e} of \
-                     its size, and `weld_tolerance` is {:.1e}",
-                    self.settings.weld_tolerance
-                );
-            }
-            text.push(')');
-        }
-        text + ": bodies inside it are not found, and its mass is that of its bounding box; close the holes, bake it with a \
-                larger `weld_tolerance` if they are cracks, or set the mass yourself"
-    }
-}
-
 /// Bakes all but the face table.
 fn prepare(mesh: &TriMesh, settings: BakeSettings) -> BakedMesh {
     // Clusters come first: the rays that measure thickness are fast only in cluster order.
-    let mut mesh = (mesh.reordered(&cluster_order(mesh))).with_weld_tolerance(settings.weld_tolerance);
-    // Undo the flip of an earlier bake, so that the result depends only on the source.
-    if mesh.is_flipped() {
+    let ordered = mesh.reordered(&cluster_order(mesh));
+    // The result depends only on the source, not on what an earlier bake turned.
+    let mut mesh = ordered
+        .with_weld_tolerance(settings.weld_tolerance)
+        .as_input()
+        .oriented();
+    if settings.inward == Inward::Solid && mesh.is_room() {
         mesh = mesh.flipped();
     }
-    if settings.inward == Inward::Solid && mesh.orientation() == Orientation::Inward {
-        mesh = mesh.flipped();
-    }
-    let mass = MassProperties::of(&mesh);
+    let mass = MassProperties::with_shell(&mesh, settings.shell_thickness);
     let heights = SupportHeights::of(used_once(&mesh).map(|p| p - mass.center));
     BakedMesh {
         radius: radius_about(&mesh, mass.center),
+        one_sided: OneSided::of(&mesh),
         mesh,
         mass,
         heights,

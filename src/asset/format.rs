@@ -8,11 +8,11 @@
 //! | 0 | 8 | magic `FACEOFF\0` |
 //! | 8 | 4 | format version |
 //! | 12 | 4 | baker version |
-//! | 16 | 20 | settings: faces (0 or 1), degrees, image, weld tolerance, inward (0 for a room, 1 for a solid) |
-//! | 36 | 32 | blake3 of the source file |
-//! | 68 | 8 | length of the frame's content |
-//! | 76 | 32 | blake3 of everything else in the file |
-//! | 108 | | lz4 frame |
+//! | 16 | 24 | settings: faces (0 or 1), degrees, image, weld tolerance, inward (0 for a room, 1 for a solid), shell thickness |
+//! | 40 | 32 | blake3 of the source file |
+//! | 72 | 8 | length of the frame's content |
+//! | 80 | 32 | blake3 of everything else in the file |
+//! | 112 | | lz4 frame |
 //!
 //! The reader is safe for untrusted input. It checks lengths against the remaining bytes before it allocates, and
 //! checks the range of all numbers. The checksum detects corruption by a disk or a network. It is not a signature: a
@@ -22,7 +22,7 @@
 use super::bytes::{Reader, put};
 use super::collision_mesh::{BakedMesh, CollisionMesh};
 pub use super::format_error::{FORMAT_VERSION, FormatError};
-use crate::geometry::{MassProperties, MeshParts, TriMesh};
+use crate::geometry::{MassBasis, MassProperties, MeshParts, OneSided, TriMesh};
 use crate::projection::{BakeSettings, FaceTable, Inward, SupportHeights};
 use glam::{Mat3, Vec3};
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
@@ -32,11 +32,20 @@ use std::io::{Read, Write};
 pub const MAGIC: [u8; 8] = *b"FACEOFF\0";
 /// The version of the baker. It changes when the same source and settings give another result. Files of older versions
 /// still load, but are not up to date.
-pub const BAKER_VERSION: u32 = 2;
+pub const BAKER_VERSION: u32 = 3;
 /// Length of the header in bytes; enough for [`read_header`].
-pub const HEADER_LENGTH: usize = 108;
+pub const HEADER_LENGTH: usize = 112;
 
-const CHECKSUM_AT: usize = 76;
+/// The bases of a mass, by their number in a file.
+const BASES: [MassBasis; 6] = [
+    MassBasis::Solid,
+    MassBasis::Room,
+    MassBasis::Capped,
+    MassBasis::Winding,
+    MassBasis::Shell,
+    MassBasis::Box,
+];
+const CHECKSUM_AT: usize = 80;
 /// The start of each frame that this module writes: lz4's magic, version 1, independent blocks of at most 256 KiB, no
 /// options.
 const FRAME_START: [u8; 6] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x50];
@@ -81,10 +90,12 @@ pub fn to_bytes(mesh: &CollisionMesh, source_hash: Hash) -> Vec<u8> {
         image,
         weld_tolerance,
         inward,
+        shell_thickness,
     } = mesh.settings;
     put(&mut out, [u32::from(faces), degrees, image]);
     put(&mut out, [weld_tolerance]);
     put(&mut out, [u32::from(inward == Inward::Solid)]);
+    put(&mut out, [shell_thickness]);
     out.extend_from_slice(&source_hash);
     put(&mut out, [body.len() as u64]);
     out.resize(HEADER_LENGTH, 0);
@@ -133,6 +144,7 @@ pub fn read_header(bytes: &[u8]) -> Result<Header, FormatError> {
         } else {
             Inward::Room
         },
+        shell_thickness: f32::from_bits(reader.u32("the settings")?),
     };
     settings
         .validate()
@@ -200,13 +212,21 @@ fn body(baked: &BakedMesh) -> Vec<u8> {
     put(&mut out, mesh.face_ids().iter().copied());
     put(&mut out, [mesh.dropped()]);
     put(&mut out, mesh.dropped_faces().iter().flatten().copied());
-    put(&mut out, [u32::from(mesh.is_flipped())]);
+    put_flags(&mut out, mesh.turned());
+    let (kind, some): (u32, &[bool]) = match &baked.one_sided {
+        OneSided::All => (0, &[]),
+        OneSided::None => (1, &[]),
+        OneSided::Some(some) => (2, some),
+    };
+    put(&mut out, [kind]);
+    put_flags(&mut out, some);
 
     let mass = &baked.mass;
     put(&mut out, [mass.volume, mass.thickness, baked.radius]);
     put(&mut out, mass.center.to_array());
     put(&mut out, mass.second_moment.to_cols_array());
-    put(&mut out, [u32::from(mass.approximate)]);
+    put(&mut out, [mass.basis as u32, u32::from(mass.approximate)]);
+    put(&mut out, [mass.error]);
 
     put(&mut out, [baked.heights.heights().len() as u32]);
     put(&mut out, baked.heights.heights().iter().copied());
@@ -220,15 +240,28 @@ fn body(baked: &BakedMesh) -> Vec<u8> {
 
 fn read_body(reader: &mut Reader, settings: BakeSettings) -> Result<BakedMesh, FormatError> {
     let mesh = read_mesh(reader, settings.weld_tolerance)?;
+    let count = mesh.triangles().len();
+    let kind = reader.u32("the sides of its faces")?;
+    let some = read_flags(reader, count, "the sides of its faces")?;
+    let one_sided = match (kind, some.is_empty()) {
+        (0, true) => OneSided::All,
+        (1, true) => OneSided::None,
+        (2, false) => OneSided::Some(some),
+        _ => return Err(FormatError::Damaged("the sides of its faces are invalid")),
+    };
     let [volume, thickness, radius] = reader.floats("the mass")?;
     let center = Vec3::from(reader.floats::<3>("the centre of mass")?);
     let second_moment = Mat3::from_cols_array(&reader.floats("the second moment")?);
+    let basis = reader.u32("the mass")?;
+    let basis = BASES.get(basis as usize).copied();
     let mass = MassProperties {
+        basis: basis.ok_or(FormatError::Damaged("it names no basis of its mass"))?,
         volume,
         center,
         second_moment,
         thickness,
         approximate: flag(reader.u32("the mass")?)?,
+        error: reader.floats::<1>("the mass")?[0],
     };
     if [volume, thickness, radius].iter().any(|x| *x <= 0.0) || second_moment != second_moment.transpose() {
         return Err(FormatError::Damaged("its mass is invalid"));
@@ -249,6 +282,7 @@ fn read_body(reader: &mut Reader, settings: BakeSettings) -> Result<BakedMesh, F
     };
     Ok(BakedMesh {
         mesh,
+        one_sided,
         mass,
         radius,
         heights,
@@ -263,21 +297,48 @@ fn read_mesh(reader: &mut Reader, weld_tolerance: f32) -> Result<TriMesh, Format
         .list(count, "the vertices")?
         .map(|v: [u32; 3]| Vec3::from(v.map(f32::from_bits)))
         .collect();
-    let count = reader.u32("the triangles")?;
-    let triangles = reader.list(count, "the triangles")?.collect();
-    let face_ids = reader.list(count, "the face ids")?.map(|[id]| id).collect();
+    let count_of_triangles = reader.u32("the triangles")?;
+    let triangles = reader.list(count_of_triangles, "the triangles")?.collect();
+    let face_ids = reader
+        .list(count_of_triangles, "the face ids")?
+        .map(|[id]| id)
+        .collect();
     let count = reader.u32("the dropped faces")?;
     let dropped = reader.list(count, "the dropped faces")?.collect();
-    let is_flipped = flag(reader.u32("the winding of its faces")?)?;
+    let faces = u64::from(count_of_triangles) + u64::from(count);
+    let faces = usize::try_from(faces).map_err(|_| FormatError::Damaged("the number of faces is impossible"))?;
+    let turned = read_flags(reader, faces, "the winding of its faces")?;
     TriMesh::from_parts(MeshParts {
         vertices,
         triangles,
         face_ids,
         dropped,
-        is_flipped,
+        turned,
         weld_tolerance,
     })
     .map_err(FormatError::Damaged)
+}
+
+/// Writes flags, 32 to a word, after the number of words.
+fn put_flags(out: &mut Vec<u8>, flags: &[bool]) {
+    put(out, [flags.len().div_ceil(32) as u32]);
+    let words = flags
+        .chunks(32)
+        .map(|run| (0..).zip(run).fold(0, |word, (i, flag)| word | u32::from(*flag) << i));
+    put(out, words);
+}
+
+/// Reads `count` flags, or none if none are stored.
+fn read_flags(reader: &mut Reader, count: usize, what: &'static str) -> Result<Vec<bool>, FormatError> {
+    let length = reader.u32(what)?;
+    if length == 0 {
+        return Ok(Vec::new());
+    }
+    if length as usize != count.div_ceil(32) {
+        return Err(FormatError::Damaged("it has flags for another number of faces"));
+    }
+    let words: Vec<u32> = reader.list::<1>(length, what)?.map(|[word]| word).collect();
+    Ok((0..count).map(|i| words[i / 32] >> (i % 32) & 1 == 1).collect())
 }
 
 fn flag(word: u32) -> Result<bool, FormatError> {

@@ -17,6 +17,7 @@ mod polygons;
 pub mod recipe;
 mod stl;
 mod text;
+mod warnings;
 
 pub use collision_mesh::{BakedMesh, CollisionMesh};
 pub use gltf::{GltfError, MeshChoice, MeshPart};

@@ -1,7 +1,7 @@
 //! The `.bake.ron` recipe, which says which mesh to bake, and how.
 //!
 //! ```ron
-//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256, weld_tolerance: 1e-6, inward: Room))
+//! (mesh: "knot.obj", settings: (faces: true, degrees: 1, image: 256, weld_tolerance: 1e-6, inward: Room, shell_thickness: 0.01))
 //! ```
 //!
 //! The path is relative to the recipe, with `/` between folders and `..` for the parent folder. It must not begin with
@@ -97,7 +97,8 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// The recipe as one line of text. `weld_tolerance` and `inward` are left out if they have their default values.
+    /// The recipe as one line of text. `weld_tolerance`, `inward` and `shell_thickness` are left out if they
+    /// have their default values.
     pub fn to_text(&self) -> String {
         let BakeSettings {
             faces,
@@ -105,6 +106,7 @@ impl Recipe {
             image,
             weld_tolerance,
             inward,
+            shell_thickness,
         } = self.settings;
         let part = self
             .part
@@ -118,6 +120,9 @@ impl Recipe {
         }
         if inward != default.inward {
             settings += &format!(", inward: {inward:?}");
+        }
+        if shell_thickness != default.shell_thickness {
+            settings += &format!(", shell_thickness: {shell_thickness:?}");
         }
         format!("(mesh: {:?}, {part}settings: ({settings}))\n", self.mesh)
     }

@@ -2,7 +2,7 @@
 
 use super::edges::{Edges, NO_EDGE, is_collapsed};
 use super::slivers::AcrossSlivers;
-use crate::geometry::{Orientation, TriMesh};
+use crate::geometry::{OneSided, TriMesh};
 use glam::{DMat3, DVec3, Vec3};
 
 /// No triangle, or no edge.
@@ -42,7 +42,7 @@ pub struct MeshFeatures {
     /// the same vertex.
     pub triangle_edges: Vec<[u32; 3]>,
     /// What each triangle owns: its corners in bits 0 to 2, its edges in bits 3 to 5. Edges that cannot touch another
-    /// edge have no owner: those of more than two triangles and, if [`MeshFeatures::sided`], those that are flat or
+    /// edge have no owner: those of more than two triangles and, between one-sided triangles, those that are flat or
     /// concave.
     pub owned: Vec<u32>,
     /// For each edge, the triangle on the other side from its owner; [`NONE`] at a boundary edge, and beside a sliver that
@@ -70,8 +70,8 @@ pub struct MeshFeatures {
     pub vertex_normals: Vec<Vec3>,
     /// For each vertex, the smallest radius of curvature of its triangles, mesh units.
     pub vertex_curvature_radii: Vec<f32>,
-    /// Whether the mesh is closed and consistently wound. The triangles of any other mesh are two-sided.
-    pub sided: bool,
+    /// Which triangles push only to the side of their normal.
+    pub one_sided: OneSided,
 }
 
 /// The first triangle of an edge.
@@ -90,9 +90,9 @@ struct Owner {
 
 impl MeshFeatures {
     /// Computes the features of `mesh`.
-    pub fn of(mesh: &TriMesh) -> Self {
+    pub fn of(mesh: &TriMesh, one_sided: OneSided) -> Self {
         let mut features = Self {
-            sided: matches!(mesh.orientation(), Orientation::Outward | Orientation::Inward),
+            one_sided,
             ..Self::default()
         };
         let numbers = features.add_triangles(mesh);
@@ -206,8 +206,8 @@ impl MeshFeatures {
                 self.curvature[t] = self.curvature[t].min(curvature);
             }
             let is_convex = |others: &[usize]| {
-                let mut others = others.iter();
-                !self.sided || others.len() == 0 || others.any(|&other| !self.is_flat_or_concave(owner, other))
+                let is_hidden = |&other: &usize| self.one_sided.is(other) && self.is_flat_or_concave(owner, other);
+                others.is_empty() || !self.one_sided.is(owner) || !others.iter().all(is_hidden)
             };
             let can_touch = match count {
                 1 => is_convex(slivers.at(ends[edge])),
@@ -239,7 +239,8 @@ impl MeshFeatures {
             let owned = (0..3).filter(|k| self.owned[t] >> (3 + k) & 1 == 1);
             owned.fold(0.0, |most: f32, k| {
                 match self.across[self.triangle_edges[t][k] as usize] {
-                    other if other == NONE || !self.sided => ANY_NORMAL,
+                    NONE => ANY_NORMAL,
+                    other if ![t, other as usize].iter().all(|&t| self.one_sided.is(t)) => ANY_NORMAL,
                     other => most.max(self.angle_between([t, other as usize]) as f32).min(ANY_NORMAL),
                 }
             })
@@ -366,6 +367,10 @@ mod tests {
     use super::*;
     use crate::geometry::shapes;
 
+    fn of(mesh: &TriMesh) -> MeshFeatures {
+        MeshFeatures::of(mesh, OneSided::of(mesh))
+    }
+
     fn owned(features: &MeshFeatures, bits: u32) -> u32 {
         features.owned.iter().map(|o| (o & bits).count_ones()).sum()
     }
@@ -379,7 +384,7 @@ mod tests {
             // and below are flat, as diagonals are.
             (shapes::torus(12, 10, 0.7, 0.3), 120 + 48),
         ] {
-            let features = MeshFeatures::of(&mesh);
+            let features = of(&mesh);
             let (vertices, edges) = (features.vertices.len() as u32, features.across.len() as u32);
             assert_eq!(owned(&features, 7), vertices);
             assert_eq!(owned(&features, 56), convex);
@@ -393,17 +398,17 @@ mod tests {
     fn a_room_is_sided_and_an_open_mesh_has_boundary_edges() {
         let cube = shapes::cube(1.0);
         let room = cube.clone().flipped();
-        let features = MeshFeatures::of(&room);
-        for (own, outward) in features.normals.iter().zip(&MeshFeatures::of(&cube).normals) {
+        let features = of(&room);
+        for (own, outward) in features.normals.iter().zip(&of(&cube).normals) {
             assert_eq!(*own, -outward);
         }
-        assert!(features.sided);
+        assert!(features.one_sided.all());
         // Its vertices can touch a body inside. Its edges are all concave and can touch nothing.
         assert_eq!((owned(&features, 7), owned(&features, 56)), (8, 0));
 
         let open = TriMesh::new(cube.vertices().to_vec(), cube.triangles()[..10].to_vec()).unwrap();
-        let features = MeshFeatures::of(&open);
-        assert!(!features.sided);
+        let features = of(&open);
+        assert!(!features.one_sided.all());
         assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 4);
     }
 
@@ -423,8 +428,8 @@ mod tests {
     #[test]
     fn an_edge_beside_a_sliver_can_touch_if_it_is_convex() {
         let diagonals = (0..12).flat_map(|t| (0..3).map(move |k| (t, k))).filter(|&(t, k)| {
-            let features = MeshFeatures::of(&cube_with_t_junction(t, k));
-            assert!(features.sided);
+            let features = of(&cube_with_t_junction(t, k));
+            assert!(features.one_sided.all());
             assert_eq!(features.across.iter().filter(|t| **t == NONE).count(), 3);
             match owned(&features, 56) {
                 // The edges of the cube.
@@ -440,7 +445,7 @@ mod tests {
     #[test]
     fn a_face_that_is_there_twice_is_no_smooth_surface() {
         let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-        let features = MeshFeatures::of(&TriMesh::new(corners, vec![[0, 1, 2]; 2]).unwrap());
+        let features = of(&TriMesh::new(corners, vec![[0, 1, 2]; 2]).unwrap());
         assert_eq!(features.curvature_radii, [0.0; 2]);
         assert_eq!(features.vertex_curvature_radii, [0.0; 3]);
     }
@@ -448,7 +453,7 @@ mod tests {
     #[test]
     fn radii_of_curvature_are_those_of_the_smooth_surface() {
         let range = |mesh: &TriMesh| {
-            let radii = MeshFeatures::of(mesh).curvature_radii;
+            let radii = of(mesh).curvature_radii;
             let least = radii.iter().copied().fold(f32::INFINITY, f32::min);
             [least, radii.into_iter().fold(0.0, f32::max)]
         };
@@ -468,23 +473,23 @@ mod tests {
 
     #[test]
     fn vertex_normals_of_a_ball_are_radial() {
-        let ball = MeshFeatures::of(&shapes::ball(2.0, 4));
+        let ball = of(&shapes::ball(2.0, 4));
         for (p, normal) in ball.vertices.iter().zip(&ball.vertex_normals) {
             assert!(p.normalize().distance(*normal) < 0.01, "{p} {normal}");
         }
         assert!(ball.curvature.iter().all(|c| (0.43..0.56).contains(c)));
         assert!(ball.vertex_curvature_radii.iter().all(|r| (1.7..2.2).contains(r)));
         // Facets, creases and the inner side of a ring have no curvature in some direction.
-        let none = |mesh: &TriMesh| MeshFeatures::of(mesh).curvature.iter().all(|c| *c == 0.0);
+        let none = |mesh: &TriMesh| of(mesh).curvature.iter().all(|c| *c == 0.0);
         assert!(none(&shapes::ball(2.0, 1)) && none(&shapes::cube(1.0)));
         let ring = shapes::torus(96, 48, 0.7, 0.3);
-        let features = MeshFeatures::of(&ring);
+        let features = of(&ring);
         for (t, &curvature) in features.curvature.iter().enumerate() {
             let reach = ring.corners(t).map(|p| p.truncate().length());
             assert!(curvature > 0.0 || reach.iter().any(|r| *r < 0.8), "{t}");
             assert!(curvature == 0.0 || reach.iter().all(|r| *r > 0.69), "{t}: {curvature}");
         }
-        let cube = MeshFeatures::of(&shapes::cube(1.0));
+        let cube = of(&shapes::cube(1.0));
         assert!(cube.vertex_curvature_radii.iter().all(|r| *r == 0.0));
     }
 
@@ -492,7 +497,7 @@ mod tests {
     fn an_edge_of_three_triangles_has_no_owner() {
         let points = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Y];
         let fins = TriMesh::new(points.to_vec(), vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]]).unwrap();
-        let features = MeshFeatures::of(&fins);
+        let features = of(&fins);
         assert_eq!(owned(&features, 56), 6);
         assert_eq!(features.across.len(), 7);
     }

@@ -24,6 +24,8 @@ pub struct MeshLanes {
     pub components: Vec<u32>,
     /// The box hierarchy above groups of eight such vertices, in the layout of `levels`.
     pub component_levels: Vec<Vec<BoxGroup>>,
+    /// The box hierarchy above groups of eight of the mesh's caps, in the layout of `levels`.
+    pub cap_levels: Vec<Vec<BoxGroup>>,
     /// The box hierarchy above the clusters, from the leaves up: boxes of clusters in groups of eight, then boxes of
     /// those groups in groups of eight, and so on up to one group.
     pub levels: Vec<Vec<BoxGroup>>,
@@ -96,6 +98,9 @@ impl MeshLanes {
             .map(|i| mesh.component_vertices()[i as usize])
             .collect();
         let some: Vec<Vec3> = components.iter().map(|&v| component(v)).collect();
+        let caps: Vec<Aabb> = (mesh.caps().iter())
+            .map(|cap| Aabb::around(cap.map(|p| p - center)))
+            .collect();
         let nodes = merge(&boxes);
         let aabb = nodes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         let (levels, sizes) = box_levels(nodes);
@@ -105,6 +110,7 @@ impl MeshLanes {
             vertex_levels: eights(&positions),
             component_levels: eights(&some),
             components,
+            cap_levels: box_levels(merge(&caps)).0,
             levels,
             slabs: slab::levels(&corners),
             sizes,
@@ -155,13 +161,13 @@ impl BoxGroup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::shapes;
+    use crate::geometry::{OneSided, shapes};
 
     #[test]
     fn lanes_hold_the_vertices_of_the_features() {
         let torus = shapes::torus_240();
         for mesh in [torus.clone(), torus.flipped()] {
-            let (features, center) = (MeshFeatures::of(&mesh), Vec3::new(0.1, 0.2, 0.3));
+            let (features, center) = (MeshFeatures::of(&mesh, OneSided::All), Vec3::new(0.1, 0.2, 0.3));
             let lanes = MeshLanes::new(&mesh, &features, center);
             let held = lanes.vertices.iter().flat_map(|(points, lanes)| {
                 let held = (0..CLUSTER).filter(move |lane| lanes >> lane & 1 == 1);

@@ -1,10 +1,10 @@
 //! [`TriMesh`]: a validated triangle mesh with its connectivity.
 
-use super::topology::{Faces, Gaps, Orientation, Topology};
+use super::mesh_error::MeshError;
+use super::topology::{DefectKind, Defects, Faces, Gaps, Orientation, Topology};
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 use std::hint::black_box;
-use thiserror::Error;
 
 /// The largest absolute coordinate a vertex may have, in mesh units.
 ///
@@ -15,54 +15,6 @@ pub const MAX_COORDINATE: f32 = 1.0e9;
 ///
 /// It is a few steps of single precision: the two sides of a seam in an imported file differ by about as much.
 pub const WELD_TOLERANCE: f32 = 1.0e-6;
-
-/// Why a list of vertices and faces is not a valid mesh.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum MeshError {
-    /// The list of faces is empty.
-    #[error("the mesh has no faces")]
-    Empty,
-    /// There are more vertices or faces than 32-bit indices can address.
-    #[error("the mesh has {count} {what}, more than 32-bit indices can address")]
-    TooLarge {
-        /// `"vertices"` or `"faces"`.
-        what: &'static str,
-        /// How many there are.
-        count: usize,
-    },
-    /// A vertex has a NaN or infinite coordinate.
-    #[error("vertex {vertex} is not finite: {position}")]
-    NonFinite {
-        /// Index of the vertex.
-        vertex: u32,
-        /// Its coordinates.
-        position: Vec3,
-    },
-    /// The absolute value of a coordinate exceeds [`MAX_COORDINATE`].
-    #[error("vertex {vertex} at {position} has a coordinate beyond {MAX_COORDINATE:e}: use a larger unit of length")]
-    TooFar {
-        /// Index of the vertex.
-        vertex: u32,
-        /// Its coordinates.
-        position: Vec3,
-    },
-    /// A face refers to a vertex that does not exist.
-    #[error("face {face} names vertex {index}, but the mesh has {vertices} vertices")]
-    IndexOutOfRange {
-        /// Index of the face.
-        face: u32,
-        /// The vertex index in the face.
-        index: u32,
-        /// The number of vertices of the mesh.
-        vertices: u32,
-    },
-    /// Every face has zero area.
-    #[error("all {faces} faces are degenerate (zero area)")]
-    AllDegenerate {
-        /// The number of faces.
-        faces: u32,
-    },
-}
 
 /// A validated triangle mesh.
 ///
@@ -78,7 +30,8 @@ pub struct TriMesh {
     triangles: Vec<[u32; 3]>,
     face_ids: Vec<u32>,
     dropped: Vec<[u32; 3]>,
-    is_flipped: bool,
+    /// For each face of the input, whether its winding is reversed; empty if that of none is.
+    turned: Vec<bool>,
     topology: Topology,
 }
 
@@ -88,7 +41,8 @@ pub(crate) struct MeshParts {
     pub(crate) triangles: Vec<[u32; 3]>,
     pub(crate) face_ids: Vec<u32>,
     pub(crate) dropped: Vec<[u32; 3]>,
-    pub(crate) is_flipped: bool,
+    /// For each face of the input, whether its winding is reversed; empty if that of none is.
+    pub(crate) turned: Vec<bool>,
     pub(crate) weld_tolerance: f32,
 }
 
@@ -145,7 +99,7 @@ impl TriMesh {
             triangles,
             face_ids,
             dropped,
-            is_flipped: false,
+            turned: Vec::new(),
             weld_tolerance: WELD_TOLERANCE,
         }))
     }
@@ -164,7 +118,7 @@ impl TriMesh {
             triangles: parts.triangles,
             face_ids: parts.face_ids,
             dropped: parts.dropped,
-            is_flipped: parts.is_flipped,
+            turned: parts.turned,
         }
     }
 
@@ -195,20 +149,81 @@ impl TriMesh {
     }
 
     /// The same mesh with the winding of all faces reversed.
-    pub fn flipped(mut self) -> Self {
-        for face in self.triangles.iter_mut().chain(&mut self.dropped) {
-            face.swap(1, 2);
+    pub fn flipped(self) -> Self {
+        self.turned_where(|_| true)
+    }
+
+    /// The same mesh with the winding of each shell made consistent, and with the faces of solids outward.
+    ///
+    /// A *shell* is a set of faces that hang together across edges of two faces each. Edges are those of the welded mesh.
+    ///
+    /// * If neighbouring faces of a shell disagree, some are turned. Those of a closed shell then point outward, as do those of an
+    ///   open one that encloses something; if the shell is closed and lies inside another closed one, it becomes a cavity of
+    ///   that. Of a sheet the smaller part of its area is turned.
+    /// * A closed shell outside all others that points inward is turned, and what lies inside it with it. But if all such
+    ///   shells point inward, as they came, the mesh is a room, and none is turned.
+    /// * A shell inside another stays as it is: wound oppositely it is a cavity, wound alike a solid inside a solid; see
+    ///   [`DefectKind::SolidInSolid`].
+    /// * A shell that has no consistent winding, like a Möbius strip, stays as it is.
+    pub fn oriented(self) -> Self {
+        let turn = self.faces().faces_to_turn(&self.topology.welded);
+        if !turn.contains(&true) {
+            return self;
         }
-        self.is_flipped = !self.is_flipped;
-        if matches!(self.topology.orientation, Orientation::Outward | Orientation::Inward) {
-            self.topology.orientation = self.faces().outward_or_inward(&self.topology.welded);
+        // `turn` lists the triangles, then the dropped faces.
+        let mut by_id = vec![false; turn.len()];
+        for (id, turn) in self.face_ids.iter().copied().chain(self.dropped_ids()).zip(turn) {
+            by_id[id as usize] = turn;
         }
+        self.turned_where(|id| by_id[id as usize])
+    }
+
+    /// The same mesh with the winding of the input.
+    pub fn as_input(self) -> Self {
+        let turned = self.turned.clone();
+        self.turned_where(|id| turned.get(id as usize).is_some_and(|turned| *turned))
+    }
+
+    /// Reverses the winding of the faces for which `turn` holds, by their index in the input.
+    fn turned_where(mut self, turn: impl Fn(u32) -> bool) -> Self {
+        let dropped_ids = self.dropped_ids();
+        let ids = self.face_ids.iter().copied().chain(dropped_ids);
+        let mut turned = std::mem::take(&mut self.turned);
+        turned.resize(self.triangles.len() + self.dropped.len(), false);
+        for (face, id) in self.triangles.iter_mut().chain(&mut self.dropped).zip(ids) {
+            if turn(id) {
+                face.swap(1, 2);
+                turned[id as usize] ^= true;
+            }
+        }
+        if turned.contains(&true) {
+            self.turned = turned;
+        }
+        self.topology = self.faces().rewound(self.topology.clone());
         self
     }
 
-    /// Whether the winding of the faces is reversed relative to the input.
-    pub fn is_flipped(&self) -> bool {
-        self.is_flipped
+    /// The indices of the dropped faces in the input.
+    fn dropped_ids(&self) -> Vec<u32> {
+        let mut is_triangle = vec![false; self.triangles.len() + self.dropped.len()];
+        for &id in &self.face_ids {
+            is_triangle[id as usize] = true;
+        }
+        (0..)
+            .zip(is_triangle)
+            .filter_map(|(id, is_triangle)| (!is_triangle).then_some(id))
+            .collect()
+    }
+
+    /// Whether the winding of triangle `t` is reversed relative to the input.
+    #[inline]
+    pub fn is_turned(&self, t: usize) -> bool {
+        !self.turned.is_empty() && self.turned[self.face_ids[t] as usize]
+    }
+
+    /// For each face of the input, whether its winding is reversed; empty if that of none is.
+    pub fn turned(&self) -> &[bool] {
+        &self.turned
     }
 
     /// All vertices of the input, including unused ones.
@@ -236,8 +251,9 @@ impl TriMesh {
     /// The corner positions of a face of the input, by its index there, in their order there. `None` if there is none, or it
     /// has no area. Looks at all triangles.
     pub fn input_face(&self, face: u32) -> Option<[Vec3; 3]> {
-        let [a, b, c] = self.corners(self.face_ids.iter().position(|&id| id == face)?);
-        Some(if self.is_flipped { [a, c, b] } else { [a, b, c] })
+        let t = self.face_ids.iter().position(|&id| id == face)?;
+        let [a, b, c] = self.corners(t);
+        Some(if self.is_turned(t) { [a, c, b] } else { [a, b, c] })
     }
 
     /// For each triangle, the index of its face in the input.
@@ -276,10 +292,49 @@ impl TriMesh {
         self.topology.orientation != Orientation::Open
     }
 
-    /// Whether the enclosed volume is solid, so that another body can lie wholly inside. This holds for a closed mesh
-    /// unless it is a room ([`Orientation::Inward`]).
+    /// Whether the enclosed volume is solid, so that another body can lie wholly inside. This holds for a mesh that is closed
+    /// or nearly so, unless it is a room ([`Orientation::Inward`]).
     pub fn is_solid(&self) -> bool {
-        matches!(self.topology.orientation, Orientation::Outward | Orientation::Mixed)
+        match self.topology.orientation {
+            Orientation::Outward | Orientation::Mixed => true,
+            Orientation::Inward => false,
+            Orientation::Open => self.topology.closed_by_caps() == Some(Orientation::Outward),
+        }
+    }
+
+    /// Whether the mesh is closed or nearly so, and its faces point inward.
+    pub fn is_room(&self) -> bool {
+        self.topology.orientation == Orientation::Inward || self.topology.closed_by_caps() == Some(Orientation::Inward)
+    }
+
+    /// Triangles that close a *nearly closed* mesh; none for other meshes. They have no number: nothing collides with them.
+    ///
+    /// A mesh is nearly closed if its winding is consistent, its largest opening takes at most [`MAX_OPENING`] of its area, and
+    /// all together take at most a fifth. Mass and containment are those of the mesh with its caps, so that a crack or a missing face changes neither.
+    /// Openings through which something could fall, as that of a box without a lid, get no caps.
+    ///
+    /// [`MAX_OPENING`]: crate::geometry::MAX_OPENING
+    pub fn caps(&self) -> &[[Vec3; 3]] {
+        &self.topology.caps
+    }
+
+    /// How far the volume of a nearly closed mesh may be off: the volume of a half ball over each opening, cubic mesh units.
+    pub(crate) fn uncertain_volume(&self) -> f64 {
+        self.faces().uncertain_volume(&self.topology)
+    }
+
+    /// What is wrong with the mesh, counted. Computed at every call.
+    pub fn defects(&self) -> Defects {
+        let mut defects = self.faces().defects(&self.topology);
+        let turned = (0..self.triangles.len()).filter(|&t| self.is_turned(t));
+        for t in turned {
+            defects.add(DefectKind::TurnedFace, self.corners(t), Some(self.face_ids[t]));
+        }
+        for (face, id) in self.dropped.iter().zip(self.dropped_ids()) {
+            let corners = face.map(|v| self.vertices[v as usize]);
+            defects.add(DefectKind::ZeroArea, corners, Some(id));
+        }
+        defects
     }
 
     /// The boundary edges of an open mesh; `None` if it is closed. Computed at every call.
@@ -317,7 +372,7 @@ impl TriMesh {
             triangles: order.iter().map(|&t| self.triangles[t as usize]).collect(),
             face_ids: order.iter().map(|&t| self.face_ids[t as usize]).collect(),
             dropped: self.dropped.clone(),
-            is_flipped: self.is_flipped,
+            turned: self.turned.clone(),
             topology: self.topology.clone(),
         }
     }
@@ -337,7 +392,7 @@ impl TriMesh {
         let vertices = self.vertices.iter().map(|&v| map(v)).collect();
         let mesh = Self::new(vertices, faces.collect())?;
         Ok(Self {
-            is_flipped: self.is_flipped,
+            turned: self.turned.clone(),
             ..mesh
         })
     }
@@ -353,6 +408,7 @@ impl TriMesh {
             triangles,
             face_ids,
             dropped,
+            turned,
             ..
         } = &parts;
         let in_range = |v: &u32| (*v as usize) < vertices.len();
@@ -378,6 +434,9 @@ impl TriMesh {
         let faces = triangles.len() as u64 + dropped.len() as u64;
         if faces >= u64::from(u32::MAX) || face_ids.len() != triangles.len() {
             return Err("the number of faces is impossible");
+        }
+        if !turned.is_empty() && (turned.len() as u64 != faces || !turned.contains(&true)) {
+            return Err("its list of turned faces is invalid");
         }
         let mut seen = vec![false; faces as usize];
         for &id in face_ids {

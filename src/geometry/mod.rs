@@ -3,7 +3,9 @@
 //! This module uses `glam` for vectors, and neither the ECS nor the asset system nor the GPU.
 
 mod aabb;
+mod box_tree;
 pub mod cluster;
+pub(crate) mod crossing;
 pub mod direction;
 pub(crate) mod distance;
 mod edges;
@@ -12,6 +14,8 @@ pub(crate) mod lanes;
 pub(crate) mod linear_cast;
 mod mass;
 pub mod mesh;
+mod mesh_error;
+mod one_sided;
 pub mod shapes;
 mod slivers;
 mod thickness;
@@ -19,9 +23,12 @@ mod topology;
 pub mod triangle;
 pub(crate) mod union_find;
 mod weld;
+mod winding;
 
 pub use aabb::Aabb;
-pub use mass::MassProperties;
+pub use mass::{MassBasis, MassProperties, SHELL_THICKNESS};
 pub(crate) use mesh::MeshParts;
-pub use mesh::{MeshError, TriMesh};
-pub use topology::{Gaps, Orientation};
+pub use mesh::TriMesh;
+pub use mesh_error::MeshError;
+pub use one_sided::OneSided;
+pub use topology::{Defect, DefectKind, Defects, Gaps, MAX_OPENING, Orientation};

@@ -1,5 +1,6 @@
 //! Thickness of a closed mesh, measured by rays from its faces to the opposite surface.
 
+use super::box_tree::BoxTree;
 use crate::geometry::{Aabb, Orientation, TriMesh};
 use glam::{DVec3, Vec3};
 
@@ -10,11 +11,9 @@ const SAMPLES: usize = 4096;
 const BUDGET: u64 = 30_000_000;
 /// The fraction of the sampled area that may be thinner than the result.
 const QUANTILE: f64 = 0.02;
-/// Children per node of the box hierarchy, and triangles per leaf.
-const WIDTH: usize = 8;
 
-/// The thickness of a closed, consistently wound mesh, in mesh units; `None` for other meshes, or if no ray leaves the
-/// mesh.
+/// The thickness of a closed or nearly closed, consistently wound mesh, in mesh units; `None` for other meshes, or if no ray
+/// leaves the mesh.
 ///
 /// A ray runs from the centroid of each face backward through the solid to where it leaves the mesh. Rays from the
 /// outer walls of a room never leave. The thickness at the face is the diameter of the ball that touches the face at
@@ -22,10 +21,15 @@ const WIDTH: usize = 8;
 /// wedge it is less. Meshes of more than 4096 triangles are sampled. The result is the diameter that 98 % of the
 /// sampled area reaches.
 pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
-    if matches!(mesh.orientation(), Orientation::Mixed | Orientation::Open) {
+    let is_wound = match mesh.orientation() {
+        Orientation::Outward | Orientation::Inward => true,
+        Orientation::Mixed => false,
+        Orientation::Open => !mesh.caps().is_empty(),
+    };
+    if !is_wound {
         return None;
     }
-    let tree = BoxTree::new(mesh);
+    let rays = Rays::new(mesh);
     let count = mesh.triangles().len();
     let (mut tests, mut found) = (0, Vec::new());
     for k in 0..count.min(SAMPLES) {
@@ -35,12 +39,12 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
             // Multiples of the golden ratio spread evenly however early the budget ends the loop.
             ((k as f64 * 0.618_033_988_749_894_9).fract() * count as f64) as usize
         };
-        let [a, b, c] = tree.corners(t);
+        let [a, b, c] = rays.corners(t);
         let normal = (b - a).cross(c - a);
         let area = normal.length();
         // Welding may have collapsed the face.
         if area > 0.0
-            && let Some(d) = tree.ball((a + b + c) / 3.0, -normal / area, &mut tests)
+            && let Some(d) = rays.ball((a + b + c) / 3.0, -normal / area, &mut tests)
         {
             found.push((d, area));
         }
@@ -61,38 +65,33 @@ pub(super) fn thickness(mesh: &TriMesh) -> Option<f64> {
         .filter(|d| *d > 0.0 && d.is_finite())
 }
 
-/// A box hierarchy over the triangles in their given order: boxes around runs of eight triangles, then around runs of
-/// eight such boxes, and so on. It is correct for any order, and fast if neighbours in the list are neighbours in
-/// space.
-struct BoxTree<'a> {
+/// A mesh that rays can be sent through.
+struct Rays<'a> {
     mesh: &'a TriMesh,
     origin: DVec3,
-    /// From the leaves up; the last level has one box.
-    levels: Vec<Vec<Aabb>>,
+    tree: BoxTree,
 }
 
-impl<'a> BoxTree<'a> {
+/// A ray on its way.
+struct Search<'a> {
+    start: DVec3,
+    inverse: DVec3,
+    /// The distance of the nearest face through which it leaves so far, and the cosine there.
+    nearest: Option<(f64, f64)>,
+    tests: &'a mut u64,
+}
+
+impl<'a> Rays<'a> {
     fn new(mesh: &'a TriMesh) -> Self {
-        let count = mesh.triangles().len();
-        let leaves: Vec<Aabb> = (0..count.div_ceil(WIDTH))
-            .map(|i| Aabb::around((i * WIDTH..count.min((i + 1) * WIDTH)).flat_map(|t| mesh.welded_corners(t))))
-            .collect();
-        let mut levels = vec![leaves];
-        while levels[levels.len() - 1].len() > 1 {
-            let above = levels[levels.len() - 1]
-                .chunks(WIDTH)
-                .map(|run| run.iter().fold(Aabb::EMPTY, |a, b| a.union(*b)))
-                .collect();
-            levels.push(above);
-        }
+        let boxes = (0..mesh.triangles().len()).map(|t| Aabb::around(mesh.welded_corners(t)));
         Self {
             mesh,
             origin: mesh.welded_corners(0)[0].as_dvec3(),
-            levels,
+            tree: BoxTree::new(boxes),
         }
     }
 
-    /// Corners relative to the tree's origin.
+    /// Corners relative to the origin.
     fn corners(&self, t: usize) -> [DVec3; 3] {
         self.mesh.welded_corners(t).map(|v| v.as_dvec3() - self.origin)
     }
@@ -100,33 +99,30 @@ impl<'a> BoxTree<'a> {
     /// The diameter of the ball that touches the face at the start of the ray and the plane of the face through which
     /// the ray leaves.
     fn ball(&self, start: DVec3, direction: DVec3, tests: &mut u64) -> Option<f64> {
-        let mut nearest: Option<(f64, f64)> = None;
-        let inverse = direction.recip();
-        let mut stack = vec![(self.levels.len() - 1, 0)];
-        while let Some((level, i)) = stack.pop() {
-            let limit = nearest.map_or(f64::INFINITY, |(t, _)| t);
-            if !self.hits_box(&self.levels[level][i], start, inverse, limit) {
-                continue;
-            }
-            if level > 0 {
-                let end = self.levels[level - 1].len().min((i + 1) * WIDTH);
-                stack.extend((i * WIDTH..end).map(|child| (level - 1, child)));
-                continue;
-            }
-            let end = self.mesh.triangles().len().min((i + 1) * WIDTH);
-            *tests += WIDTH as u64;
-            for t in i * WIDTH..end {
+        let mut search = Search {
+            start,
+            inverse: direction.recip(),
+            nearest: None,
+            tests,
+        };
+        self.tree.visit(
+            &mut search,
+            |search, b| self.hits_box(search, b),
+            |search, t| {
+                *search.tests += 1;
                 if let Some((distance, cosine)) = self.leaves_through(t, start, direction)
-                    && nearest.is_none_or(|(n, _)| distance < n)
+                    && search.nearest.is_none_or(|(n, _)| distance < n)
                 {
-                    nearest = Some((distance, cosine));
+                    search.nearest = Some((distance, cosine));
                 }
-            }
-        }
-        nearest.map(|(t, cosine)| 2.0 * t * cosine / (1.0 + cosine))
+            },
+        );
+        search.nearest.map(|(t, cosine)| 2.0 * t * cosine / (1.0 + cosine))
     }
 
-    fn hits_box(&self, b: &Aabb, start: DVec3, inverse: DVec3, limit: f64) -> bool {
+    fn hits_box(&self, search: &Search, b: &Aabb) -> bool {
+        let Search { start, inverse, .. } = *search;
+        let limit = search.nearest.map_or(f64::INFINITY, |(t, _)| t);
         let at = |corner: Vec3| (corner.as_dvec3() - self.origin - start) * inverse;
         let (u, v) = (at(b.min), at(b.max));
         // A component is NaN where the ray lies in a face plane of the box. `min` and `max` ignore NaN.

@@ -1,7 +1,7 @@
 //! The meshes on the device: all in one array of words, with a header for each.
 
 use super::buffers::TooLarge;
-use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID};
+use super::layout::{self, INWARD, MIXED, OPEN, OUTWARD, SOLID, SOME_TWO_SIDED};
 use super::mesh_features;
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
@@ -172,6 +172,7 @@ fn moved(mesh: layout::Mesh, by: u32) -> layout::Mesh {
     layout::Mesh {
         triangles: mesh.triangles + by,
         corners: mesh.corners + by,
+        caps: mesh.caps + by,
         boxes: mesh.boxes + by,
         vertices: mesh.vertices + by,
         heights: mesh.heights + by,
@@ -207,6 +208,8 @@ impl Packed {
         } else {
             triangles
         };
+
+        let caps = self.points(mesh.caps().as_flattened().iter().map(|p| *p - center));
 
         // The last group of each level is padded with empty boxes.
         let mut nodes = count.div_ceil(8);
@@ -265,6 +268,8 @@ impl Packed {
             Orientation::Mixed => MIXED,
             Orientation::Open => OPEN,
         };
+        let solid = if mesh.is_solid() { SOLID } else { 0 };
+        let two_sided = if baked.one_sided.all() { 0 } else { SOME_TWO_SIDED };
         let aabb = slot.lanes.aabb;
         layout::Mesh {
             center: center.to_array(),
@@ -276,7 +281,7 @@ impl Packed {
             vertices,
             vertex_count,
             heights,
-            flags: orientation | if mesh.is_solid() { SOLID } else { 0 },
+            flags: orientation | solid | two_sided,
             components: component_start,
             component_count: components.len() as u32,
             directions,
@@ -285,9 +290,10 @@ impl Packed {
             group_words: group_words as u32,
             features,
             corners,
+            caps,
+            cap_count: mesh.caps().len() as u32,
             box_center: aabb.center().to_array(),
             box_half: aabb.half_size().to_array(),
-            ..Default::default()
         }
     }
 }

@@ -111,8 +111,8 @@ layout! {
         vertices: u32, vertex_count: u32, heights: u32, flags: u32,
         components: u32, component_count: u32, directions: u32, direction_steps: u32,
         groups: u32, group_words: u32, features: u32, corners: u32,
-        box_center: Vec3, padding_a: u32,
-        box_half: Vec3, padding_b: u32,
+        box_center: Vec3, caps: u32,
+        box_half: Vec3, cap_count: u32,
     }
     /// A body in the sorted grid.
     GridEntry {
@@ -295,6 +295,11 @@ constants! {
     u32 INWARD = 2;
     u32 MIXED = 4;
     u32 OPEN = 6;
+    /// Some of its triangles are two-sided.
+    u32 SOME_TWO_SIDED = 8;
+
+    /// A triangle is one-sided: a bit of what it owns.
+    u32 ONE_SIDED = 64;
 
     // Indices into `counters`. Before each step the host sets the first and zeroes the others. The results of the
     // triangle test are those of the first collision substep, the others those of the last.

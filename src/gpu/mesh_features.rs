@@ -1,6 +1,6 @@
 //! The topology of a mesh as words, as `shaders/manifolds/side.wgsl` reads it.
 
-use super::layout::{FLAT_RADIUS, NOTHING};
+use super::layout::{FLAT_RADIUS, NOTHING, ONE_SIDED};
 use crate::geometry::features::{ANY_NORMAL, MeshFeatures, NONE};
 use crate::state::mesh_arena::MeshSlot;
 use glam::Vec3;
@@ -10,8 +10,8 @@ use glam::Vec3;
 /// ends, and of the vertex normals, each with the radius of curvature.
 pub const HEADER: usize = 8;
 
-/// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns,
-/// with the largest normal rotation at its edges; radius of curvature; number in the input mesh; lower bound of the
+/// Number of words per triangle: vertices; edges; the triangles across the edges that it owns; normal; what it owns, whether it
+/// is one-sided, and the largest normal rotation at its edges; radius of curvature; number in the input mesh; lower bound of the
 /// curvature.
 pub const RECORD: usize = 16;
 
@@ -75,7 +75,8 @@ fn record(slot: &MeshSlot, features: &MeshFeatures, t: usize, words: &mut Vec<u3
     words.extend(features.normals[t].to_array().map(f32::to_bits));
     // Rounded up.
     let edge_turn = (features.edge_normal_rotations[t] * (255.0 / ANY_NORMAL)).ceil() as u32;
-    words.push(features.owned[t] | (edge_turn << 8));
+    let one_sided = u32::from(features.one_sided.is(t)) * ONE_SIDED;
+    words.push(features.owned[t] | one_sided | (edge_turn << 8));
     words.push(features.curvature_radii[t].min(FLAT_RADIUS).to_bits());
     words.push(slot.mesh.mesh.face_ids()[t]);
     words.push(features.curvature[t].to_bits());

@@ -27,6 +27,7 @@ pub use heights::SupportHeights;
 pub use pool::bake_pool;
 pub use progress::{Cancelled, Progress};
 
+use crate::geometry::SHELL_THICKNESS;
 use crate::geometry::direction::DirectionGrid;
 use crate::geometry::mesh::WELD_TOLERANCE;
 use thiserror::Error;
@@ -49,6 +50,9 @@ pub struct BakeSettings {
     pub weld_tolerance: f32,
     /// How to treat a closed mesh whose faces point inward.
     pub inward: Inward,
+    /// The thickness of the shell that an open mesh weighs if it encloses nothing, relative to the diagonal of its bounding box;
+    /// more than 0, at most 0.5. See [`MassProperties::with_shell`](crate::geometry::MassProperties::with_shell).
+    pub shell_thickness: f32,
 }
 
 /// How to treat a closed mesh whose faces point inward.
@@ -59,7 +63,7 @@ pub enum Inward {
     /// approximate.
     #[default]
     Room,
-    /// As a solid with reversed winding: its faces are flipped.
+    /// As a solid with reversed winding: its faces are turned.
     Solid,
 }
 
@@ -71,6 +75,7 @@ impl Default for BakeSettings {
             image: 256,
             weld_tolerance: WELD_TOLERANCE,
             inward: Inward::Room,
+            shell_thickness: SHELL_THICKNESS,
         }
     }
 }
@@ -87,6 +92,9 @@ pub enum SettingsError {
     /// [`BakeSettings::weld_tolerance`] is out of range.
     #[error("weld_tolerance is {0}, but must be 0 to 0.01 of the mesh's size")]
     WeldTolerance(f32),
+    /// [`BakeSettings::shell_thickness`] is out of range.
+    #[error("shell_thickness is {0}, but must be more than 0 and at most 0.5 of the mesh's size")]
+    ShellThickness(f32),
 }
 
 impl BakeSettings {
@@ -96,6 +104,8 @@ impl BakeSettings {
     pub const MAX_IMAGE: u32 = 4096;
     /// The largest weld tolerance, relative to the diagonal of the mesh's bounding box.
     pub const MAX_WELD_TOLERANCE: f32 = 0.01;
+    /// The largest shell thickness, relative to the same.
+    pub const MAX_SHELL_THICKNESS: f32 = 0.5;
 
     /// Checks that all fields are in their documented ranges.
     ///
@@ -110,6 +120,9 @@ impl BakeSettings {
         }
         if !(0.0..=Self::MAX_WELD_TOLERANCE).contains(&self.weld_tolerance) {
             return Err(SettingsError::WeldTolerance(self.weld_tolerance));
+        }
+        if !(self.shell_thickness > 0.0 && self.shell_thickness <= Self::MAX_SHELL_THICKNESS) {
+            return Err(SettingsError::ShellThickness(self.shell_thickness));
         }
         Ok(())
     }

@@ -28,7 +28,8 @@ pub struct PointHit {
     pub face: u32,
     /// Weights of the three corners of the face, in their order in the input mesh. They add up to 1.
     pub barycentric: Vec3,
-    /// Whether the given point is inside the mesh. Never for meshes that are open, and for rooms.
+    /// Whether the given point is inside the mesh. Never for rooms, and for open meshes unless they are nearly closed: see
+    /// [`TriMesh::caps`](crate::geometry::TriMesh::caps).
     pub is_inside: bool,
 }
 
@@ -156,13 +157,13 @@ impl Placed<'_> {
             distance: if is_inside { 0.0 } else { nearest.distance },
             normal: self.turn_to_world(normal).as_vec3(),
             face: self.mesh().mesh.face_ids()[nearest.triangle],
-            barycentric: self.barycentric(nearest.point, corners),
+            barycentric: self.barycentric(nearest.triangle, nearest.point, corners),
             is_inside,
         }
     }
 
-    /// Weights of a triangle's corners at one of its points, in the order of the input mesh.
-    pub(super) fn barycentric(&self, p: DVec3, [a, b, c]: [DVec3; 3]) -> Vec3 {
+    /// Weights of a triangle's corners, which are given, at one of its points; in the order of the input mesh.
+    pub(super) fn barycentric(&self, triangle: usize, p: DVec3, [a, b, c]: [DVec3; 3]) -> Vec3 {
         let (ab, ac, ap) = (b - a, c - a, p - a);
         let area = ab.cross(ac);
         let squared = area.length_squared();
@@ -172,12 +173,12 @@ impl Placed<'_> {
         } else {
             [0.0; 2]
         };
-        self.input_order([1.0 - v - w, v, w])
+        self.input_order(triangle, [1.0 - v - w, v, w])
     }
 
     /// Weights of the corners of a triangle, in the order of the input mesh.
-    pub(super) fn input_order(&self, [u, v, w]: [f64; 3]) -> Vec3 {
-        let ordered = if self.mesh().mesh.is_flipped() {
+    pub(super) fn input_order(&self, triangle: usize, [u, v, w]: [f64; 3]) -> Vec3 {
+        let ordered = if self.mesh().mesh.is_turned(triangle) {
             [u, w, v]
         } else {
             [u, v, w]

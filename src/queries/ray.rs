@@ -260,7 +260,7 @@ impl<'a> Cast<'a> {
             point: ray.origin + self.way * meeting.distance,
             normal: if from_behind { -outward } else { outward }.as_vec3(),
             face: placed.mesh().mesh.face_ids()[meeting.triangle],
-            barycentric: placed.input_order(meeting.weights),
+            barycentric: placed.input_order(meeting.triangle, meeting.weights),
             from_behind,
         }
     }

@@ -1,6 +1,6 @@
 //! Mass properties against figures known in closed form, and generated shapes against their promises.
 
-use bevy_faceoff::geometry::{MassProperties, Orientation, TriMesh, shapes};
+use bevy_faceoff::geometry::{MassBasis, MassProperties, Orientation, SHELL_THICKNESS, TriMesh, shapes};
 use glam::{Mat3, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::PI;
@@ -172,8 +172,9 @@ fn a_thin_plate_with_a_fine_rim_is_thin() {
     );
 }
 
+/// Sheets weigh what a shell along them does; a closed one that encloses nothing weighs its box.
 #[test]
-fn meshes_without_volume_fall_back_to_their_box() {
+fn meshes_without_volume_weigh_a_shell_or_their_box() {
     let sheet = |faces: Vec<[u32; 3]>| {
         TriMesh::new(
             vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::new(2.0, 1.0, 0.0), Vec3::Y],
@@ -183,25 +184,72 @@ fn meshes_without_volume_fall_back_to_their_box() {
     };
     let open = sheet(vec![[0, 1, 2], [0, 2, 3]]);
     let two_sided = sheet(vec![[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]]);
-    let mixed = {
-        let cube = shapes::cube(2.0);
-        let mut faces = cube.triangles().to_vec();
-        faces[3].swap(0, 1);
-        TriMesh::new(cube.vertices().to_vec(), faces).unwrap()
-    };
-    assert_eq!(mixed.orientation(), Orientation::Mixed);
-    for mesh in [open, two_sided] {
-        let m = MassProperties::of(&mesh);
-        assert!(m.approximate);
-        close(m.volume, 2.0 * 1.0 * 0.02, 1e-6);
+    let diagonal = 5.0f32.sqrt();
+    for (mesh, shell, basis, volume) in [
+        (&open, SHELL_THICKNESS, MassBasis::Shell, 2.0 * 0.01 * diagonal),
+        (&open, 0.1, MassBasis::Shell, 2.0 * 0.1 * diagonal),
+        (&two_sided, SHELL_THICKNESS, MassBasis::Box, 2.0 * 1.0 * 0.02),
+    ] {
+        let m = MassProperties::with_shell(mesh, shell);
+        assert!(m.approximate && m.error == 1.0);
+        assert_eq!(m.basis, basis);
+        close(m.volume, volume, 1e-6);
         close(m.thickness, 0.02, 1e-6);
         assert!(m.center.distance(Vec3::new(1.0, 0.5, 0.0)) < 1e-6);
-        close(m.second_moment.x_axis.x, 0.04 * 4.0 / 12.0, 1e-6);
+        close(m.second_moment.x_axis.x, volume * 4.0 / 12.0, 1e-6);
+        if basis == MassBasis::Shell {
+            let thickness = shell * diagonal;
+            close(m.second_moment.z_axis.z / volume, thickness * thickness / 12.0, 1e-4);
+        }
     }
-    let m = MassProperties::of(&mixed);
-    assert!(m.approximate);
-    close(m.volume, 8.0, 1e-6);
-    close(m.thickness, 2.0, 1e-6);
+}
+
+/// Where the winding number exceeds a half: inside but for a little below the opening.
+#[test]
+fn a_box_without_a_lid_weighs_about_what_it_holds() {
+    let cube = mapped(&shapes::cube(1.0), |v| v * Vec3::new(1.0, 2.0, 1.0) + Vec3::splat(3.0));
+    let is_lid = |t: &[u32; 3]| t.iter().all(|&v| cube.vertices()[v as usize].y > 4.0 - 1e-3);
+    for flip in [false, true] {
+        let faces = cube.triangles().iter().copied().filter(|t| !is_lid(t));
+        let faces: Vec<[u32; 3]> = faces
+            .map(|[a, b, c]| if flip { [a, c, b] } else { [a, b, c] })
+            .collect();
+        assert_eq!(faces.len(), 10);
+        let m = MassProperties::of(&TriMesh::new(cube.vertices().to_vec(), faces).unwrap());
+        assert!(m.approximate);
+        if flip {
+            // As a room it has no inside.
+            assert_eq!(m.basis, MassBasis::Shell);
+            continue;
+        }
+        assert_eq!(m.basis, MassBasis::Winding);
+        close(m.volume, 2.0, m.error);
+        assert!(m.error < 0.1 && (m.volume - 2.0).abs() < 0.09, "{m:?}");
+        assert!(m.center.distance(Vec3::splat(3.0)) < 0.05, "{}", m.center);
+        moment_close(
+            m.second_moment,
+            Mat3::from_diagonal(Vec3::new(1.0, 4.0, 1.0) * (2.0 / 12.0)),
+            0.05,
+        );
+    }
+}
+
+/// Below the middle of a hilly landscape the winding number barely exceeds a half.
+#[test]
+fn a_landscape_weighs_a_shell() {
+    let n = 20u32;
+    let at = |i: u32, j: u32| {
+        let (x, y) = (i as f32, j as f32);
+        Vec3::new(x, y, (0.9 * x).sin() * 1.5 + (0.7 * y).cos() * 1.5)
+    };
+    let vertices = (0..=n).flat_map(|i| (0..=n).map(move |j| at(i, j))).collect();
+    let quads = (0..n).flat_map(|i| (0..n).map(move |j| i * (n + 1) + j));
+    let faces = quads
+        .flat_map(|v| [[v, v + n + 1, v + 1], [v + 1, v + n + 1, v + n + 2]])
+        .collect();
+    let m = MassProperties::of(&TriMesh::new(vertices, faces).unwrap());
+    assert_eq!(m.basis, MassBasis::Shell, "{m:?}");
+    assert!(m.center.distance(Vec3::new(10.0, 10.0, 0.0)) < 1.0, "{}", m.center);
 }
 
 #[test]

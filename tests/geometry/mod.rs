@@ -2,5 +2,7 @@
 
 mod mass;
 mod mesh;
+mod openings;
+mod shells;
 mod triangle;
 mod weld;

@@ -3,7 +3,7 @@
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::asset::format::{from_bytes, to_bytes};
 use bevy_faceoff::geometry::features::{MeshFeatures, NONE};
-use bevy_faceoff::geometry::{MassProperties, Orientation, TriMesh, shapes};
+use bevy_faceoff::geometry::{MassProperties, OneSided, Orientation, TriMesh, shapes};
 use bevy_faceoff::projection::{BakeSettings, Inward, Progress};
 use glam::Vec3;
 
@@ -46,10 +46,10 @@ fn a_mesh_of_separate_faces_that_rounding_moved_is_whole() {
         let (found, wanted) = (baked.mass, MassProperties::of(&clean));
         assert!((found.volume / wanted.volume - 1.0).abs() < 1e-5 && !found.approximate);
         assert!((found.thickness / wanted.thickness - 1.0).abs() < 1e-3);
-        let (found, wanted) = (baked.features(), MeshFeatures::of(&clean));
+        let (found, wanted) = (baked.features(), MeshFeatures::of(&clean, OneSided::All));
         assert_eq!(found.vertices.len(), wanted.vertices.len());
         assert_eq!(found.across.len(), wanted.across.len());
-        assert!(found.sided && !found.across.contains(&NONE));
+        assert!(found.one_sided.all() && !found.across.contains(&NONE));
         assert_eq!(bits(found, 7), found.vertices.len() as u32);
         // What is tested are the triangles as they came.
         for (t, &face) in baked.mesh.face_ids().iter().enumerate() {
@@ -182,10 +182,13 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
     };
     let baked = CollisionMesh::without_faces(&room, solid);
     assert_eq!(
-        (baked.mesh.orientation(), baked.mesh.is_flipped()),
-        (Orientation::Outward, true)
+        (baked.mesh.orientation(), baked.mesh.turned()),
+        (Orientation::Outward, &[true; 12][..])
     );
-    assert!(baked.warnings().is_empty());
+    assert_eq!(
+        baked.warnings(),
+        ["all 12 faces were turned, so that they point outward"]
+    );
     let (read, header) = from_bytes(&to_bytes(&baked, [0; 32])).unwrap();
     assert!(read == baked);
     assert_eq!((header.settings, read.mesh.weld_tolerance()), (solid, 2e-5));
@@ -195,11 +198,11 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
         .unwrap();
     assert!(again == CollisionMesh::new(&room));
     assert_eq!(
-        (again.mesh.orientation(), again.mesh.is_flipped()),
-        (Orientation::Inward, false)
+        (again.mesh.orientation(), again.mesh.turned()),
+        (Orientation::Inward, &[][..])
     );
     assert!(again.warnings()[0].contains("room") && again.warnings()[0].contains("inward: Solid"));
     assert!(again.rebake(solid, &pool, &Progress::default()).unwrap() == baked);
     // The other way round nothing looks inward.
-    assert!(!CollisionMesh::without_faces(&cube, solid).mesh.is_flipped());
+    assert!(CollisionMesh::without_faces(&cube, solid).mesh.turned().is_empty());
 }

@@ -154,6 +154,7 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
         degrees: options.degrees.unwrap_or(own.degrees),
         image: options.image.unwrap_or(own.image),
         weld_tolerance: options.weld_tolerance.unwrap_or(own.weld_tolerance),
+        shell_thickness: own.shell_thickness,
         inward: match options.inward {
             None => own.inward,
             Some(InwardChoice::Room) => Inward::Room,

@@ -2,8 +2,8 @@
 
 use crate::{Outcome, output};
 use bevy_faceoff::asset::{CollisionMesh, Imported, import_file};
-use bevy_faceoff::geometry::Orientation;
 use bevy_faceoff::geometry::cluster::CLUSTER;
+use bevy_faceoff::geometry::{DefectKind, Defects, MassBasis, Orientation};
 use bevy_faceoff::projection::BakeSettings;
 use bevy_faceoff::projection::faces::TableStats;
 use serde::Serialize;
@@ -30,8 +30,22 @@ struct Report {
     /// The number of boundary edges; 0 if the mesh is closed.
     unmatched_edges: u32,
     components: usize,
+    /// How many there are of each kind, and where the first are.
+    defects: Vec<DefectReport>,
+    /// The area of the largest opening, relative to that of the mesh.
+    largest_opening: f64,
+    /// Whether small openings count as closed for mass and containment.
+    nearly_closed: bool,
+    /// Whether something can be wholly inside.
+    solid: bool,
+    /// Triangles that push only to the side of their normal.
+    one_sided_triangles: usize,
     volume: f32,
     mass_is_approximate: bool,
+    /// Of what the mass is.
+    mass_basis: MassBasis,
+    /// How far off the volume may be, relative to itself.
+    mass_error: f32,
     center_of_mass: [f32; 3],
     radius: f32,
     thickness: f32,
@@ -42,6 +56,26 @@ struct Report {
     source_hash: String,
     warnings: Vec<String>,
 }
+
+/// Defects of a kind.
+#[derive(Serialize)]
+struct DefectReport {
+    kind: DefectKind,
+    count: usize,
+    /// Where the first of them are.
+    places: Vec<Place>,
+}
+
+#[derive(Serialize)]
+struct Place {
+    position: [f32; 3],
+    /// The face, an index of the input.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    face: Option<u32>,
+}
+
+/// The number of places that are told of each kind of defect.
+const PLACES: usize = 5;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
@@ -67,6 +101,7 @@ pub fn run(options: &Options) -> Outcome {
 impl Report {
     fn new(file: &Path, baked: &CollisionMesh, settings: BakeSettings, hash: &[u8]) -> Self {
         let (mesh, mass) = (&baked.mesh, &baked.mass);
+        let defects = mesh.defects();
         Self {
             file: file.display().to_string(),
             triangles: mesh.triangles().len(),
@@ -76,8 +111,15 @@ impl Report {
             closed: mesh.is_closed(),
             unmatched_edges: mesh.gaps().map_or(0, |gaps| gaps.edges),
             components: mesh.component_vertices().len(),
+            defects: defect_reports(&defects),
+            largest_opening: defects.largest_opening,
+            nearly_closed: !mesh.caps().is_empty(),
+            solid: mesh.is_solid(),
+            one_sided_triangles: (0..mesh.triangles().len()).filter(|&t| baked.one_sided.is(t)).count(),
             volume: mass.volume,
             mass_is_approximate: mass.approximate,
+            mass_basis: mass.basis,
+            mass_error: mass.error,
             center_of_mass: mass.center.to_array(),
             radius: baked.radius,
             thickness: mass.thickness,
@@ -92,7 +134,7 @@ impl Report {
 
     fn text(&self) -> String {
         let mut text = format!("{}\n", self.file);
-        let mut row = |name: &str, value: String| text += &format!("  {name:<18} {value}\n");
+        let mut row = |name: &str, value: String| text += &format!("  {name:<26} {value}\n");
         row("triangles", format!("{} in {} clusters", self.triangles, self.clusters));
         row("dropped faces", self.dropped_faces.to_string());
         row("vertices", self.vertices.to_string());
@@ -103,12 +145,30 @@ impl Report {
                 Orientation::Outward => "closed, faces point outward",
                 Orientation::Inward => "closed, faces point inward: a room",
                 Orientation::Mixed => "closed, winding is inconsistent",
+                Orientation::Open if self.nearly_closed => "nearly closed",
                 Orientation::Open => "open",
             }
             .into(),
         );
-        let doubt = if self.mass_is_approximate { " (approximate)" } else { "" };
-        row("volume", format!("{}{doubt}", self.volume));
+        row("solid", if self.solid { "yes" } else { "no" }.into());
+        row(
+            "one-sided",
+            format!("{} of {} triangles", self.one_sided_triangles, self.triangles),
+        );
+        let basis = match self.mass_basis {
+            MassBasis::Solid => "of what it encloses",
+            MassBasis::Room => "of a solid that fills the room",
+            MassBasis::Capped => "with its openings closed",
+            MassBasis::Winding => "where its winding number exceeds a half",
+            MassBasis::Shell => "of a shell along its faces",
+            MassBasis::Box => "of its bounding box",
+        };
+        let doubt = match (self.mass_is_approximate, self.mass_basis) {
+            (true, MassBasis::Capped | MassBasis::Winding) => format!(", within {:.2} %", self.mass_error * 100.0),
+            (true, _) => ", approximate".into(),
+            (false, _) => String::new(),
+        };
+        row("volume", format!("{}, {basis}{doubt}", self.volume));
         row("centre of mass", format!("{:?}", self.center_of_mass));
         row("bounding radius", self.radius.to_string());
         row("thickness", self.thickness.to_string());
@@ -119,10 +179,12 @@ impl Report {
             image,
             weld_tolerance,
             inward,
+            shell_thickness,
         } = self.settings;
         row("settings", format!("faces {faces}, {degrees} degrees, image {image}"));
         row("weld tolerance", format!("{weld_tolerance:?} of the size"));
         row("if inward", format!("{inward:?}").to_lowercase());
+        row("shell thickness", format!("{shell_thickness:?} of the size"));
         match &self.table {
             None => row("face table", "none".into()),
             Some(table) => {
@@ -149,10 +211,42 @@ impl Report {
                 );
             }
         }
+        for defect in &self.defects {
+            let places: Vec<String> = defect.places.iter().map(Place::text).collect();
+            let more = if defect.count > places.len() { ", .." } else { "" };
+            row(
+                defect.kind.name(),
+                format!("{}, at {}{more}", defect.count, places.join(", ")),
+            );
+        }
         row("source hash", self.source_hash.clone());
         for warning in &self.warnings {
             row("warning", warning.clone());
         }
         text
     }
+}
+
+impl Place {
+    fn text(&self) -> String {
+        let [x, y, z] = self.position;
+        let face = self.face.map(|face| format!("face {face} ")).unwrap_or_default();
+        format!("{face}({x}, {y}, {z})")
+    }
+}
+
+/// The defects of each kind that there are.
+fn defect_reports(defects: &Defects) -> Vec<DefectReport> {
+    let report = |kind: DefectKind| DefectReport {
+        kind,
+        count: defects.count(kind),
+        places: (defects.of(kind).take(PLACES))
+            .map(|defect| Place {
+                position: defect.position.to_array(),
+                face: defect.face,
+            })
+            .collect(),
+    };
+    let reports = DefectKind::ALL.into_iter().map(report);
+    reports.filter(|report| report.count > 0).collect()
 }

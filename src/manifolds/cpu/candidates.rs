@@ -206,7 +206,7 @@ impl TrianglePair<'_> {
         let (p, height) = (own.corners[k], self.heights[side][k]);
         let is_near = |height: f64| (range.start() - slack.distance..=range.end() + slack.distance).contains(&height);
         // The normal of a two-sided triangle may turn round.
-        let sided = self.sides[1 - side].features.sided;
+        let sided = self.sides[1 - side].features.one_sided.is(over.number as usize);
         if !(is_near(height) || !sided && is_near(-height)) {
             return false;
         }
@@ -246,7 +246,8 @@ impl TrianglePair<'_> {
         if squared_distance([p, u], [q, v]) > most * most {
             return false;
         }
-        if self.sides.iter().any(|side| !side.features.sided) {
+        let is_one_sided = |i: usize| self.sides[i].features.one_sided.is(self.triangles[i].number as usize);
+        if !(is_one_sided(0) && is_one_sided(1)) {
             return true;
         }
         // The sine of the angle between the edges, and upper bounds of how far the normal turns.

@@ -36,8 +36,9 @@ fn vertex_id(side: &Side, triangle: u32, vertex: u32) -> FeatureId {
 
 /// Id of the edge at this position of a triangle.
 fn edge_id(side: &Side, triangle: u32, place: u8) -> FeatureId {
-    // Flipped faces list their corners in the opposite order of the input.
-    let place = if side.mesh.mesh.is_flipped() { 2 - place } else { place };
+    // Turned faces list their corners in the opposite order of the input.
+    let is_turned = side.mesh.mesh.is_turned(triangle as usize);
+    let place = if is_turned { 2 - place } else { place };
     let index = side.face(triangle).wrapping_mul(3).wrapping_add(u32::from(place));
     FeatureId::new(FeatureKind::Edge, index)
 }

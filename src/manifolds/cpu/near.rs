@@ -145,7 +145,7 @@ impl NearTriangles {
             }
         }
         // The normals of two-sided triangles may turn round.
-        if sides.iter().all(|side| side.features.sided) {
+        if sides.iter().all(|side| side.features.one_sided.all()) {
             narrowing.run(simd, triangles, pairs, &limits);
         }
     }

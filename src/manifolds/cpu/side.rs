@@ -135,7 +135,7 @@ impl Side<'_> {
         } else {
             self.baked_normal(number)
         };
-        let (normal, winding_sign) = self.towards_other(normal, p);
+        let (normal, winding_sign) = self.towards_other(number, normal, p);
         Triangle {
             number,
             corners,
@@ -167,12 +167,12 @@ impl Side<'_> {
     #[inline]
     pub fn normal(&self, number: u32) -> DVec3 {
         // The position matters only for two-sided triangles.
-        let corner = if self.features.sided {
+        let corner = if self.features.one_sided.is(number as usize) {
             DVec3::ZERO
         } else {
             self.vertex(self.features.triangles[number as usize][0])
         };
-        self.towards_other(self.baked_normal(number), corner).0
+        self.towards_other(number, self.baked_normal(number), corner).0
     }
 
     #[inline]
@@ -182,8 +182,8 @@ impl Side<'_> {
     }
 
     #[inline]
-    fn towards_other(&self, normal: DVec3, corner: DVec3) -> (DVec3, f64) {
-        if !self.features.sided && normal.dot(self.other_center - corner) < 0.0 {
+    fn towards_other(&self, number: u32, normal: DVec3, corner: DVec3) -> (DVec3, f64) {
+        if !self.features.one_sided.is(number as usize) && normal.dot(self.other_center - corner) < 0.0 {
             (-normal, -self.mirror)
         } else {
             (normal, self.mirror)

@@ -6,6 +6,7 @@
 use crate::asset::CollisionMesh;
 use crate::geometry::Orientation;
 use crate::geometry::cluster::CLUSTER;
+use crate::geometry::crossing::crossing;
 use crate::simd::lanes::{Rows, SimdBase, abs, add, all_le, bitmask, load_points, splat, splat_point, sub, widen};
 use crate::simd::level::baseline;
 use crate::simd::levels::visit;
@@ -56,7 +57,7 @@ fn any_inside(inner: &PlacedMesh, outer: &PlacedMesh, rotation: Mat3, translatio
 
 /// Whether a closed mesh contains `p`, a point in the mesh's space: the signed crossings of the ray from `p` along +z
 /// do not cancel, or, if the winding of the faces is inconsistent, their number is odd. Welded corners are used, so no
-/// ray slips through a seam.
+/// ray slips through a seam, and the caps of a nearly closed mesh count too.
 ///
 /// Only clusters whose boxes the ray meets are tested.
 pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
@@ -85,30 +86,17 @@ pub fn contains(baked: &CollisionMesh, p: DVec3) -> bool {
         }
         true
     });
+    if !mesh.caps().is_empty() {
+        visit(&lanes.cap_levels, &met, &mut |run| {
+            let first = run as usize * CLUSTER;
+            let caps = &mesh.caps()[first..mesh.caps().len().min(first + CLUSTER)];
+            let crossings = caps.iter().filter_map(|cap| crossing(&cap.map(|v| v.as_dvec3() - p)));
+            winding += crossings.sum::<i32>();
+            true
+        });
+    }
     match mesh.orientation() {
         Orientation::Mixed => crossings % 2 == 1,
         _ => winding != 0,
     }
-}
-
-/// Sign of the crossing of a triangle by the ray from the origin along +z, if it crosses. A ray through an edge or
-/// corner is shifted by an infinitesimal step, the same for all triangles, so exactly one of two neighbours counts it.
-fn crossing(t: &[DVec3; 3]) -> Option<i32> {
-    let left = |p: DVec3, q: DVec3| {
-        // Exactly antisymmetric in p and q, ties included, so both triangles of an edge agree.
-        let side = p.x * q.y - p.y * q.x;
-        if side != 0.0 {
-            side > 0.0
-        } else {
-            (q.x, q.y) > (p.x, p.y)
-        }
-    };
-    let sides = [left(t[0], t[1]), left(t[1], t[2]), left(t[2], t[0])];
-    if sides != [sides[0]; 3] {
-        return None;
-    }
-    // Whether the plane lies above the origin.
-    let normal = (t[1] - t[0]).cross(t[2] - t[0]);
-    let above = normal.dot(t[0]) * normal.z > 0.0;
-    above.then_some(if sides[0] { 1 } else { -1 })
 }

@@ -1,5 +1,12 @@
 //! Connectivity of a mesh: welded vertices, orientation, connected components, boundary edges.
 
+mod boundary;
+mod defects;
+mod shells;
+
+pub use boundary::MAX_OPENING;
+pub use defects::{Defect, DefectKind, Defects};
+
 use super::edges::{Edges, is_collapsed};
 use super::union_find::UnionFind;
 use super::weld::{least_distance, size, weld};
@@ -30,6 +37,10 @@ pub(super) struct Topology {
     pub welded: Vec<u32>,
     pub orientation: Orientation,
     pub component_vertices: Vec<u32>,
+    /// What closes a nearly closed mesh; empty for other meshes.
+    pub caps: Vec<[Vec3; 3]>,
+    /// The orientation of the mesh with its caps.
+    capped: Option<Orientation>,
 }
 
 /// The boundary of an open mesh.
@@ -58,63 +69,99 @@ pub(super) struct Faces<'a> {
 impl Topology {
     pub fn of(faces: &Faces, tolerance: f32) -> Self {
         let welded = weld(faces.vertices, faces.aabb(), tolerance);
-        let orientation = faces.orientation(&welded);
-        Self {
+        faces.rewound(Self {
             tolerance,
-            orientation,
+            orientation: Orientation::Open,
             component_vertices: faces.component_vertices(&welded),
             welded,
-        }
+            caps: Vec::new(),
+            capped: None,
+        })
+    }
+
+    /// The orientation of a nearly closed mesh with its caps; `None` for other meshes.
+    pub fn closed_by_caps(&self) -> Option<Orientation> {
+        self.capped
+    }
+}
+
+/// An edge with its faces.
+#[derive(Clone, Copy, Default)]
+struct Count {
+    faces: u32,
+    /// The number of faces that traverse it forward, minus the number that traverse it backward.
+    balance: i32,
+}
+
+impl Count {
+    fn is_boundary(self) -> bool {
+        self.faces % 2 == 1
     }
 }
 
 impl Faces<'_> {
+    /// The topology of the same faces after some were turned: all that depends on the winding is computed again.
+    pub fn rewound(&self, topology: Topology) -> Topology {
+        let welded = &topology.welded;
+        let (edges, counts) = self.edges(welded);
+        let (orientation, caps) = if counts.iter().any(|count| count.is_boundary()) {
+            let boundary = self.boundary(&edges, &counts, welded, topology.tolerance);
+            (Orientation::Open, boundary.caps_if_nearly_closed(self.area()))
+        } else if counts.iter().any(|count| count.balance != 0) {
+            (Orientation::Mixed, Vec::new())
+        } else {
+            (self.outward_or_inward(welded, &[]), Vec::new())
+        };
+        Topology {
+            orientation,
+            capped: (!caps.is_empty()).then(|| self.outward_or_inward(welded, &caps)),
+            caps,
+            ..topology
+        }
+    }
+
+    /// The area of all triangles.
+    fn area(&self) -> f64 {
+        let at = |v: u32| self.vertices[v as usize].as_dvec3();
+        let areas = (self.triangles.iter()).map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)).length() * 0.5);
+        areas.sum()
+    }
+
     fn aabb(&self) -> Aabb {
         let corners = self.triangles.iter().chain(self.dropped).flatten();
         Aabb::around(corners.map(|&v| self.vertices[v as usize]))
     }
 
-    /// The edges of all faces that do not collapse. Each edge comes with the number of its faces, and with the number
-    /// of faces that traverse it forward minus the number that traverse it backward.
+    /// All faces after welding: the triangles, then the dropped ones.
+    fn welded_faces<'a>(&'a self, welded: &'a [u32]) -> impl Iterator<Item = [u32; 3]> + 'a {
+        let all = self.triangles.iter().chain(self.dropped);
+        all.map(|face| face.map(|v| welded[v as usize]))
+    }
+
+    /// The edges of all faces that do not collapse.
     ///
     /// Welding two vertices removes the faces of an edge in pairs, one from each side. It never opens a closed mesh.
-    fn edges(&self, welded: &[u32]) -> (Edges, Vec<(u32, i32)>) {
-        let all = self.triangles.iter().chain(self.dropped);
-        let faces: Vec<[u32; 3]> = all
-            .map(|face| face.map(|v| welded[v as usize]))
-            .filter(|face| !is_collapsed(*face))
-            .collect();
+    fn edges(&self, welded: &[u32]) -> (Edges, Vec<Count>) {
+        let faces: Vec<[u32; 3]> = self.welded_faces(welded).filter(|face| !is_collapsed(*face)).collect();
         let edges = Edges::of(&faces, welded.len());
-        let mut counts = vec![(0, 0); edges.ends.len()];
+        let mut counts = vec![Count::default(); edges.ends.len()];
         for (face, numbers) in faces.iter().zip(&edges.of_triangles) {
             for (&edge, from) in numbers.iter().zip(face) {
-                let (count, balance) = &mut counts[edge as usize];
-                *count += 1;
-                *balance += if edges.ends[edge as usize][0] == *from { 1 } else { -1 };
+                let count = &mut counts[edge as usize];
+                count.faces += 1;
+                count.balance += if edges.ends[edge as usize][0] == *from { 1 } else { -1 };
             }
         }
         (edges, counts)
     }
 
-    fn orientation(&self, welded: &[u32]) -> Orientation {
-        let (_, counts) = self.edges(welded);
-        if counts.iter().any(|(count, _)| count % 2 == 1) {
-            Orientation::Open
-        } else if counts.iter().any(|&(_, balance)| balance != 0) {
-            Orientation::Mixed
-        } else {
-            self.outward_or_inward(welded)
-        }
-    }
-
-    /// The orientation of a closed, consistently wound mesh.
-    pub fn outward_or_inward(&self, welded: &[u32]) -> Orientation {
-        let place = |v: u32| self.vertices[welded[v as usize] as usize].as_dvec3();
+    /// The orientation of a closed, consistently wound mesh, which some triangles of `caps` may close.
+    fn outward_or_inward(&self, welded: &[u32], caps: &[[Vec3; 3]]) -> Orientation {
+        let place = |v: u32| self.vertices[welded[v as usize] as usize];
+        let triangles = self.triangles.iter().map(|t| t.map(place));
         // Relative to the first corner, so that a mesh far from the origin loses no precision.
-        let origin = place(self.triangles[0][0]);
-        let at = |v: u32| place(v) - origin;
-        let volumes = self.triangles.iter().map(|&[a, b, c]| at(a).dot(at(b).cross(at(c))));
-        if volumes.sum::<f64>() < 0.0 {
+        let origin = place(self.triangles[0][0]).as_dvec3();
+        if volume(triangles.chain(caps.iter().copied()), origin) < 0.0 {
             Orientation::Inward
         } else {
             Orientation::Outward
@@ -143,7 +190,7 @@ impl Faces<'_> {
     /// The boundary edges; `None` if there are none.
     pub fn gaps(&self, welded: &[u32]) -> Option<Gaps> {
         let (edges, counts) = self.edges(welded);
-        let odd = edges.ends.iter().zip(&counts).filter(|(_, (count, _))| count % 2 == 1);
+        let odd = edges.ends.iter().zip(&counts).filter(|(_, count)| count.is_boundary());
         let mut links: Vec<[u32; 2]> = odd.map(|(&[u, v], _)| [u.min(v), u.max(v)]).collect();
         links.sort_unstable();
         if links.is_empty() {
@@ -165,4 +212,13 @@ impl Faces<'_> {
             relative: nearest.map(|d| d / size(aabb)),
         })
     }
+}
+
+/// The signed volume that triangles enclose: positive if they point outward.
+fn volume(triangles: impl Iterator<Item = [Vec3; 3]>, origin: DVec3) -> f64 {
+    let volumes = triangles.map(|t| {
+        let [a, b, c] = t.map(|v| v.as_dvec3() - origin);
+        a.dot(b.cross(c)) / 6.0
+    });
+    volumes.sum()
 }

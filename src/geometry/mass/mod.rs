@@ -1,5 +1,7 @@
 //! Mass properties of a mesh at density 1.
 
+mod open;
+
 use super::thickness::thickness;
 use crate::geometry::{Aabb, Orientation, TriMesh};
 use glam::{DMat3, DVec3, Mat3, Vec3};
@@ -17,9 +19,30 @@ pub struct MassProperties {
     /// The thickness of the thinnest part, in mesh units: the diameter of the ball inside that touches the surface and
     /// the opposite surface. Up to 2 % of the surface may be thinner, so that sharp edges do not count.
     pub thickness: f32,
-    /// Whether the values are a substitute: the mesh is not a closed solid, or the values did not fit `f32`. See
-    /// [`MassProperties::of`].
+    /// Of what the mass is.
+    pub basis: MassBasis,
+    /// How far off the volume may be, relative to itself: what openings and the resolution of sampling leave uncertain. 0 for a
+    /// closed mesh; 1 where the mass is not that of an enclosed volume.
+    pub error: f32,
+    /// Whether the values are a substitute or uncertain: the mesh is not a closed solid, or the values did not fit `f32`.
     pub approximate: bool,
+}
+
+/// Of what the mass of a mesh is; see [`MassProperties::of`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum MassBasis {
+    /// Of the volume that a closed mesh encloses.
+    Solid,
+    /// Of a solid that fills a room.
+    Room,
+    /// Of the volume that a nearly closed mesh encloses with its caps.
+    Capped,
+    /// Of the places where the winding number exceeds a half, because the mesh is open.
+    Winding,
+    /// Of a shell of even thickness along the faces, because an open mesh encloses nothing.
+    Shell,
+    /// Of the bounding box, because a closed mesh encloses nothing.
+    Box,
 }
 
 /// An enclosed volume below this fraction of the cube of the bounding box's diagonal counts as zero. It is then
@@ -28,34 +51,61 @@ const MIN_VOLUME: f64 = 1e-9;
 /// The minimum edge of the box that replaces a mesh without volume, relative to its longest edge.
 const MIN_EDGE: f64 = 0.01;
 
+/// The default thickness of the shell that an open mesh without an inside weighs, relative to the diagonal of its bounding box.
+pub const SHELL_THICKNESS: f32 = 0.01;
+
 impl MassProperties {
+    /// Those of [`MassProperties::with_shell`] at [`SHELL_THICKNESS`].
+    pub fn of(mesh: &TriMesh) -> Self {
+        Self::with_shell(mesh, SHELL_THICKNESS)
+    }
+
     /// Integrates over the volume that the welded mesh encloses; exact but for rounding in `f64`.
     ///
-    /// The result is a substitute, and [`MassProperties::approximate`] is set, in these cases:
+    /// The result is a substitute, or uncertain, and [`MassProperties::approximate`] is set, in these cases:
     ///
     /// * A room ([`Orientation::Inward`]) gets the mass of a solid that fills it. Its walls have no outer surface and
     ///   so no mass of their own.
-    /// * An open mesh, a mesh with mixed winding, or one that encloses almost no volume gets the mass of its solid
-    ///   bounding box. Each edge of that box counts as at least 1 % of the longest, and its shortest edge is the
-    ///   thickness.
+    /// * A nearly closed mesh gets that of the mesh with its caps ([`TriMesh::caps`]). The error is that of a half ball over
+    ///   each opening.
+    /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the generalised
+    ///   winding number exceeds a half. They are found by sampling the bounding box; the error is half the volume of the samples
+    ///   at their border.
+    /// * If there are no such places, or if they reach out of the box through more than a tenth of its sides, as those below
+    ///   some terrains do, it gets the mass of a shell along its faces. `shell` is its thickness, relative to the diagonal of
+    ///   the bounding box.
+    /// * A closed mesh that encloses almost no volume gets the mass of its solid bounding box. Each edge of that box counts as
+    ///   at least 1 % of the longest.
     /// * If the mesh is so large or small that values do not fit `f32`, they are clamped.
     ///
+    /// The thickness of a mesh that is neither closed nor nearly so is the shortest edge of that box.
+    ///
     /// All values are finite. Volume, thickness and the diagonal of the second moment are positive.
-    pub fn of(mesh: &TriMesh) -> Self {
+    pub fn with_shell(mesh: &TriMesh, shell: f32) -> Self {
         let aabb = mesh.aabb();
-        let room = mesh.orientation() == Orientation::Inward;
-        let solid = match mesh.orientation() {
-            Orientation::Outward => integrate(mesh, aabb, 1.0),
-            Orientation::Inward => integrate(mesh, aabb, -1.0),
-            Orientation::Mixed | Orientation::Open => None,
-        };
-        let Some(solid) = solid else {
-            return solid_box(aabb).rounded(solid_box_edges(aabb).min_element(), true);
-        };
         let edges = solid_box_edges(aabb);
+        let fallback = || solid_box(aabb).rounded(edges.min_element(), MassBasis::Box, 1.0);
+        let (sign, basis) = match mesh.orientation() {
+            Orientation::Outward => (1.0, MassBasis::Solid),
+            Orientation::Inward => (-1.0, MassBasis::Room),
+            Orientation::Open if !mesh.caps().is_empty() => {
+                (if mesh.is_solid() { 1.0 } else { -1.0 }, MassBasis::Capped)
+            }
+            Orientation::Open | Orientation::Mixed => {
+                let (solid, basis, error) = open::solid(mesh, aabb, f64::from(shell));
+                return solid.rounded(edges.min_element(), basis, error);
+            }
+        };
+        let Some(solid) = integrate(mesh, aabb, sign) else {
+            return fallback();
+        };
+        let error = match basis {
+            MassBasis::Capped => mesh.uncertain_volume() / solid.volume,
+            _ => 0.0,
+        };
         match thickness(mesh) {
-            Some(t) => solid.rounded(t.min(edges.length()), room),
-            None => solid.rounded(edges.min_element(), true),
+            Some(t) => solid.rounded(t.min(edges.length()), basis, error),
+            None => solid.rounded(edges.min_element(), basis, 1.0),
         }
     }
 }
@@ -71,6 +121,9 @@ impl MassProperties {
     }
 }
 
+/// Errors up to this are rounding of the coordinates: of cracks and T-junctions, say.
+const NO_ERROR: f64 = 1.0e-6;
+
 /// The values before they are rounded to `f32`.
 struct Solid {
     volume: f64,
@@ -79,8 +132,9 @@ struct Solid {
 }
 
 impl Solid {
-    fn rounded(self, thickness: f64, approximate: bool) -> MassProperties {
-        let mut clamped = approximate;
+    fn rounded(self, thickness: f64, basis: MassBasis, error: f64) -> MassProperties {
+        let is_whole = matches!(basis, MassBasis::Solid | MassBasis::Capped);
+        let mut clamped = !is_whole || error > NO_ERROR;
         let mut positive = |x: f64| {
             let inside = x.clamp(f64::from(f32::MIN_POSITIVE), f64::from(f32::MAX));
             clamped |= inside != x;
@@ -101,6 +155,8 @@ impl Solid {
                 Vec3::new(xz, yz, diagonal[2]),
             ),
             thickness,
+            basis,
+            error: error.min(1.0) as f32,
             approximate: clamped,
         }
     }
@@ -112,8 +168,9 @@ fn integrate(mesh: &TriMesh, aabb: Aabb, sign: f64) -> Option<Solid> {
     // Relative to the centre of the box, so that a mesh far from its origin loses no precision.
     let origin = (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;
     let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
-    for t in 0..mesh.triangles().len() {
-        let [a, b, c] = mesh.welded_corners(t).map(|v| v.as_dvec3() - origin);
+    let triangles = (0..mesh.triangles().len()).map(|t| mesh.welded_corners(t));
+    for triangle in triangles.chain(mesh.caps().iter().copied()) {
+        let [a, b, c] = triangle.map(|v| v.as_dvec3() - origin);
         let det = sign * a.dot(b.cross(c));
         let sum = a + b + c;
         volume += det;

@@ -1,0 +1,231 @@
+//! The boundary of an open mesh: its openings, and what closes them.
+
+use super::{Count, Faces, Topology};
+use crate::geometry::Aabb;
+use crate::geometry::box_tree::BoxTree;
+use crate::geometry::cluster::compact_order;
+use crate::geometry::edges::Edges;
+use crate::geometry::union_find::UnionFind;
+use crate::geometry::weld::size;
+use glam::{DVec3, Vec3};
+use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::PI;
+
+/// The largest opening of a nearly closed mesh, relative to the area of the mesh.
+///
+/// A missing face of a fine mesh takes less, and so does the neck of a bottle. The mouth of a glass takes a tenth, and the end
+/// of a pipe ten times as long as wide a fortieth: what lies in those must not be pushed out through the wall.
+pub const MAX_OPENING: f64 = 0.01;
+
+/// The largest area of all openings of a nearly closed mesh together, relative to the area of the mesh. Of faces that do not hang
+/// together, each is an opening of its own size.
+const MAX_OPENINGS: f64 = 0.2;
+
+/// The boundary of a mesh.
+#[derive(Default)]
+pub(super) struct Boundary {
+    /// Triangles that close the mesh, in cluster order.
+    caps: Vec<[Vec3; 3]>,
+    /// The openings, in the order of their smallest vertex.
+    pub openings: Vec<Opening>,
+    /// The edges of the openings, directed as their faces run.
+    pub open_edges: Vec<[u32; 2]>,
+    /// The vertices that lie on an edge of a face without being one of its corners.
+    pub t_junctions: Vec<u32>,
+    /// Whether faces disagree about an edge that is no boundary edge. Caps would not close such a mesh.
+    disagrees: bool,
+}
+
+/// Boundary edges that hang together and are no T-junctions.
+#[derive(Clone, Copy)]
+pub(super) struct Opening {
+    /// One of its vertices.
+    pub vertex: u32,
+    /// The area of the cone that closes it, squared mesh units.
+    pub area: f64,
+}
+
+/// Directed edges, each with the number of caps that have to run backward along it. What runs both ways cancels.
+#[derive(Default)]
+struct Chain(BTreeMap<[u32; 2], i32>);
+
+impl Chain {
+    fn add(&mut self, [from, to]: [u32; 2], times: i32) {
+        let (edge, times) = if from < to {
+            ([from, to], times)
+        } else {
+            ([to, from], -times)
+        };
+        *self.0.entry(edge).or_default() += times;
+    }
+
+    fn edges(&self) -> impl Iterator<Item = ([u32; 2], i32)> + '_ {
+        let open = self.0.iter().filter(|(_, times)| **times != 0);
+        open.map(|(&[u, v], &times)| if times > 0 { ([u, v], times) } else { ([v, u], -times) })
+    }
+}
+
+impl Boundary {
+    /// The area of the largest opening.
+    pub fn largest(&self) -> f64 {
+        self.openings.iter().map(|opening| opening.area).fold(0.0, f64::max)
+    }
+
+    /// The caps of a nearly closed mesh of this area; none for other meshes.
+    pub fn caps_if_nearly_closed(self, area: f64) -> Vec<[Vec3; 3]> {
+        let all: f64 = self.openings.iter().map(|opening| opening.area).sum();
+        if self.disagrees || self.largest() > MAX_OPENING * area || all > MAX_OPENINGS * area {
+            return Vec::new();
+        }
+        self.caps
+    }
+}
+
+impl Faces<'_> {
+    /// The boundary of the mesh; empty if it is closed.
+    ///
+    /// The faces' own boundary is a sum of directed edges in which as many end at each vertex as begin. It is closed in two
+    /// steps. Where vertices of the boundary lie on one of its edges, slivers split the edge there: then the two sides of a
+    /// T-junction cancel. What is left is an opening, closed by a cone from the mean of its vertices.
+    pub(super) fn boundary(&self, edges: &Edges, counts: &[Count], welded: &[u32], tolerance: f32) -> Boundary {
+        let mut chain = Vec::new();
+        let mut disagrees = false;
+        for (&ends, count) in edges.ends.iter().zip(counts) {
+            if count.is_boundary() {
+                chain.push((ends, count.balance));
+            } else {
+                disagrees |= count.balance != 0;
+            }
+        }
+        if chain.is_empty() {
+            return Boundary {
+                disagrees,
+                ..Boundary::default()
+            };
+        }
+        let place = |v: u32| self.vertices[welded[v as usize] as usize];
+        let mut caps = Vec::new();
+        let (open, t_junctions) =
+            split_at_vertices(&chain, &place, f64::from(tolerance) * size(self.aabb()), &mut caps);
+        let openings = close(&open, &place, &mut caps);
+        let centroids: Vec<Vec3> = caps.iter().map(|cap| cap.iter().map(|p| *p / 3.0).sum()).collect();
+        Boundary {
+            caps: compact_order(&centroids)
+                .into_iter()
+                .map(|i| caps[i as usize])
+                .collect(),
+            openings,
+            open_edges: open.edges().map(|(edge, _)| edge).collect(),
+            t_junctions,
+            disagrees,
+        }
+    }
+
+    /// How far the volume of a nearly closed mesh may be off: the volume of a half ball over each opening.
+    pub fn uncertain_volume(&self, topology: &Topology) -> f64 {
+        let (edges, counts) = self.edges(&topology.welded);
+        let boundary = self.boundary(&edges, &counts, &topology.welded, topology.tolerance);
+        let half_ball = |area: f64| 2.0 / 3.0 * PI * (area / PI).powf(1.5);
+        boundary.openings.iter().map(|opening| half_ball(opening.area)).sum()
+    }
+}
+
+/// Splits edges of the boundary where its vertices lie on them, and adds the slivers that do so to `caps`. Returns what is left
+/// of the boundary, and those vertices.
+fn split_at_vertices(
+    edges: &[([u32; 2], i32)],
+    place: &impl Fn(u32) -> Vec3,
+    tolerance: f64,
+    caps: &mut Vec<[Vec3; 3]>,
+) -> (Chain, Vec<u32>) {
+    let ends = |edge: [u32; 2]| edge.map(place);
+    let middles: Vec<Vec3> = edges
+        .iter()
+        .map(|(edge, _)| ends(*edge).iter().map(|p| *p * 0.5).sum())
+        .collect();
+    let order = compact_order(&middles);
+    let tree = BoxTree::new(order.iter().map(|&i| Aabb::around(ends(edges[i as usize].0))));
+    let mut vertices: Vec<u32> = edges.iter().flat_map(|(edge, _)| *edge).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    // For each edge, the vertices on it and where along it they are.
+    let mut on_edges: HashMap<u32, Vec<(f64, u32)>> = HashMap::new();
+    let mut t_junctions = Vec::new();
+    for &vertex in &vertices {
+        let p = place(vertex).as_dvec3();
+        let is_near = |_: &_, b: &Aabb| {
+            let outside = (b.min.as_dvec3() - p).max(p - b.max.as_dvec3());
+            outside.max_element() <= tolerance
+        };
+        let mut found = false;
+        tree.visit(&mut found, is_near, |found, i| {
+            let number = order[i];
+            let edge = edges[number as usize].0;
+            if edge.contains(&vertex) {
+                return;
+            }
+            let [u, v] = ends(edge).map(|end| end.as_dvec3());
+            let along = v - u;
+            let at = (p - u).dot(along) / along.length_squared();
+            if at > 0.0 && at < 1.0 && (u + along * at).distance(p) <= tolerance {
+                on_edges.entry(number).or_default().push((at, vertex));
+                *found = true;
+            }
+        });
+        if found {
+            t_junctions.push(vertex);
+        }
+    }
+    let mut left = Chain::default();
+    for (number, &([u, v], times)) in (0..).zip(edges) {
+        let mut on_edge = on_edges.remove(&number).unwrap_or_default();
+        on_edge.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut from = u;
+        for (_, vertex) in on_edge {
+            // Runs backward along the rest of the edge, and forward along its two parts.
+            add_cap(caps, [v, from, vertex].map(place), times);
+            left.add([from, vertex], times);
+            from = vertex;
+        }
+        left.add([from, v], times);
+    }
+    (left, t_junctions)
+}
+
+/// Closes each part of the boundary that hangs together with a cone.
+fn close(open: &Chain, place: &impl Fn(u32) -> Vec3, caps: &mut Vec<[Vec3; 3]>) -> Vec<Opening> {
+    let mut vertices: Vec<u32> = open.edges().flat_map(|(edge, _)| edge).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let number = |v: u32| vertices.partition_point(|&other| other < v) as u32;
+    let mut joined = UnionFind::new(vertices.len());
+    for ([u, v], _) in open.edges() {
+        joined.join(number(u), number(v));
+    }
+    // For each root the sum of the vertices' places, and their number.
+    let mut sums: BTreeMap<u32, (DVec3, f64)> = BTreeMap::new();
+    for (i, &vertex) in (0..).zip(&vertices) {
+        let sum = sums.entry(joined.root(i)).or_default();
+        *sum = (sum.0 + place(vertex).as_dvec3(), sum.1 + 1.0);
+    }
+    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+    for ([u, v], times) in open.edges() {
+        let root = joined.root(number(u));
+        let (sum, count) = sums[&root];
+        let cap = [place(v), place(u), (sum / count).as_vec3()];
+        let [a, b, c] = cap.map(|p| p.as_dvec3());
+        *areas.entry(root).or_default() += (b - a).cross(c - a).length() * 0.5;
+        add_cap(caps, cap, times);
+    }
+    let opening = |(root, area): (u32, f64)| Opening {
+        vertex: vertices[root as usize],
+        area,
+    };
+    areas.into_iter().map(opening).collect()
+}
+
+/// Adds a triangle `times` times, or its reverse if `times` is negative.
+fn add_cap(caps: &mut Vec<[Vec3; 3]>, [a, b, c]: [Vec3; 3], times: i32) {
+    let cap = if times > 0 { [a, b, c] } else { [a, c, b] };
+    caps.extend(std::iter::repeat_n(cap, times.unsigned_abs() as usize));
+}
