@@ -146,7 +146,7 @@ fn a_folder_without_meshes_is_told_but_an_empty_shard_is_no_error() {
         .map(|shard| folder.good(&["bake", "lib", "-o", "out", "--shard", shard]))
         .concat();
     assert_eq!(said.matches("0 meshes: 0 baked").count(), 2, "{said}");
-    assert_eq!(said.matches("1 meshes: 1 baked").count(), 1, "{said}");
+    assert_eq!(said.matches("1 mesh: 1 baked").count(), 1, "{said}");
 }
 
 #[test]

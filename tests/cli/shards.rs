@@ -164,6 +164,36 @@ fn a_run_that_was_killed_goes_on() {
     assert!(files(&folder, "killed") == whole);
 }
 
+/// A limit on the size of files kills a process while it writes the first file that is longer.
+#[test]
+#[cfg(unix)]
+fn a_run_that_is_killed_while_it_writes_leaves_no_half_file() {
+    let folder = library();
+    let whole = whole(&folder);
+    let lengths = || whole.values().map(Vec::len);
+    // Blocks have 512 or 1024 bytes.
+    let blocks = lengths().min().unwrap() / 512 + 1;
+    assert!(blocks * 1024 < lengths().max().unwrap(), "some file is longer");
+    let output = Command::new("sh")
+        .args(["-c", &format!("ulimit -c 0; ulimit -f {blocks}; exec \"$@\""), "sh"])
+        .arg(env!("CARGO_BIN_EXE_faceoff"))
+        .args(bake("killed", &[]))
+        .current_dir(folder.path("."))
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), None, "a signal ends it: {output:?}");
+    let left = files(&folder, "killed");
+    assert!(left.keys().any(|name| name.ends_with(".partial")), "it was writing");
+    for (name, bytes) in left.iter().filter(|(name, _)| name.ends_with(".faceoff")) {
+        assert!(whole[name] == *bytes, "{name} is half written");
+    }
+    for name in left.keys().filter(|name| name.contains("/.faceoff-")) {
+        age(&folder, &format!("killed/{name}"));
+    }
+    folder.good(&bake("killed", &[]));
+    assert!(files(&folder, "killed") == whole);
+}
+
 /// Makes a file look two hours old.
 fn age(folder: &Folder, name: &str) {
     let file = File::options().write(true).open(folder.path(name)).unwrap();

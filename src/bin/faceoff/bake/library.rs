@@ -23,12 +23,18 @@ use std::time::Duration;
 /// How often the bar is drawn.
 const TICK: Duration = Duration::from_millis(50);
 
+/// The stack of a thread in bytes. While a thread waits for others to finish parts of its mesh, it may begin another mesh.
+const STACK: usize = 16 << 20;
+
 /// Bakes all entries. Returns their reports in order, and whether all could be printed.
 ///
 /// # Errors
 /// If the system cannot start threads.
 pub fn bake(options: &Options, entries: &[Entry]) -> Outcome<(Vec<Report>, Outcome)> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .stack_size(STACK)
+        .build()?;
     let threads = pool.current_num_threads();
     let mut queue = Queue {
         entries,

@@ -53,8 +53,8 @@ pub struct Options {
     /// array variables give I and N; with auto/N, Kubernetes' JOB_COMPLETION_INDEX gives I.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Start no further mesh while those being baked may take this much memory together. A mesh that may take more is baked
-    /// alone.
+    /// Start no further mesh while those being baked may take this much memory together, such as 2GiB. A mesh that may take
+    /// more is baked alone.
     #[arg(long, value_name = "SIZE", default_value = "4GiB")]
     memory: ByteSize,
     /// Threads, at most 1024; 0 for one per core. No result depends on it.

@@ -141,6 +141,7 @@ impl Summary {
             seconds,
             ..
         } = self.totals;
-        format!("{meshes} meshes: {baked} baked, {up_to_date} up to date, {failed} failed; {seconds:.2} s\n")
+        let s = if meshes == 1 { "" } else { "es" };
+        format!("{meshes} mesh{s}: {baked} baked, {up_to_date} up to date, {failed} failed; {seconds:.2} s\n")
     }
 }
