@@ -176,6 +176,29 @@ pub fn from_bytes(bytes: &[u8]) -> Result<(CollisionMesh, Header), FormatError> 
     Ok((baked.into(), header))
 }
 
+/// Checks a baked file without building its mesh. Returns the header and the number of triangles.
+///
+/// The checksum covers the whole file, so that a file which a disk or a network has damaged is found. Whether the content
+/// makes a mesh only [`from_bytes`] checks.
+///
+/// # Errors
+/// If the bytes are not a `.faceoff` file of this version, or are damaged.
+pub fn verify(bytes: &[u8]) -> Result<(Header, u32), FormatError> {
+    let header = read_header(bytes)?;
+    if checksum(bytes) != bytes[CHECKSUM_AT..HEADER_LENGTH] {
+        return Err(FormatError::Checksum);
+    }
+    let failed = |e: std::io::Error| FormatError::Compression(e.to_string());
+    // The triangles follow the vertices; see `body`.
+    let mut content = FrameDecoder::new(&bytes[HEADER_LENGTH..]);
+    let mut count = [0; 4];
+    content.read_exact(&mut count).map_err(failed)?;
+    let vertices = u64::from(u32::from_le_bytes(count)) * size_of::<[f32; 3]>() as u64;
+    std::io::copy(&mut content.by_ref().take(vertices), &mut std::io::sink()).map_err(failed)?;
+    content.read_exact(&mut count).map_err(failed)?;
+    Ok((header, u32::from_le_bytes(count)))
+}
+
 fn checksum(file: &[u8]) -> Hash {
     let mut hasher = blake3::Hasher::new();
     hasher.update(&file[..CHECKSUM_AT]);

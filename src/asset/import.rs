@@ -169,7 +169,7 @@ impl<'a> Source<'a> {
 }
 
 /// The hash of all input that the mesh depends on.
-fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8>]) -> Hash {
+pub(super) fn source_hash(bytes: &[u8], part: Option<&MeshPart>, files: &[Vec<u8>]) -> Hash {
     let hash = format::source_hash(bytes);
     if part.is_none() && files.is_empty() {
         return hash;
@@ -231,7 +231,7 @@ fn looks_like_obj(bytes: &[u8]) -> bool {
 
 /// Reads a regular file. A recipe or a malicious mesh could refer to a device, which may be endless, or to a pipe,
 /// which may block.
-fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
     match std::fs::metadata(path) {
         Ok(there) if !there.is_file() => Err(in_file(path, ImportError::NotAFile)),
         Ok(_) => std::fs::read(path).map_err(|e| in_file(path, e)),
@@ -239,7 +239,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
     }
 }
 
-fn in_file(path: &Path, error: impl Into<ImportError>) -> ImportError {
+pub(super) fn in_file(path: &Path, error: impl Into<ImportError>) -> ImportError {
     ImportError::InFile {
         path: path.to_owned(),
         source: Box::new(error.into()),

@@ -5,5 +5,6 @@ mod gltf;
 mod hostile_gltf;
 mod import;
 mod off;
+mod origin;
 mod ply;
 mod stl;

@@ -2,9 +2,11 @@
 
 mod bake;
 mod check;
+mod library;
 mod output;
 mod picture;
 mod reproduce;
+mod shards;
 mod simulate;
 
 use assert_cmd::Command;
@@ -118,7 +120,17 @@ fn every_command_explains_itself() {
         (vec!["check", "--help"], vec!["SCENE", "meshes:", "--faces", "--json"]),
         (
             vec!["bake", "--help"],
-            vec!["--output", "--faces", "--degrees", "--image", "--force"],
+            vec![
+                "--output",
+                "--faces",
+                "--degrees",
+                "--image",
+                "--force",
+                "--shard",
+                "--memory",
+                "--threads",
+                "--json",
+            ],
         ),
         (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
     ] {

@@ -5,7 +5,17 @@ use serde::Serialize;
 use std::fs::{self, OpenOptions};
 use std::io::{self, ErrorKind, Write, stderr, stdout};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use tempfile::NamedTempFile;
+
+/// The first part of the names of files that are no output. Bevy's asset server ignores names that begin with a dot.
+const HIDDEN: &str = ".faceoff-";
+/// The last part of the name of a file that is being written.
+const PARTIAL: &str = ".partial";
+/// The last part of the name of a file that claims an output.
+pub const CLAIM: &str = ".claim";
+/// The age from which a hidden file is left from a process that is gone.
+const LEFT: Duration = Duration::from_secs(3600);
 
 /// The path that stands for standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -128,12 +138,32 @@ fn beside(path: &Path) -> io::Result<NamedTempFile> {
         _ => Path::new("."),
     };
     let mut partial = tempfile::Builder::new();
-    // Bevy's asset server ignores files whose names begin with a dot.
-    partial.prefix(".faceoff-").suffix(".partial");
+    partial.prefix(HIDDEN).suffix(PARTIAL);
     // The default permissions are those for secrets. The system applies the user's umask to these.
     #[cfg(unix)]
     partial.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     partial.tempfile_in(folder)
+}
+
+/// The name of a file that is no output, only a sign for other processes.
+pub fn hidden(name: &str, suffix: &str) -> String {
+    format!("{HIDDEN}{name}{suffix}")
+}
+
+/// Removes the hidden files that killed processes left in a folder. No process needs such a file for so long: writing what
+/// is in memory takes seconds, and without its claim a mesh may be baked twice, with the same bytes.
+pub fn remove_leftovers(folder: &Path) {
+    let Ok(files) = fs::read_dir(folder) else { return };
+    for file in files.flatten() {
+        let name = file.file_name();
+        let name = name.to_string_lossy();
+        let is_hidden = name.starts_with(HIDDEN) && (name.ends_with(PARTIAL) || name.ends_with(CLAIM));
+        let age = || file.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if is_hidden && age().is_some_and(|age| age > LEFT) {
+            // Another process may have removed it.
+            let _ = fs::remove_file(file.path());
+        }
+    }
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> Box<dyn std::error::Error> {
