@@ -221,14 +221,14 @@ impl MeshFeatures {
         ends
     }
 
-    /// The faces of zero area, by the same numbers of vertices.
+    /// The triangles without area that close the mesh, by the same numbers of vertices.
     fn slivers(&self, mesh: &TriMesh, numbers: &[u32]) -> AcrossSlivers {
         let number = |v: u32| match numbers[v as usize] {
             // Only slivers have this vertex.
             NONE => self.vertices.len() as u32 + mesh.welded()[v as usize],
             number => number,
         };
-        let mut slivers: Vec<[u32; 3]> = mesh.dropped_faces().iter().map(|face| face.map(number)).collect();
+        let mut slivers: Vec<[u32; 3]> = mesh.slivers().map(|face| face.map(number)).collect();
         slivers.retain(|face| !is_collapsed(*face));
         AcrossSlivers::new(&slivers)
     }

@@ -318,6 +318,11 @@ impl TriMesh {
         &self.topology.caps
     }
 
+    /// The vertices of triangles without area that close the mesh: dropped faces, and those of the caps that close T-junctions.
+    pub(crate) fn slivers(&self) -> impl Iterator<Item = &[u32; 3]> {
+        self.dropped.iter().chain(&self.topology.slivers)
+    }
+
     /// How far the volume of a nearly closed mesh may be off: the volume of a half ball over each opening, cubic mesh units.
     pub(crate) fn uncertain_volume(&self) -> f64 {
         self.faces().uncertain_volume(&self.topology)

@@ -24,6 +24,8 @@
 //! | a ball in a bowl without friction | gains no energy | on the CPU |
 //! | a box on a turntable | rests | on the CPU |
 //! | a ball slides over a T-junction of a flat floor | keeps its velocity | on both |
+//! | meshes with cracks, missing faces, any winding | rest, push and contain as clean ones do | on both |
+//! | balls in a box without a lid, of single faces | stay in it | on both |
 //! | an open sheet on a ball | comes to rest | on neither: it rocks |
 //!
 //! Other tests play these, and they are not here again:
@@ -38,6 +40,7 @@
 
 mod balls;
 mod bowl;
+mod broken_meshes;
 mod bullets;
 mod dice_tower;
 mod driven_stack;
@@ -109,6 +112,11 @@ fn plays() -> Vec<Play> {
         Cpu bowl::a_ball_in_a_bowl_gains_no_energy;
         Cpu turntable::a_box_rests_on_a_turntable;
         Cpu t_junction::a_ball_does_not_feel_it;
+        Cpu t_junction::a_ball_does_not_feel_one_that_nothing_fills;
+        Cpu broken_meshes::they_rest_as_clean_ones_do;
+        Cpu broken_meshes::they_push_as_clean_ones_do;
+        Cpu broken_meshes::they_contain_as_clean_ones_do;
+        Cpu broken_meshes::a_box_without_a_lid_holds_balls;
         Cpu sheet::an_open_sheet_on_a_ball_comes_to_rest, "turns at 0.34 rad/s after 20 s, awake";
 
         Gpu balls::two_dropped_on_each_other_keep_their_energy;
@@ -122,6 +130,11 @@ fn plays() -> Vec<Play> {
         Gpu elastic_box::one_bounce_on_a_plane_keeps_the_energy;
         Gpu spinning_coin::with_a_vertex_in_the_middle_slows_down_by_theory;
         Gpu t_junction::a_ball_does_not_feel_it;
+        Gpu t_junction::a_ball_does_not_feel_one_that_nothing_fills;
+        Gpu broken_meshes::they_rest_as_clean_ones_do;
+        Gpu broken_meshes::they_push_as_clean_ones_do;
+        Gpu broken_meshes::they_contain_as_clean_ones_do;
+        Gpu broken_meshes::a_box_without_a_lid_holds_balls;
         Gpu player::walks_and_respawns_as_told;
         Gpu player::walks_and_respawns_as_told_with_latent_results;
         Gpu player::walks_and_respawns_as_told_with_resident_bodies;

@@ -26,6 +26,8 @@ const MAX_OPENINGS: f64 = 0.2;
 pub(super) struct Boundary {
     /// Triangles that close the mesh, in cluster order.
     caps: Vec<[Vec3; 3]>,
+    /// The vertices of those of them that close T-junctions.
+    slivers: Vec<[u32; 3]>,
     /// The openings, in the order of their smallest vertex.
     pub openings: Vec<Opening>,
     /// The edges of the openings, directed as their faces run.
@@ -71,13 +73,13 @@ impl Boundary {
         self.openings.iter().map(|opening| opening.area).fold(0.0, f64::max)
     }
 
-    /// The caps of a nearly closed mesh of this area; none for other meshes.
-    pub fn caps_if_nearly_closed(self, area: f64) -> Vec<[Vec3; 3]> {
+    /// The caps of a nearly closed mesh of this area, and the vertices of those in T-junctions; none for other meshes.
+    pub fn caps_if_nearly_closed(self, area: f64) -> (Vec<[Vec3; 3]>, Vec<[u32; 3]>) {
         let all: f64 = self.openings.iter().map(|opening| opening.area).sum();
         if self.disagrees || self.largest() > MAX_OPENING * area || all > MAX_OPENINGS * area {
-            return Vec::new();
+            return Default::default();
         }
-        self.caps
+        (self.caps, self.slivers)
     }
 }
 
@@ -104,9 +106,13 @@ impl Faces<'_> {
             };
         }
         let place = |v: u32| self.vertices[welded[v as usize] as usize];
-        let mut caps = Vec::new();
-        let (open, t_junctions) =
-            split_at_vertices(&chain, &place, f64::from(tolerance) * size(self.aabb()), &mut caps);
+        let tolerance = f64::from(tolerance) * size(self.aabb());
+        let Split {
+            open,
+            t_junctions,
+            slivers,
+            mut caps,
+        } = split_at_vertices(&chain, &place, tolerance);
         let openings = close(&open, &place, &mut caps);
         let centroids: Vec<Vec3> = caps.iter().map(|cap| cap.iter().map(|p| *p / 3.0).sum()).collect();
         Boundary {
@@ -114,6 +120,7 @@ impl Faces<'_> {
                 .into_iter()
                 .map(|i| caps[i as usize])
                 .collect(),
+            slivers,
             openings,
             open_edges: open.edges().map(|(edge, _)| edge).collect(),
             t_junctions,
@@ -130,14 +137,21 @@ impl Faces<'_> {
     }
 }
 
-/// Splits edges of the boundary where its vertices lie on them, and adds the slivers that do so to `caps`. Returns what is left
-/// of the boundary, and those vertices.
-fn split_at_vertices(
-    edges: &[([u32; 2], i32)],
-    place: &impl Fn(u32) -> Vec3,
-    tolerance: f64,
-    caps: &mut Vec<[Vec3; 3]>,
-) -> (Chain, Vec<u32>) {
+/// A boundary without its T-junctions.
+#[derive(Default)]
+struct Split {
+    /// What is left of the boundary.
+    open: Chain,
+    /// The vertices on edges.
+    t_junctions: Vec<u32>,
+    /// The vertices of the triangles that split the edges there.
+    slivers: Vec<[u32; 3]>,
+    /// The same triangles, wound so that they close the mesh.
+    caps: Vec<[Vec3; 3]>,
+}
+
+/// Splits edges of the boundary where its vertices lie on them.
+fn split_at_vertices(edges: &[([u32; 2], i32)], place: &impl Fn(u32) -> Vec3, tolerance: f64) -> Split {
     let ends = |edge: [u32; 2]| edge.map(place);
     let middles: Vec<Vec3> = edges
         .iter()
@@ -150,7 +164,7 @@ fn split_at_vertices(
     vertices.dedup();
     // For each edge, the vertices on it and where along it they are.
     let mut on_edges: HashMap<u32, Vec<(f64, u32)>> = HashMap::new();
-    let mut t_junctions = Vec::new();
+    let mut split = Split::default();
     for &vertex in &vertices {
         let p = place(vertex).as_dvec3();
         let is_near = |_: &_, b: &Aabb| {
@@ -173,23 +187,23 @@ fn split_at_vertices(
             }
         });
         if found {
-            t_junctions.push(vertex);
+            split.t_junctions.push(vertex);
         }
     }
-    let mut left = Chain::default();
     for (number, &([u, v], times)) in (0..).zip(edges) {
         let mut on_edge = on_edges.remove(&number).unwrap_or_default();
         on_edge.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut from = u;
         for (_, vertex) in on_edge {
             // Runs backward along the rest of the edge, and forward along its two parts.
-            add_cap(caps, [v, from, vertex].map(place), times);
-            left.add([from, vertex], times);
+            split.slivers.push([v, from, vertex]);
+            add_cap(&mut split.caps, [v, from, vertex].map(place), times);
+            split.open.add([from, vertex], times);
             from = vertex;
         }
-        left.add([from, v], times);
+        split.open.add([from, v], times);
     }
-    (left, t_junctions)
+    split
 }
 
 /// Closes each part of the boundary that hangs together with a cone.

@@ -39,6 +39,8 @@ pub(super) struct Topology {
     pub component_vertices: Vec<u32>,
     /// What closes a nearly closed mesh; empty for other meshes.
     pub caps: Vec<[Vec3; 3]>,
+    /// The vertices of caps that close its T-junctions.
+    pub slivers: Vec<[u32; 3]>,
     /// The orientation of the mesh with its caps.
     capped: Option<Orientation>,
 }
@@ -75,6 +77,7 @@ impl Topology {
             component_vertices: faces.component_vertices(&welded),
             welded,
             caps: Vec::new(),
+            slivers: Vec::new(),
             capped: None,
         })
     }
@@ -104,18 +107,19 @@ impl Faces<'_> {
     pub fn rewound(&self, topology: Topology) -> Topology {
         let welded = &topology.welded;
         let (edges, counts) = self.edges(welded);
-        let (orientation, caps) = if counts.iter().any(|count| count.is_boundary()) {
+        let (orientation, (caps, slivers)) = if counts.iter().any(|count| count.is_boundary()) {
             let boundary = self.boundary(&edges, &counts, welded, topology.tolerance);
             (Orientation::Open, boundary.caps_if_nearly_closed(self.area()))
         } else if counts.iter().any(|count| count.balance != 0) {
-            (Orientation::Mixed, Vec::new())
+            (Orientation::Mixed, Default::default())
         } else {
-            (self.outward_or_inward(welded, &[]), Vec::new())
+            (self.outward_or_inward(welded, &[]), Default::default())
         };
         Topology {
             orientation,
             capped: (!caps.is_empty()).then(|| self.outward_or_inward(welded, &caps)),
             caps,
+            slivers,
             ..topology
         }
     }
