@@ -18,9 +18,9 @@ const TRIANGLE: usize = 50;
 
 /// Reads all solids of a file as one mesh. The index of a face is that of its triangle in the file. Corners at the same
 /// position become one vertex. Normals are ignored: the winding defines the outside.
-pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     if is_binary(bytes) {
-        read_binary(bytes)
+        read_binary(bytes, warnings)
     } else {
         read_text(bytes)
     }
@@ -59,13 +59,19 @@ fn begins_with_solid(bytes: &[u8]) -> bool {
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-fn read_binary(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+fn read_binary(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let triangles = expected_triangles(bytes).ok_or(ImportError::StlHeader { length: bytes.len() })?;
     let body = &bytes[PREFIX..];
     let there = body.len() / TRIANGLE;
-    // Bytes after the last triangle, such as a comment or padding, are ignored.
     if there < triangles as usize {
         return Err(ImportError::StlCutOff { triangles, there });
+    }
+    // A comment or padding; or triangles, if the header is wrong.
+    let rest = body.len() - triangles as usize * TRIANGLE;
+    if rest > 0 {
+        warnings.push(format!(
+            "{rest} bytes after the last of its {triangles} triangles are not read"
+        ));
     }
     let mut soup = TriangleSoup::default();
     for (face, triangle) in body.chunks_exact(TRIANGLE).take(triangles as usize).enumerate() {

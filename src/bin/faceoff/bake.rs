@@ -169,6 +169,7 @@ fn bake(options: &Options, source: &Path, target: &Path, pool: &rayon::ThreadPoo
         Imported::Mesh { mesh, .. } => CollisionMesh::bake(mesh, settings, pool, progress),
         Imported::Baked { mesh, .. } => mesh.rebake(settings, pool, progress),
     })?;
+    mesh::warn_all(source, imported.warnings());
     mesh::warn(source, &baked);
     let bytes = format::to_bytes(&baked, hash);
     output::save(target, &bytes)?;
