@@ -1,9 +1,10 @@
 //! Reader for STL, binary and text.
 //!
-//! Why not the `stl_io` crate: it is careful about memory, but treats any file that begins with `solid ` as text,
-//! although many binary files do, and this cannot be changed. Of a text with several solids it reads only the first. It
-//! rejects text in capitals, text that begins with a bare `solid`, and NaN normals, which exporters write for slivers
-//! and which nobody needs. Its errors have no line numbers.
+//! Why not the `stl_io` crate (0.11): it is careful about memory, but takes a binary file for text if its header begins
+//! with `solid ` and all bytes up to the first line feed are UTF-8, as in a header with a line feed of its own. Of a text
+//! with several solids it reads only the first. It rejects text in capitals, text that begins with a bare `solid`, and in
+//! text NaN normals, which exporters write for slivers and which nobody needs. In binary files it lets coordinates pass
+//! that are not finite. Its errors have no line numbers. `tests/asset/other_readers.rs` compares the two.
 
 use super::import_error::ImportError;
 use super::text::{number, shown, without_byte_order_mark, words};

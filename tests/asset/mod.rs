@@ -6,6 +6,7 @@ mod hostile_gltf;
 mod import;
 mod lenient;
 mod off;
+mod other_readers;
 mod outside;
 mod parts;
 mod ply;
