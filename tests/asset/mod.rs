@@ -2,6 +2,7 @@
 
 mod format;
 mod gltf;
+mod hostile;
 mod hostile_gltf;
 mod import;
 mod lenient;
