@@ -5,7 +5,9 @@
 //! other data. This is a rule about names: links in the folder are followed, for whoever can place a link there can
 //! place the file.
 //!
-//! Files that break the rules of their format in a way that leaves no doubt are read with a [warning](Imported::warnings).
+//! Files that break the rules of their format in a way that leaves no doubt are read with a [warning](Imported::warnings),
+//! if other readers accept them too. A file that may have been cut off is an error, although some readers take what is
+//! there, as of a text STL file without `endsolid`: the hole would be noticed late.
 //!
 //! # Why not 3MF
 //! No crate reads it as well as these readers read the other formats (November 2026). `lib3mf` 0.1 is careful: millions

@@ -44,7 +44,7 @@ impl Document {
         let mut warnings = Vec::new();
         let (document, chunk) = container::chunks(bytes, &mut warnings)?;
         let chunk_text = &bytes[document];
-        // Some programs pad the document with zeros, where spaces should be.
+        // Some programs pad the document with zeros, where spaces should be. The library `cgltf` reads them too.
         let text = without_zeros(chunk_text);
         if text.len() < chunk_text.len() {
             warnings
