@@ -37,6 +37,7 @@ pub fn files() -> Vec<(String, String)> {
         let recipe = Recipe {
             mesh: format!("{name}.obj"),
             part: None,
+            read_outside: false,
             settings: BakeSettings {
                 faces,
                 ..Default::default()

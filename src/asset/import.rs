@@ -1,9 +1,26 @@
 //! Import of mesh files of all supported formats. The format is recognised by content or by file name.
+//!
+//! A mesh file may name others, as a `.gltf` file its buffers. Those in its own folder and the folders below are read;
+//! one elsewhere only if a recipe says so with [`Recipe::read_outside`], so that a mesh from a stranger cannot reach for
+//! other data. This is a rule about names: links in the folder are followed, for whoever can place a link there can
+//! place the file.
+//!
+//! Files that break the rules of their format in a way that leaves no doubt are read with a [warning](Imported::warnings),
+//! if other readers accept them too. A file that may have been cut off is an error, although some readers take what is
+//! there, as of a text STL file without `endsolid`: the hole would be noticed late.
+//!
+//! # Why not 3MF
+//! No crate reads it as well as these readers read the other formats (November 2026). `lib3mf` 0.1 is careful: millions
+//! of damaged files did not make it panic. But it gives the triangles of a package's first model only, while Bambu
+//! Studio and OrcaSlicer write each object into a model of its own, and it unpacks up to a gigabyte of any file, however
+//! short. `lib3mf-core` 0.4, `threemf` 0.8 and `threemf2` 0.4 unpack without any limit: a file of 3 MB made the last two
+//! take 0.5 GB and 1 GB. Programs that write 3MF write STL or OBJ too.
 
 use super::collision_mesh::CollisionMesh;
 use super::format::{self, Hash, Header};
-use super::gltf::{self, GltfError, MeshPart};
+use super::gltf::{self, GltfError};
 pub use super::import_error::ImportError;
+use super::part::MeshPart;
 use super::recipe::{Recipe, is_recipe};
 use super::{obj, off, ply, stl};
 use crate::geometry::TriMesh;
@@ -23,6 +40,8 @@ pub enum Imported {
         /// [`format::source_hash`] of the mesh file. For a glTF file it also covers the chosen part and the other
         /// files.
         source_hash: Hash,
+        /// See [`Imported::warnings`].
+        warnings: Vec<String>,
     },
     /// A baked mesh from a `.faceoff` file.
     Baked {
@@ -42,6 +61,15 @@ impl Imported {
             Self::Baked { mesh, .. } => &mesh.mesh,
         }
     }
+
+    /// What is wrong with the file, although it was read. [`BakedMesh::warnings`](super::BakedMesh::warnings) are those
+    /// about the mesh.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Mesh { warnings, .. } => warnings,
+            Self::Baked { .. } => &[],
+        }
+    }
 }
 
 /// Reads a mesh from the bytes of a glTF, OBJ, STL, PLY, OFF or `.faceoff` file. For glTF this is the whole scene.
@@ -54,16 +82,22 @@ pub fn import_bytes(name: &str, bytes: &[u8]) -> Result<TriMesh, ImportError> {
     import_part(name, bytes, None)
 }
 
-/// The same as [`import_bytes`], but reads only a part of a glTF file if `part` is given.
+/// The same as [`import_bytes`], but reads only a part of a glTF or OBJ file if `part` is given.
+///
+/// Logs [warnings](Imported::warnings) with `tracing`.
 ///
 /// # Errors
 /// As for [`import_bytes`]; also if there is no such part.
 pub fn import_part(name: &str, bytes: &[u8], part: Option<&MeshPart>) -> Result<TriMesh, ImportError> {
     let source = Source::open(name, bytes)?;
-    if let Some(file) = source.files().first() {
+    if let Some(file) = source.files(true)?.first() {
         return Err(GltfError::OtherFiles(file.clone()).into());
     }
-    match source.read(part, &[])? {
+    let imported = source.read(part, &[])?;
+    for warning in imported.warnings() {
+        tracing::warn!("{name}: {warning}");
+    }
+    match imported {
         Imported::Mesh { mesh, .. } => Ok(mesh),
         Imported::Baked { mesh, .. } => Ok(mesh.mesh.clone()),
     }
@@ -78,7 +112,7 @@ pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let bytes = read_file(path)?;
     // A recipe that was baked in place keeps its name.
     if !is_recipe(&path.to_string_lossy()) || bytes.starts_with(&format::MAGIC) {
-        return import_mesh_file(path, bytes, None);
+        return import_mesh_file(path, bytes, None, false);
     }
     let recipe = Recipe::parse(&bytes).map_err(|e| in_file(path, e))?;
     if recipe.mesh.contains("://") {
@@ -87,25 +121,38 @@ pub fn import_file(path: impl AsRef<Path>) -> Result<Imported, ImportError> {
     let mesh_path = path.with_file_name("").join(&recipe.mesh);
     let bytes = read_file(&mesh_path)?;
     let baked_hash = format::source_hash(&bytes);
-    Ok(match import_mesh_file(&mesh_path, bytes, recipe.part.as_ref())? {
-        Imported::Mesh { mesh, source_hash, .. } => Imported::Mesh {
+    let imported = import_mesh_file(&mesh_path, bytes, recipe.part.as_ref(), recipe.read_outside)?;
+    Ok(match imported {
+        Imported::Mesh {
+            mesh,
+            source_hash,
+            warnings,
+            ..
+        } => Imported::Mesh {
             mesh,
             settings: recipe.settings,
             source_hash,
+            warnings,
         },
         // The settings of the recipe count, so the mesh is baked again.
         Imported::Baked { mesh, .. } => Imported::Mesh {
             mesh: mesh.mesh.clone(),
             settings: recipe.settings,
             source_hash: baked_hash,
+            warnings: Vec::new(),
         },
     })
 }
 
-fn import_mesh_file(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Result<Imported, ImportError> {
+fn import_mesh_file(
+    path: &Path,
+    bytes: Vec<u8>,
+    part: Option<&MeshPart>,
+    read_outside: bool,
+) -> Result<Imported, ImportError> {
     let source = Source::open(&path.to_string_lossy(), bytes).map_err(|e| in_file(path, e))?;
     let mut files = Vec::new();
-    for file in source.files() {
+    for file in source.files(read_outside).map_err(|e| in_file(path, e))? {
         let file = path.with_file_name("").join(file);
         files.push(read_file(&file).map_err(|e| in_file(path, e))?);
     }
@@ -135,35 +182,47 @@ impl<'a> Source<'a> {
         Ok(Self { bytes, format })
     }
 
-    /// The other files it needs, as paths relative to the mesh file.
-    pub(crate) fn files(&self) -> &[String] {
-        match &self.format {
+    /// The other files it needs, as paths relative to the mesh file, without `..` except at their start.
+    ///
+    /// # Errors
+    /// If one is outside the folder of the mesh file, unless `read_outside` allows that.
+    pub(crate) fn files(&self, read_outside: bool) -> Result<&[String], ImportError> {
+        let files: &[String] = match &self.format {
             Format::Gltf(document) => &document.files,
             _ => &[],
+        };
+        match files.iter().find(|file| file.split('/').next() == Some("..")) {
+            Some(file) if !read_outside => Err(ImportError::Outside(file.clone())),
+            _ => Ok(files),
         }
     }
 
     /// Reads the triangles. `files` holds the contents of [`Source::files`].
     pub(crate) fn read(&self, part: Option<&MeshPart>, files: &[Vec<u8>]) -> Result<Imported, ImportError> {
         let bytes = &*self.bytes;
-        if part.is_some() && !matches!(self.format, Format::Gltf(_)) {
+        if part.is_some() && !matches!(self.format, Format::Gltf(_) | Format::Obj) {
             return Err(ImportError::NoParts);
         }
+        let mut warnings = Vec::new();
         let mesh = match &self.format {
             Format::Baked => {
                 let (mesh, header) = format::from_bytes(bytes)?;
                 return Ok(Imported::Baked { mesh, header });
             }
-            Format::Gltf(document) => document.read(bytes, part, files)?,
-            Format::Obj => obj::read(bytes)?,
-            Format::Off => off::read(bytes)?,
+            Format::Gltf(document) => {
+                warnings.clone_from(&document.warnings);
+                document.read(bytes, part, files)?
+            }
+            Format::Obj => obj::read(bytes, part, &mut warnings)?,
+            Format::Off => off::read(bytes, &mut warnings)?,
             Format::Ply => ply::read(bytes)?,
-            Format::Stl => stl::read(bytes)?,
+            Format::Stl => stl::read(bytes, &mut warnings)?,
         };
         Ok(Imported::Mesh {
             mesh,
             settings: BakeSettings::default(),
             source_hash: source_hash(bytes, part, files),
+            warnings,
         })
     }
 }
@@ -201,6 +260,8 @@ impl Format {
             "fbx" => Some("FBX"),
             "dae" => Some("Collada"),
             "blend" => Some("Blender"),
+            "3mf" => Some("3MF"),
+            _ if is_3mf(bytes) => Some("3MF"),
             _ => None,
         };
         if let Some(format) = unsupported {
@@ -221,6 +282,12 @@ impl Format {
             _ => return Err(ImportError::Unknown),
         })
     }
+}
+
+/// Whether it is a ZIP file with the usual name of a 3MF model.
+fn is_3mf(bytes: &[u8]) -> bool {
+    let start = &bytes[..bytes.len().min(1 << 12)];
+    start.starts_with(b"PK\x03\x04") && start.windows(8).any(|name| name.eq_ignore_ascii_case(b"3dmodel."))
 }
 
 /// Whether a line near the start of the file begins with a vertex.

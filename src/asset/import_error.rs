@@ -2,6 +2,7 @@
 
 use super::format_error::FormatError;
 use super::gltf::GltfError;
+use super::part::MeshPart;
 use super::recipe::RecipeError;
 use crate::geometry::MeshError;
 use std::path::PathBuf;
@@ -187,8 +188,42 @@ pub enum ImportError {
     #[error(transparent)]
     Gltf(#[from] GltfError),
     /// A part was chosen in a file of a format without parts.
-    #[error("only glTF files have parts to choose from; remove the part")]
+    #[error("only glTF and OBJ files have parts to choose from; remove the part")]
     NoParts,
+    /// A part was chosen that files of this format do not have.
+    #[error("{format} file has no {kind} to choose; choose {kinds}")]
+    PartOfOtherFormat {
+        /// The format, with its article.
+        format: &'static str,
+        /// `"mesh"`, `"node"`, `"object"` or `"group"`.
+        kind: &'static str,
+        /// The kinds of parts that the format has.
+        kinds: &'static str,
+    },
+    /// The chosen object or group of an OBJ file does not exist.
+    #[error("the file has no {kind} \"{name}\"; {names}")]
+    NoSuchPart {
+        /// `"object"` or `"group"`.
+        kind: &'static str,
+        /// The chosen name.
+        name: String,
+        /// The first names of those that exist.
+        names: String,
+    },
+    /// The chosen object or group of an OBJ file has no faces.
+    #[error("the {kind} \"{name}\" has no faces; choose another part, or export the mesh with its faces")]
+    EmptyPart {
+        /// `"object"` or `"group"`.
+        kind: &'static str,
+        /// The chosen name.
+        name: String,
+    },
+    /// A mesh file needs a file that is not in its own folder or below it.
+    #[error(
+        "it names {0:?}, which is outside its own folder and is not read unless a recipe says so; move that file beside it, \
+         or write read_outside: true into the recipe"
+    )]
+    Outside(String),
     /// The path is that of a folder, a pipe or a device.
     #[error("it is a folder, a pipe or a device; give the path of a mesh file")]
     NotAFile,
@@ -227,4 +262,15 @@ pub enum ImportError {
         /// The error.
         source: Box<ImportError>,
     },
+}
+
+impl ImportError {
+    /// A part that files of `format` do not have; `kinds` are those that they have.
+    pub(super) fn wrong_part(part: &MeshPart, format: &'static str, kinds: &'static str) -> Self {
+        Self::PartOfOtherFormat {
+            format,
+            kind: part.kind(),
+            kinds,
+        }
+    }
 }

@@ -6,26 +6,31 @@
 //! again.
 
 use super::import_error::ImportError;
+use super::obj_part::Choice;
+use super::part::MeshPart;
 use super::polygons::fan;
 use super::text::{number, shown, without_byte_order_mark, words};
-use crate::geometry::TriMesh;
+use crate::geometry::{MeshError, TriMesh};
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Reads all objects of a file as one mesh.
+/// Reads all objects of a file as one mesh, or only the chosen object or group.
 ///
 /// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of
-/// the file, over all objects and groups, before any is dropped. Only `v` and `f` lines are read. Materials, normals,
-/// texture coordinates, colours, curves, points and lines are ignored, as are polygons with fewer than three corners.
-/// Negative indices count backwards from the last vertex read.
-pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
-    let mut obj = Obj::default();
+/// the file, over all objects and groups or those of the part, before any is dropped. Only `v` and `f` lines are read,
+/// and `o` or `g` lines for a part. Materials, normals, texture coordinates, colours, curves, points and lines are
+/// ignored, as are polygons with fewer than three corners. Negative indices count backwards from the last vertex read.
+pub(super) fn read(bytes: &[u8], part: Option<&MeshPart>, warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
+    let mut obj = Obj {
+        choice: part.map(Choice::of).transpose()?,
+        ..Obj::default()
+    };
     let bytes = without_byte_order_mark(bytes);
     let mut continued: Vec<u8> = Vec::new();
     let mut first_line = 1;
     for (line, text) in (1..).zip(bytes.split(|&b| b == b'\n')) {
         // A comment ends with its line, even if its last character is a backslash.
-        let text = text.split(|&b| b == b'#').next().unwrap_or_default().trim_ascii_end();
+        let text = without_comment(text).trim_ascii_end();
         if continued.is_empty() {
             first_line = line;
         }
@@ -42,7 +47,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
     if !continued.is_empty() {
         obj.line(first_line, &continued)?;
     }
-    obj.finish()
+    obj.finish(warnings)
+}
+
+/// A line up to its comment. A name may contain `#`, so where names are, a comment begins as a word of its own.
+fn without_comment(line: &[u8]) -> &[u8] {
+    let has_name = matches!(words(line).next(), Some(b"o" | b"g"));
+    let begins = |at: usize| line[at] == b'#' && (!has_name || at == 0 || line[at - 1].is_ascii_whitespace());
+    match (0..line.len()).find(|&at| begins(at)) {
+        Some(end) => &line[..end],
+        None => line,
+    }
 }
 
 /// Writes a mesh as the text of an OBJ file, with faces in the order of their ids. Positions are written with the
@@ -62,22 +77,31 @@ pub fn to_obj(mesh: &TriMesh) -> String {
 }
 
 #[derive(Default)]
-struct Obj {
+struct Obj<'a> {
+    choice: Option<Choice<'a>>,
     vertices: Vec<Vec3>,
     faces: Vec<[u32; 3]>,
     /// Scratch: the corners of a face.
     corners: Vec<u32>,
     /// The largest index that was read before its vertex, and its line.
     forward: Option<(u32, usize)>,
+    /// The number of faces with fewer than three corners.
+    short: usize,
 }
 
-impl Obj {
+impl Obj<'_> {
     fn line(&mut self, line: usize, text: &[u8]) -> Result<(), ImportError> {
         let mut words = words(text);
         match words.next() {
             Some(b"v") => self.vertex(line, words),
             Some(b"f") => self.face(line, words),
-            _ => Ok(()),
+            Some(keyword) => {
+                if let Some(choice) = &mut self.choice {
+                    choice.line(keyword, words);
+                }
+                Ok(())
+            }
+            None => Ok(()),
         }
     }
 
@@ -100,11 +124,14 @@ impl Obj {
         for word in words {
             corners.push(self.index(line, word)?);
         }
-        for triangle in fan(&corners) {
-            if self.faces.len() >= u32::MAX as usize - 1 {
-                return Err(ImportError::TooLarge { line });
+        if self.choice.as_ref().is_none_or(|choice| choice.inside) {
+            self.short += usize::from(corners.len() < 3);
+            for triangle in fan(&corners) {
+                if self.faces.len() >= u32::MAX as usize - 1 {
+                    return Err(ImportError::TooLarge { line });
+                }
+                self.faces.push(triangle);
             }
-            self.faces.push(triangle);
         }
         self.corners = corners;
         Ok(())
@@ -140,19 +167,50 @@ impl Obj {
         Ok(index)
     }
 
-    fn finish(self) -> Result<TriMesh, ImportError> {
-        if self.faces.is_empty() {
-            return Err(ImportError::NoFaces {
-                vertices: self.vertices.len(),
-            });
-        }
-        match self.forward {
-            Some((index, line)) if index as usize >= self.vertices.len() => Err(ImportError::NoSuchVertex {
+    fn finish(self, warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
+        if let Some((index, line)) = self.forward
+            && index as usize >= self.vertices.len()
+            && !(self.faces.is_empty() && self.choice.is_none())
+        {
+            return Err(ImportError::NoSuchVertex {
                 line,
                 index: i64::from(index) + 1,
                 vertices: self.vertices.len(),
+            });
+        }
+        if self.short > 0 {
+            warnings.push(format!(
+                "faces with fewer than three corners, {} in all, are left out",
+                self.short
+            ));
+        }
+        match self.choice {
+            Some(choice) if self.faces.is_empty() => Err(choice.error()),
+            Some(_) => Ok(only_used(&self.vertices, self.faces)?),
+            None if self.faces.is_empty() => Err(ImportError::NoFaces {
+                vertices: self.vertices.len(),
             }),
-            _ => Ok(TriMesh::new(self.vertices, self.faces)?),
+            None => Ok(TriMesh::new(self.vertices, self.faces)?),
         }
     }
+}
+
+/// The mesh without the vertices that no face uses. They are those of other parts.
+fn only_used(vertices: &[Vec3], mut faces: Vec<[u32; 3]>) -> Result<TriMesh, MeshError> {
+    const UNUSED: u32 = u32::MAX;
+    let mut index = vec![UNUSED; vertices.len()];
+    for &corner in faces.as_flattened() {
+        index[corner as usize] = 0;
+    }
+    let mut used = Vec::new();
+    for (vertex, index) in vertices.iter().zip(&mut index) {
+        if *index != UNUSED {
+            *index = used.len() as u32;
+            used.push(*vertex);
+        }
+    }
+    for corner in faces.as_flattened_mut() {
+        *corner = index[*corner as usize];
+    }
+    TriMesh::new(used, faces)
 }

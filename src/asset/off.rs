@@ -13,7 +13,7 @@ use glam::Vec3;
 ///
 /// Polygons are split into triangle fans from their first corner. The face index counts these triangles in the order of the
 /// file, before any is dropped.
-pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let mut lines = (1..)
         .zip(without_byte_order_mark(bytes).split(|&b| b == b'\n'))
         .filter_map(|(line, text)| {
@@ -55,6 +55,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
         }
         polygons.push(&corners)?;
         read += 1;
+    }
+    if let Some((line, _)) = lines.next() {
+        warnings.push(format!(
+            "line {line} and what follows is not read, for the file says that it has {vertex_count} vertices and \
+             {face_count} faces"
+        ));
     }
     polygons.finish(vertices)
 }

@@ -1,8 +1,8 @@
 //! The origin of a mesh file: what decides whether its bake is up to date, without its triangles.
 
 use super::format::{self, Hash};
-use super::gltf::MeshPart;
 use super::import::{ImportError, Source, in_file, read_file, source_hash};
+use super::part::MeshPart;
 use super::recipe::{Recipe, is_recipe};
 use crate::projection::BakeSettings;
 use std::path::Path;
@@ -26,7 +26,7 @@ impl Origin {
         let path = path.as_ref();
         let bytes = read_file(path)?;
         if !is_recipe(&path.to_string_lossy()) || bytes.starts_with(&format::MAGIC) {
-            return Self::of(path, bytes, None);
+            return Self::of(path, bytes, None, false);
         }
         let recipe = Recipe::parse(&bytes).map_err(|e| in_file(path, e))?;
         if recipe.mesh.contains("://") {
@@ -36,14 +36,14 @@ impl Origin {
         let bytes = read_file(&mesh)?;
         // A baked file is baked again with the settings of the recipe, so it is a source like any other.
         let whole = bytes.starts_with(&format::MAGIC).then(|| format::source_hash(&bytes));
-        let origin = Self::of(&mesh, bytes, recipe.part.as_ref())?;
+        let origin = Self::of(&mesh, bytes, recipe.part.as_ref(), recipe.read_outside)?;
         Ok(Self {
             source_hash: whole.unwrap_or(origin.source_hash),
             settings: recipe.settings,
         })
     }
 
-    fn of(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>) -> Result<Self, ImportError> {
+    fn of(path: &Path, bytes: Vec<u8>, part: Option<&MeshPart>, read_outside: bool) -> Result<Self, ImportError> {
         if bytes.starts_with(&format::MAGIC) {
             let (header, _) = format::verify(&bytes).map_err(|e| in_file(path, e))?;
             return Ok(Self {
@@ -53,7 +53,7 @@ impl Origin {
         }
         let source = Source::open(&path.to_string_lossy(), &bytes[..]).map_err(|e| in_file(path, e))?;
         let mut files = Vec::new();
-        for file in source.files() {
+        for file in source.files(read_outside).map_err(|e| in_file(path, e))? {
             let file = path.with_file_name("").join(file);
             files.push(read_file(&file).map_err(|e| in_file(path, e))?);
         }

@@ -8,13 +8,23 @@
 //! `/`: that would mean the asset folder to Bevy, but the root of the disk to other programs. `settings` and each of
 //! its fields are optional; see [`BakeSettings`].
 //!
-//! The whole scene of a glTF file is one mesh, unless the recipe chooses a part of it; see [`MeshPart`]:
+//! The whole scene of a glTF file, or all objects of an OBJ file, are one mesh, unless the recipe chooses a part of it;
+//! see [`MeshPart`]:
 //!
 //! ```ron
+//! (mesh: "machine.glb", part: (node: "Arm"))
 //! (mesh: "machine.glb", part: (mesh: "Gear", primitive: 0))
+//! (mesh: "car.obj", part: (object: "Wheel"))
+//! (mesh: "car.obj", part: (group: "rim"))
+//! ```
+//!
+//! A glTF file may name others. Those outside its own folder are read only if the recipe says so:
+//!
+//! ```ron
+//! (mesh: "machine/machine.gltf", read_outside: true)
 //! ```
 
-use super::gltf::MeshPart;
+use super::part::MeshPart;
 use super::text::without_byte_order_mark;
 use crate::projection::{BakeSettings, SettingsError};
 use serde::{Deserialize, Serialize};
@@ -26,9 +36,12 @@ use thiserror::Error;
 pub struct Recipe {
     /// The path of the mesh file, relative to the recipe: a glTF, OBJ, STL, PLY or OFF file, or a baked file to bake again.
     pub mesh: String,
-    /// The part of a glTF file to bake; `None` for the whole scene.
+    /// The part of a glTF or OBJ file to bake; `None` for all of it.
     #[serde(default)]
     pub part: Option<MeshPart>,
+    /// Whether files that the mesh file names are read although they are outside its own folder. Default false.
+    #[serde(default)]
+    pub read_outside: bool,
     /// The settings of the bake.
     #[serde(default)]
     pub settings: BakeSettings,
@@ -97,8 +110,8 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// The recipe as one line of text. `weld_tolerance`, `inward` and `shell_thickness` are left out if they
-    /// have their default values.
+    /// The recipe as one line of text. `read_outside`, `weld_tolerance`, `inward` and `shell_thickness` are left out if they have
+    /// their default values.
     pub fn to_text(&self) -> String {
         let BakeSettings {
             faces,
@@ -113,6 +126,7 @@ impl Recipe {
             .as_ref()
             .map(|part| format!("part: {part}, "))
             .unwrap_or_default();
+        let outside = if self.read_outside { "read_outside: true, " } else { "" };
         let mut settings = format!("faces: {faces}, degrees: {degrees}, image: {image}");
         let default = BakeSettings::default();
         if weld_tolerance != default.weld_tolerance {
@@ -124,7 +138,7 @@ impl Recipe {
         if shell_thickness != default.shell_thickness {
             settings += &format!(", shell_thickness: {shell_thickness:?}");
         }
-        format!("(mesh: {:?}, {part}settings: ({settings}))\n", self.mesh)
+        format!("(mesh: {:?}, {part}{outside}settings: ({settings}))\n", self.mesh)
     }
 }
 

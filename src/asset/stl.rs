@@ -1,9 +1,10 @@
 //! Reader for STL, binary and text.
 //!
-//! Why not the `stl_io` crate: it is careful about memory, but treats any file that begins with `solid ` as text,
-//! although many binary files do, and this cannot be changed. Of a text with several solids it reads only the first. It
-//! rejects text in capitals, text that begins with a bare `solid`, and NaN normals, which exporters write for slivers
-//! and which nobody needs. Its errors have no line numbers.
+//! Why not the `stl_io` crate (0.11): it is careful about memory, but takes a binary file for text if its header begins
+//! with `solid ` and all bytes up to the first line feed are UTF-8, as in a header with a line feed of its own. Of a text
+//! with several solids it reads only the first. It rejects text in capitals, text that begins with a bare `solid`, and in
+//! text NaN normals, which exporters write for slivers and which nobody needs. In binary files it lets coordinates pass
+//! that are not finite. Its errors have no line numbers. `tests/asset/other_readers.rs` compares the two.
 
 use super::import_error::ImportError;
 use super::text::{number, shown, without_byte_order_mark, words};
@@ -18,9 +19,9 @@ const TRIANGLE: usize = 50;
 
 /// Reads all solids of a file as one mesh. The index of a face is that of its triangle in the file. Corners at the same
 /// position become one vertex. Normals are ignored: the winding defines the outside.
-pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     if is_binary(bytes) {
-        read_binary(bytes)
+        read_binary(bytes, warnings)
     } else {
         read_text(bytes)
     }
@@ -59,13 +60,19 @@ fn begins_with_solid(bytes: &[u8]) -> bool {
         .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-fn read_binary(bytes: &[u8]) -> Result<TriMesh, ImportError> {
+fn read_binary(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, ImportError> {
     let triangles = expected_triangles(bytes).ok_or(ImportError::StlHeader { length: bytes.len() })?;
     let body = &bytes[PREFIX..];
     let there = body.len() / TRIANGLE;
-    // Bytes after the last triangle, such as a comment or padding, are ignored.
     if there < triangles as usize {
         return Err(ImportError::StlCutOff { triangles, there });
+    }
+    // A comment or padding; or triangles, if the header is wrong.
+    let rest = body.len() - triangles as usize * TRIANGLE;
+    if rest > 0 {
+        warnings.push(format!(
+            "{rest} bytes after the last of its {triangles} triangles are not read"
+        ));
     }
     let mut soup = TriangleSoup::default();
     for (face, triangle) in body.chunks_exact(TRIANGLE).take(triangles as usize).enumerate() {

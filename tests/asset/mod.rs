@@ -2,9 +2,14 @@
 
 mod format;
 mod gltf;
+mod hostile;
 mod hostile_gltf;
 mod import;
+mod lenient;
 mod off;
 mod origin;
+mod other_readers;
+mod outside;
+mod parts;
 mod ply;
 mod stl;

@@ -194,6 +194,62 @@ fn a_mesh_that_is_open_is_baked_with_a_warning_that_names_it() {
 }
 
 #[test]
+fn a_file_with_a_fault_is_read_with_a_warning_that_names_it() {
+    let folder = torus();
+    let text = String::from_utf8(folder.read("torus.obj")).unwrap();
+    folder.write("faulty.obj", format!("{text}f 1 2\n"));
+    folder.write("faulty.bake.ron", "(mesh: \"faulty.obj\")");
+    for file in ["faulty.obj", "faulty.bake.ron"] {
+        let run = folder.run(&["bake", file, "-o", "out", "--force"]);
+        let warning = format!("warning: {file}: faces with fewer than three corners, 1 in all, are left out\n");
+        assert_eq!((run.success, run.stderr), (true, warning));
+        let report: serde_json::Value = serde_json::from_str(&folder.good(&["inspect", file, "--json"])).unwrap();
+        assert!(
+            report["warnings"][0].as_str().unwrap().starts_with("faces with fewer"),
+            "{report}"
+        );
+    }
+}
+
+#[test]
+fn a_part_of_a_file_is_baked_and_told_if_it_is_not_there() {
+    let folder = torus();
+    let torus = String::from_utf8(folder.read("torus.obj")).unwrap();
+    folder.write("two.obj", format!("o first\n{torus}o second\nf 1 2 3\n"));
+    folder.write("part.bake.ron", "(mesh: \"two.obj\", part: (object: \"first\"))");
+    folder.good(&["bake", "part.bake.ron", "-o", "out"]);
+    assert_eq!(header(&folder, "out/part.faceoff").0, 240);
+    folder.write("part.bake.ron", "(mesh: \"two.obj\", part: (object: \"third\"))");
+    folder.bad(
+        &["bake", "part.bake.ron", "-o", "out"],
+        &["two.obj", "no object \"third\"", "\"first\", \"second\""],
+    );
+}
+
+#[test]
+fn a_file_that_a_mesh_names_elsewhere_is_read_only_if_the_recipe_says_so() {
+    let folder = Folder::new();
+    folder.asset("pentominoes.gltf");
+    let mut gltf: serde_json::Value = serde_json::from_slice(&folder.read("pentominoes.gltf")).unwrap();
+    let uri = gltf["buffers"][0]["uri"].take();
+    let data = uri.as_str().unwrap().split_once(',').unwrap().1;
+    let data = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, data).unwrap();
+    folder.write("data/shared.bin", data);
+    gltf["buffers"][0]["uri"] = "../data/shared.bin".into();
+    folder.write("meshes/x.gltf", gltf.to_string());
+    folder.write("x.bake.ron", "(mesh: \"meshes/x.gltf\")");
+    for file in ["meshes/x.gltf", "x.bake.ron"] {
+        folder.bad(
+            &["bake", file, "-o", "out"],
+            &["meshes/x.gltf", "\"../data/shared.bin\"", "read_outside: true"],
+        );
+    }
+    folder.write("x.bake.ron", "(mesh: \"meshes/x.gltf\", read_outside: true)");
+    folder.good(&["bake", "x.bake.ron", "-o", "out"]);
+    assert!(header(&folder, "out/x.faceoff").0 > 0);
+}
+
+#[test]
 fn meshes_of_one_name_are_all_told_and_the_rest_is_baked() {
     let folder = torus();
     folder.asset("cube.obj");

@@ -33,11 +33,13 @@ pub fn of(name: &str) -> Vec<Vec<u8>> {
 }
 
 const OBJ: &str = "mtllib a.mtl\no part\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e0\nvn 0 0 1\nvt 0 0\ng one\n\
-    f 1/1/1 2/1/1 3/1/1\nf -4//1 -3//1 -1//1\nf 1 2 \\\n 4 3\n";
+    f 1/1/1 2/1/1 3/1/1\nf -4//1 -3//1 -1//1\no b\ng two three\nf 1 2 \\\n 4 3\n";
 const OFF: &str = "OFF\n# a\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n4 0 1 2 3\n";
 const COLORED_OFF: &str = "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 255 0 0 255\n3 0 1 2 1 0 0\n";
-const RECIPES: [&str; 2] = [
+const RECIPES: [&str; 4] = [
     "(mesh: \"a.glb\")",
+    "(mesh: \"a.glb\", part: (node: \"b\"), read_outside: true)",
+    "(mesh: \"a.obj\", part: (object: \"b\"))",
     "(mesh: \"a.obj\", part: (mesh: \"b\"), settings: (faces: true, degrees: 10, image: 64, weld_tolerance: 0.001, \
      inward: Room))",
 ];

@@ -42,9 +42,13 @@ pub fn reads(name: &str, bytes: &[u8]) -> bool {
         "scene" => str::from_utf8(bytes).is_ok_and(|text| scene_file::SceneFile::parse(text).is_ok()),
         _ => {
             let file = format!("a.{name}");
-            let part = import_part(&file, bytes, Some(&MeshPart::from(0)));
+            let parts = match name {
+                "obj" => [MeshPart::Object("part".into()), MeshPart::Group("one".into())],
+                _ => [MeshPart::from(0), MeshPart::Node("a".into())],
+            };
+            let parts = parts.map(|part| import_part(&file, bytes, Some(&part)));
             let mesh = import_bytes(&file, bytes);
-            for mesh in mesh.iter().chain(&part) {
+            for mesh in parts.iter().flatten().chain(&mesh) {
                 assert!(mesh.vertices().iter().all(|v| v.is_finite()));
                 let corners = mesh.triangles().iter().flatten();
                 assert!(corners.max().is_some_and(|&v| (v as usize) < mesh.vertices().len()));

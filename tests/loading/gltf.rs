@@ -12,7 +12,7 @@ fn two_meshes() -> Gltf {
     let mut gltf = Gltf::of(&shapes::torus_240());
     let primitive = gltf.primitive(&shapes::cube(1.0), U16);
     let cube = gltf.mesh("Cube", vec![primitive]);
-    gltf.root_node(json!({"mesh": cube, "translation": [9, 0, 0]}));
+    gltf.root_node(json!({"mesh": cube, "translation": [9, 0, 0], "name": "Placed cube"}));
     gltf
 }
 
@@ -28,12 +28,24 @@ fn scenes_parts_and_buffers_elsewhere() {
     );
     write(folder.path(), "data/two meshes.bin", &gltf.bin);
     write(folder.path(), "two.glb", gltf.glb());
-    write(folder.path(), "whole.bake.ron", "(mesh: \"meshes/two.gltf\")");
+    write(
+        folder.path(),
+        "whole.bake.ron",
+        "(mesh: \"meshes/two.gltf\", read_outside: true)",
+    );
     write(
         folder.path(),
         "cube.bake.ron",
-        "(mesh: \"meshes/two.gltf\", part: (mesh: \"Cube\"))",
+        "(mesh: \"meshes/two.gltf\", part: (mesh: \"Cube\"), read_outside: true)",
     );
+    write(
+        folder.path(),
+        "node.bake.ron",
+        "(mesh: \"two.glb\", part: (node: \"Placed cube\"))",
+    );
+    write(folder.path(), "inside.bake.ron", "(mesh: \"meshes/two.gltf\")");
+    write(folder.path(), "two.bin", &gltf.bin);
+    write(folder.path(), "beside.gltf", gltf.with_uri("meshes/../two.bin"));
     write(
         folder.path(),
         "torus.bake.ron",
@@ -54,26 +66,26 @@ fn scenes_parts_and_buffers_elsewhere() {
         write(
             folder.path(),
             &format!("{name}.bake.ron"),
-            format!("(mesh: \"meshes/{name}.gltf\")"),
+            format!("(mesh: \"meshes/{name}.gltf\", read_outside: true)"),
         );
     }
     let mut app = app(plain(folder.path()));
     register(&mut app);
     finish(&mut app);
-    for path in ["meshes/two.gltf", "two.glb", "whole.bake.ron"] {
+    for path in ["beside.gltf", "two.glb", "whole.bake.ron"] {
         assert_eq!(loaded(&mut app, path).unwrap().mesh.triangles().len(), 252, "{path}");
     }
-    assert_eq!(
-        loaded(&mut app, "cube.bake.ron").unwrap(),
-        CollisionMesh::new(&shapes::cube(1.0))
-    );
+    for path in ["cube.bake.ron", "node.bake.ron"] {
+        assert_eq!(loaded(&mut app, path).unwrap(), CollisionMesh::new(&shapes::cube(1.0)));
+    }
     assert_eq!(
         loaded(&mut app, "torus.bake.ron").unwrap(),
         CollisionMesh::new(&shapes::torus_240())
     );
     for (name, words) in [
         ("none.bake.ron", ["no mesh \"None\"", "1 \"Cube\""]),
-        ("meshes/up.gltf", ["meshes/up.gltf", "outside the asset folder"]),
+        ("meshes/two.gltf", ["\"../data/two meshes.bin\"", "read_outside: true"]),
+        ("inside.bake.ron", ["meshes/two.gltf", "read_outside: true"]),
         ("up.bake.ron", ["meshes/up.gltf", "outside the asset folder"]),
         ("gone.bake.ron", ["gone.bake.ron", "meshes/gone.bin"]),
         ("root.bake.ron", ["meshes/root.gltf", "is not a relative path"]),

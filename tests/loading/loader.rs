@@ -384,7 +384,7 @@ fn an_imperfect_mesh_is_named_once_in_the_log() {
     if log::ran_alone("loader::an_imperfect_mesh_is_named_once_in_the_log") {
         return;
     }
-    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n";
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\nf 1 2\n";
     let mut stage = Stage::new(&[
         ("sheet.obj", obj),
         ("sheet.bake.ron", b"(mesh: \"sheet.obj\")"),
@@ -398,10 +398,11 @@ fn an_imperfect_mesh_is_named_once_in_the_log() {
         stage.app.update();
     }
     let warnings = log::lines();
-    assert_eq!(warnings.len(), 2, "{warnings:?}");
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
     assert!(
         warnings.iter().all(|w| w.starts_with("sheet.bake.ron: ")),
         "{warnings:?}"
     );
-    assert!(warnings[0].contains("1 of 2 faces") && warnings[1].contains("open"));
+    assert!(warnings[0].contains("fewer than three corners"));
+    assert!(warnings[1].contains("1 of 2 faces") && warnings[2].contains("open"));
 }

@@ -8,7 +8,10 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::ops::Range;
 
 /// The byte ranges of the JSON document and of the binary chunk. A `.gltf` file is a document as a whole.
-pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), GltfError> {
+pub(super) fn chunks(
+    bytes: &[u8],
+    warnings: &mut Vec<String>,
+) -> Result<(Range<usize>, Option<Range<usize>>), GltfError> {
     if !bytes.starts_with(b"glTF") {
         return Ok((0..bytes.len(), None));
     }
@@ -25,8 +28,12 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>
     if length > bytes.len() {
         return Err(damaged("it is cut off"));
     }
+    if length < FIRST_CHUNK {
+        return Err(damaged("its first chunk is not JSON"));
+    }
+    // Chunks may be beyond the length that the header tells, as long as the file has them. The `gltf` crate reads them too.
     let chunk = |at: usize| -> Result<Option<(u32, Range<usize>)>, GltfError> {
-        if at >= length {
+        if at >= bytes.len() {
             return Ok(None);
         }
         let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
@@ -34,7 +41,7 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>
         };
         let start = at + 8;
         match start.checked_add(size as usize) {
-            Some(end) if end <= length => Ok(Some((kind, start..end))),
+            Some(end) if end <= bytes.len() => Ok(Some((kind, start..end))),
             _ => Err(damaged("a chunk is longer than the file")),
         }
     };
@@ -42,20 +49,32 @@ pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>
         return Err(damaged("its first chunk is not JSON"));
     };
     // Chunks of other kinds belong to extensions.
-    let binary = match chunk(document.end.next_multiple_of(4)) {
+    let (padded, unpadded) = (document.end.next_multiple_of(4), document.end);
+    let binary = match chunk(padded) {
         Ok(Some((BINARY, binary))) => Some(binary),
-        padded => match chunk(document.end) {
+        found => match chunk(unpadded) {
             // Some programs do not pad the document to four bytes, as they should.
             Ok(Some((BINARY, binary))) => {
-                tracing::warn!("the JSON of a .glb file is not padded to four bytes; it is read all the same");
+                warnings.push("the JSON of the file is not padded to four bytes; it is read all the same".into());
                 Some(binary)
             }
-            _ => padded?.and(None),
+            // What follows the end that the header tells need not be a chunk.
+            _ if padded >= length => None,
+            _ => found?.and(None),
         },
     };
+    let end = binary.as_ref().map_or(document.end, |binary| binary.end);
+    if end > length {
+        warnings.push(format!(
+            "the header of the file says that it ends after {length} bytes, but its chunks end after {end}; they are read \
+             all the same"
+        ));
+    }
     Ok((document, binary))
 }
 
+/// Where the content of the first chunk begins.
+const FIRST_CHUNK: usize = 20;
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 const BINARY: u32 = u32::from_le_bytes(*b"BIN\0");
 
@@ -119,8 +138,8 @@ fn data(uri: &str) -> Result<Vec<u8>, &'static str> {
         .map_err(|_| "its data URI is damaged base64; export or copy the file again")
 }
 
-/// The path in a URI, relative to the document and normalised. It may begin with `..`; whether that is allowed is up to
-/// the caller.
+/// The path in a URI, relative to the document and normalised. It may begin with `..`: see
+/// [`Source::files`](crate::asset::import::Source::files).
 fn relative_path(uri: &str) -> Result<String, &'static str> {
     let decoded = percent_decoded(uri).ok_or("is not a URI")?;
     if decoded.contains(['\\', '\0', ':']) || decoded.starts_with('/') {

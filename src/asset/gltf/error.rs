@@ -1,6 +1,6 @@
 //! [`GltfError`]: why a glTF file cannot be read.
 
-use super::part::MeshChoice;
+use crate::asset::part::NameOrIndex;
 use thiserror::Error;
 
 /// Why a glTF file cannot be read. Indices count from 0, as in glTF.
@@ -38,7 +38,7 @@ pub enum GltfError {
     /// The file needs other files, but only its bytes were given.
     #[error("its data is in {0:?}; give the path of the file, not its content")]
     OtherFiles(String),
-    /// There is no scene, and no mesh was chosen.
+    /// There is no scene, and no part was chosen.
     #[error("the file has no scene; choose one of its {meshes} meshes, as in part: (mesh: 0)")]
     NoScene {
         /// The number of meshes in the file.
@@ -54,14 +54,16 @@ pub enum GltfError {
         /// What is wrong.
         reason: &'static str,
     },
-    /// The chosen mesh does not exist.
-    #[error("there is no mesh {choice}; there are {count}: {names}")]
-    NoSuchMesh {
-        /// The chosen mesh.
-        choice: MeshChoice,
-        /// The number of meshes in the file.
+    /// The chosen mesh or node does not exist.
+    #[error("there is no {kind} {choice}; there are {count}: {names}")]
+    NoSuchPart {
+        /// `"mesh"` or `"node"`.
+        kind: &'static str,
+        /// The chosen one.
+        choice: NameOrIndex,
+        /// The number of them in the file.
         count: usize,
-        /// The names of the first meshes.
+        /// The names of the first ones.
         names: String,
     },
     /// The chosen primitive does not exist.

@@ -13,14 +13,13 @@
 mod accessor;
 mod container;
 mod error;
-mod part;
 mod scene;
 mod schema;
 
 pub use error::GltfError;
-pub use part::{MeshChoice, MeshPart};
 
 use super::import_error::ImportError;
+use super::part::MeshPart;
 use super::text::without_byte_order_mark;
 use crate::geometry::TriMesh;
 use accessor::Data;
@@ -35,13 +34,22 @@ pub(super) struct Document {
     sources: Vec<BufferSource>,
     /// The other files it needs: paths relative to its own, without duplicates.
     pub(super) files: Vec<String>,
+    /// What is wrong with the file, but read all the same.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Document {
     /// Parses the document, without its buffers.
     pub(super) fn open(bytes: &[u8]) -> Result<Self, GltfError> {
-        let (document, chunk) = container::chunks(bytes)?;
-        let text = &bytes[document];
+        let mut warnings = Vec::new();
+        let (document, chunk) = container::chunks(bytes, &mut warnings)?;
+        let chunk_text = &bytes[document];
+        // Some programs pad the document with zeros, where spaces should be. The library `cgltf` reads them too.
+        let text = without_zeros(chunk_text);
+        if text.len() < chunk_text.len() {
+            warnings
+                .push("the JSON of the file is padded with zeros instead of spaces; it is read all the same".into());
+        }
         // serde_json rejects documents nested deeper than 128 levels.
         let root: Root =
             serde_json::from_slice(without_byte_order_mark(text)).map_err(|error| GltfError::Document {
@@ -62,6 +70,7 @@ impl Document {
             chunk,
             sources,
             files,
+            warnings,
         })
     }
 
@@ -97,9 +106,17 @@ impl Document {
         };
         match part {
             None => scene::read_scene(&data),
-            Some(part) => scene::read_part(&data, part),
+            Some(MeshPart::Mesh { mesh, primitive }) => scene::read_mesh(&data, mesh, *primitive),
+            Some(MeshPart::Node(node)) => scene::read_node(&data, node),
+            Some(part) => Err(ImportError::wrong_part(part, "a glTF", "a mesh or a node")),
         }
     }
+}
+
+/// A text without the zeros at its end.
+fn without_zeros(text: &[u8]) -> &[u8] {
+    let length = text.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    &text[..length]
 }
 
 /// Whether a required extension is supported or does not affect shapes.

@@ -2,9 +2,9 @@
 
 use super::accessor::Data;
 use super::error::GltfError;
-use super::part::{MeshChoice, MeshPart};
 use super::schema::{Mesh, Node, Primitive};
 use crate::asset::import_error::ImportError;
+use crate::asset::part::NameOrIndex;
 use crate::geometry::TriMesh;
 use glam::{DAffine3, DMat4, DQuat, DVec3, Vec3};
 
@@ -21,18 +21,40 @@ pub(super) fn read_scene(data: &Data) -> Result<TriMesh, ImportError> {
         }
         .into());
     };
+    // A stack of nodes to visit, each with the transform of its parent.
+    let stack = roots.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
+    let soup = read_nodes(data, stack, None)?;
+    soup.finish("the scene; does it contain only points, lines or curves?")
+}
+
+/// The triangles of a node and those below it, in the space of the node. It need not be in a scene.
+pub(super) fn read_node(data: &Data, choice: &NameOrIndex) -> Result<TriMesh, ImportError> {
+    let index = find("node", choice, &data.root.nodes, |node| node.name.as_deref())?;
+    let soup = read_nodes(data, vec![(index, DAffine3::IDENTITY)], Some(index))?;
+    soup.finish("the chosen node; does it contain only points, lines or curves?")
+}
+
+/// The meshes of the nodes on a stack and of all nodes below them. Each has the transform of its parent beside it. The
+/// transform of the node `origin` itself is not applied.
+fn read_nodes<'a>(
+    data: &'a Data<'a>,
+    mut stack: Vec<(usize, DAffine3)>,
+    origin: Option<usize>,
+) -> Result<TriangleSoup<'a>, GltfError> {
+    let root = data.root;
     let mut soup = TriangleSoup::new(data);
     let mut visited = vec![false; root.nodes.len()];
-    // A stack of nodes to visit, each with the transform of its parent.
-    let mut stack: Vec<(usize, DAffine3)> = roots.nodes.iter().rev().map(|&n| (n, DAffine3::IDENTITY)).collect();
     while let Some((index, above)) = stack.pop() {
         let wrong = |reason| wrong_scene("node", index, reason);
         let node = root.nodes.get(index).ok_or(wrong("it does not exist"))?;
         // Without this check a cycle of nodes would never end, and nodes with two parents would double at each level.
         if std::mem::replace(&mut visited[index], true) {
-            return Err(wrong("it occurs twice; a node has at most one parent").into());
+            return Err(wrong("it occurs twice; a node has at most one parent"));
         }
-        let transform = above * local(node).map_err(wrong)?;
+        let transform = match origin {
+            Some(origin) if origin == index => above,
+            _ => above * local(node).map_err(wrong)?,
+        };
         if let Some(mesh) = node.mesh {
             let found = root.meshes.get(mesh).ok_or(wrong("its mesh does not exist"))?;
             for primitive in 0..found.primitives.len() {
@@ -41,27 +63,16 @@ pub(super) fn read_scene(data: &Data) -> Result<TriMesh, ImportError> {
         }
         stack.extend(node.children.iter().rev().map(|&child| (child, transform)));
     }
-    soup.finish("the scene; does it contain only points, lines or curves?")
+    Ok(soup)
 }
 
-/// The triangles of one mesh or primitive without the transforms of nodes. It need not be in a scene.
-pub(super) fn read_part(data: &Data, part: &MeshPart) -> Result<TriMesh, ImportError> {
+/// The triangles of one mesh, or of one of its primitives, without the transforms of nodes. It need not be in a scene.
+pub(super) fn read_mesh(data: &Data, choice: &NameOrIndex, primitive: Option<u32>) -> Result<TriMesh, ImportError> {
     let meshes = &data.root.meshes;
-    let index = match &part.mesh {
-        MeshChoice::Index(index) => Some(*index as usize).filter(|i| *i < meshes.len()),
-        MeshChoice::Name(name) => meshes.iter().position(|mesh| mesh.name.as_ref() == Some(name)),
-    };
-    let Some(index) = index else {
-        return Err(GltfError::NoSuchMesh {
-            choice: part.mesh.clone(),
-            count: meshes.len(),
-            names: names(meshes),
-        }
-        .into());
-    };
+    let index = find("mesh", choice, meshes, |mesh| mesh.name.as_deref())?;
     let mesh = &meshes[index];
     let mut soup = TriangleSoup::new(data);
-    match part.primitive {
+    match primitive {
         None => {
             for primitive in 0..mesh.primitives.len() {
                 soup.add(index, mesh, primitive, None)?;
@@ -72,7 +83,7 @@ pub(super) fn read_part(data: &Data, part: &MeshPart) -> Result<TriMesh, ImportE
         }
         Some(primitive) => {
             return Err(GltfError::NoSuchPrimitive {
-                mesh: label(index, mesh),
+                mesh: label(index, mesh.name.as_deref()),
                 primitive,
                 count: mesh.primitives.len(),
             }
@@ -86,20 +97,38 @@ fn wrong_scene(place: &'static str, index: usize, reason: &'static str) -> GltfE
     GltfError::Scene { place, index, reason }
 }
 
-/// The index and name of a mesh.
-fn label(index: usize, mesh: &Mesh) -> String {
-    match &mesh.name {
+/// The index of the chosen mesh or node; `name` tells the name of one.
+fn find<T>(
+    kind: &'static str,
+    choice: &NameOrIndex,
+    all: &[T],
+    name: impl Fn(&T) -> Option<&str>,
+) -> Result<usize, GltfError> {
+    let index = match choice {
+        NameOrIndex::Index(index) => Some(*index as usize).filter(|i| *i < all.len()),
+        NameOrIndex::Name(wanted) => all.iter().position(|one| name(one) == Some(wanted)),
+    };
+    index.ok_or_else(|| {
+        let first = all.iter().enumerate().take(20);
+        let mut names: Vec<String> = first.map(|(i, one)| label(i, name(one))).collect();
+        if all.len() > names.len() {
+            names.push("...".into());
+        }
+        GltfError::NoSuchPart {
+            kind,
+            choice: choice.clone(),
+            count: all.len(),
+            names: names.join(", "),
+        }
+    })
+}
+
+/// An index with the name that belongs to it.
+fn label(index: usize, name: Option<&str>) -> String {
+    match name {
         Some(name) => format!("{index} {:?}", shortened(name)),
         None => index.to_string(),
     }
-}
-
-fn names(meshes: &[Mesh]) -> String {
-    let mut names: Vec<String> = meshes.iter().enumerate().take(20).map(|(i, m)| label(i, m)).collect();
-    if meshes.len() > names.len() {
-        names.push("...".into());
-    }
-    names.join(", ")
 }
 
 fn shortened(name: &str) -> String {
@@ -156,13 +185,13 @@ impl<'a> TriangleSoup<'a> {
     ) -> Result<(), GltfError> {
         let primitive = &mesh.primitives[primitive_index];
         let wrong = |reason: &str| GltfError::Primitive {
-            mesh: label(mesh_index, mesh),
+            mesh: label(mesh_index, mesh.name.as_deref()),
             primitive: primitive_index,
             reason: reason.into(),
         };
         let wrong_accessor = |accessor: usize| {
             move |reason| GltfError::Accessor {
-                mesh: label(mesh_index, mesh),
+                mesh: label(mesh_index, mesh.name.as_deref()),
                 primitive: primitive_index,
                 accessor,
                 reason,

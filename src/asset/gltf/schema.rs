@@ -43,6 +43,7 @@ pub(super) struct Scene {
 /// document of empty nodes does not take a hundred times its length in memory.
 #[derive(Deserialize)]
 pub(super) struct Node {
+    pub(super) name: Option<Box<str>>,
     #[serde(default)]
     pub(super) children: Vec<usize>,
     pub(super) mesh: Option<usize>,

@@ -79,18 +79,22 @@ const PLACES: usize = 5;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
-    let (mesh, settings, hash) = match import_file(&options.file)? {
+    let imported = import_file(&options.file)?;
+    let mut warnings = imported.warnings().to_vec();
+    let (mesh, settings, hash) = match imported {
         Imported::Mesh {
             mesh,
             settings,
             source_hash,
+            ..
         } => (CollisionMesh::without_faces(&mesh, settings), settings, source_hash),
         Imported::Baked { mesh, header } => {
             let settings = header.settings;
             (mesh, settings, header.source_hash)
         }
     };
-    let report = Report::new(&options.file, &mesh, settings, &hash);
+    warnings.extend(mesh.warnings());
+    let report = Report::new(&options.file, &mesh, settings, &hash, warnings);
     if options.json {
         output::json(Path::new("-"), &report)
     } else {
@@ -99,7 +103,7 @@ pub fn run(options: &Options) -> Outcome {
 }
 
 impl Report {
-    fn new(file: &Path, baked: &CollisionMesh, settings: BakeSettings, hash: &[u8]) -> Self {
+    fn new(file: &Path, baked: &CollisionMesh, settings: BakeSettings, hash: &[u8], warnings: Vec<String>) -> Self {
         let (mesh, mass) = (&baked.mesh, &baked.mass);
         let defects = mesh.defects();
         Self {
@@ -128,7 +132,7 @@ impl Report {
             settings,
             table: baked.faces.as_ref().map(|table| table.stats()),
             source_hash: hash.iter().map(|byte| format!("{byte:02x}")).collect(),
-            warnings: baked.warnings(),
+            warnings,
         }
     }
 

@@ -19,7 +19,9 @@ pub fn shape(name: &str, culling: CullingChoice) -> Outcome<CollisionMesh> {
 
 /// Loads a mesh file, baked or not, with all data that the culling mode needs.
 pub fn load(path: &Path, culling: CullingChoice) -> Outcome<CollisionMesh> {
-    let (mesh, settings) = match import_file(path)? {
+    let imported = import_file(path)?;
+    warn_all(path, imported.warnings());
+    let (mesh, settings) = match imported {
         Imported::Mesh { mesh, settings, .. } => (CollisionMesh::without_faces(&mesh, settings), settings),
         Imported::Baked { mesh, header } => (mesh, header.settings),
     };
@@ -43,7 +45,12 @@ fn complete(name: &str, mesh: CollisionMesh, settings: BakeSettings, culling: Cu
 
 /// Prints the warnings about a mesh to standard error.
 pub fn warn(path: &Path, mesh: &CollisionMesh) {
-    for warning in mesh.warnings() {
+    warn_all(path, &mesh.warnings());
+}
+
+/// Prints warnings about a file to standard error.
+pub fn warn_all(path: &Path, warnings: &[String]) {
+    for warning in warnings {
         output::log(&format!("warning: {}: {warning}", path.display()));
     }
 }

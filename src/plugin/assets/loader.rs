@@ -30,14 +30,16 @@
 //! * A `.meta` file that names this loader hides the mesh from all other loaders, so its scene can no longer be drawn.
 //!   Write `.meta` files only for meshes that serve collisions alone, and recipes for all others.
 //! * Bevy chooses the loader of a labelled path by its extension, so `machine.glb#Mesh0` is never a collision mesh. To
-//!   bake one mesh of a glTF file, write a recipe: `(mesh: "machine.glb", part: (mesh: "Gear"))`.
+//!   bake one mesh or node of a glTF file, write a recipe: `(mesh: "machine.glb", part: (node: "Arm"))`.
+//! * Other files that a mesh names are read from its own folder and those below. For one elsewhere write a recipe with
+//!   `read_outside: true`; it must be in the asset folder all the same.
 //! * Bevy takes everything after the first dot as the extension, so `knot.v2.bake.ron` loads only by type.
 
 use super::error::LoadError;
 use super::jobs::{on_bake_pool, on_compute_pool};
+use crate::asset::MeshPart;
 use crate::asset::collision_mesh::CollisionMesh;
 use crate::asset::format::MAGIC;
-use crate::asset::gltf::MeshPart;
 use crate::asset::import::{Imported, Source};
 use crate::asset::recipe::{Recipe, is_recipe};
 use crate::projection::BakeSettings;
@@ -57,7 +59,7 @@ pub struct CollisionMeshSettings {
     /// Settings of the bake. They override the recipe, and a `.faceoff` file with other settings is baked again. By
     /// default the recipe or the `.faceoff` file decides, and other meshes are baked with the default settings.
     pub bake: Option<BakeSettings>,
-    /// Which part of a glTF file to bake. Overrides the recipe. By default the recipe decides, or the whole scene is
+    /// Which part of the mesh file to bake. Overrides the recipe. By default the recipe decides, or the whole scene is
     /// baked.
     pub part: Option<MeshPart>,
 }
@@ -82,6 +84,7 @@ impl AssetLoader for CollisionMeshLoader {
         let path = context.path().clone();
         let name = path.path().to_string_lossy().into_owned();
         let part = settings.part.clone();
+        let mut warnings = Vec::new();
         // A processed recipe keeps its name, but its content is a baked mesh.
         let mesh = if is_recipe(&name) && !bytes.starts_with(&MAGIC) {
             let recipe = Recipe::parse(&bytes)?;
@@ -90,19 +93,26 @@ impl AssetLoader for CollisionMeshLoader {
             let wanted = Wanted {
                 bake: wanted.or(Some(recipe.settings)),
                 part: part.or(recipe.part),
+                read_outside: recipe.read_outside,
             };
-            load_mesh(context, &mesh_path, bytes, wanted)
+            load_mesh(context, &mesh_path, bytes, wanted, &mut warnings)
                 .await
                 .map_err(|source| LoadError::InMesh {
                     path: mesh_path,
                     source: Box::new(source),
                 })?
         } else {
-            load_mesh(context, &path, bytes, Wanted { bake: wanted, part }).await?
+            let wanted = Wanted {
+                bake: wanted,
+                part,
+                read_outside: false,
+            };
+            load_mesh(context, &path, bytes, wanted, &mut warnings).await?
         };
         // Warnings search the mesh for open edges, which takes too long for the IO pool.
         let checked = mesh.clone();
-        for warning in on_compute_pool(move || Ok(checked.warnings())).await? {
+        warnings.extend(on_compute_pool(move || Ok(checked.warnings())).await?);
+        for warning in warnings {
             tracing::warn!("{path}: {warning}");
         }
         Ok(mesh)
@@ -158,9 +168,10 @@ async fn read_file(context: &mut LoadContext<'_>, path: &AssetPath<'static>) -> 
 struct Wanted {
     bake: Option<BakeSettings>,
     part: Option<MeshPart>,
+    read_outside: bool,
 }
 
-/// Parses and bakes a mesh, not on the IO pool.
+/// Parses and bakes a mesh, not on the IO pool. Adds to `warnings` those about its file.
 ///
 /// Only face tables are baked on the pool for bakes, one after the other. There a mesh without a table would wait for
 /// tables that take seconds.
@@ -169,26 +180,30 @@ async fn load_mesh(
     path: &AssetPath<'static>,
     bytes: Vec<u8>,
     wanted: Wanted,
+    warnings: &mut Vec<String>,
 ) -> Result<CollisionMesh, LoadError> {
     let name = path.path().to_string_lossy().into_owned();
     let source = on_compute_pool(move || Ok(Source::open(&name, bytes)?)).await?;
     let mut files = Vec::new();
-    for file in source.files() {
+    for file in source.files(wanted.read_outside)? {
         files.push(read_file(context, &path_beside(path, file)?).await?);
     }
-    let (mesh, settings) = on_compute_pool(move || {
-        Ok(match source.read(wanted.part.as_ref(), &files)? {
+    let (mesh, settings, of_file) = on_compute_pool(move || {
+        let imported = source.read(wanted.part.as_ref(), &files)?;
+        let of_file = imported.warnings().to_vec();
+        Ok(match imported {
             Imported::Mesh { mesh, settings, .. } => {
                 let settings = wanted.bake.unwrap_or(settings);
-                (CollisionMesh::without_faces(&mesh, settings), settings)
+                (CollisionMesh::without_faces(&mesh, settings), settings, of_file)
             }
             Imported::Baked { mesh, .. } => {
                 let settings = wanted.bake.unwrap_or(mesh.settings);
-                (mesh, settings)
+                (mesh, settings, of_file)
             }
         })
     })
     .await?;
+    warnings.extend(of_file);
     if mesh.settings == settings {
         return Ok(mesh);
     }

@@ -30,9 +30,9 @@
 use super::hot_reload;
 use super::jobs::on_compute_pool;
 use super::loader::{CollisionMeshLoader, CollisionMeshSettings};
+use crate::asset::MeshPart;
 use crate::asset::collision_mesh::CollisionMesh;
 use crate::asset::format::{self, BAKER_VERSION};
-use crate::asset::gltf::MeshPart;
 use crate::projection::BakeSettings;
 use async_channel::Sender;
 use bevy::asset::io::{AssetWriterError, Writer};
@@ -56,7 +56,7 @@ pub struct ProcessorSettings {
     pub baker_version: u32,
     /// Settings of the bake. Overrides the recipe.
     pub bake: Option<BakeSettings>,
-    /// Which part of a glTF file to bake. Overrides the recipe.
+    /// Which part of the mesh file to bake. Overrides the recipe.
     pub part: Option<MeshPart>,
 }
 

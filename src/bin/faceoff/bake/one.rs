@@ -106,7 +106,7 @@ fn try_bake(
     output::save(target, &bytes)?;
     drop(claim);
     Ok(Some(Report {
-        warnings: baked.warnings(),
+        warnings: [imported.warnings(), &baked.warnings()].concat(),
         ..report(Status::Baked, baked.mesh.triangles().len() as u64, bytes.len() as u64)
     }))
 }

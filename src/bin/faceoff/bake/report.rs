@@ -28,7 +28,7 @@ pub struct Report {
     pub bytes: Option<u64>,
     /// The time from the first look at the mesh.
     pub seconds: f64,
-    /// About the mesh, if it was baked.
+    /// About the file and the mesh, if it was baked.
     pub warnings: Vec<String>,
     pub error: Option<String>,
     /// About the run, not the mesh.
