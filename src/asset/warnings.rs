@@ -117,6 +117,10 @@ impl BakedMesh {
                     self.settings.weld_tolerance
                 );
             }
+            let cracks = defects.count(DefectKind::Crack);
+            if cracks > 0 {
+                text += &format!("; {cracks} lie beside another one, as the sides of cracks do");
+            }
             let largest = defects.largest_opening * 100.0;
             text += &format!("; the largest opening takes {largest:.1} % of its area)");
         }

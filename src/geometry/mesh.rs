@@ -180,6 +180,9 @@ impl TriMesh {
 
     /// The same mesh with the winding of the input.
     pub fn as_input(self) -> Self {
+        if self.turned.is_empty() {
+            return self;
+        }
         let turned = self.turned.clone();
         self.turned_where(|id| turned.get(id as usize).is_some_and(|turned| *turned))
     }

@@ -42,8 +42,8 @@
 //!
 //! # What works differently
 //!
-//! * **A closed mesh is solid.** A body wholly inside it touches it, and its mass is that of its volume. An open mesh
-//!   has the mass of its bounding box, and a warning says so.
+//! * **A closed mesh is solid.** A body wholly inside it touches it, and its mass is that of its volume. What an open
+//!   mesh weighs is told in a warning.
 //! * **Meshes are assets.** They are baked once, at import, and may come late: a body waits for its mesh. `Collider` is a
 //!   component that is ready at once.
 //! * **A kinematic body moved by its `Transform` has a velocity**: it pushes and carries. With

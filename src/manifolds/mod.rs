@@ -24,8 +24,8 @@
 //! All of this follows from the surfaces alone, without a convex decomposition or a distance field. Each vertex and
 //! edge is owned by one triangle, so no feature is found twice.
 //!
-//! Triangles of open meshes, and of meshes whose winding is inconsistent, are two-sided: they push to the side on which
-//! the other body's centre of mass lies.
+//! Triangles of open meshes, and of meshes whose winding cannot be made consistent, are two-sided
+//! ([`OneSided`](crate::geometry::OneSided)): they push to the side on which the other body's centre of mass lies.
 
 pub mod cpu;
 #[cfg(feature = "gpu")]

@@ -2,6 +2,7 @@
 
 mod bake;
 mod check;
+mod inspect;
 mod library;
 mod output;
 mod picture;

@@ -147,15 +147,22 @@ pub fn they_push_as_clean_ones_do(backend: Backend) {
 /// A small ball inside a larger one is pushed out; the larger one gives way, as it is free.
 pub fn they_contain_as_clean_ones_do(backend: Backend) {
     let large = shapes::ball(1.0, 2);
-    for (name, mesh) in variants(&large, |_| false)
-        .into_iter()
-        .filter(|(name, _)| *name != "hollow")
-    {
+    for (name, mesh) in variants(&large, |_| false) {
+        let in_cavity = name == "hollow";
         let mut game = Game::new(backend).without_gravity();
         let (large, small) = (game.mesh(&mesh), game.mesh(&shapes::ball(0.1, 1)));
         let outer = game.spawn((RigidBody::Static, large, Transform::IDENTITY));
-        let inner = game.spawn(body(&small, Transform::from_xyz(0.5, 0.1, 0.05)));
+        let free = game.spawn(body(&small, Transform::from_xyz(-0.2, 0.1, 0.05)));
+        let place = if in_cavity { 0.75 } else { 0.5 };
+        let inner = game.spawn(body(&small, Transform::from_xyz(place, 0.1, 0.05)));
         game.steps(1);
+        // What is in the cavity is free, and else another one inside.
+        let is_free = game.world().resource::<Collisions>().get(outer, free).is_none();
+        check(
+            format!("{name}: is free"),
+            f32::from(u8::from(is_free)),
+            f32::from(u8::from(in_cavity))..=f32::from(u8::from(in_cavity)),
+        );
         let touches = game.world().resource::<Collisions>().get(outer, inner).is_some();
         check(format!("{name}: touches"), f32::from(u8::from(touches)), 1.0..=1.0);
         game.seconds(3.0);

@@ -22,7 +22,7 @@ pub enum Orientation {
     /// Closed and consistently wound, with negative enclosed volume. This is a room: its walls are solid, its inside is
     /// free.
     Inward,
-    /// Closed, but some neighbouring faces have opposite winding.
+    /// Closed, but some neighbouring faces have opposite winding. A baked mesh is so only if no winding is consistent.
     Mixed,
     /// Not closed: some edge has an odd number of faces.
     Open,
@@ -37,6 +37,8 @@ pub(super) struct Topology {
     pub welded: Vec<u32>,
     pub orientation: Orientation,
     pub component_vertices: Vec<u32>,
+    /// Whether each edge has two faces that agree.
+    is_manifold: bool,
     /// What closes a nearly closed mesh; empty for other meshes.
     pub caps: Vec<[Vec3; 3]>,
     /// The vertices of caps that close its T-junctions.
@@ -74,6 +76,7 @@ impl Topology {
         faces.rewound(Self {
             tolerance,
             orientation: Orientation::Open,
+            is_manifold: false,
             component_vertices: faces.component_vertices(&welded),
             welded,
             caps: Vec::new(),
@@ -117,6 +120,7 @@ impl Faces<'_> {
         };
         Topology {
             orientation,
+            is_manifold: counts.iter().all(|count| count.faces == 2 && count.balance == 0),
             capped: (!caps.is_empty()).then(|| self.outward_or_inward(welded, &caps)),
             caps,
             slivers,
