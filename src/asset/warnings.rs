@@ -24,8 +24,12 @@ impl BakedMesh {
             DefectKind::Duplicate,
             "have the same corners as an earlier one; remove doubled faces",
         );
-        if !self.mesh.turned().is_empty() {
-            warnings.push(self.turned_warning());
+        let turned = self.mesh.turned().iter().filter(|turned| **turned).count() as u64;
+        // All are turned only if the settings say so.
+        if turned > 0 && turned < all {
+            warnings.push(format!(
+                "{turned} of {all} faces were turned, so that neighbours agree and solids point outward; the file is unchanged"
+            ));
         }
         let inside = defects.count(DefectKind::SolidInSolid);
         if inside > 0 {
@@ -62,17 +66,6 @@ impl BakedMesh {
             );
         }
         warnings
-    }
-
-    fn turned_warning(&self) -> String {
-        let turned = self.mesh.turned().iter().filter(|turned| **turned).count();
-        let all = self.mesh.turned().len();
-        if turned == all {
-            return format!("all {all} faces were turned, so that they point outward");
-        }
-        format!(
-            "{turned} of {all} faces were turned, so that neighbours agree and solids point outward; the file is unchanged"
-        )
     }
 
     /// What the mass is of, as the end of a sentence.

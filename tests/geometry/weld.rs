@@ -185,10 +185,7 @@ fn tolerance_and_side_are_in_the_file_and_can_be_changed() {
         (baked.mesh.orientation(), baked.mesh.turned()),
         (Orientation::Outward, &[true; 12][..])
     );
-    assert_eq!(
-        baked.warnings(),
-        ["all 12 faces were turned, so that they point outward"]
-    );
+    assert!(baked.warnings().is_empty());
     let (read, header) = from_bytes(&to_bytes(&baked, [0; 32])).unwrap();
     assert!(read == baked);
     assert_eq!((header.settings, read.mesh.weld_tolerance()), (solid, 2e-5));

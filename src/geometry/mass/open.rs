@@ -6,9 +6,11 @@ use crate::geometry::{Aabb, TriMesh};
 use glam::{DMat3, DVec3};
 
 /// Samples along the longest edge of the bounding box at first.
-const SAMPLES: f64 = 16.0;
-/// How often the samples at the border are split, into eight each.
-const SPLITS: u32 = 2;
+const SAMPLES: f64 = 8.0;
+/// Into how many parts along each axis samples at the border are split, at most.
+const MAX_PARTS: u32 = 8;
+/// The number of triangles and nodes that samples at the border may look at: about a tenth of a second.
+const MAX_WORK: f64 = 3.0e6;
 /// The largest part of the sides of the bounding box through which the inside may reach out.
 const MAX_REACH: f64 = 0.1;
 /// At least this part of the inside must have a winding number above [`SURE`]. Below a hilly terrain it barely exceeds a half.
@@ -44,8 +46,7 @@ impl Grid<'_> {
     }
 
     fn all(&self) -> impl Iterator<Item = [i32; 3]> + use<> {
-        let [nx, ny, nz] = self.counts;
-        (0..nx).flat_map(move |x| (0..ny).flat_map(move |y| (0..nz).map(move |z| [x, y, z])))
+        indices(self.counts)
     }
 
     fn index(&self, [x, y, z]: [i32; 3]) -> Option<usize> {
@@ -53,6 +54,11 @@ impl Grid<'_> {
         let is_inside = (0..nx).contains(&x) && (0..ny).contains(&y) && (0..nz).contains(&z);
         is_inside.then_some(((x * ny + y) * nz + z) as usize)
     }
+}
+
+/// All indices below these counts.
+fn indices([nx, ny, nz]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    (0..nx).flat_map(move |x| (0..ny).flat_map(move |y| (0..nz).map(move |z| [x, y, z])))
 }
 
 /// The six neighbours of a sample.
@@ -74,8 +80,6 @@ struct Sums {
     second: DMat3,
     /// The volume of samples at the border.
     border: f64,
-    /// The volume with a winding number above [`SURE`].
-    sure: f64,
 }
 
 /// The places where the winding number exceeds a half, and their relative error; `None` if there are none that a body could
@@ -95,26 +99,37 @@ fn inside(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
     if reaches_out(&grid) {
         return None;
     }
+    let before = grid.winding.work();
     let numbers: Vec<f64> = grid.all().map(|at| grid.number(at)).collect();
+    let work = (grid.winding.work() - before) as f64 / numbers.len() as f64;
+    let share = |least: f64| numbers.iter().filter(|number| **number > least).count() as f64;
+    if share(SURE) < MIN_SURE * share(0.5) {
+        return None;
+    }
+    let is_border = |at: [i32; 3]| {
+        let own = numbers[grid.index(at).unwrap_or(0)];
+        let differs = |other: Option<usize>| (other.map_or(0.0, |other| numbers[other]) > 0.5) != (own > 0.5);
+        (own - 0.5).abs() < NEAR || neighbors(at).iter().any(|&other| differs(grid.index(other)))
+    };
+    let at_border = grid.all().filter(|&at| is_border(at)).count() as f64;
+    let is_affordable = |parts: &u32| at_border * f64::from(*parts).powi(3) * work <= MAX_WORK;
+    let parts = (1..=MAX_PARTS).rev().find(is_affordable).unwrap_or(1);
     let mut sums = Sums {
         volume: 0.0,
         first: DVec3::ZERO,
         second: DMat3::ZERO,
         border: 0.0,
-        sure: 0.0,
     };
     let middle = low + size * 0.5;
-    for at in grid.all() {
-        let own = numbers[grid.index(at)?];
-        let is_border = (own - 0.5).abs() < NEAR
-            || neighbors(at).iter().any(|&other| {
-                let other = grid.index(other).map_or(0.0, |other| numbers[other]);
-                (other > 0.5) != (own > 0.5)
-            });
-        add(&grid, at, own, is_border, middle, &mut sums);
+    for (at, &number) in grid.all().zip(&numbers) {
+        if is_border(at) {
+            add(&grid, at, None, parts as i32, middle, &mut sums);
+        } else {
+            add(&grid, at, Some(number), 1, middle, &mut sums);
+        }
     }
     let diagonal = size.length();
-    if sums.volume <= MIN_VOLUME * diagonal.powi(3) || sums.sure < MIN_SURE * sums.volume {
+    if sums.volume <= MIN_VOLUME * diagonal.powi(3) {
         return None;
     }
     let center = sums.first / sums.volume;
@@ -143,40 +158,29 @@ fn reaches_out(grid: &Grid) -> bool {
     reached > MAX_REACH * all
 }
 
-/// Adds a sample with its winding number. Those at the border are split.
-fn add(grid: &Grid, at: [i32; 3], number: f64, is_border: bool, middle: DVec3, sums: &mut Sums) {
+/// Adds a sample in so many parts along each axis. `number` is its winding number; without it each part has its own.
+fn add(grid: &Grid, at: [i32; 3], number: Option<f64>, parts: i32, middle: DVec3, sums: &mut Sums) {
     let corner = grid.low + grid.cell * DVec3::from_array(at.map(f64::from));
-    let parts = if is_border { 1 << SPLITS } else { 1 };
     let part = grid.cell / f64::from(parts);
     let volume = part.element_product();
-    let at_part = |x: i32, y: i32, z: i32| corner + part * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5);
-    // Of the parts of a sample that is split, those count as border whose neighbours within it differ.
-    let mut before: Vec<f64> = Vec::new();
-    for x in 0..parts {
-        for y in 0..parts {
-            for z in 0..parts {
-                let p = at_part(x, y, z);
-                let number = if is_border {
-                    grid.winding.number(p, None)
-                } else {
-                    number
-                };
-                let index = before.len() as i32;
-                before.push(number);
-                let differs = |step: i32| (before[(index - step) as usize] > 0.5) != (number > 0.5);
-                if (x > 0 && differs(parts * parts)) || (y > 0 && differs(parts)) || (z > 0 && differs(1)) {
-                    sums.border += volume;
-                }
-                if number > 0.5 {
-                    let p = p - middle;
-                    sums.volume += volume;
-                    sums.first += p * volume;
-                    sums.second += outer(p) * volume + DMat3::from_diagonal(part * part * (volume / 12.0));
-                    if number > SURE {
-                        sums.sure += volume;
-                    }
-                }
-            }
+    // Where parts of this sample differ is a part of the border; what lies between samples is not looked for.
+    let mut before: Vec<bool> = Vec::new();
+    for [x, y, z] in indices([parts; 3]) {
+        let p = corner + part * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5);
+        let is_inside = number.unwrap_or_else(|| grid.winding.number(p, None)) > 0.5;
+        let index = before.len() as i32;
+        before.push(is_inside);
+        let differs = |step: i32| before[(index - step) as usize] != is_inside;
+        let is_border = (x > 0 && differs(parts * parts)) || (y > 0 && differs(parts)) || (z > 0 && differs(1));
+        // A sample that is not split is at the border as a whole.
+        if is_border || (number.is_none() && parts == 1) {
+            sums.border += volume;
+        }
+        if is_inside {
+            let p = p - middle;
+            sums.volume += volume;
+            sums.first += p * volume;
+            sums.second += outer(p) * volume + DMat3::from_diagonal(part * part * (volume / 12.0));
         }
     }
 }
