@@ -1,4 +1,4 @@
-//! Time to bake a full face table, compared with a plain rasteriser on the same thread pool in the same run.
+//! Time to bake face tables, compared with a plain rasteriser on the same thread pool in the same run.
 //!
 //! The plain rasteriser implements what Aly & Elawady 2010 describe in the usual way: an image of heights and one of
 //! face indices, scan-line spans, a depth test per pixel, and a search through the image for the remaining indices. It
@@ -11,6 +11,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::asset::format::{from_bytes, to_bytes};
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::geometry::direction::DirectionGrid;
+use bevy_faceoff::geometry::shapes;
 use bevy_faceoff::projection::raster::Raster;
 use bevy_faceoff::projection::{BakeSettings, FaceTable, Progress, SupportHeights};
 use glam::{DMat3, Vec3};
@@ -40,14 +41,23 @@ fn main() {
     }
 
     println!(
-        "\n| mesh | image | plain, s | plain without back faces, s | ours, s | ratio | us per direction and thread |"
+        "\n| mesh | degrees | image | plain, s | plain without back faces, s | ours, s | ratio | us per direction and thread |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|");
     for (name, mesh) in &meshes {
         for image in [128, 256] {
-            time(name, mesh, image, &pool, runs);
+            time(name, mesh, 1, image, &pool, runs);
         }
     }
+    time("ball of 20,480", &shapes::ball(1.0, 5), 6, 256, &pool, runs);
+    time(
+        "torus of 50,000",
+        &shapes::torus(250, 100, 0.7, 0.3),
+        6,
+        256,
+        &pool,
+        runs,
+    );
 
     all_sizes(&meshes, &pool);
 
@@ -90,19 +100,20 @@ fn compare(name: &str, mesh: &TriMesh, image: u32) {
     assert_eq!(differ, 0, "the fast implementation gives another set");
 }
 
-fn time(name: &str, mesh: &TriMesh, image: u32, pool: &rayon::ThreadPool, runs: usize) {
+fn time(name: &str, mesh: &TriMesh, degrees: u32, image: u32, pool: &rayon::ThreadPool, runs: usize) {
     let settings = BakeSettings {
         faces: true,
-        degrees: 1,
+        degrees,
         image,
         ..BakeSettings::default()
     };
+    let grid = DirectionGrid::new(degrees).expect("divides 90");
     let mut best = [f64::INFINITY; 3];
     for _ in 0..runs {
         for (kind, best) in best.iter_mut().enumerate() {
             let start = Instant::now();
             match kind {
-                0 | 1 => drop(black_box(plain_table(mesh, image as usize, kind == 1, pool))),
+                0 | 1 => drop(black_box(plain_table(mesh, grid, image as usize, kind == 1, pool))),
                 _ => drop(black_box(FaceTable::bake(mesh, &settings, pool, &Progress::default()))),
             }
             *best = best.min(start.elapsed().as_secs_f64());
@@ -110,9 +121,9 @@ fn time(name: &str, mesh: &TriMesh, image: u32, pool: &rayon::ThreadPool, runs: 
     }
     let [plain, fronts, ours] = best;
     println!(
-        "| {name} | {image} | {plain:.2} | {fronts:.2} | {ours:.2} | {:.2} | {:.1} |",
+        "| {name} | {degrees} | {image} | {plain:.2} | {fronts:.2} | {ours:.2} | {:.2} | {:.1} |",
         plain / ours,
-        ours * 1.0e6 * pool.current_num_threads() as f64 / 64_442.0
+        ours * 1.0e6 * pool.current_num_threads() as f64 / f64::from(grid.len())
     );
 }
 
@@ -212,8 +223,13 @@ fn heights(name: &str, mesh: &TriMesh) {
 }
 
 /// The table of half of all angles by the plain rasteriser: one set of bits per direction.
-fn plain_table(mesh: &TriMesh, image: usize, fronts_only: bool, pool: &rayon::ThreadPool) -> Vec<Vec<u64>> {
-    let grid = DirectionGrid::new(1).expect("1 divides 90");
+fn plain_table(
+    mesh: &TriMesh,
+    grid: DirectionGrid,
+    image: usize,
+    fronts_only: bool,
+    pool: &rayon::ThreadPool,
+) -> Vec<Vec<u64>> {
     pool.install(|| {
         (0..grid.len())
             .into_par_iter()

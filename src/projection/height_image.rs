@@ -1,6 +1,7 @@
 //! [`HeightImage`]: a mesh drawn along a direction; and a simple reference implementation of visibility.
 
-use super::raster::{BACKGROUND, Raster, sliver_samples, sliver_shows};
+use super::depth::{BACKGROUND, sliver_samples, sliver_shows};
+use super::raster::Raster;
 use super::spans::Spans;
 use crate::geometry::TriMesh;
 use crate::geometry::direction::rotation;
@@ -112,13 +113,11 @@ impl Raster {
 fn for_each_pixel(spans: Option<Spans>, size: usize, mut pixel: impl FnMut(usize, f32)) {
     let Some(spans) = spans else { return };
     let (low, high) = spans.rows;
-    for y in (low..=high).step_by(4) {
-        let four = spans.four(y);
-        for k in 0..((high - y + 1) as usize).min(4) {
-            for x in four.first[k]..=four.last[k] {
-                let height = four.height[k] + spans.x_slope * (x - four.first[k]) as f32;
-                pixel((y as usize + k) * size + x as usize, height);
-            }
+    for y in low..=high {
+        let row = spans.row(y);
+        for x in row.first..=row.last {
+            let height = row.height + spans.x_slope * (x - row.first) as f32;
+            pixel(y as usize * size + x as usize, height);
         }
     }
 }

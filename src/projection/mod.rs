@@ -9,8 +9,10 @@
 //! This module uses neither the ECS nor the GPU, and no threads but those of the pool passed by the caller.
 
 mod bake;
+mod batch;
 mod codec;
 mod decode;
+mod depth;
 pub mod faces;
 mod facing;
 mod groups;

@@ -94,6 +94,35 @@ fn visible_sets_of_meshes_without_an_outside() {
 }
 
 #[test]
+fn small_and_large_triangles_are_drawn_as_defined() {
+    // Eight triangles in a row are of one size, or one of them is much larger.
+    let large = soup(40, 0.8);
+    let small = soup(2000, 0.02);
+    let (vertices, faces) = joined(large, small);
+    let (large, small) = faces.split_at(40);
+    let mut mixed = small.to_vec();
+    large.iter().enumerate().for_each(|(i, &t)| mixed.insert(11 * i, t));
+    let grid = DirectionGrid::new(15).unwrap();
+    for mesh in [mesh((vertices.clone(), faces.clone())), mesh((vertices, mixed))] {
+        for size in [16, 61, 200, 512] {
+            let raster = Raster::new(&mesh, size);
+            let mut found = 0;
+            for index in (0..grid.len()).step_by(7) {
+                let view = grid.rotation(index);
+                let visible = raster.visible(&view);
+                assert_eq!(
+                    visible,
+                    raster.visible_by_definition(&view),
+                    "{size}, direction {index}"
+                );
+                found += visible.len();
+            }
+            assert!(found > 1000, "{found} visible at {size}");
+        }
+    }
+}
+
+#[test]
 fn surfaces_that_show_their_backs_are_drawn_from_both_sides() {
     // Closed, neighbours agree, positive volume: yet the small cube is inside out, and seen from outside.
     let small = cube(Vec3::new(3.0, 0.2, 0.1), 0.5);
