@@ -32,7 +32,7 @@ pub struct TriMesh {
     dropped: Vec<[u32; 3]>,
     /// For each face of the input, whether its winding is reversed; empty if that of none is.
     turned: Vec<bool>,
-    topology: Topology,
+    topology: Box<Topology>,
 }
 
 /// The fields of a stored mesh; see [`TriMesh::from_parts`].
@@ -113,7 +113,7 @@ impl TriMesh {
             dropped: &parts.dropped,
         };
         Self {
-            topology: Topology::of(&faces, parts.weld_tolerance),
+            topology: Box::new(Topology::of(&faces, parts.weld_tolerance)),
             vertices: parts.vertices,
             triangles: parts.triangles,
             face_ids: parts.face_ids,
@@ -139,7 +139,7 @@ impl TriMesh {
         if self.topology.tolerance == tolerance {
             return self;
         }
-        let topology = Topology::of(&self.faces(), tolerance);
+        let topology = Box::new(Topology::of(&self.faces(), tolerance));
         Self { topology, ..self }
     }
 
@@ -202,7 +202,7 @@ impl TriMesh {
         if turned.contains(&true) {
             self.turned = turned;
         }
-        self.topology = self.faces().rewound(self.topology.clone());
+        *self.topology = self.faces().rewound((*self.topology).clone());
         self
     }
 

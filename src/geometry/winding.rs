@@ -6,7 +6,7 @@
 //! (Barill and others, "Fast Winding Numbers for Soups and Clouds", 2018).
 
 use crate::geometry::TriMesh;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::cell::Cell;
 use std::f64::consts::PI;
 
@@ -17,8 +17,9 @@ const WIDTH: usize = 8;
 const FAR: f64 = 2.5;
 
 /// A mesh whose winding number can be asked for.
-pub struct Winding<'a> {
-    mesh: &'a TriMesh,
+pub struct Winding {
+    /// Of the triangles, after welding.
+    corners: Vec<[DVec3; 3]>,
     /// Nodes over runs of eight, from the leaves up; the last level has one.
     levels: Vec<Vec<Node>>,
     /// The number of triangles and nodes that were looked at.
@@ -37,13 +38,16 @@ struct Node {
     radius: f64,
 }
 
-impl<'a> Winding<'a> {
+impl Winding {
     /// Fast if the triangles are in cluster order.
-    pub fn new(mesh: &'a TriMesh) -> Self {
+    pub fn new(mesh: &TriMesh) -> Self {
         let count = mesh.triangles().len();
+        let corners: Vec<[DVec3; 3]> = (0..count)
+            .map(|t| mesh.welded_corners(t).map(|v| v.as_dvec3()))
+            .collect();
         let leaves: Vec<Node> = (0..count.div_ceil(WIDTH))
             .map(|leaf| {
-                let triangles = (leaf * WIDTH..count.min((leaf + 1) * WIDTH)).map(|t| corners(mesh, t));
+                let triangles = (leaf * WIDTH..count.min((leaf + 1) * WIDTH)).map(|t| corners[t]);
                 Node::of(triangles.map(|t| {
                     let [a, b, c] = t;
                     let area_vector = (b - a).cross(c - a) * 0.5;
@@ -63,7 +67,7 @@ impl<'a> Winding<'a> {
             levels.push(runs.map(|run| Node::of(run.iter().copied())).collect());
         }
         Self {
-            mesh,
+            corners,
             levels,
             work: Cell::new(0),
         }
@@ -72,7 +76,7 @@ impl<'a> Winding<'a> {
     /// The winding number of a point, without the triangle `except`: seen from its own middle, a triangle adds a half on one
     /// side and takes a half away on the other.
     pub fn number(&self, p: DVec3, except: Option<usize>) -> f64 {
-        let (mut sum, mut work) = (0.0, 0);
+        let (mut sum, mut near, mut work) = (0.0, Turn::default(), 0);
         let mut waiting = vec![(self.levels.len() - 1, 0)];
         while let Some((level, i)) = waiting.pop() {
             let node = &self.levels[level][i];
@@ -89,17 +93,17 @@ impl<'a> Winding<'a> {
                 continue;
             }
             work += WIDTH as u64;
-            for t in i * WIDTH..self.mesh.triangles().len().min((i + 1) * WIDTH) {
+            for t in i * WIDTH..self.corners.len().min((i + 1) * WIDTH) {
                 if except != Some(t) {
-                    sum += solid_angle(corners(self.mesh, t).map(|v| v - p));
+                    near.add(half_solid_angle(self.corners[t].map(|v| v - p)));
                 }
             }
         }
         self.work.set(self.work.get() + work);
-        sum / (4.0 * PI)
+        (sum + 2.0 * near.angle()) / (4.0 * PI)
     }
 
-    /// The number of triangles and nodes that all questions so far have looked at: a measure of time, about 30 ns each.
+    /// The number of triangles and nodes that all questions so far have looked at: a measure of time, about 20 ns each.
     pub fn work(&self) -> u64 {
         self.work.get()
     }
@@ -124,17 +128,54 @@ impl Node {
     }
 }
 
-fn corners(mesh: &TriMesh, t: usize) -> [DVec3; 3] {
-    mesh.welded_corners(t).map(|v| v.as_dvec3())
+/// A vector whose angle from the x axis is half the signed solid angle of a triangle seen from the origin, positive if the
+/// origin is behind it (Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", 1983).
+fn half_solid_angle([a, b, c]: [DVec3; 3]) -> DVec2 {
+    let (x, y, z) = (a.length(), b.length(), c.length());
+    DVec2::new(
+        x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y,
+        a.dot(b.cross(c)),
+    )
 }
 
-/// The signed solid angle of a triangle seen from the origin, positive if the origin is behind it (Van Oosterom and Strackee,
-/// "The Solid Angle of a Plane Triangle", 1983).
-fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
-    let (x, y, z) = (a.length(), b.length(), c.length());
-    let height = a.dot(b.cross(c));
-    let width = x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y;
-    2.0 * height.atan2(width)
+/// A sum of angles, each that of a vector from the x axis. It turns one vector by the others, and so needs one arc tangent in
+/// all.
+struct Turn {
+    vector: DVec2,
+    /// Full turns, which the vector does not show.
+    full: f64,
+}
+
+impl Default for Turn {
+    fn default() -> Self {
+        Self {
+            vector: DVec2::X,
+            full: 0.0,
+        }
+    }
+}
+
+impl Turn {
+    fn add(&mut self, by: DVec2) {
+        let turned = by.rotate(self.vector);
+        let size = turned.abs().element_sum();
+        // A vector without length has no angle: the point is a corner of the triangle.
+        if size == 0.0 {
+            return;
+        }
+        // Two angles of one sign add up to more than a half turn if the sign of the sum is the other.
+        if self.vector.y >= 0.0 && by.y >= 0.0 && turned.y < 0.0 {
+            self.full += 1.0;
+        } else if self.vector.y < 0.0 && by.y < 0.0 && turned.y >= 0.0 {
+            self.full -= 1.0;
+        }
+        self.vector = turned / size;
+    }
+
+    /// The sum, radians.
+    fn angle(&self) -> f64 {
+        self.vector.to_angle() + 2.0 * PI * self.full
+    }
 }
 
 #[cfg(test)]
@@ -150,7 +191,8 @@ mod tests {
             let mesh = mesh.reordered(&cluster_order(&mesh));
             let winding = Winding::new(&mesh);
             let plain = |p: DVec3| {
-                let angles = (0..mesh.triangles().len()).map(|t| solid_angle(corners(&mesh, t).map(|v| v - p)));
+                let angles = (0..mesh.triangles().len())
+                    .map(|t| 2.0 * half_solid_angle(winding.corners[t].map(|v| v - p)).to_angle());
                 angles.sum::<f64>() / (4.0 * PI)
             };
             let mut inside = 0;
@@ -163,6 +205,16 @@ mod tests {
                 inside += exact.round() as u32;
             }
             assert!((10..1990).contains(&inside), "{inside}");
+        }
+    }
+
+    #[test]
+    fn turns_are_counted() {
+        for (step, count) in [(0.7, 100), (-0.7, 100), (3.0, 50), (-3.1, 50), (PI, 7)] {
+            let mut turn = Turn::default();
+            (0..count).for_each(|_| turn.add(DVec2::from_angle(step) * 1e-20));
+            let sum = step * f64::from(count);
+            assert!((turn.angle() - sum).abs() < 1e-9, "{} {sum}", turn.angle());
         }
     }
 

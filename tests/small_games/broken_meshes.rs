@@ -188,7 +188,7 @@ pub fn they_contain_as_clean_ones_do(backend: Backend) {
         check(
             format!("{name}: from the middle, m"),
             game.position(inner).length(),
-            1.05..=10.0,
+            0.97..=10.0,
         );
     }
 }

@@ -8,9 +8,14 @@ use glam::{DMat3, DVec3};
 /// Samples along the longest edge of the bounding box at first.
 const SAMPLES: f64 = 8.0;
 /// Into how many parts along each axis samples at the border are split, at most.
-const MAX_PARTS: u32 = 8;
-/// The number of triangles and nodes that samples at the border may look at: about a tenth of a second.
-const MAX_WORK: f64 = 3.0e6;
+const MAX_PARTS: u32 = 4;
+/// The number of triangles and nodes that samples at the border may look at, for each triangle of the mesh: about a tenth of a
+/// millisecond.
+const WORK: f64 = 3.0e3;
+/// The least and the most of it for a mesh: a millisecond, a tenth of a second.
+const WORK_OF_MESH: [f64; 2] = [4.0e4, 3.0e6];
+/// With a larger error there is no inside to speak of.
+const MAX_ERROR: f64 = 0.5;
 /// The largest part of the sides of the bounding box through which the inside may reach out.
 const MAX_REACH: f64 = 0.1;
 /// At least this part of the inside must have a winding number above [`SURE`]. Below a hilly terrain it barely exceeds a half.
@@ -31,21 +36,21 @@ pub(super) fn solid(mesh: &TriMesh, aabb: Aabb, shell: f64) -> (Solid, MassBasis
 }
 
 /// The samples of the bounding box.
-struct Grid<'a> {
-    winding: Winding<'a>,
+struct Grid {
+    winding: Winding,
     low: DVec3,
     /// The size of a sample's cell.
     cell: DVec3,
     counts: [i32; 3],
 }
 
-impl Grid<'_> {
+impl Grid {
     fn number(&self, [x, y, z]: [i32; 3]) -> f64 {
         let at = DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + 0.5;
         self.winding.number(self.low + self.cell * at, None)
     }
 
-    fn all(&self) -> impl Iterator<Item = [i32; 3]> + use<> {
+    fn all(&self) -> impl Iterator<Item = [i32; 3]> {
         indices(self.counts)
     }
 
@@ -112,7 +117,9 @@ fn inside(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
         (own - 0.5).abs() < NEAR || neighbors(at).iter().any(|&other| differs(grid.index(other)))
     };
     let at_border = grid.all().filter(|&at| is_border(at)).count() as f64;
-    let is_affordable = |parts: &u32| at_border * f64::from(*parts).powi(3) * work <= MAX_WORK;
+    let [least, most] = WORK_OF_MESH;
+    let max_work = (WORK * mesh.triangles().len() as f64).clamp(least, most);
+    let is_affordable = |parts: &u32| at_border * f64::from(*parts).powi(3) * work <= max_work;
     let parts = (1..=MAX_PARTS).rev().find(is_affordable).unwrap_or(1);
     let mut sums = Sums {
         volume: 0.0,
@@ -129,7 +136,8 @@ fn inside(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
         }
     }
     let diagonal = size.length();
-    if sums.volume <= MIN_VOLUME * diagonal.powi(3) {
+    let error = 0.5 * sums.border / sums.volume;
+    if sums.volume <= MIN_VOLUME * diagonal.powi(3) || error > MAX_ERROR {
         return None;
     }
     let center = sums.first / sums.volume;
@@ -138,7 +146,7 @@ fn inside(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
         center: center + middle,
         second_moment: sums.second - outer(center) * sums.volume,
     };
-    Some((solid, 0.5 * sums.border / sums.volume))
+    Some((solid, error))
 }
 
 /// Whether the inside reaches out of the bounding box through too much of its sides.
