@@ -1,7 +1,7 @@
 //! [`TriMesh`]: a validated triangle mesh with its connectivity.
 
 use super::mesh_error::MeshError;
-use super::topology::{DefectKind, Defects, Faces, Gaps, Orientation, Topology};
+use super::topology::{Closure, DefectKind, Defects, Faces, Gaps, Orientation, Topology};
 use crate::geometry::Aabb;
 use glam::{DVec3, Vec3};
 use std::hint::black_box;
@@ -326,9 +326,10 @@ impl TriMesh {
         self.dropped.iter().chain(&self.topology.slivers)
     }
 
-    /// How far the volume of a nearly closed mesh may be off: the volume of a half ball over each opening, cubic mesh units.
-    pub(crate) fn uncertain_volume(&self) -> f64 {
-        self.faces().uncertain_volume(&self.topology)
+    /// What closes an open mesh of consistent winding, however large its openings are; `None` for other meshes. Computed at every
+    /// call.
+    pub(super) fn closure(&self) -> Option<Closure> {
+        self.faces().closure(&self.topology)
     }
 
     /// What is wrong with the mesh, counted. Computed at every call.

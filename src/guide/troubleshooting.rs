@@ -41,7 +41,7 @@
 //! | a body is too heavy or too light | its mesh is open, so its mass is an estimate, or that of a shell; a warning says which. Or solids lie inside a solid | close it, raise `weld_tolerance`, set `shell_thickness`, or set `Mass` |
 //! | a body turns about a strange point | the same | the same, or `CenterOfMass` |
 //! | things inside a room are thrown out | the room is a closed mesh whose faces look outward, or disagree and were turned | turn its faces: the same mesh inverted is a room |
-//! | things in a bottle are pushed out | its opening takes less than a hundredth of its area, so it counts as closed | give the glass an inside: a wall has two surfaces |
+//! | things in a bottle are pushed out | its opening takes less than a fiftieth of its area, so it counts as closed | give the glass an inside: a wall has two surfaces |
 //! | a body that appears in another one jumps | overlapping bodies are pushed apart at up to 3 m/s, deep ones at 1 m/s | spawn it apart, or lower `SolverSettings::max_depenetration_speed` |
 //! | motion stutters | frames and steps have different rates | the feature `interpolation` |
 //! | a lift does not carry | its `Transform` is written in `Update`, or with `Teleport` | write it in `FixedUpdate` |

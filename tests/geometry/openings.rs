@@ -64,7 +64,7 @@ fn a_ball_without_a_twentieth_of_its_faces_weighs_what_a_whole_one_does() {
         }
         if name == "one hole" {
             // Something could fall through it.
-            assert_eq!(mass.basis, MassBasis::Winding);
+            assert_eq!(mass.basis, MassBasis::Capped);
             assert!(!baked.mesh.is_solid() && baked.one_sided == OneSided::None);
             assert!(
                 baked.warnings()[0].contains("the mesh is open"),
@@ -206,7 +206,7 @@ fn vessels_stay_open() {
         assert_eq!(baked.mesh.orientation(), Orientation::Open, "{name}");
         assert!(baked.mesh.caps().is_empty() && !baked.mesh.is_solid(), "{name}");
         assert_eq!(baked.one_sided, OneSided::None, "{name}");
-        assert_eq!(baked.mass.basis, MassBasis::Winding, "{name}");
+        assert_eq!(baked.mass.basis, MassBasis::Capped, "{name}");
     }
 }
 

@@ -162,7 +162,7 @@ impl Report {
         let basis = match self.mass_basis {
             MassBasis::Solid => "of what it encloses",
             MassBasis::Room => "of a solid that fills the room",
-            MassBasis::Capped => "with its openings closed",
+            MassBasis::Capped => "of what it encloses, openings closed",
             MassBasis::Winding => "where its winding number exceeds a half",
             MassBasis::Shell => "of a shell along its faces",
             MassBasis::Box => "of its bounding box",

@@ -35,9 +35,9 @@ pub enum MassBasis {
     Solid,
     /// Of a solid that fills a room.
     Room,
-    /// Of the volume that a nearly closed mesh encloses with its caps.
+    /// Of the volume that an open mesh encloses with its openings closed.
     Capped,
-    /// Of the places where the winding number exceeds a half, because the mesh is open.
+    /// Of the places where the winding number exceeds a half, because the mesh is wide open.
     Winding,
     /// Of a shell of even thickness along the faces, because an open mesh encloses nothing.
     Shell,
@@ -66,7 +66,8 @@ impl MassProperties {
     ///
     /// * A room ([`Orientation::Inward`]) gets the mass of a solid that fills it. Its walls have no outer surface and
     ///   so no mass of their own.
-    /// * A nearly closed mesh gets that of the mesh with its caps ([`TriMesh::caps`]). The error is that of a half ball over
+    /// * An open mesh whose openings together take at most 40 % of its area, as does a box without a lid, gets that of the mesh
+    ///   with its openings closed, each by a cone. This is exact where an opening is flat. The error is that of a half ball over
     ///   each opening.
     /// * Another open mesh, or one whose winding cannot be made consistent, gets the mass of the places where the generalised
     ///   winding number exceeds a half. They are found by sampling the bounding box; the error is half the volume of the samples
@@ -84,28 +85,26 @@ impl MassProperties {
     pub fn with_shell(mesh: &TriMesh, shell: f32) -> Self {
         let aabb = mesh.aabb();
         let edges = solid_box_edges(aabb);
-        let fallback = || solid_box(aabb).rounded(edges.min_element(), MassBasis::Box, 1.0);
-        let (sign, basis) = match mesh.orientation() {
-            Orientation::Outward => (1.0, MassBasis::Solid),
-            Orientation::Inward => (-1.0, MassBasis::Room),
-            Orientation::Open if !mesh.caps().is_empty() => {
-                (if mesh.is_solid() { 1.0 } else { -1.0 }, MassBasis::Capped)
-            }
-            Orientation::Open | Orientation::Mixed => {
-                let (solid, basis, error) = open::solid(mesh, aabb, f64::from(shell));
-                return solid.rounded(edges.min_element(), basis, error);
-            }
+        let (solid, basis, error) = match mesh.orientation() {
+            Orientation::Outward => (integrate(mesh, &[], aabb), MassBasis::Solid, 0.0),
+            Orientation::Inward => (integrate(mesh, &[], aabb), MassBasis::Room, 0.0),
+            Orientation::Open | Orientation::Mixed => match capped(mesh, aabb) {
+                Some((solid, error)) => (Some(solid), MassBasis::Capped, error),
+                None => {
+                    let (solid, basis, error) = open::solid(mesh, aabb, f64::from(shell));
+                    (Some(solid), basis, error)
+                }
+            },
         };
-        let Some(solid) = integrate(mesh, aabb, sign) else {
-            return fallback();
+        let Some(solid) = solid else {
+            return solid_box(aabb).rounded(edges.min_element(), MassBasis::Box, 1.0);
         };
-        let error = match basis {
-            MassBasis::Capped => mesh.uncertain_volume() / solid.volume,
-            _ => 0.0,
-        };
-        match thickness(mesh) {
-            Some(t) => solid.rounded(t.min(edges.length()), basis, error),
-            None => solid.rounded(edges.min_element(), basis, 1.0),
+        let is_whole = mesh.is_closed() || !mesh.caps().is_empty();
+        match is_whole.then(|| thickness(mesh)) {
+            Some(Some(t)) => solid.rounded(t.min(edges.length()), basis, error),
+            // No ray leaves the mesh, so its volume is doubtful.
+            Some(None) => solid.rounded(edges.min_element(), basis, 1.0),
+            None => solid.rounded(edges.min_element(), basis, error),
         }
     }
 }
@@ -162,21 +161,39 @@ impl Solid {
     }
 }
 
-/// Sums the tetrahedra between an origin and the faces; `sign` is -1 if the faces point inward. `None` if the volume is
-/// zero, or if the moments cannot be those of a solid, as when parts of the surface enclose the outside.
-fn integrate(mesh: &TriMesh, aabb: Aabb, sign: f64) -> Option<Solid> {
+/// An open mesh is closed for its mass if its openings together take at most this part of its area. Those of a sheet take all
+/// of it, and that of a half ball a half.
+const MAX_SHARE: f64 = 0.4;
+
+/// The mass of an open mesh with its openings closed, and its relative error; `None` if they are too large, or if the winding
+/// is not consistent.
+///
+/// Where an opening is flat, its cap lies where the generalised winding number is a half, so that this is the same as the
+/// integral over the places where it is larger. Those would have to be sampled, and samples miss what is thin.
+fn capped(mesh: &TriMesh, aabb: Aabb) -> Option<(Solid, f64)> {
+    let closure = mesh.closure().filter(|closure| closure.share <= MAX_SHARE)?;
+    let solid = integrate(mesh, &closure.caps, aabb)?;
+    let error = closure.uncertain_volume / solid.volume;
+    Some((solid, error))
+}
+
+/// Sums the tetrahedra between an origin and the faces and caps, which may all point inward. `None` if the volume is zero, or
+/// if the moments cannot be those of a solid, as when parts of the surface enclose the outside.
+fn integrate(mesh: &TriMesh, caps: &[[Vec3; 3]], aabb: Aabb) -> Option<Solid> {
     // Relative to the centre of the box, so that a mesh far from its origin loses no precision.
     let origin = (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;
     let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
     let triangles = (0..mesh.triangles().len()).map(|t| mesh.welded_corners(t));
-    for triangle in triangles.chain(mesh.caps().iter().copied()) {
+    for triangle in triangles.chain(caps.iter().copied()) {
         let [a, b, c] = triangle.map(|v| v.as_dvec3() - origin);
-        let det = sign * a.dot(b.cross(c));
+        let det = a.dot(b.cross(c));
         let sum = a + b + c;
         volume += det;
         first += det * sum;
         second += det * (outer(a) + outer(b) + outer(c) + outer(sum));
     }
+    let sign = f64::signum(volume);
+    let (mut volume, first, second) = (volume * sign, first * sign, second * sign);
     volume /= 6.0;
     let diagonal = (aabb.max.as_dvec3() - aabb.min.as_dvec3()).length();
     if volume.is_nan() || volume <= MIN_VOLUME * diagonal.powi(3) {

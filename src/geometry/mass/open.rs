@@ -19,7 +19,7 @@ const MAX_ERROR: f64 = 0.5;
 /// The largest part of the sides of the bounding box through which the inside may reach out.
 const MAX_REACH: f64 = 0.1;
 /// At least this part of the inside must have a winding number above [`SURE`]. Below a hilly terrain it barely exceeds a half.
-const MIN_SURE: f64 = 0.5;
+const MIN_SURE: f64 = 0.25;
 const SURE: f64 = 0.75;
 /// A sample is at the border if its winding number is this close to a half.
 const NEAR: f64 = 0.25;

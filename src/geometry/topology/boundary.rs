@@ -13,13 +13,23 @@ use std::f64::consts::PI;
 
 /// The largest opening of a nearly closed mesh, relative to the area of the mesh.
 ///
-/// A missing face of a fine mesh takes less, and so does the neck of a bottle. The mouth of a glass takes a tenth, and the end
-/// of a pipe ten times as long as wide a fortieth: what lies in those must not be pushed out through the wall.
-pub const MAX_OPENING: f64 = 0.01;
+/// A few missing faces of a fine mesh take less, and so does the neck of a bottle. The mouth of a glass takes a tenth, and the
+/// end of a pipe ten times as long as wide a fortieth: what lies in those must not be pushed out through the wall.
+pub const MAX_OPENING: f64 = 0.02;
 
 /// The largest area of all openings of a nearly closed mesh together, relative to the area of the mesh. Of faces that do not hang
 /// together, each is an opening of its own size.
 const MAX_OPENINGS: f64 = 0.2;
+
+/// What closes an open mesh.
+pub struct Closure {
+    /// Triangles that close it.
+    pub caps: Vec<[Vec3; 3]>,
+    /// The area of all openings, relative to the area of the mesh.
+    pub share: f64,
+    /// How far the volume may be off: that of a half ball over each opening.
+    pub uncertain_volume: f64,
+}
 
 /// The boundary of a mesh.
 #[derive(Default)]
@@ -128,12 +138,20 @@ impl Faces<'_> {
         }
     }
 
-    /// How far the volume of a nearly closed mesh may be off: the volume of a half ball over each opening.
-    pub fn uncertain_volume(&self, topology: &Topology) -> f64 {
+    /// What closes an open mesh of consistent winding, however large its openings are; `None` for other meshes.
+    pub fn closure(&self, topology: &Topology) -> Option<Closure> {
         let (edges, counts) = self.edges(&topology.welded);
         let boundary = self.boundary(&edges, &counts, &topology.welded, topology.tolerance);
+        if boundary.disagrees || boundary.caps.is_empty() {
+            return None;
+        }
         let half_ball = |area: f64| 2.0 / 3.0 * PI * (area / PI).powf(1.5);
-        boundary.openings.iter().map(|opening| half_ball(opening.area)).sum()
+        let areas = || boundary.openings.iter().map(|opening| opening.area);
+        Some(Closure {
+            share: areas().sum::<f64>() / self.area(),
+            uncertain_volume: areas().map(half_ball).sum(),
+            caps: boundary.caps,
+        })
     }
 }
 

@@ -4,6 +4,7 @@ mod boundary;
 mod defects;
 mod shells;
 
+pub(super) use boundary::Closure;
 pub use boundary::MAX_OPENING;
 pub use defects::{Defect, DefectKind, Defects};
 
