@@ -8,3 +8,4 @@ mod off;
 mod origin;
 mod ply;
 mod stl;
+mod writers;

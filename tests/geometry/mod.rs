@@ -3,6 +3,7 @@
 mod mass;
 mod mesh;
 mod openings;
+mod repair;
 mod shells;
 mod triangle;
 mod weld;
