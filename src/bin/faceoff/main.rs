@@ -9,6 +9,7 @@ mod gpu_work;
 mod headless;
 mod image;
 mod inspect;
+mod marks;
 mod mechanics;
 mod mesh;
 mod output;

@@ -60,7 +60,7 @@ pub(super) fn fill(
 }
 
 /// What a triangle costs; infinite if it has no area.
-fn cost(corners: [Vec3; 3]) -> f64 {
+pub(super) fn cost(corners: [Vec3; 3]) -> f64 {
     if is_degenerate(corners) {
         return f64::INFINITY;
     }

@@ -1,15 +1,13 @@
 //! Holes: loops of boundary edges, and the triangles that close them.
 
 use super::Work;
-use super::fill::fill;
+use super::fill::cost;
+use super::large::fill_any;
 use super::surface::{CountedEdges, Surface};
 use crate::geometry::edges::is_collapsed;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use std::collections::{HashMap, HashSet};
-
-/// The most edges of a hole that is closed.
-const MAX_EDGES: usize = 512;
 
 /// Why a hole was not closed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -27,7 +25,7 @@ impl WhyLeft {
     /// The reason, as the end of a sentence.
     pub fn text(self) -> &'static str {
         match self {
-            Self::TooLong => "it has more edges than asked for, or than 512",
+            Self::TooLong => "it has more edges than asked for",
             Self::NoLoop => {
                 "its edges form no loop: faces disagree about the winding, or more than two meet at an edge"
             }
@@ -83,7 +81,7 @@ impl Surface {
             .extend(chains.iter().map(|chain| left(WhyLeft::NoLoop, chain)));
         let mut added = Vec::new();
         for hole in &holes {
-            if hole.len() > most.min(MAX_EDGES) {
+            if hole.len() > most {
                 work.left_holes.push(left(WhyLeft::TooLong, hole));
                 continue;
             }
@@ -108,17 +106,24 @@ impl Surface {
             u != v && !joined.edges.contains(&sorted([u, v]))
         };
         let triangle = |corners: [usize; 3]| !joined.faces.contains(&sorted(corners.map(|i| vertices[i])));
-        let triangles: Vec<[u32; 3]> = fill(&places, chord, triangle)?
+        let triangles: Vec<[u32; 3]> = fill_any(&places, &chord, &triangle)?
             .into_iter()
             .map(|corners| corners.map(|i| vertices[i]))
             .collect();
-        // If the boundary visits vertices twice, so may a chord.
         let mut chords: Vec<[u32; 2]> = triangles
             .iter()
             .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
             .collect();
         chords.sort_unstable();
-        if chords.windows(2).any(|pair| pair[0] == pair[1]) {
+        // If the boundary visits vertices twice, so may a chord.
+        let is_twice = chords.windows(2).any(|pair| pair[0] == pair[1]);
+        // Not all chords and triangles of a large hole were asked about.
+        let is_inside = |&[u, v]: &[u32; 2]| chords.binary_search(&[v, u]).is_ok();
+        let crowds = |chord: &[u32; 2]| is_inside(chord) && joined.edges.contains(&sorted(*chord));
+        let is_bad = |corners: &[u32; 3]| {
+            joined.faces.contains(&sorted(*corners)) || cost(corners.map(|v| self.vertices[v as usize])).is_infinite()
+        };
+        if is_twice || chords.iter().any(crowds) || triangles.iter().any(is_bad) {
             return None;
         }
         joined.edges.extend(chords.into_iter().map(sorted));

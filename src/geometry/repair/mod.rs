@@ -19,6 +19,7 @@
 mod drop;
 mod fill;
 mod holes;
+mod large;
 mod split;
 mod surface;
 
@@ -45,7 +46,9 @@ pub struct Steps {
     pub split: bool,
     /// Make the winding of each shell consistent, and turn solids outward; see [`TriMesh::oriented`].
     pub orient: bool,
-    /// Close holes of up to this many edges with triangles; 0 closes none.
+    /// Close holes of up to this many edges with triangles between their vertices; 0 closes none. Of holes of up to 256 edges the
+    /// area of these is the smallest possible, so they do not lie over each other if the hole lies in a plane; in larger ones
+    /// some may, near edges where the boundary bends into the hole.
     pub close_holes: usize,
 }
 

@@ -113,7 +113,7 @@ impl Surface {
 
 /// Splits one side of a face at the vertices on it, given in the order in which the face runs along them. What became of the face
 /// so far are the faces from `start`; one of these has the whole side.
-fn split_side(faces: &mut Vec<[u32; 3]>, start: usize, [from, to]: [u32; 2], between: &[u32]) {
+pub(super) fn split_side(faces: &mut Vec<[u32; 3]>, start: usize, [from, to]: [u32; 2], between: &[u32]) {
     if between.is_empty() {
         return;
     }
