@@ -463,3 +463,62 @@ fn a_large_hole_with_straight_sides_is_closed() {
     assert_eq!((work.closed_holes, work.added_faces), (1, 998));
     assert_sound(&closed);
 }
+
+/// Random faces between the points of a small lattice: all kinds of defects at once, many edges of more than two faces, and points
+/// in line with others.
+#[test]
+fn whatever_the_mesh_no_step_makes_it_worse() {
+    let lattice = |i: usize| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9 % 3) as f32);
+    let (mut repaired, mut closed) = (0, 0);
+    for seed in 0..4000 {
+        let number = |i: usize, below: u32| random(seed * 1000 + i, below);
+        let vertices: Vec<Vec3> = (0..20).map(|i| lattice(number(i, 27) as usize)).collect();
+        let count = 1 + number(20, 30) as usize;
+        let faces = (0..count).map(|f| [0, 1, 2].map(|k| number(100 + 3 * f + k, 20)));
+        let Ok(mesh) = TriMesh::new(vertices, faces.collect()) else {
+            continue;
+        };
+        let steps = Steps {
+            close_holes: 20,
+            ..Steps::SAFE
+        };
+        for steps in [Steps::SAFE, steps] {
+            let Repaired { mesh: once, work } = repair(&mesh, &steps).unwrap();
+            let odd = |mesh: &TriMesh| mesh.gaps().map_or(0, |gaps| gaps.edges);
+            assert!(
+                !mesh.is_closed() || once.is_closed(),
+                "seed {seed}: the repair opened the mesh"
+            );
+            assert_eq!(once.defects().count(DefectKind::ZeroArea), 0, "seed {seed}");
+            assert_eq!(
+                once.vertices().len(),
+                once.welded()
+                    .iter()
+                    .enumerate()
+                    .filter(|(i, w)| *i as u32 == **w)
+                    .count()
+            );
+            let before = repair(
+                &mesh,
+                &Steps {
+                    close_holes: 0,
+                    ..steps
+                },
+            )
+            .unwrap()
+            .mesh;
+            assert!(odd(&once) <= odd(&before), "seed {seed}: closing holes opened others");
+            if work.closed_holes > 0 {
+                assert_eq!(
+                    once.defects().count(DefectKind::CrowdedEdge),
+                    before.defects().count(DefectKind::CrowdedEdge),
+                    "seed {seed}: triangles joined what was joined"
+                );
+            }
+            repaired += 1;
+            closed += work.closed_holes;
+        }
+    }
+    println!("{repaired} repairs, {closed} holes closed");
+    assert!(repaired > 7000 && closed > 1000);
+}

@@ -3,7 +3,7 @@
 use crate::{Outcome, output};
 use bevy_faceoff::asset::{Imported, Recipe, import_file, to_obj, to_off, to_ply, to_stl};
 use bevy_faceoff::geometry::repair::{Steps, Work, repair};
-use bevy_faceoff::geometry::{DefectKind, MassProperties, Orientation, TriMesh};
+use bevy_faceoff::geometry::{DefectKind, MassBasis, MassProperties, Orientation, TriMesh};
 use bevy_faceoff::projection::BakeSettings;
 use serde::Serialize;
 use std::fs;
@@ -100,8 +100,8 @@ struct State {
     orientation: Orientation,
     /// Whether small openings count as closed for mass and containment.
     nearly_closed: bool,
-    /// What it encloses, in cubic mesh units; `None` if that is not known, because it is open or its faces
-    /// disagree.
+    /// What it encloses, in cubic mesh units; `None` if that is nearly nothing, or not known, because it is
+    /// open or its faces disagree.
     volume: Option<f32>,
     /// How many there are of each kind of defect; kinds without any are left out.
     defects: Vec<DefectCount>,
@@ -260,6 +260,7 @@ impl State {
             Orientation::Mixed => false,
             Orientation::Open => !mesh.caps().is_empty(),
         };
+        let mass = is_enclosed.then(|| MassProperties::of(mesh));
         let counts = DefectKind::ALL.into_iter().map(|kind| DefectCount {
             kind,
             count: defects.count(kind),
@@ -270,7 +271,7 @@ impl State {
             closed: mesh.is_closed(),
             orientation: mesh.orientation(),
             nearly_closed: !mesh.caps().is_empty(),
-            volume: is_enclosed.then(|| MassProperties::of(mesh).volume),
+            volume: mass.filter(|mass| mass.basis != MassBasis::Box).map(|mass| mass.volume),
             defects: counts.filter(|defects| defects.count > 0).collect(),
         }
     }

@@ -5,7 +5,6 @@ use super::surface::{CountedEdges, Surface};
 use crate::geometry::Aabb;
 use crate::geometry::box_tree::BoxTree;
 use crate::geometry::cluster::compact_order;
-use crate::geometry::edges::is_collapsed;
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -114,17 +113,15 @@ impl Surface {
 /// Splits one side of a face at the vertices on it, given in the order in which the face runs along them. What became of the face
 /// so far are the faces from `start`; one of these has the whole side.
 pub(super) fn split_side(faces: &mut Vec<[u32; 3]>, start: usize, [from, to]: [u32; 2], between: &[u32]) {
-    if between.is_empty() {
-        return;
-    }
     let sides = |face: &[u32; 3]| (0..3).find(|&k| face[k] == from && face[(k + 1) % 3] == to);
     let found = (start..faces.len()).find_map(|i| sides(&faces[i]).map(|k| (i, k)));
     let Some((i, side)) = found else { return };
     let tip = faces[i][(side + 2) % 3];
-    faces[i] = [from, between[0], tip];
-    for (k, &vertex) in between.iter().enumerate() {
-        let next = between.get(k + 1).copied().unwrap_or(to);
-        faces.push([vertex, next, tip]);
+    // A vertex in the narrow corner of a face may lie on two of its sides.
+    let mut between = between.iter().copied().filter(|&vertex| vertex != tip).peekable();
+    let Some(&first) = between.peek() else { return };
+    faces[i] = [from, first, tip];
+    while let Some(vertex) = between.next() {
+        faces.push([vertex, between.peek().copied().unwrap_or(to), tip]);
     }
-    debug_assert!(faces[start..].iter().all(|face| !is_collapsed(*face)));
 }
