@@ -469,7 +469,7 @@ fn a_large_hole_with_straight_sides_is_closed() {
 #[test]
 fn whatever_the_mesh_no_step_makes_it_worse() {
     let lattice = |i: usize| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9 % 3) as f32);
-    let (mut repaired, mut closed) = (0, 0);
+    let (mut repaired, mut closed, mut changed) = (0, 0, 0);
     for seed in 0..4000 {
         let number = |i: usize, below: u32| random(seed * 1000 + i, below);
         let vertices: Vec<Vec3> = (0..20).map(|i| lattice(number(i, 27) as usize)).collect();
@@ -515,10 +515,14 @@ fn whatever_the_mesh_no_step_makes_it_worse() {
                     "seed {seed}: triangles joined what was joined"
                 );
             }
+            let twice = repair(&once, &steps).unwrap().mesh;
+            changed += usize::from(to_obj(&twice) != to_obj(&once));
             repaired += 1;
             closed += work.closed_holes;
         }
     }
-    println!("{repaired} repairs, {closed} holes closed");
+    println!("{repaired} repairs, {closed} holes closed, {changed} changed by another repair");
     assert!(repaired > 7000 && closed > 1000);
+    // In such meshes one step may make work for another once more.
+    assert!(changed < repaired / 100);
 }

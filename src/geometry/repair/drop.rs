@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, HashMap};
 impl Surface {
     /// Drops faces of zero area and duplicates. `split` tells that T-junctions are closed afterwards.
     pub fn drop_faces(&mut self, split: bool, work: &mut Work) {
+        (work.kept_zero_area, work.kept_back_to_back) = (0, 0);
         self.drop_zero_area(split, work);
         self.drop_duplicates(work);
     }

@@ -61,14 +61,16 @@ struct Joined {
 }
 
 impl Surface {
-    /// Closes holes of up to `most` edges.
-    pub fn close_holes(&mut self, most: usize, work: &mut Work) {
+    /// Closes holes of up to `most` edges. Returns the number of those that were closed.
+    pub fn close_holes(&mut self, most: usize, work: &mut Work) -> usize {
+        let before = work.closed_holes;
+        work.left_holes.clear();
         let welded = self.welded();
         let faces = self.welded_faces(&welded);
         let counted = CountedEdges::of(&faces, self.vertices.len());
         let rim = self.rim(&faces, &counted);
         if rim.edges.is_empty() {
-            return;
+            return 0;
         }
         let mut joined = Joined::of(&faces, &rim);
         let left = |why: WhyLeft, hole: &[usize]| LeftHole {
@@ -96,6 +98,7 @@ impl Surface {
             }
         }
         self.faces.extend(added);
+        work.closed_holes - before
     }
 
     /// The triangles that close a hole with these vertices, if there are any.

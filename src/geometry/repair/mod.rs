@@ -2,7 +2,7 @@
 //! consistent and closes holes.
 //!
 //! The result is a new mesh: its vertices and faces have other numbers, and what refers to faces of the old one, such as a list
-//! of painted faces, no longer fits. A mesh without defects stays as it is, to the bit, and so does one that was repaired.
+//! of painted faces, no longer fits. A mesh without defects stays as it is, to the bit.
 //!
 //! ```
 //! use bevy_faceoff::geometry::repair::{Steps, repair};
@@ -30,7 +30,11 @@ use super::{MeshError, TriMesh};
 use serde::Serialize;
 use surface::Surface;
 
-/// What to repair. The steps run in the order of the fields; then faces are oriented once more if holes were closed.
+/// Rounds of steps that depend on each other. One or two do but for meshes with defects of all kinds everywhere.
+const MAX_ROUNDS: usize = 4;
+
+/// What to repair. The steps run in the order of the fields. Faces are dropped again after a split, and oriented again after holes
+/// were closed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Steps {
     /// Vertices within this distance of each other, relative to the diagonal of the mesh's bounding box, count as one in all
@@ -126,20 +130,24 @@ pub fn repair(mesh: &TriMesh, steps: &Steps) -> Result<Repaired, MeshError> {
     if steps.weld {
         surface.weld(&mut work);
     }
-    if steps.drop {
-        surface.drop_faces(steps.split, &mut work);
-    }
-    if steps.split {
-        surface.split(&mut work);
+    for _ in 0..MAX_ROUNDS {
+        if steps.drop {
+            surface.drop_faces(steps.split, &mut work);
+        }
+        // A part of a split face may be there already.
+        if !steps.split || surface.split(&mut work) == 0 {
+            break;
+        }
     }
     if steps.orient {
         surface.orient(&mut work)?;
     }
-    if steps.close_holes > 0 {
-        surface.close_holes(steps.close_holes, &mut work);
-        if steps.orient && work.closed_holes > 0 {
-            surface.orient(&mut work)?;
+    for _ in 0..MAX_ROUNDS {
+        // Where faces agree since holes were closed, other edges may form loops.
+        if steps.close_holes == 0 || surface.close_holes(steps.close_holes, &mut work) == 0 || !steps.orient {
+            break;
         }
+        surface.orient(&mut work)?;
     }
     if steps.drop {
         surface.drop_vertices(&mut work);

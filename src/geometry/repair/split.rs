@@ -18,8 +18,9 @@ const ROUNDING: f64 = 1.0e-9;
 type OnEdge = (f64, u32);
 
 impl Surface {
-    /// Splits the boundary edges of faces at the boundary vertices that lie on them.
-    pub fn split(&mut self, work: &mut Work) {
+    /// Splits the boundary edges of faces at the boundary vertices that lie on them. Returns the number of splits.
+    pub fn split(&mut self, work: &mut Work) -> usize {
+        let before = work.split_edges;
         for _ in 0..MAX_ROUNDS {
             let splits = self.split_once();
             if splits == 0 {
@@ -27,6 +28,7 @@ impl Surface {
             }
             work.split_edges += splits;
         }
+        work.split_edges - before
     }
 
     fn split_once(&mut self) -> usize {
