@@ -1,4 +1,4 @@
-//! Baked meshes, their file format, and the readers of mesh files.
+//! Baked meshes, their file format, and the readers and writers of mesh files.
 //!
 //! A [`CollisionMesh`] is baked from vertices and faces by [`CollisionMesh::new`], or read from a file by
 //! [`import_file`]. Bevy's asset server can load one too; the plugin registers a loader.
@@ -26,6 +26,9 @@ pub use collision_mesh::{BakedMesh, CollisionMesh};
 pub use gltf::GltfError;
 pub use import::{ImportError, Imported, import_bytes, import_file, import_part};
 pub use obj::to_obj;
+pub use off::to_off;
 pub use origin::Origin;
 pub use part::{MeshPart, NameOrIndex};
+pub use ply::to_ply;
 pub use recipe::Recipe;
+pub use stl::to_stl;

@@ -60,17 +60,15 @@ fn without_comment(line: &[u8]) -> &[u8] {
     }
 }
 
-/// Writes a mesh as the text of an OBJ file, with faces in the order of their ids. Positions are written with the
-/// fewest digits that identify each `f32`, so reading them gives the same bits.
+/// Writes a mesh as the text of an OBJ file: all its faces, also those of zero area, in the order of their ids, wound as they are.
+/// Positions are written with the fewest digits that identify each `f32`, so reading them gives the same bits.
 pub fn to_obj(mesh: &TriMesh) -> String {
     let mut out = String::new();
     for v in mesh.vertices() {
         writeln!(out, "v {} {} {}", v.x, v.y, v.z).expect("writing to a string cannot fail");
     }
-    let mut order: Vec<usize> = (0..mesh.triangles().len()).collect();
-    order.sort_unstable_by_key(|&t| mesh.face_ids()[t]);
-    for t in order {
-        let [a, b, c] = mesh.triangles()[t].map(|v| u64::from(v) + 1);
+    for face in mesh.all_faces() {
+        let [a, b, c] = face.map(|v| u64::from(v) + 1);
         writeln!(out, "f {a} {b} {c}").expect("writing to a string cannot fail");
     }
     out

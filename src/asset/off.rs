@@ -1,4 +1,4 @@
-//! Reader for OFF, the text format of Geomview: only positions and faces.
+//! Reader and writer for OFF, the text format of Geomview: only positions and faces.
 //!
 //! Each vertex and each face is expected on a line of its own, as all programs write them; what follows on the line, for
 //! example a colour, is ignored. There is no maintained crate that reads it.
@@ -8,6 +8,7 @@ use super::polygons::Polygons;
 use super::text::{number, shown, without_byte_order_mark, words};
 use crate::geometry::TriMesh;
 use glam::Vec3;
+use std::fmt::Write;
 
 /// Reads a file as one mesh.
 ///
@@ -63,6 +64,20 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
         ));
     }
     polygons.finish(vertices)
+}
+
+/// Writes a mesh as the text of an OFF file: all its faces, also those of zero area, in the order of their ids, wound as they are.
+/// Reading it gives the same bits.
+pub fn to_off(mesh: &TriMesh) -> String {
+    let faces = mesh.all_faces();
+    let mut out = format!("OFF\n{} {} 0\n", mesh.vertices().len(), faces.len());
+    for v in mesh.vertices() {
+        writeln!(out, "{} {} {}", v.x, v.y, v.z).expect("writing to a string cannot fail");
+    }
+    for [a, b, c] in faces {
+        writeln!(out, "3 {a} {b} {c}").expect("writing to a string cannot fail");
+    }
+    out
 }
 
 /// Whether the content looks like OFF.

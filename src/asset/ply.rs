@@ -1,4 +1,5 @@
-//! Reader for PLY, text and binary in both orders of bytes, with the crate `ply-rs-bw`: only positions and faces.
+//! Reader and writer for PLY. The reader takes text and binary in both orders of bytes, with the crate `ply-rs-bw`: only
+//! positions and faces.
 //!
 //! The crate reads from a stream, so it believes how many elements the header promises. Here the header is checked against
 //! the length of the file first.
@@ -54,6 +55,27 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, ImportError> {
         }
     }
     polygons.finish(vertices)
+}
+
+/// Writes a mesh as a PLY file, binary with the low byte first: all its faces, also those of zero area, in the order of their ids,
+/// wound as they are. Reading it gives the same bits.
+pub fn to_ply(mesh: &TriMesh) -> Vec<u8> {
+    let faces = mesh.all_faces();
+    let header = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+        mesh.vertices().len(),
+        faces.len()
+    );
+    let mut out = header.into_bytes();
+    for v in mesh.vertices() {
+        out.extend(v.to_array().iter().flat_map(|x| x.to_le_bytes()));
+    }
+    for face in faces {
+        out.push(3);
+        out.extend(face.iter().flat_map(|v| v.to_le_bytes()));
+    }
+    out
 }
 
 /// Whether the content is PLY.

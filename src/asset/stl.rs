@@ -1,4 +1,4 @@
-//! Reader for STL, binary and text.
+//! Reader for STL, binary and text; writer of binary STL.
 //!
 //! Why not the `stl_io` crate (0.11): it is careful about memory, but takes a binary file for text if its header begins
 //! with `solid ` and all bytes up to the first line feed are UTF-8, as in a header with a line feed of its own. Of a text
@@ -25,6 +25,25 @@ pub(super) fn read(bytes: &[u8], warnings: &mut Vec<String>) -> Result<TriMesh, 
     } else {
         read_text(bytes)
     }
+}
+
+/// Writes a mesh as a binary STL file: all its faces, also those of zero area, in the order of their ids, wound as they are. STL has
+/// no list of vertices: vertices at the same place are one when it is read, and unused ones are gone.
+pub fn to_stl(mesh: &TriMesh) -> Vec<u8> {
+    let faces = mesh.all_faces();
+    let mut out = vec![0; PREFIX - 4];
+    // A mesh has fewer faces than 32 bits count.
+    out.extend((faces.len() as u32).to_le_bytes());
+    for face in faces {
+        let [a, b, c] = face.map(|v| mesh.vertices()[v as usize]);
+        let [x, y, z] = [a, b, c].map(|p| p.as_dvec3());
+        let normal = (y - x).cross(z - x).normalize_or_zero().as_vec3();
+        for part in [normal, a, b, c] {
+            out.extend(part.to_array().iter().flat_map(|x| x.to_le_bytes()));
+        }
+        out.extend([0; 2]);
+    }
+    out
 }
 
 /// Whether the content looks like STL. Used if the file name does not identify the format.

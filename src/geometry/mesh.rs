@@ -274,6 +274,17 @@ impl TriMesh {
         &self.dropped
     }
 
+    /// All faces, three vertex indices each: the triangles and the dropped ones, in the order of the input.
+    pub fn all_faces(&self) -> Vec<[u32; 3]> {
+        let mut faces = vec![None; self.triangles.len() + self.dropped.len()];
+        for (&id, &triangle) in self.face_ids.iter().zip(&self.triangles) {
+            faces[id as usize] = Some(triangle);
+        }
+        let mut dropped = self.dropped.iter().copied();
+        let faces = faces.into_iter().filter_map(|face| face.or_else(|| dropped.next()));
+        faces.collect()
+    }
+
     /// For each vertex, the representative of the vertices it is welded with. A representative maps to itself.
     pub fn welded(&self) -> &[u32] {
         &self.topology.welded
@@ -392,14 +403,8 @@ impl TriMesh {
     /// If a vertex has an invalid coordinate, or no face has an area; see [`MeshError`].
     #[cfg(feature = "bevy")]
     pub(crate) fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Result<Self, MeshError> {
-        let mut faces = vec![None; self.triangles.len() + self.dropped.len()];
-        for (&id, &triangle) in self.face_ids.iter().zip(&self.triangles) {
-            faces[id as usize] = Some(triangle);
-        }
-        let mut dropped = self.dropped.iter().copied();
-        let faces = faces.into_iter().filter_map(|face| face.or_else(|| dropped.next()));
         let vertices = self.vertices.iter().map(|&v| map(v)).collect();
-        let mesh = Self::new(vertices, faces.collect())?;
+        let mesh = Self::new(vertices, self.all_faces())?;
         Ok(Self {
             turned: self.turned.clone(),
             ..mesh
@@ -473,7 +478,7 @@ impl TriMesh {
 ///
 /// The comparison with zero is exact for all but absurd triangles: the difference of two `f32`s is exact in `f64`
 /// unless one is about `2^29` times the other, and the products of such differences are exact too.
-fn is_degenerate([a, b, c]: [Vec3; 3]) -> bool {
+pub(super) fn is_degenerate([a, b, c]: [Vec3; 3]) -> bool {
     let a = a.as_dvec3();
     (b.as_dvec3() - a).cross(c.as_dvec3() - a) == DVec3::ZERO
 }

@@ -16,6 +16,7 @@ mod mass;
 pub mod mesh;
 mod mesh_error;
 mod one_sided;
+pub mod repair;
 pub mod shapes;
 mod slivers;
 mod thickness;

@@ -24,7 +24,7 @@ pub mod raster;
 mod spans;
 
 pub use faces::{FaceTable, Group};
-pub use height_image::HeightImage;
+pub use height_image::{HeightImage, ImagePlaces};
 pub use heights::SupportHeights;
 pub use pool::bake_pool;
 pub use progress::{Cancelled, Progress};

@@ -13,3 +13,4 @@ mod outside;
 mod parts;
 mod ply;
 mod stl;
+mod writers;

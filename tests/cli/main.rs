@@ -6,6 +6,7 @@ mod inspect;
 mod library;
 mod output;
 mod picture;
+mod repair;
 mod reproduce;
 mod shards;
 mod simulate;
@@ -133,6 +134,19 @@ fn every_command_explains_itself() {
                 "--json",
             ],
         ),
+        (
+            vec!["repair", "--help"],
+            vec![
+                "--output",
+                "--in-place",
+                "--weld",
+                "--drop",
+                "--split",
+                "--orient",
+                "--close-holes",
+                "--json",
+            ],
+        ),
         (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
     ] {
         let help = folder.good(&arguments);
@@ -152,5 +166,8 @@ fn unknown_commands_and_options_are_refused() {
     folder.bad(&["check"], &["SCENE"]);
     folder.bad(&["bake", "--output", "out"], &["MESHES"]);
     folder.bad(&["bake", "torus.obj"], &["--output"]);
+    folder.bad(&["repair", "torus.obj"], &["--output"]);
+    folder.bad(&["repair", "torus.obj", "-o", "a.obj", "--in-place"], &["--in-place"]);
+    folder.bad(&["repair", "torus.obj", "-o", "a.obj", "--close-holes", "-1"], &["-1"]);
     assert!(!folder.run(&[]).success);
 }

@@ -28,7 +28,7 @@ fn scene() -> Folder {
 }
 
 /// All that print to standard output.
-const PRINT: [&[&str]; 9] = [
+const PRINT: [&[&str]; 12] = [
     &["simulate", "--bodies", "2", "--steps", "1"],
     &["simulate", "--bodies", "2", "--steps", "1", "--json", "-"],
     &["check", "scene.ron"],
@@ -37,6 +37,9 @@ const PRINT: [&[&str]; 9] = [
     &["inspect", "cube.obj"],
     &["inspect", "cube.obj", "--json"],
     &["image", "cube.obj", "--image", "16", "-o", "-"],
+    &["repair", "cube.obj", "-o", "new.obj"],
+    &["repair", "cube.obj", "-o", "-"],
+    &["repair", "cube.obj", "-o", "new.obj", "--json", "-"],
     &["simulate", "--help"],
 ];
 
@@ -80,6 +83,7 @@ fn a_full_disk_is_an_error_and_leaves_nothing_half_written() {
     for (arguments, file) in [
         (&["bake", "torus.obj", "--force", "-o", "out"][..], "torus.faceoff"),
         (&["image", "torus.obj", "-o", "image.png"], "image.png"),
+        (&["repair", "torus.obj", "-o", "new.obj"], "new.obj"),
         (
             &["simulate", "--bodies", "2", "--steps", "100", "--json", "steps.json"],
             "steps.json",

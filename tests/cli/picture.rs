@@ -1,6 +1,9 @@
 //! `faceoff image` and `faceoff inspect`.
 
 use crate::Folder;
+use bevy_faceoff::asset::to_obj;
+use bevy_faceoff::geometry::{TriMesh, shapes};
+use glam::Vec3;
 use serde_json::Value;
 
 /// Width, height and rows of a PNG file.
@@ -37,6 +40,61 @@ fn a_cube_seen_along_an_axis_fills_its_square_and_shows_two_faces() {
     colours.sort_unstable();
     colours.dedup();
     assert_eq!(colours.len(), 2, "the two triangles of one side");
+}
+
+/// A ball without its topmost face, seen from above and from below.
+#[test]
+fn defects_are_marked_where_they_are_and_pale_on_the_far_side() {
+    let folder = Folder::new();
+    let ball = shapes::ball(1.0, 2);
+    folder.write("sound.obj", to_obj(&ball));
+    folder.good(&["image", "sound.obj", "--image", "128", "--defects", "-o", "sound.png"]);
+    let heights = |picture: &image::RgbImage| coloured(picture, [12, 32], 128);
+    assert_eq!(heights(&png(&folder, "sound.png")), 0, "grey heights, no marks");
+    let height = |t: usize| ball.corners(t).iter().map(|p| p.z).sum::<f32>();
+    let count = ball.triangles().len();
+    let missing = (0..count).max_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap();
+    let faces = (0..count).filter(|&t| t != missing).map(|t| ball.triangles()[t]);
+    let open = TriMesh::new(ball.vertices().to_vec(), faces.collect()).unwrap();
+    folder.write("open.obj", to_obj(&open));
+    let picture = |about_x: &str, name: &str| {
+        let run = folder.run(&[
+            "image",
+            "open.obj",
+            "--image",
+            "128",
+            "--about-x",
+            about_x,
+            "--defects",
+            "-o",
+            name,
+        ]);
+        assert!(run.success, "{}", run.stderr);
+        png(&folder, name)
+    };
+    let (near, far) = (picture("0", "near.png"), picture("180", "far.png"));
+    assert!(
+        near.height() > png(&folder, "sound.png").height(),
+        "a legend of two kinds"
+    );
+    // Strong colours on the heights, and those among them near the hole.
+    let strong = |picture: &image::RgbImage| -> (usize, usize) {
+        let spread = |p: image::Rgb<u8>| p.0.iter().max().unwrap() - p.0.iter().min().unwrap();
+        let pixels = (0..128).flat_map(|x| (0..128).map(move |y| (x, y)));
+        let strong = pixels.filter(|(x, y)| spread(*picture.get_pixel(12 + x, 32 + y)) > 80);
+        let middle: Vec3 = ball.corners(missing).iter().map(|p| *p / 3.0).sum();
+        let hole = [63.5 + 62.5 * middle.x, 63.5 - 62.5 * middle.y];
+        let is_near = |(x, y): &(u32, u32)| (*x as f32 - hole[0]).hypot(*y as f32 - hole[1]) < 20.0;
+        (strong.clone().count(), strong.filter(is_near).count())
+    };
+    let (all, beside) = strong(&near);
+    assert!(all > 20 && all == beside, "{beside} of {all} beside the hole");
+    assert_eq!(strong(&far).0, 0);
+    assert!(heights(&far) > 20, "{}", heights(&far));
+    folder.bad(
+        &["image", "open.obj", "--defects", "--sheet", "-o", "no.png"],
+        &["--sheet"],
+    );
 }
 
 #[test]

@@ -3,6 +3,8 @@
 mod mass;
 mod mesh;
 mod openings;
+mod repair;
+mod repair_large;
 mod shells;
 mod triangle;
 mod weld;

@@ -31,6 +31,23 @@ impl Canvas {
         }
     }
 
+    /// Mixes a disc about (`x`, `y`) into the image: `share` of its colour, from 0 to 1, and the rest of what is there. Its edge is
+    /// smooth.
+    pub fn disc(&mut self, [x, y]: [f32; 2], radius: f32, colour: [u8; 3], share: f32) {
+        let reach = radius + 1.0;
+        let pixels = |at: f32, side: u32| (at - reach).max(0.0) as u32..((at + reach + 1.0).max(0.0) as u32).min(side);
+        for py in pixels(y, self.0.height()) {
+            for px in pixels(x, self.0.width()) {
+                let inside = radius + 0.5 - (px as f32 - x).hypot(py as f32 - y);
+                let share = share * inside.clamp(0.0, 1.0);
+                let there = self.0.get_pixel_mut(px, py);
+                for (there, new) in there.0.iter_mut().zip(colour) {
+                    *there = (f32::from(*there) + (f32::from(new) - f32::from(*there)) * share).round() as u8;
+                }
+            }
+        }
+    }
+
     /// Writes `text` with its upper left corner at (`x`, `y`). Characters outside ASCII are left blank.
     pub fn text(&mut self, x: u32, y: u32, text: &str) {
         for (i, character) in text.chars().enumerate() {

@@ -1,10 +1,12 @@
 //! `faceoff image`: draws the height image of a mesh, as in figure 4 of Aly & Elawady 2010.
 
 use crate::canvas::{CHARACTER, Canvas, INK};
+use crate::marks::Marks;
 use crate::{CullingChoice, Outcome, mesh};
 use bevy_faceoff::geometry::TriMesh;
 use bevy_faceoff::geometry::direction::Angles;
 use bevy_faceoff::projection::{BakeSettings, HeightImage};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// Draw the height image of a mesh, with heights as colours, and its visible faces.
@@ -24,6 +26,9 @@ pub struct Options {
     /// Draw a contact sheet of directions 30 degrees apart instead of a single direction.
     #[arg(long)]
     sheet: bool,
+    /// Draw the heights in grey, and mark the defects that `faceoff inspect` tells of, with a legend; pale on the far side.
+    #[arg(long, conflicts_with = "sheet")]
+    defects: bool,
     /// The PNG file to write, or - for standard output.
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
@@ -52,7 +57,7 @@ pub fn run(options: &Options) -> Outcome {
     let canvas = if options.sheet {
         sheet(&mesh.mesh, size)
     } else {
-        single(&mesh.mesh, options.about_x, options.about_y, size)
+        single(&mesh.mesh, options.about_x, options.about_y, size, options.defects)
     };
     canvas.save(&options.output)
 }
@@ -69,23 +74,28 @@ fn png_only(path: &Path) -> Outcome {
     }
 }
 
-fn draw(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> HeightImage {
+fn direction(about_x: f32, about_y: f32) -> Vec3 {
     let angles = Angles {
         a: about_x.to_radians(),
         b: about_y.to_radians(),
     };
-    HeightImage::draw(mesh, angles.direction(), size)
+    angles.direction()
 }
 
-/// The heights with their scale, and beside them the visible faces.
-pub fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
-    let picture = draw(mesh, about_x, about_y, size);
+/// The heights with their scale, and beside them the visible faces. With `defects` these are marked on the heights.
+pub fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32, defects: bool) -> Canvas {
+    let direction = direction(about_x, about_y);
+    let picture = HeightImage::draw(mesh, direction, size);
     let highest = picture.heights.iter().copied().fold(0.0, f32::max);
     let left = MARGIN;
     let bar = left + size + MARGIN;
     let right = bar + BAR.0 + BAR.1 + MARGIN;
     let top = 2 * MARGIN + CHARACTER;
-    let mut canvas = Canvas::new(right + size + MARGIN, top + size + MARGIN);
+    let marks = defects.then(|| Marks::new(mesh, direction, &picture));
+    let legend = marks.as_ref().map_or([0, 0], Marks::legend_size);
+    let width = (right + size + MARGIN).max(left + legend[0] + MARGIN);
+    let mut canvas = Canvas::new(width, top + size + MARGIN + legend[1]);
+    let scale = if defects { grey } else { scale };
 
     paint(&mut canvas, left, top, &picture, |height, _| scale(height / highest));
     canvas.text(left, MARGIN, &format!("height, about x {about_x}, about y {about_y}"));
@@ -103,6 +113,10 @@ pub fn single(mesh: &TriMesh, about_x: f32, about_y: f32, size: u32) -> Canvas {
         let height = highest * (1.0 - tick as f32 / 4.0);
         let label = y.saturating_sub(CHARACTER / 2).clamp(top, top + size - CHARACTER);
         canvas.text(bar + BAR.0 + 6, label, &format!("{height:.3}"));
+    }
+    if let Some(marks) = &marks {
+        marks.paint(&mut canvas, [left, top]);
+        marks.write_legend(&mut canvas, [left, top + size + MARGIN]);
     }
 
     let mut visible: Vec<u32> = picture
@@ -135,7 +149,7 @@ fn sheet(mesh: &TriMesh, size: u32) -> Canvas {
             let (a, b) = (90 - STEP * row as i32, STEP * column as i32);
             let (x, y) = (MARGIN + column * cell[0], MARGIN + row * cell[1]);
             canvas.text(x, y, &format!("{a},{b}"));
-            let picture = draw(mesh, a as f32, b as f32, size);
+            let picture = HeightImage::draw(mesh, direction(a as f32, b as f32), size);
             paint(&mut canvas, x, y + CHARACTER, &picture, |height, _| {
                 scale(height / highest)
             });
@@ -158,6 +172,11 @@ fn paint(canvas: &mut Canvas, left: u32, top: u32, picture: &HeightImage, colour
 fn scale(share: f32) -> [u8; 3] {
     let colour = colorous::VIRIDIS.eval_continuous(f64::from(share.clamp(0.0, 1.0)));
     [colour.r, colour.g, colour.b]
+}
+
+/// The grey of a height from 0 to 1; low is dark. Unlike the colours of marks.
+fn grey(share: f32) -> [u8; 3] {
+    [(90.0 + 140.0 * share.clamp(0.0, 1.0)) as u8; 3]
 }
 
 /// A colour for each face, unlike those of its neighbours: steps of the golden angle around the colour wheel.

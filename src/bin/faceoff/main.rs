@@ -1,5 +1,5 @@
-//! The `faceoff` command line: simulate scenes, check placed meshes for interference, and bake, draw and inspect
-//! meshes.
+//! The `faceoff` command line: simulate scenes, check placed meshes for interference, and bake, draw, inspect
+//! and repair meshes.
 
 mod bake;
 mod canvas;
@@ -9,10 +9,12 @@ mod gpu_work;
 mod headless;
 mod image;
 mod inspect;
+mod marks;
 mod mechanics;
 mod mesh;
 mod output;
 mod progress;
+mod repair;
 mod reproduce;
 mod scene_file;
 mod scenes;
@@ -40,6 +42,7 @@ enum Command {
     Bake(bake::Options),
     Image(image::Options),
     Inspect(inspect::Options),
+    Repair(repair::Options),
     Reproduce(reproduce::Options),
 }
 
@@ -108,6 +111,7 @@ fn main() -> ExitCode {
         Command::Bake(options) => bake::run(&options),
         Command::Image(options) => image::run(&options),
         Command::Inspect(options) => inspect::run(&options),
+        Command::Repair(options) => repair::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     };
     match outcome {

@@ -177,7 +177,7 @@ pub fn run(options: &Options) -> Outcome {
 
     report.heading("Figure 4: height images");
     for shape in &both {
-        let canvas = image::single(&shape.mesh.mesh, 30.0, 30.0, 320);
+        let canvas = image::single(&shape.mesh.mesh, 30.0, 30.0, 320, false);
         report.picture(
             &canvas,
             &format!("The {}: heights in units of the mesh, and visible faces", shape.name),
