@@ -166,6 +166,10 @@ impl TriMesh {
     ///   [`DefectKind::SolidInSolid`].
     /// * A shell that has no consistent winding, like a Möbius strip, stays as it is.
     pub fn oriented(self) -> Self {
+        // One closed surface is a solid or a room as it is.
+        if self.topology.is_one_surface() {
+            return self;
+        }
         let turn = self.faces().faces_to_turn(&self.topology.welded);
         if !turn.contains(&true) {
             return self;

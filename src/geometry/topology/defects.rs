@@ -123,8 +123,8 @@ impl Faces<'_> {
     /// The defects but for those that single faces tell of themselves: zero area, and turned.
     pub fn defects(&self, topology: &Topology) -> Defects {
         let mut defects = Defects::default();
-        // Doubled faces are a component of their own, and so is a shell inside another.
-        if topology.is_manifold && topology.component_vertices.len() == 1 && self.triangles.len() > 2 {
+        // Two faces on each other may be one surface.
+        if topology.is_one_surface() && self.triangles.len() > 2 {
             return defects;
         }
         let welded = &topology.welded;

@@ -86,6 +86,11 @@ impl Topology {
         })
     }
 
+    /// Whether it is one surface without a boundary whose faces agree. Then none is doubled or lies inside another.
+    pub fn is_one_surface(&self) -> bool {
+        self.is_manifold && self.component_vertices.len() == 1
+    }
+
     /// The orientation of a nearly closed mesh with its caps; `None` for other meshes.
     pub fn closed_by_caps(&self) -> Option<Orientation> {
         self.capped
