@@ -127,10 +127,7 @@ fn defects_are_named_with_places() {
     // Face 12 is face 3 again, and face 13 has no area.
     faces.extend([cube.triangles()[3], [0, 0, 1]]);
     let mesh = TriMesh::new(cube.vertices().to_vec(), faces).unwrap();
-    // `to_obj` leaves out what has no area.
-    let text = to_obj(&mesh) + "f 1 1 2\n";
-    folder.write("mesh.obj", text);
-    let report: Value = serde_json::from_str(&folder.good(&["inspect", "mesh.obj", "--json"])).unwrap();
+    let report = inspected(&folder, &mesh);
     assert_eq!((count(&report, "Duplicate"), count(&report, "ZeroArea")), (1, 1));
     let duplicate = report["defects"]
         .as_array()
