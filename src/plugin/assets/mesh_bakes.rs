@@ -55,7 +55,7 @@ pub(crate) struct Source {
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Key {
     meshes: Vec<AssetId<Mesh>>,
-    settings: (bool, u32, u32, u32, Inward),
+    settings: (bool, u32, u32, [u32; 2], Inward),
 }
 
 enum Bake {
@@ -147,10 +147,12 @@ impl Source {
             image,
             weld_tolerance,
             inward,
+            shell_thickness,
         } = self.settings();
+        let tolerances = [weld_tolerance, shell_thickness].map(f32::to_bits);
         Key {
             meshes: self.ids().collect(),
-            settings: (faces, degrees, image, weld_tolerance.to_bits(), inward),
+            settings: (faces, degrees, image, tolerances, inward),
         }
     }
 }
