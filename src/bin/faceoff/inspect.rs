@@ -75,7 +75,7 @@ struct Place {
 }
 
 /// The number of places that are told of each kind of defect.
-const PLACES: usize = 5;
+const TOLD_PLACES: usize = 5;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Outcome {
@@ -244,7 +244,7 @@ fn defect_reports(defects: &Defects) -> Vec<DefectReport> {
     let report = |kind: DefectKind| DefectReport {
         kind,
         count: defects.count(kind),
-        places: (defects.of(kind).take(PLACES))
+        places: (defects.of(kind).take(TOLD_PLACES))
             .map(|defect| Place {
                 position: defect.position.to_array(),
                 face: defect.face,
