@@ -8,7 +8,7 @@ use glam::Vec3;
 
 /// Of triangulations with the same area, as those of a polygon in a plane, the one with shorter edges is better: this much of
 /// the squares of their lengths counts as area.
-const MAX_EDGES: f64 = 1.0e-6;
+const EDGE_COST: f64 = 1.0e-6;
 
 /// Triangulates a hole with the given boundary, and returns triangles as numbers of its vertices. `None` if there is no
 /// triangulation in which each triangle has an area and is allowed. `chord(i, j)` tells whether the vertices of numbers `i < j`,
@@ -67,7 +67,7 @@ pub(super) fn cost(corners: [Vec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|p| p.as_dvec3());
     let [u, v, w] = [b - a, c - b, a - c];
     let edges = u.length_squared() + v.length_squared() + w.length_squared();
-    u.cross(v).length() * 0.5 + MAX_EDGES * edges
+    u.cross(v).length() * 0.5 + EDGE_COST * edges
 }
 
 #[cfg(test)]
