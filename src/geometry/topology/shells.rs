@@ -262,7 +262,8 @@ impl Shells {
             let alike = shells[own]
                 .parent
                 .is_some_and(|parent| shells[parent].volume * shells[own].volume > 0.0);
-            if if shells[own].agrees { reversed[own] } else { alike } {
+            let reverse = if shells[own].agrees { reversed[own] } else { alike };
+            if reverse {
                 shells[own].reverse(turn);
             }
         }
