@@ -151,11 +151,7 @@ fn import_mesh_file(
     read_outside: bool,
 ) -> Result<Imported, ImportError> {
     let source = Source::open(&path.to_string_lossy(), bytes).map_err(|e| in_file(path, e))?;
-    let mut files = Vec::new();
-    for file in source.files(read_outside).map_err(|e| in_file(path, e))? {
-        let file = path.with_file_name("").join(file);
-        files.push(read_file(&file).map_err(|e| in_file(path, e))?);
-    }
+    let files = source.read_files(path, read_outside)?;
     source.read(part, &files).map_err(|e| in_file(path, e))
 }
 
@@ -195,6 +191,13 @@ impl<'a> Source<'a> {
             Some(file) if !read_outside => Err(ImportError::Outside(file.clone())),
             _ => Ok(files),
         }
+    }
+
+    /// Reads [`Source::files`] from disk, for the mesh file at `path`.
+    pub(super) fn read_files(&self, path: &Path, read_outside: bool) -> Result<Vec<Vec<u8>>, ImportError> {
+        let files = self.files(read_outside).map_err(|e| in_file(path, e))?;
+        let read = |file: &String| read_file(&path.with_file_name("").join(file)).map_err(|e| in_file(path, e));
+        files.iter().map(read).collect()
     }
 
     /// Reads the triangles. `files` holds the contents of [`Source::files`].

@@ -52,11 +52,7 @@ impl Origin {
             });
         }
         let source = Source::open(&path.to_string_lossy(), &bytes[..]).map_err(|e| in_file(path, e))?;
-        let mut files = Vec::new();
-        for file in source.files(read_outside).map_err(|e| in_file(path, e))? {
-            let file = path.with_file_name("").join(file);
-            files.push(read_file(&file).map_err(|e| in_file(path, e))?);
-        }
+        let files = source.read_files(path, read_outside)?;
         Ok(Self {
             source_hash: source_hash(&bytes, part, &files),
             settings: BakeSettings::default(),
