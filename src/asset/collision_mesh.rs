@@ -8,7 +8,7 @@ use crate::geometry::{MassProperties, OneSided, TriMesh};
 use crate::projection::Group;
 use crate::projection::{BakeSettings, Cancelled, FaceTable, Inward, Progress, SupportHeights};
 #[cfg(feature = "bevy")]
-use bevy::prelude::{Asset, Transform, TypePath};
+use bevy::prelude::{Asset, Reflect, Transform};
 use glam::Vec3;
 use std::fmt;
 use std::ops::Deref;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Besides the [`BakedMesh`] it holds data that the steps need and that follows from it. To derive that data, after a
 /// bake or after loading, takes about a millisecond for a thousand triangles.
 #[derive(Clone)]
-#[cfg_attr(feature = "bevy", derive(Asset, TypePath))]
+#[cfg_attr(feature = "bevy", derive(Asset, Reflect), reflect(opaque, Clone, Debug, PartialEq))]
 pub struct CollisionMesh {
     baked: Arc<BakedMesh>,
     features: Arc<MeshFeatures>,

@@ -18,6 +18,7 @@ mod log;
 mod many;
 mod meshes;
 mod motion;
+mod registration;
 mod reports;
 mod response;
 mod sensors;

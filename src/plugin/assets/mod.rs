@@ -30,6 +30,7 @@ pub fn register(app: &mut App) -> bool {
     }
     if !app.world().contains_resource::<Assets<CollisionMesh>>() {
         app.init_asset::<CollisionMesh>()
+            .register_asset_reflect::<CollisionMesh>()
             .register_asset_loader(CollisionMeshLoader);
         processor::register(app);
     }

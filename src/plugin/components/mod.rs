@@ -14,8 +14,8 @@ use bevy::prelude::*;
 /// [`Density`], [`Friction`](crate::types::material::Friction), [`Restitution`](crate::types::material::Restitution),
 /// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`BodyCulling`] of a collider are those on its entity, or
 /// else those of its body.
-#[derive(Component, Reflect, Clone, Debug, PartialEq, Eq)]
-#[reflect(Component, Debug, PartialEq)]
+#[derive(Component, Reflect, FromTemplate, Clone, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Debug, PartialEq)]
 #[require(Transform)]
 pub struct MeshCollider(pub Handle<CollisionMesh>);
 
@@ -33,12 +33,19 @@ pub(crate) struct ColliderToCome;
 /// [`Restitution`](crate::types::material::Restitution), and obeys
 /// [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
 pub struct PlaneCollider {
     /// Points away from the solid side. It need not have unit length.
     pub normal: Vec3,
     /// Signed distance of the surface from the entity's origin along the unit normal, in metres.
     pub distance: f32,
+}
+
+impl Default for PlaneCollider {
+    /// The ground: y = 0, pointing up.
+    fn default() -> Self {
+        Self::through(Vec3::ZERO, Vec3::Y)
+    }
 }
 
 impl PlaneCollider {
