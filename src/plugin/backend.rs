@@ -36,7 +36,8 @@ use crate::step::gpu::{GpuStep, StepError};
 use std::thread::JoinHandle;
 
 /// Where the stages run, and why. Changes when a device is ready, and when it fails.
-#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+#[derive(Resource, Reflect, Clone, Debug, PartialEq, Eq)]
+#[reflect(Resource, Debug, PartialEq)]
 pub enum ActiveBackend {
     /// On the CPU.
     Cpu {
@@ -78,7 +79,8 @@ impl ActiveBackend {
 
 /// The backend is chosen and its kernels are compiled. Written before the first step, and before the first step on a
 /// new device of Bevy's renderer.
-#[derive(Message, Clone, Debug, PartialEq, Eq)]
+#[derive(Message, Reflect, Clone, Debug, PartialEq, Eq)]
+#[reflect(Message, Debug, PartialEq)]
 pub struct BackendReady {
     /// The chosen backend.
     pub active: ActiveBackend,
@@ -86,7 +88,8 @@ pub struct BackendReady {
 
 /// The device on which the stages ran has failed. [`ActiveBackend`] shows where they continue with the same step: on
 /// the reopened device or on the CPU. If it is [`ActiveBackend::Lost`], they wait for the renderer's new device.
-#[derive(Message, Clone, Debug, PartialEq, Eq)]
+#[derive(Message, Reflect, Clone, Debug, PartialEq, Eq)]
+#[reflect(Message, Debug, PartialEq)]
 pub struct BackendFailed {
     /// What happened, and what to do.
     pub reason: String,

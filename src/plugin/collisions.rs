@@ -20,15 +20,21 @@ use std::time::Duration;
 ///
 /// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of [`Entity`], which is not the
 /// order of spawning.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Reflect, Debug, Default)]
+#[reflect(Resource, Default, Debug)]
 pub struct Collisions {
     /// Entity of each collider, ascending, so that their numbers are in the order of entities.
+    #[reflect(ignore)]
     pub(crate) entities: Vec<Entity>,
     /// The body of each collider.
+    #[reflect(ignore)]
     pub(crate) bodies: Vec<Entity>,
     /// Entity of each plane, ascending. In manifolds, planes are numbered after the colliders.
+    #[reflect(ignore)]
     pub(crate) planes: Vec<Entity>,
+    #[reflect(ignore)]
     pub(crate) contacts: Contacts,
+    #[reflect(ignore)]
     pub(crate) manifolds: Manifolds,
 }
 
@@ -184,7 +190,8 @@ impl Collisions {
 }
 
 /// Times and counts of the last published step.
-#[derive(Resource, Clone, Default)]
+#[derive(Resource, Reflect, Clone, Default)]
+#[reflect(Resource, Default, Debug)]
 pub struct StepReport {
     /// Number of steps since the app started.
     pub step: u64,

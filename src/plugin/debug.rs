@@ -62,7 +62,7 @@ impl Default for FaceoffGizmos {
 /// Nothing is drawn if the body's mesh has no face table.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq)]
-pub struct ShowFacesTowards(pub Entity);
+pub struct ShowFacesTowards(#[entities] pub Entity);
 
 impl Plugin for FaceoffGizmosPlugin {
     fn build(&self, app: &mut App) {

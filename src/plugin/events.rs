@@ -1,6 +1,8 @@
 //! Messages and events: collisions that start or end, and bodies that are rejected.
 
 use crate::state::fault::BodyFault;
+use bevy::ecs::entity::MapEntities;
+use bevy::ecs::reflect::ReflectMapEntities;
 use bevy::prelude::*;
 
 /// Two colliders, or a collider and a plane, began to touch in this step.
@@ -10,18 +12,24 @@ use bevy::prelude::*;
 /// `collider1` and `body1` are then its own.
 ///
 /// If the two separate and touch again before [`CollisionEnd`] was sent, neither is sent.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, MapEntities, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Message, Event, MapEntities, Debug, PartialEq)]
 pub struct CollisionStart {
     /// The collider or body for which the event is triggered; in messages `collider1`.
     #[event_target]
+    #[entities]
     pub target: Entity,
     /// One of the two colliders.
+    #[entities]
     pub collider1: Entity,
     /// The other collider, or the plane.
+    #[entities]
     pub collider2: Entity,
     /// The body of `collider1`; without a body the collider itself.
+    #[entities]
     pub body1: Entity,
     /// The body of `collider2`.
+    #[entities]
     pub body2: Entity,
 }
 
@@ -50,26 +58,34 @@ impl CollisionStart {
 /// rejected, or became part of another body.
 ///
 /// Written and triggered like [`CollisionStart`].
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, MapEntities, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Message, Event, MapEntities, Debug, PartialEq)]
 pub struct CollisionEnd {
     /// The collider or body for which the event is triggered; in messages `collider1`.
     #[event_target]
+    #[entities]
     pub target: Entity,
     /// One of the two colliders.
+    #[entities]
     pub collider1: Entity,
     /// The other collider, or the plane.
+    #[entities]
     pub collider2: Entity,
     /// The body of `collider1`; without a body the collider itself.
+    #[entities]
     pub body1: Entity,
     /// The body of `collider2`.
+    #[entities]
     pub body2: Entity,
 }
 
 /// A collider, body or plane was left out of the step because its components are invalid. Written once. It takes part
 /// again as soon as its components are valid.
-#[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, MapEntities, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Message, MapEntities, Debug, PartialEq)]
 pub struct BodyRejected {
     /// The collider, body or plane.
+    #[entities]
     pub entity: Entity,
     /// The reason, and what to do.
     pub fault: BodyFault,

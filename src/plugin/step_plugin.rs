@@ -234,7 +234,21 @@ fn register_types(app: &mut App) {
         .register_type::<SolverSettings>()
         .register_type::<StepLimits>()
         .register_type::<Backend>()
+        .register_type::<ActiveBackend>()
+        .register_type::<Collisions>()
+        .register_type::<StepReport>()
+        .register_type::<CollisionStart>()
+        .register_type::<CollisionEnd>()
+        .register_type::<BodyRejected>()
+        .register_type::<BackendReady>()
+        .register_type::<BackendFailed>()
         .register_type::<Time<Physics>>();
+    // Bevy registers these with its feature `reflect_auto_register` only. Scenes of bodies would lose them without it.
+    app.register_type::<Transform>()
+        .register_type::<GlobalTransform>()
+        .register_type::<ChildOf>()
+        .register_type::<Children>()
+        .register_type::<Name>();
 }
 
 /// Number of threads of the CPU stages. 0 without a [`StepPlugin`].

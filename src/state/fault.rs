@@ -17,6 +17,7 @@ pub const MAX_GRAVITY_SCALE: f32 = 1.0e6;
 
 /// Why a body cannot take part in a step.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect), reflect(Debug, PartialEq))]
 pub enum BodyFault {
     /// A number of its pose is NaN or infinite.
     #[error("its position, rotation or scale is not finite: set it to finite numbers")]

@@ -97,7 +97,11 @@ pub struct BodyCulling(pub Culling);
 /// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct CollidingEntities(pub(crate) Vec<Entity>);
+pub struct CollidingEntities(
+    #[entities]
+    #[reflect(skip_serializing)]
+    pub(crate) Vec<Entity>,
+);
 
 /// Triggers [`CollisionStart`](crate::plugin::events::CollisionStart) and
 /// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this collider, body or plane, for observers. As

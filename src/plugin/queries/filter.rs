@@ -1,7 +1,7 @@
 //! [`SpatialQueryFilter`]: what a question is about.
 
 use super::index::IndexedCollider;
-use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity::{EntityHashSet, EntityMapper, MapEntities};
 use bevy::prelude::*;
 
 /// Which colliders a question is about. Default: all, sensors included.
@@ -33,6 +33,12 @@ impl Default for SpatialQueryFilter {
             sensors: true,
             excluded: EntityHashSet::default(),
         }
+    }
+}
+
+impl MapEntities for SpatialQueryFilter {
+    fn map_entities<M: EntityMapper>(&mut self, mapper: &mut M) {
+        self.excluded = self.excluded.iter().map(|entity| mapper.get_mapped(*entity)).collect();
     }
 }
 

@@ -2,15 +2,18 @@
 
 use super::index::SpatialIndex;
 use crate::queries::{SceneCastHit, ScenePointHit, SceneRayHit};
+use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 
 /// Where a ray hits a collider or plane.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq)]
 pub struct RayHitData {
     /// The collider or plane.
+    #[entities]
     pub collider: Entity,
     /// Its body; without one the collider itself.
+    #[entities]
     pub body: Entity,
     /// From the start of the ray, metres.
     pub distance: f32,
@@ -43,12 +46,14 @@ impl RayHitData {
 }
 
 /// The point of a collider or plane that is nearest to a given one.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq)]
 pub struct PointHitData {
     /// The collider or plane.
+    #[entities]
     pub collider: Entity,
     /// Its body; without one the collider itself.
+    #[entities]
     pub body: Entity,
     /// From the given point, metres; 0 if that is inside.
     pub distance: f32,
@@ -81,12 +86,14 @@ impl PointHitData {
 }
 
 /// Where a shape that moves along a line first touches a collider or plane.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq)]
 pub struct ShapeHitData {
     /// The collider or plane.
+    #[entities]
     pub collider: Entity,
     /// Its body; without one the collider itself.
+    #[entities]
     pub body: Entity,
     /// How far the shape moves until it touches, metres; 0 if it touches or overlaps at the start.
     pub distance: f32,

@@ -43,13 +43,18 @@ pub struct RayCaster {
     /// Whether the colliders of its own entity, and of the body to which that belongs, are ignored.
     pub ignore_self: bool,
     /// Which colliders count.
+    #[entities]
     pub filter: SpatialQueryFilter,
 }
 
 /// The first hit of the ray on each collider, nearest first.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct RayHits(pub(super) Vec<RayHitData>);
+pub struct RayHits(
+    #[entities]
+    #[reflect(skip_serializing)]
+    pub(super) Vec<RayHitData>,
+);
 
 impl RayCaster {
     /// Without an end. It reports all colliders but its own.

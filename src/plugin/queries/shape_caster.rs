@@ -51,6 +51,7 @@ pub struct ShapeCaster {
     /// Whether the colliders of its own entity, and of the body to which that belongs, are ignored.
     pub ignore_self: bool,
     /// Which colliders count.
+    #[entities]
     pub filter: SpatialQueryFilter,
 }
 
@@ -87,7 +88,11 @@ pub enum CasterShape {
 /// What the shape runs into, nearest first.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct ShapeHits(pub(super) Vec<ShapeHitData>);
+pub struct ShapeHits(
+    #[entities]
+    #[reflect(skip_serializing)]
+    pub(super) Vec<ShapeHitData>,
+);
 
 impl ShapeCaster {
     /// Without an end. It reports the first collider but its own.
