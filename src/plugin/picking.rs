@@ -51,7 +51,7 @@ pub struct ColliderPickingSettings {
 /// A camera through which colliders are picked, and which of them. Cameras without it pick all colliders that are no sensors.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Deref, DerefMut)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct ColliderPickingCamera(pub SpatialQueryFilter);
+pub struct ColliderPickingCamera(#[entities] pub SpatialQueryFilter);
 
 impl Default for ColliderPickingCamera {
     fn default() -> Self {

@@ -1,10 +1,148 @@
 //! What scenes and inspectors need of the type registry.
 
+mod declared;
+
 use crate::app::Sim;
 use bevy::asset::{HandleTemplate, ReflectAsset, ReflectHandle};
+use bevy::ecs::entity::{EntityHashMap, MapEntities};
+use bevy::ecs::reflect::ReflectMapEntities;
 use bevy::prelude::*;
+use bevy::reflect::TypeRegistration;
 use bevy_faceoff::prelude::*;
 use std::any::TypeId;
+use std::path::Path;
+
+/// Public types that are not registered, and why.
+const EXEMPT: &[(&str, &str)] = &[("SpatialIndex", "its module is private: only SpatialQuery reads it")];
+
+/// Every public component, resource, event and message in the sources is registered as what it is.
+#[test]
+fn every_public_type_of_the_world_is_registered() {
+    let mut sim = Sim::new();
+    #[cfg(feature = "debug_gizmos")]
+    sim.app.add_plugins(bevy_faceoff::plugin::debug::FaceoffGizmosPlugin);
+    #[cfg(feature = "bevy_picking")]
+    sim.app
+        .add_plugins(bevy_faceoff::plugin::picking::ColliderPickingPlugin);
+    let registry = sim.world().resource::<AppTypeRegistry>().read();
+
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut declared = Vec::new();
+    for folder in ["plugin", "types"] {
+        let folder = source.join(folder);
+        declared.extend(declared::read(&folder.join("mod.rs"), &folder));
+    }
+    declared.retain(declared::Declared::is_in_world);
+    assert!(declared.len() > 40, "only {} types are found", declared.len());
+
+    let mut missing = Vec::new();
+    for declared in &declared {
+        let exempt = EXEMPT.iter().any(|(name, _)| *name == declared.name);
+        let registration = registry.get_with_short_type_path(&declared.name);
+        match registration {
+            None if exempt => {}
+            None => missing.push(format!(
+                "{}: not registered, or another type has this name",
+                declared.name
+            )),
+            Some(_) if exempt => missing.push(format!("{}: registered, but exempt", declared.name)),
+            Some(registration) => missing.extend(missing_data(declared, registration)),
+        }
+    }
+    for (name, _) in EXEMPT {
+        if !declared.iter().any(|declared| declared.name == *name) {
+            missing.push(format!("{name}: exempt, but not in the sources"));
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+}
+
+/// What a type derives and its registration does not say.
+fn missing_data(declared: &declared::Declared, registration: &TypeRegistration) -> Vec<String> {
+    let derives = |name: &str| declared.derives.contains(name);
+    let wanted = [
+        (
+            "ReflectComponent",
+            derives("Component"),
+            registration.contains::<ReflectComponent>(),
+        ),
+        (
+            "ReflectResource",
+            derives("Resource"),
+            registration.contains::<ReflectResource>(),
+        ),
+        (
+            "ReflectEvent",
+            derives("Event") || derives("EntityEvent"),
+            registration.contains::<ReflectEvent>(),
+        ),
+        (
+            "ReflectMessage",
+            derives("Message"),
+            registration.contains::<ReflectMessage>(),
+        ),
+        (
+            "ReflectDefault",
+            declared.has_default,
+            registration.contains::<ReflectDefault>(),
+        ),
+    ];
+    let missing = wanted.iter().filter(|(_, wanted, there)| *wanted && !there);
+    missing
+        .map(|(data, ..)| format!("{}: without {data}", declared.name))
+        .collect()
+}
+
+/// Scenes of bodies keep their poses, names and hierarchy in apps without other plugins.
+#[test]
+fn what_bodies_need_of_bevy_is_registered() {
+    let mut sim = Sim::new();
+    let registry = sim.world().resource::<AppTypeRegistry>().read();
+    for id in [
+        TypeId::of::<Transform>(),
+        TypeId::of::<GlobalTransform>(),
+        TypeId::of::<ChildOf>(),
+        TypeId::of::<Children>(),
+        TypeId::of::<Name>(),
+    ] {
+        assert!(registry.get_type_data::<ReflectComponent>(id).is_some());
+    }
+}
+
+/// Entities in components and messages are those of the new world once a scene is loaded.
+#[test]
+fn entities_are_mapped() {
+    let mut sim = Sim::new();
+    let [old, new] = [(); 2].map(|()| sim.world().spawn_empty().id());
+    let mut map = EntityHashMap::from_iter([(old, new)]);
+
+    let mut filter = SpatialQueryFilter::excluding([old]);
+    filter.map_entities(&mut map);
+    assert_eq!(filter, SpatialQueryFilter::excluding([new]));
+
+    let mut caster = RayCaster::new(Vec3::ZERO, Dir3::X);
+    caster.filter = SpatialQueryFilter::excluding([old]);
+    Component::map_entities(&mut caster, &mut map);
+    assert_eq!(caster.filter, SpatialQueryFilter::excluding([new]));
+
+    let mut caster = ShapeCaster::new(CasterShape::Ball { radius: 1.0 }, Vec3::ZERO, Dir3::X);
+    caster.filter = SpatialQueryFilter::excluding([old]);
+    Component::map_entities(&mut caster, &mut map);
+    assert_eq!(caster.filter, SpatialQueryFilter::excluding([new]));
+
+    let touch = |entity| CollisionStart {
+        target: entity,
+        collider1: entity,
+        collider2: entity,
+        body1: entity,
+        body2: entity,
+    };
+    let registry = sim.world().resource::<AppTypeRegistry>().read();
+    let data = registry.get_type_data::<ReflectMapEntities>(TypeId::of::<CollisionStart>());
+    let mut start = touch(old);
+    data.expect("it is registered").map_entities(&mut start, &mut map);
+    assert_eq!(start, touch(new));
+}
 
 /// Handles of meshes are saved in scenes by their path, and made of a path.
 #[test]

@@ -26,6 +26,7 @@ mod walk;
 use crate::plugin::clock;
 use crate::plugin::queries::{SpatialQueryFilter, SpatialQueryPlugin, run_casters, update_after_step};
 use crate::plugin::schedule::FaceoffStep;
+use bevy::ecs::entity::MapEntities;
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use std::f32::consts::FRAC_PI_4;
@@ -92,6 +93,7 @@ pub struct Character {
     /// The distance that it keeps from surfaces, metres. Default 0.01. At least a thousandth of the radius, at most half of it.
     pub skin: f32,
     /// What stops it. Sensors never do.
+    #[entities]
     pub filter: SpatialQueryFilter,
 }
 
@@ -120,15 +122,21 @@ impl Character {
 /// What a [`Character`] stands on; `None` in the air. The step writes it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct CharacterGround(Option<GroundContact>);
+pub struct CharacterGround(
+    #[entities]
+    #[reflect(skip_serializing)]
+    Option<GroundContact>,
+);
 
 /// Where a [`Character`] stands.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq)]
 pub struct GroundContact {
     /// The collider or plane.
+    #[entities]
     pub collider: Entity,
     /// Its body; without one the collider itself.
+    #[entities]
     pub body: Entity,
     /// The face, an index of the source mesh. `None` on a plane.
     pub face: Option<u32>,

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use thiserror::Error;
 
 /// Something in a scene that gives no collider, or not the wanted one.
-#[derive(Clone, Debug)]
+#[derive(Reflect, Clone, Debug)]
+#[reflect(opaque, Debug)]
 pub struct PrefabError {
     /// The entity of the node or mesh, or that of the `WorldAssetRoot`.
     pub entity: Entity,

@@ -31,6 +31,7 @@ impl Plugin for MeshColliderHierarchyPlugin {
         scene_types::register(app);
         app.init_resource::<MeshBakes>()
             .register_type::<MeshColliderHierarchy>()
+            .register_type::<MeshColliderHierarchyReady>()
             .register_type::<ColliderSettings>()
             .add_systems(SpawnScene, work)
             .add_systems(Update, report_no_meshes.run_if(not(resource_exists::<Assets<Mesh>>)));

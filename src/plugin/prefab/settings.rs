@@ -85,7 +85,8 @@ pub struct ColliderSettings {
 
 /// Triggered on the entity of a [`MeshColliderHierarchy`] when all its colliders are made or refused: after the scene is
 /// spawned, and again after later changes below it. It is triggered too if there is nothing to make.
-#[derive(EntityEvent, Clone, Debug)]
+#[derive(EntityEvent, Reflect, Clone, Debug)]
+#[reflect(Event, Debug)]
 pub struct MeshColliderHierarchyReady {
     /// The entity with the [`MeshColliderHierarchy`].
     pub entity: Entity,
