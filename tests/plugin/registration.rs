@@ -8,7 +8,10 @@ use bevy::ecs::entity::{EntityHashMap, MapEntities};
 use bevy::ecs::reflect::ReflectMapEntities;
 use bevy::prelude::*;
 use bevy::reflect::TypeRegistration;
+use bevy::reflect::serde::{TypedReflectDeserializer, TypedReflectSerializer};
+use bevy::reflect::tuple_struct::TupleStruct;
 use bevy_faceoff::prelude::*;
+use serde::de::DeserializeSeed;
 use std::any::TypeId;
 use std::path::Path;
 
@@ -142,6 +145,24 @@ fn entities_are_mapped() {
     let mut start = touch(old);
     data.expect("it is registered").map_entities(&mut start, &mut map);
     assert_eq!(start, touch(new));
+}
+
+/// What the step writes is not saved: a loaded scene begins without it.
+#[test]
+fn what_the_step_writes_is_not_saved() {
+    let mut sim = Sim::new();
+    let entity = sim.world().spawn_empty().id();
+    let mut colliding = CollidingEntities::default();
+    let list = TupleStruct::field_mut(&mut colliding, 0).and_then(|field| field.try_downcast_mut::<Vec<Entity>>());
+    list.expect("it is a list").push(entity);
+
+    let registry = sim.world().resource::<AppTypeRegistry>().read();
+    let saved = ron::to_string(&TypedReflectSerializer::new(&colliding, &registry)).unwrap();
+    let registration = registry.get(TypeId::of::<CollidingEntities>()).unwrap();
+    let mut reader = ron::Deserializer::from_str(&saved).unwrap();
+    let loaded = TypedReflectDeserializer::new(registration, &registry).deserialize(&mut reader);
+    let loaded = CollidingEntities::from_reflect(&*loaded.unwrap());
+    assert_eq!(loaded, Some(CollidingEntities::default()), "{saved}");
 }
 
 /// Handles of meshes are saved in scenes by their path, and made of a path.
