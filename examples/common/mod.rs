@@ -27,6 +27,28 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 #[derive(Component)]
 pub struct NotReady;
 
+/// Where the window's camera is at the start, and the point that it looks at and turns about. In metres.
+///
+/// An example inserts its own. Without a window it does nothing.
+#[derive(Resource, Clone, Copy)]
+pub struct View {
+    pub from: Vec3,
+    pub at: Vec3,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self {
+            from: Vec3::new(0.0, 1.3, 4.0),
+            at: Vec3::ZERO,
+        }
+    }
+}
+
+/// What the keys of an example do, for a line in the corner of the window.
+#[derive(Resource, Clone, Copy, Default)]
+pub struct Help(pub &'static str);
+
 /// The command line.
 #[derive(Resource, Clone, Default)]
 pub struct Options {

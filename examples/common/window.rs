@@ -1,18 +1,35 @@
-//! The window of the examples: camera, lights, and a visible mesh for every body.
+//! The window of the examples: camera, lights, a visible mesh for every body and a ground for every plane below.
 
-use super::{NotReady, Options};
+use super::{Help, NotReady, Options, View};
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::Hdr;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit};
+use bevy::light::CascadeShadowConfigBuilder;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy_faceoff::plugin::debug::FaceoffGizmosPlugin;
 use bevy_faceoff::prelude::*;
 
-/// Colours of bodies, in the order in which their meshes load.
-const COLORS: [Color; 4] = [
-    Color::srgb(0.16, 0.47, 0.87),
-    Color::srgb(0.90, 0.36, 0.20),
-    Color::srgb(0.42, 0.68, 0.30),
-    Color::srgb(0.62, 0.40, 0.78),
+/// Colours of moving bodies, in the order in which their meshes load.
+const COLORS: [Color; 6] = [
+    Color::srgb(0.10, 0.36, 0.78),
+    Color::srgb(0.86, 0.28, 0.12),
+    Color::srgb(0.96, 0.66, 0.12),
+    Color::srgb(0.16, 0.58, 0.36),
+    Color::srgb(0.50, 0.28, 0.70),
+    Color::srgb(0.10, 0.62, 0.68),
 ];
+/// Colour of what does not move.
+const STATIC: Color = Color::srgb(0.55, 0.56, 0.58);
+/// Colours of the two kinds of squares of a ground.
+const GROUND: [Color; 2] = [Color::srgb(0.42, 0.45, 0.50), Color::srgb(0.48, 0.51, 0.56)];
+/// Colour behind all, into which a ground fades.
+const SKY: Color = Color::srgb(0.50, 0.60, 0.72);
+/// A ground is a square of so many squares of 1 m.
+const GROUND_SQUARES: u32 = 80;
 
 pub fn open(app: &mut App, title: &str) {
     app.add_plugins((
@@ -27,25 +44,41 @@ pub fn open(app: &mut App, title: &str) {
         FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()),
         FaceoffGizmosPlugin,
     ))
-    .insert_resource(ClearColor(Color::srgb(0.07, 0.08, 0.10)))
-    .add_systems(Startup, light_and_camera)
-    .add_systems(Update, (dress, count_frames).chain());
+    .insert_resource(ClearColor(SKY))
+    .init_resource::<View>()
+    .init_resource::<Help>()
+    .add_systems(Startup, (light_and_camera, write_help))
+    .add_systems(Update, (turn_camera, (dress, draw_grounds, count_frames).chain()));
 }
 
-fn light_and_camera(mut commands: Commands) {
+fn light_and_camera(mut commands: Commands, view: Res<View>) {
+    let distance = view.from.distance(view.at);
     commands.spawn((
         Camera3d::default(),
-        Transform::from_xyz(0.0, 1.3, 4.0).looking_at(Vec3::ZERO, Vec3::Y),
+        // With it the background and the fog get the same tone.
+        Hdr,
+        Tonemapping::AcesFitted,
+        Msaa::Sample4,
+        Transform::from_translation(view.from).looking_at(view.at, Vec3::Y),
         AmbientLight {
-            brightness: 400.0,
+            color: Color::srgb(0.85, 0.92, 1.0),
+            brightness: 500.0,
+            ..default()
+        },
+        DistanceFog {
+            color: SKY,
+            falloff: FogFalloff::Linear {
+                start: 2.0 * distance,
+                end: (6.0 * distance).min(0.5 * GROUND_SQUARES as f32),
+            },
             ..default()
         },
     ));
     // One light with shadows, and two weaker ones, so that no side is black.
     for (illuminance, from, shadow_maps_enabled) in [
-        (8_000.0, Vec3::new(3.0, 6.0, 5.0), true),
-        (3_000.0, Vec3::new(-6.0, 1.0, 2.0), false),
-        (3_000.0, Vec3::new(2.0, -5.0, 3.0), false),
+        (9_000.0, Vec3::new(3.0, 6.0, 4.0), true),
+        (1_800.0, Vec3::new(-6.0, 2.0, 2.0), false),
+        (1_000.0, Vec3::new(2.0, -5.0, 3.0), false),
     ] {
         commands.spawn((
             DirectionalLight {
@@ -53,33 +86,179 @@ fn light_and_camera(mut commands: Commands) {
                 shadow_maps_enabled,
                 ..default()
             },
+            CascadeShadowConfigBuilder {
+                num_cascades: 2,
+                first_cascade_far_bound: distance,
+                maximum_distance: 3.0 * distance,
+                ..default()
+            }
+            .build(),
             Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y),
         ));
     }
 }
 
+fn write_help(mut commands: Commands, help: Res<Help>) {
+    let separator = if help.0.is_empty() { "" } else { ", " };
+    commands.spawn((
+        Text::new(format!("{}{separator}mouse or arrows: look around", help.0)),
+        TextFont::from_font_size(15.0),
+        TextColor(Color::srgb(0.08, 0.10, 0.14)),
+        Node {
+            position_type: PositionType::Absolute,
+            left: px(12),
+            bottom: px(10),
+            ..default()
+        },
+    ));
+}
+
+/// Turns the camera about the point that it looks at: with the left mouse button or the arrow keys. The wheel moves it
+/// nearer or away. Otherwise it leaves the camera alone, so that an example may move it.
+fn turn_camera(
+    mut view: ResMut<View>,
+    mut camera: Single<&mut Transform, With<Camera3d>>,
+    keys: Res<ButtonInput<KeyCode>>,
+    buttons: Res<ButtonInput<MouseButton>>,
+    motion: Res<AccumulatedMouseMotion>,
+    scroll: Res<AccumulatedMouseScroll>,
+    time: Res<Time>,
+) {
+    let key = |plus, minus| f32::from(u8::from(keys.pressed(plus))) - f32::from(u8::from(keys.pressed(minus)));
+    let arrows = Vec2::new(
+        key(KeyCode::ArrowLeft, KeyCode::ArrowRight),
+        key(KeyCode::ArrowUp, KeyCode::ArrowDown),
+    );
+    let mut turn = 1.5 * time.delta_secs() * arrows;
+    if buttons.pressed(MouseButton::Left) {
+        turn -= 0.005 * motion.delta;
+    }
+    let notches = match scroll.unit {
+        MouseScrollUnit::Line => scroll.delta.y,
+        MouseScrollUnit::Pixel => scroll.delta.y / 100.0,
+    };
+    if turn == Vec2::ZERO && notches == 0.0 {
+        return;
+    }
+    let arm = view.from - view.at;
+    let distance = arm.length().max(0.1);
+    // Not quite straight up or down, where the direction of the turn is lost.
+    let height = ((arm.y / distance).clamp(-1.0, 1.0).asin() - turn.y).clamp(-1.5, 1.5);
+    let around = arm.x.atan2(arm.z) + turn.x;
+    let out = Vec3::new(around.sin() * height.cos(), height.sin(), around.cos() * height.cos());
+    view.from = view.at + distance * 0.9_f32.powf(notches.clamp(-10.0, 10.0)) * out;
+    **camera = Transform::from_translation(view.from).looking_at(view.at, Vec3::Y);
+}
+
+/// Visible meshes and materials that entities share.
+#[derive(Default)]
+struct Wardrobe {
+    meshes: HashMap<AssetId<CollisionMesh>, Handle<Mesh>>,
+    moving: Vec<Handle<StandardMaterial>>,
+    fixed: Option<Handle<StandardMaterial>>,
+    next: usize,
+}
+
 /// Draws the triangles that collide, as soon as they are loaded.
 fn dress(
     mut commands: Commands,
+    mut wardrobe: Local<Wardrobe>,
     bare: Query<(Entity, &MeshCollider), Without<Mesh3d>>,
-    dressed: Query<(), With<Mesh3d>>,
+    bodies: Query<&RigidBody>,
+    parents: Query<&ChildOf>,
     baked: Res<Assets<CollisionMesh>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let mut next = dressed.iter().len();
+    let Wardrobe {
+        meshes: known,
+        moving,
+        fixed,
+        next,
+    } = &mut *wardrobe;
+    let mut paint = |base_color| {
+        materials.add(StandardMaterial {
+            base_color,
+            perceptual_roughness: 0.55,
+            ..default()
+        })
+    };
+    if moving.is_empty() {
+        moving.extend(COLORS.map(&mut paint));
+    }
     for (entity, collider) in &bare {
         let Some(mesh) = baked.get(&collider.0) else { continue };
-        commands.entity(entity).insert((
-            Mesh3d(meshes.add(mesh.to_bevy_mesh())),
+        let mesh = known
+            .entry(collider.0.id())
+            .or_insert_with(|| meshes.add(mesh.to_bevy_mesh()));
+        let body = std::iter::once(entity)
+            .chain(parents.iter_ancestors(entity))
+            .find_map(|e| bodies.get(e).ok());
+        let material = match body {
+            None | Some(RigidBody::Static) => fixed.get_or_insert_with(|| paint(STATIC)),
+            Some(_) => {
+                *next += 1;
+                &moving[(*next - 1) % COLORS.len()]
+            }
+        };
+        commands
+            .entity(entity)
+            .insert((Mesh3d(mesh.clone()), MeshMaterial3d(material.clone())));
+    }
+}
+
+/// A plane whose ground is drawn, or which is not drawn because it is a wall or a ceiling.
+#[derive(Component)]
+struct Drawn;
+
+/// Draws a ground for every plane that faces upward. It is a child, so that it follows the plane.
+fn draw_grounds(
+    mut commands: Commands,
+    planes: Query<(Entity, &PlaneCollider, Option<&GlobalTransform>), Without<Drawn>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    for (entity, plane, pose) in &planes {
+        commands.entity(entity).insert(Drawn);
+        let normal = plane.normal.normalize_or_zero();
+        let turn = pose.map_or(Quat::IDENTITY, GlobalTransform::rotation);
+        if (turn * normal).y < 0.7 {
+            continue;
+        }
+        // A plane need not have a place of its own, but what is drawn below it does.
+        let place = (Transform::default(), Visibility::default());
+        commands.entity(entity).insert_if_new(place).with_child((
+            Mesh3d(meshes.add(checkered(GROUND_SQUARES))),
             MeshMaterial3d(materials.add(StandardMaterial {
-                base_color: COLORS[next % COLORS.len()],
-                perceptual_roughness: 0.6,
+                perceptual_roughness: 0.95,
+                reflectance: 0.1,
                 ..default()
             })),
+            Transform::from_translation(plane.distance * normal)
+                .with_rotation(Quat::from_rotation_arc(Vec3::Y, normal)),
         ));
-        next += 1;
     }
+}
+
+/// A square in the plane y = 0, of `count` by `count` squares of 1 m in two colours.
+fn checkered(count: u32) -> Mesh {
+    let half = 0.5 * count as f32;
+    let (mut positions, mut colors, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+        let first = positions.len() as u32;
+        let low = Vec2::new(i as f32, j as f32) - half;
+        for (x, z) in [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)] {
+            positions.push([low.x + x, 0.0, low.y + z]);
+            colors.push(GROUND[(i + j) as usize % 2].to_linear().to_f32_array());
+        }
+        indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    }
+    let normals = vec![[0.0, 1.0, 0.0]; positions.len()];
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
+        .with_inserted_indices(Indices::U32(indices))
 }
 
 /// Ends the app after `--frames` frames, counted from when all bodies are visible.
