@@ -66,7 +66,7 @@ const PUSH: Vec3 = Vec3::new(6.0, 0.0, 1.5);
 
 /// Prints once a second where the chain ends. A ring further from the one above than at rest has left it.
 fn measure(rings: Query<(&Ring, &Transform)>, report: Res<StepReport>, mut exit: MessageWriter<AppExit>) {
-    if report.step % 64 != 0 {
+    if !report.step.is_multiple_of(64) {
         return;
     }
     let mut at = [Vec3::ZERO; RINGS];

@@ -75,7 +75,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
 
 /// Drops a knot every few steps, from a point that goes round above the bin.
 fn pour(mut commands: Commands, mut jug: ResMut<Jug>, report: Res<StepReport>) {
-    if jug.left == 0 || report.step % PAUSE != 0 {
+    if jug.left == 0 || !report.step.is_multiple_of(PAUSE) {
         return;
     }
     jug.left -= 1;
@@ -94,7 +94,7 @@ fn pour(mut commands: Commands, mut jug: ResMut<Jug>, report: Res<StepReport>) {
 
 /// Prints once a second how many knots are in the bin, and how many are asleep.
 fn print(knots: Query<(&Transform, &Sleeping), With<Knot>>, report: Res<StepReport>, mut exit: MessageWriter<AppExit>) {
-    if report.step % 64 != 0 {
+    if !report.step.is_multiple_of(64) {
         return;
     }
     let inside = |at: Vec3| at.x.abs().max(at.z.abs()) < 0.5 * BIN.0 && (0.0..BIN.1 + SIZE).contains(&at.y);

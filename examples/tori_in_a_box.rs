@@ -80,7 +80,7 @@ fn print(
     mut exit: MessageWriter<AppExit>,
 ) {
     count.started += started.read().count();
-    if report.step % 64 != 0 {
+    if !report.step.is_multiple_of(64) {
         return;
     }
     let speed: f32 = tori.iter().map(|(_, velocity)| velocity.length()).sum();
