@@ -164,7 +164,6 @@ fn is_on(feature: &str) -> bool {
         "bevy_render" => cfg!(feature = "bevy_render"),
         "cli" => cfg!(feature = "cli"),
         "debug_gizmos" => cfg!(feature = "debug_gizmos"),
-        "debug_panel" => cfg!(feature = "debug_panel"),
         "gpu" => cfg!(feature = "gpu"),
         "interpolation" => cfg!(feature = "interpolation"),
         _ => panic!("this test does not know the feature {feature}"),
