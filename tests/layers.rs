@@ -21,6 +21,8 @@ mod cycles;
 mod fixture;
 #[path = "layers/graph.rs"]
 mod graph;
+#[path = "layers/guide.rs"]
+mod guide;
 #[path = "layers/leaves.rs"]
 mod leaves;
 #[path = "layers/rules.rs"]

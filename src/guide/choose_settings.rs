@@ -118,7 +118,8 @@
 //!
 //! * Whether parts of a machine interfere: [`queries::check`](crate::queries), without an app.
 //! * Contact points for a solver of your own: [`Response::None`](crate::types::settings::Response), and
-//!   [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds) after each step.
+//!   [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds) after each step. There is a program in
+//!   [`how_it_works`](super::how_it_works#a-solver-of-your-own).
 //! * A library of meshes: `faceoff bake`, or Bevy's asset processor.
 //!
 //! # More accurate, or cheaper

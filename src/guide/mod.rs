@@ -1,7 +1,10 @@
-//! Guides: how to choose settings, what changes for those who come from another engine, and what to do about surprises.
+//! Guides: how it works, how to choose settings, what changes for those who come from another engine, and what to do about
+//! surprises.
 //!
 //! | you want to | read |
 //! |---|---|
+//! | know what it does, in pictures | [`how_it_works`] |
+//! | decide between this, Avian and bevy_rapier | [`comparison`] |
 //! | set the plugin up for your kind of game, server or tool | [`choose_settings`] |
 //! | move a game from Avian | [`from_avian`] |
 //! | move a game from bevy_rapier | [`from_bevy_rapier`] |
@@ -10,6 +13,8 @@
 //! The README has the tables of everything that there is, and the examples are programs to start from.
 
 pub mod choose_settings;
+pub mod comparison;
 pub mod from_avian;
 pub mod from_bevy_rapier;
+pub mod how_it_works;
 pub mod troubleshooting;
