@@ -29,6 +29,8 @@ mod leaves;
 mod rules;
 #[path = "layers/tree.rs"]
 mod tree;
+#[path = "layers/versions.rs"]
+mod versions;
 
 use graph::Graph;
 use rules::Rules;
