@@ -34,7 +34,7 @@
 //! let angle = 75f32.to_radians();
 //! let image = HeightImage::draw(&torus, Vec3::new(0.0, -angle.sin(), angle.cos()), 28);
 //! let covered = image.faces.iter().filter(|&&face| face != HeightImage::NONE).count();
-//! assert_eq!(covered, 244);
+//! assert_eq!(covered, 250);
 //! ```
 //!
 //! ## Faces of collision
@@ -237,11 +237,11 @@
 //! fn hold(
 //!     collisions: Res<Collisions>,
 //!     gravity: Res<Gravity>,
-//!     time: Res<Time>,
+//!     clock: Res<Time<Fixed>>,
 //!     planes: Query<(), With<PlaneCollider>>,
 //!     mut bodies: Query<&mut LinearVelocity>,
 //! ) {
-//!     let fall = gravity.0 * time.delta_secs();
+//!     let fall = gravity.0 * clock.timestep().as_secs_f32();
 //!     for collision in collisions.iter().filter(|collision| planes.contains(collision.collider2)) {
 //!         let Ok(mut velocity) = bodies.get_mut(collision.body1) else { continue };
 //!         // The normal leads from the first collider to the second.
