@@ -52,6 +52,9 @@ pub enum NoGpu {
         "there is no graphics card: nothing in /dev through which a driver would reach one. Backend::Gpu looks for adapters all the same"
     )]
     NoCard,
+    /// The program runs in a browser, where a step cannot wait for a GPU.
+    #[error("a step cannot wait for a GPU in a browser: use Backend::Auto or Backend::Cpu")]
+    Web,
     /// The adapter computes on the CPU. [`Backend::Auto`](crate::plugin::settings::Backend) does not use it.
     #[error("the adapter {0} computes on the CPU: Backend::Gpu uses it, Backend::Auto does not")]
     OnlySoftware(String),

@@ -89,6 +89,16 @@
 //! The same build on the same machine gives the same bits on any number of threads, if bodies are spawned in the same
 //! order. [`Snapshot`](crate::plugin::snapshot::Snapshot) takes the state and restores it.
 //!
+//! # In a browser
+//!
+//! Build for `wasm32-unknown-unknown`, with the feature `web` of Bevy. All stages run on the page's thread:
+//! [`Backend::Auto`](crate::plugin::settings::Backend) chooses the CPU, because a step cannot wait for a GPU there.
+//!
+//! * Bake meshes ahead of time, with `faceoff bake` or Bevy's asset processor. The page stands still during a bake.
+//! * A step has one core, and the instructions of WebAssembly: expect a fraction of the bodies of a desktop.
+//!
+//! `.ci/web` in the repository runs an example of the library in Node.js. It has not been tried in a browser.
+//!
 //! # Tests
 //!
 //! An app on a clock of its own runs one step per update, as fast as it can:

@@ -16,6 +16,7 @@ use crate::plugin::settings::{Backend, Readback};
 use crate::state::StepInput;
 use crate::step::StepState;
 use crate::step::hooks::StepHooks;
+use crate::step::pool::step_pool;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use rayon::ThreadPool;
@@ -97,9 +98,9 @@ pub struct BackendFailed {
 
 /// Runs the stages on the chosen backend.
 pub(crate) struct Engine {
-    /// Threads of the CPU stages. Rayon's global pool runs jobs from other threads last, so a bake on it would delay
-    /// every step.
-    pub pool: ThreadPool,
+    /// Threads of the CPU stages. `None`: the thread of the schedule is the only one. Rayon's global pool runs jobs from
+    /// other threads last, so a bake on it would delay every step.
+    pool: Option<ThreadPool>,
     /// Number of stages of the last step that used the pool.
     parallel_stages: u32,
     backend: Backend,
@@ -139,11 +140,7 @@ impl Engine {
     /// # Errors
     /// If the threads cannot be created.
     pub fn new(backend: Backend, threads: usize, readback: Readback) -> Result<Self, String> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .thread_name(|i| format!("faceoff step {i}"))
-            .build()
-            .map_err(|error| format!("the threads of the step cannot be created: {error}"))?;
+        let pool = step_pool(threads).map_err(|e| format!("the threads of the step cannot be created: {e}"))?;
         #[cfg(not(feature = "gpu"))]
         let _ = readback;
         Ok(Self {
@@ -194,6 +191,8 @@ impl Engine {
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
         if self.backend == Backend::Cpu {
             self.fall_back("Backend::Cpu asks for it");
+        } else if cfg!(target_family = "wasm") {
+            self.opened(Err(NoGpu::Web));
         } else if self.readback() == Readback::Lockstep {
             self.opened(source.open(software, false));
         } else {
@@ -242,7 +241,7 @@ impl Engine {
             ActiveBackend::None { reason }
         } else {
             ActiveBackend::Cpu {
-                threads: self.pool.current_num_threads(),
+                threads: self.threads(),
                 reason,
             }
         };
@@ -262,6 +261,11 @@ impl Engine {
         }
         self.announced = true;
         Some(self.active.clone())
+    }
+
+    /// Number of threads of the CPU stages.
+    pub fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, ThreadPool::current_num_threads)
     }
 
     /// The backend.
@@ -311,7 +315,7 @@ impl Engine {
             }
         }
         if self.runs() {
-            self.parallel_stages += u32::from(crate::step::cpu::run_on(&self.pool, stage, state, hooks));
+            self.parallel_stages += u32::from(crate::step::cpu::run_on(self.pool.as_ref(), stage, state, hooks));
         }
     }
 
@@ -469,7 +473,7 @@ impl Engine {
         }
         let reason = format!("{name} failed, and the stages continue on the CPU: {error}");
         self.active = ActiveBackend::Cpu {
-            threads: self.pool.current_num_threads(),
+            threads: self.threads(),
             reason: reason.clone(),
         };
         self.failure = Some(reason);

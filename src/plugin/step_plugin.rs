@@ -253,9 +253,7 @@ fn register_types(app: &mut App) {
 
 /// Number of threads of the CPU stages. 0 without a [`StepPlugin`].
 pub fn threads(world: &World) -> usize {
-    world
-        .get_resource::<Step>()
-        .map_or(0, |step| step.engine.pool.current_num_threads())
+    world.get_resource::<Step>().map_or(0, |step| step.engine.threads())
 }
 
 /// The device on which the stages run, if they run on a GPU.

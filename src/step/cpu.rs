@@ -16,7 +16,7 @@ use crate::types::settings::Response;
 use crate::types::stage::Stage;
 use crate::{angles, broad_phase, force_scan, integrate, manifolds, triangle_test};
 use rayon::ThreadPool;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Runs a whole step.
 pub fn run_all(step: &mut StepState) {
@@ -47,15 +47,14 @@ fn in_pool<R: Send>(stage: Stage, step: &mut StepState, f: impl FnOnce(&mut Step
     }
 }
 
-/// [`run_with`] on `pool`. Returns whether the stage needed it.
-pub fn run_on(pool: &ThreadPool, stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) -> bool {
-    let needs_pool = pool.current_num_threads() > 1 && !is_small(stage, step);
-    if needs_pool {
-        pool.install(|| run_here(stage, step, hooks));
-    } else {
-        run_here(stage, step, hooks);
+/// [`run_with`] on `pool`, or on this thread if there is none. Returns whether the stage needed the pool.
+pub fn run_on(pool: Option<&ThreadPool>, stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) -> bool {
+    let pool = pool.filter(|_| !is_small(stage, step));
+    match pool {
+        Some(pool) => pool.install(|| run_here(stage, step, hooks)),
+        None => run_here(stage, step, hooks),
     }
-    needs_pool
+    pool.is_some()
 }
 
 fn run_here(stage: Stage, step: &mut StepState, hooks: &mut dyn StepHooks) {

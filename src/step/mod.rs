@@ -59,6 +59,8 @@ pub mod gpu;
 pub mod hooks;
 pub mod memory;
 pub mod order;
+#[cfg(feature = "bevy")]
+pub(crate) mod pool;
 mod reach;
 pub(crate) mod remap;
 mod schedule;

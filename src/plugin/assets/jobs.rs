@@ -66,6 +66,8 @@ impl Queue {
                     job();
                 }
             });
+            // Where no thread can be started, this one is the pool's.
+            while let Some(rayon::Yield::Executed) = pool.yield_now() {}
         }
     }
 

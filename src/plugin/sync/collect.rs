@@ -25,7 +25,7 @@ use bevy::ecs::system::SystemParam;
 use bevy::math::{DAffine3, DMat3};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Bodies, and colliders without a parent.
 type IsBody = Or<(With<RigidBody>, (With<MeshCollider>, Without<ChildOf>))>;

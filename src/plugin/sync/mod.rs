@@ -41,7 +41,7 @@ use driven::DrivenBodies;
 use entity_hooks::{EntityHooks, Numbered};
 use hierarchy::NestedBodies;
 use std::collections::BTreeMap;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The stages' arrays, and the entities to which their elements belong.
 #[derive(Resource)]

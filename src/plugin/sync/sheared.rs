@@ -8,8 +8,8 @@ use bevy::ecs::entity::EntityHashMap;
 use bevy::math::DMat3;
 use bevy::platform::cell::SyncCell;
 use bevy::prelude::*;
-use bevy::tasks::BoxedFuture;
 use bevy::tasks::futures::check_ready;
+use bevy::tasks::futures_lite::future::Boxed;
 
 /// How far two shears of the same mesh may differ, as a fraction of its size. They are one then.
 const TOLERANCE: f64 = 1.0e-5;
@@ -44,7 +44,7 @@ struct ShearedCopy {
 
 enum State {
     /// Dropping it cancels the bake.
-    Baking(SyncCell<BoxedFuture<'static, Result<CollisionMesh, LoadError>>>),
+    Baking(SyncCell<Boxed<Result<CollisionMesh, LoadError>>>),
     /// Its slot in the arena.
     Baked(u32),
     Failed,

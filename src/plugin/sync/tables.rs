@@ -7,8 +7,8 @@ use crate::projection::BakeSettings;
 use bevy::platform::cell::SyncCell;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use bevy::tasks::BoxedFuture;
 use bevy::tasks::futures::check_ready;
+use bevy::tasks::futures_lite::future::Boxed;
 
 /// One entry for each mesh without a table.
 #[derive(Default)]
@@ -24,7 +24,7 @@ struct Entry {
 
 enum State {
     /// Dropping it cancels the bake.
-    Baking(SyncCell<BoxedFuture<'static, Result<CollisionMesh, LoadError>>>),
+    Baking(SyncCell<Boxed<Result<CollisionMesh, LoadError>>>),
     /// The source with its table.
     Baked(CollisionMesh),
     Failed,
