@@ -53,7 +53,7 @@
 //!
 //! * `bevy`, on by default: [`plugin`] and [`prelude`]. Without it no crate of Bevy is built.
 //! * `gpu`, on by default: the stages on a GPU, through wgpu.
-//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `debug_gizmos`: what works with these parts of Bevy.
+//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `bevy_scene`, `debug_gizmos`: what works with these parts of Bevy.
 //! * `interpolation`: motion that looks smooth at any frame rate.
 //! * `cli`: the command line `faceoff`.
 

@@ -6,6 +6,7 @@
 //! | know what it does, in pictures | [`how_it_works`] |
 //! | decide between this, Avian and bevy_rapier | [`comparison`] |
 //! | set the plugin up for your kind of game, server or tool | [`choose_settings`] |
+//! | write bodies in `bsn!`, or save a world and load it again | [`scenes`] |
 //! | move a game from Avian | [`from_avian`] |
 //! | move a game from bevy_rapier | [`from_bevy_rapier`] |
 //! | understand a warning, an error or a surprise | [`troubleshooting`] |
@@ -17,4 +18,5 @@ pub mod comparison;
 pub mod from_avian;
 pub mod from_bevy_rapier;
 pub mod how_it_works;
+pub mod scenes;
 pub mod troubleshooting;

@@ -145,6 +145,14 @@ pub(crate) fn tick(world: &mut World) {
     let paused = time.is_paused();
     let advanced_by = time.delta();
     let clock = time.context_mut();
+    // A scene or an inspector may set what `set_relative_speed` refuses.
+    if !(0.0..=f64::from(MAX_SPEED)).contains(&clock.speed) {
+        error!(
+            "the speed {} of Time<Physics> is not a number from 0 to {MAX_SPEED}, and is set to 1",
+            clock.speed
+        );
+        clock.speed = 1.0;
+    }
     let (steps, length) = if !paused {
         cut(timestep, clock.speed)
     } else {

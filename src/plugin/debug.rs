@@ -60,7 +60,7 @@ impl Default for FaceoffGizmos {
 /// each other.
 ///
 /// Nothing is drawn if the body's mesh has no face table.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Reflect, FromTemplate, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, PartialEq)]
 pub struct ShowFacesTowards(#[entities] pub Entity);
 

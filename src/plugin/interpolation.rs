@@ -74,6 +74,8 @@ impl Plugin for InterpolationPlugin {
         if self.interpolate_all {
             app.register_required_components::<RigidBody, TransformInterpolation>();
         }
+        app.register_type::<TransformInterpolation>()
+            .register_type::<NoTransformEasing>();
         let keep = publish::keep_poses.after(publish::write_back);
         app.register_required_components::<TransformInterpolation, publish::PoseOfStep>();
         app.add_systems(FaceoffStep, show_teleports_at_once.in_set(FaceoffSystems::Collect))

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | add the plugins | [`FaceoffPlugins`], [`FaceoffHeadlessPlugins`] |
 //! | spawn bodies | [`components`], and [`types`](crate::types) for the components that the core shares |
+//! | write bodies in `bsn!`, save a world and load it again | [`guide::scenes`](crate::guide::scenes) |
 //! | load meshes | [`assets`] |
 //! | give colliders to a glTF scene | `prefab`, with the feature `bevy_gltf` |
 //! | set gravity, backend and other global settings | [`settings`], and [`types::settings`](crate::types::settings) |
@@ -43,6 +44,7 @@ pub mod picking;
 #[cfg(feature = "bevy_gltf")]
 pub mod prefab;
 pub mod queries;
+mod registration;
 mod renderer;
 mod schedule;
 pub mod settings;

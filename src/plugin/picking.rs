@@ -29,6 +29,7 @@ use bevy::camera::Camera;
 use bevy::picking::PickingSystems;
 use bevy::picking::backend::prelude::*;
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Sends pointer events to the colliders and planes under the pointers. Add it after Bevy's picking plugins, which
 /// `DefaultPlugins` contains, and after [`FaceoffPlugins`](crate::plugin::FaceoffPlugins).
@@ -40,8 +41,9 @@ use bevy::prelude::*;
 pub struct ColliderPickingPlugin;
 
 /// Which colliders get pointer events.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[reflect(Resource, Default, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ColliderPickingSettings {
     /// Whether only colliders with Bevy's `Pickable` do, and only through cameras with [`ColliderPickingCamera`].
     /// Default: all do.

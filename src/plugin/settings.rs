@@ -4,10 +4,11 @@ pub use crate::types::limits::StepLimits;
 pub use crate::types::solver_settings::SolverSettings;
 
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Gravitational acceleration of dynamic bodies in metres per second squared. Default `(0, -9.81, 0)`.
-#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
-#[reflect(Resource, Default, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gravity(pub Vec3);
 
 impl Default for Gravity {
@@ -32,8 +33,8 @@ impl Default for Gravity {
 /// [`Collisions`](crate::plugin::collisions::Collisions), which always holds the pairs that touched in the last step.
 /// With an infinite time only the ends in this list are sent. A negative time counts as 0, and NaN counts as the
 /// default.
-#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut)]
-#[reflect(Resource, Default, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Deref, DerefMut, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EventHysteresis(pub f32);
 
 impl Default for EventHysteresis {
@@ -48,8 +49,8 @@ impl Default for EventHysteresis {
 /// CPU and GPU find the same pairs, up to rounding. Where single precision cannot decide whether two faces touch, the
 /// CPU decides in double precision. The GPU counts them as touching; they may be some millionths of the bodies' size
 /// apart.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Resource, Default, Debug, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Backend {
     /// A GPU if there is one, else the CPU. Software adapters, which compute on the CPU, do not count as a GPU. The
@@ -89,8 +90,8 @@ pub enum Backend {
 /// without velocity the components hold the current state, so a change sets the value too, and is a move
 /// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). A dynamic body whose `Transform` is written is
 /// placed: it keeps its velocity, and collisions with what is no longer near it end at once.
-#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Default, Debug, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Default, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Readback {
     /// [`Readback::Latent`] where the stages share the device of Bevy's renderer (feature `bevy_render`), else

@@ -5,9 +5,9 @@ use crate::gpu::device::Gpu;
 use crate::plugin::backend::{ActiveBackend, BackendFailed, BackendReady, Engine};
 use crate::plugin::clock::{self, Physics};
 use crate::plugin::collisions::{Collisions, StepReport};
-use crate::plugin::components::*;
 use crate::plugin::events::{BodyRejected, CollisionEnd, CollisionStart};
 use crate::plugin::hooks;
+use crate::plugin::registration;
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
 use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
@@ -16,10 +16,7 @@ use crate::plugin::sync::latent;
 use crate::plugin::sync::{Step, collect, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::Poses;
-use crate::types::body::*;
-use crate::types::hooks::ActiveCollisionHooks;
 use crate::types::limits::StepLimits;
-use crate::types::material::{Friction, Restitution};
 use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
 use crate::types::stage::Stage;
@@ -54,7 +51,7 @@ impl Plugin for StepPlugin {
             .add_message::<BodyRejected>()
             .add_message::<BackendReady>()
             .add_message::<BackendFailed>();
-        register_types(app);
+        registration::register(app);
 
         match Engine::new(self.backend, self.threads, self.readback) {
             Ok(mut engine) => {
@@ -193,62 +190,6 @@ fn publish_while_time_stands(world: &mut World) {
     if stands {
         publish::land(world);
     }
-}
-
-fn register_types(app: &mut App) {
-    app.register_type::<RigidBody>()
-        .register_type::<MeshCollider>()
-        .register_type::<PlaneCollider>()
-        .register_type::<LinearVelocity>()
-        .register_type::<AngularVelocity>()
-        .register_type::<CenterOfMass>()
-        .register_type::<ComputedCenterOfMass>()
-        .register_type::<ColliderDisabled>()
-        .register_type::<RigidBodyDisabled>()
-        .register_type::<Teleport>()
-        .register_type::<Mass>()
-        .register_type::<Density>()
-        .register_type::<AngularInertia>()
-        .register_type::<Restitution>()
-        .register_type::<Friction>()
-        .register_type::<GravityScale>()
-        .register_type::<LinearDamping>()
-        .register_type::<AngularDamping>()
-        .register_type::<MaxLinearSpeed>()
-        .register_type::<MaxAngularSpeed>()
-        .register_type::<LockedAxes>()
-        .register_type::<ExternalForces>()
-        .register_type::<Sleeping>()
-        .register_type::<SleepingDisabled>()
-        .register_type::<ContinuousCollision>()
-        .register_type::<ActiveCollisionHooks>()
-        .register_type::<CollisionLayers>()
-        .register_type::<Sensor>()
-        .register_type::<BodyCulling>()
-        .register_type::<CollidingEntities>()
-        .register_type::<CollisionEventsEnabled>()
-        .register_type::<Culling>()
-        .register_type::<EventHysteresis>()
-        .register_type::<Gravity>()
-        .register_type::<Response>()
-        .register_type::<SolverSettings>()
-        .register_type::<StepLimits>()
-        .register_type::<Backend>()
-        .register_type::<ActiveBackend>()
-        .register_type::<Collisions>()
-        .register_type::<StepReport>()
-        .register_type::<CollisionStart>()
-        .register_type::<CollisionEnd>()
-        .register_type::<BodyRejected>()
-        .register_type::<BackendReady>()
-        .register_type::<BackendFailed>()
-        .register_type::<Time<Physics>>();
-    // Bevy registers these with its feature `reflect_auto_register` only. Scenes of bodies would lose them without it.
-    app.register_type::<Transform>()
-        .register_type::<GlobalTransform>()
-        .register_type::<ChildOf>()
-        .register_type::<Children>()
-        .register_type::<Name>();
 }
 
 /// Number of threads of the CPU stages. 0 without a [`StepPlugin`].

@@ -32,10 +32,18 @@ pub use progress::{Cancelled, Progress};
 use crate::geometry::SHELL_THICKNESS;
 use crate::geometry::direction::DirectionGrid;
 use crate::geometry::mesh::WELD_TOLERANCE;
+#[cfg(feature = "bevy")]
+use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// How to bake a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Reflect),
+    reflect(Default, Debug, PartialEq, Serialize, Deserialize)
+)]
 #[serde(default, deny_unknown_fields)]
 pub struct BakeSettings {
     /// Whether to bake the table of faces of collision.
@@ -58,7 +66,12 @@ pub struct BakeSettings {
 }
 
 /// How to treat a closed mesh whose faces point inward.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Reflect),
+    reflect(Default, Debug, PartialEq, Serialize, Deserialize)
+)]
 pub enum Inward {
     /// As a room. Bodies inside are free, and its walls push in the direction in which their faces point. Nothing is
     /// ever reported as wholly inside. It has no mass of its own. It gets that of a solid that fills it, marked as

@@ -1,8 +1,11 @@
 //! Components of a body: its kind, velocities, forces, locked axes and collision layers.
 
 #[cfg(feature = "bevy")]
+use bevy::ecs::VariantDefaults;
+#[cfg(feature = "bevy")]
 use bevy::prelude::*;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// How a body moves.
 ///
@@ -38,11 +41,11 @@ use glam::Vec3;
 ///
 /// A pair of colliders is tested if at least one of them is dynamic, or if one is a
 /// [`Sensor`](crate::plugin::components::Sensor) and the other is kinematic.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
-    derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq),
+    derive(Component, Reflect, VariantDefaults),
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize),
     require(Transform, LinearVelocity, AngularVelocity, Sleeping, ComputedCenterOfMass)
 )]
 pub enum RigidBody {
@@ -65,30 +68,30 @@ pub enum RigidBody {
 }
 
 /// Velocity of the centre of mass in metres per second.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect, Deref, DerefMut),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 pub struct LinearVelocity(pub Vec3);
 
 /// Angular velocity about the centre of mass in radians per second, as axis times speed, in world axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect, Deref, DerefMut),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 pub struct AngularVelocity(pub Vec3);
 
 /// Overrides the centre of mass of a body, in the coordinates of its entity: before its `Transform` is applied. The inertia
 /// is that of its colliders about this point. Without this component the centre of mass is that of the colliders.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect, Deref, DerefMut),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 pub struct CenterOfMass(pub Vec3);
 
@@ -108,11 +111,11 @@ pub struct CenterOfMass(pub Vec3);
 ///     }
 /// }
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect, Deref),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 pub struct ComputedCenterOfMass(pub(crate) Vec3);
 
@@ -136,23 +139,24 @@ impl ComputedCenterOfMass {
 /// * a body that it touches moves or is removed,
 /// * its shape or [`Gravity`](crate::plugin::settings::Gravity) changes,
 /// * this component is set to false. Setting it to true has no effect.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect, Deref),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 pub struct Sleeping(pub bool);
 
 /// External forces and impulses on a body, in addition to gravity.
 ///
 /// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct ExternalForces {
     /// Force at the centre of mass in newtons, in world axes.
     pub force: Vec3,
@@ -188,12 +192,14 @@ impl ExternalForces {
 ///
 /// Combine them with `|`: `LockedAxes::ROTATION | LockedAxes::TRANSLATION_Z`. For contacts and forces the body has
 /// infinite mass along a locked axis, or infinite inertia about it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq)
+    // Opaque, so that no other bits are ever set.
+    reflect(opaque, Component, Clone, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(from = "u8", into = "u8")]
 pub struct LockedAxes(u8);
 
 impl LockedAxes {
@@ -241,6 +247,20 @@ impl LockedAxes {
     }
 }
 
+impl From<u8> for LockedAxes {
+    /// [`LockedAxes::from_bits`].
+    fn from(bits: u8) -> Self {
+        Self::from_bits(bits)
+    }
+}
+
+impl From<LockedAxes> for u8 {
+    /// [`LockedAxes::bits`].
+    fn from(axes: LockedAxes) -> Self {
+        axes.bits()
+    }
+}
+
 impl std::ops::BitOr for LockedAxes {
     type Output = Self;
 
@@ -252,12 +272,13 @@ impl std::ops::BitOr for LockedAxes {
 /// Which colliders may collide. Two collide if each is in a layer that the other one's filter contains.
 ///
 /// A collider without this component has that of its body. By default a collider is in layer 0 and collides with all layers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct CollisionLayers {
     /// One bit for each layer that contains the collider. Default 1.
     pub memberships: u32,

@@ -2,17 +2,19 @@
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Which hooks are called for pairs with this collider or plane; one of a pair is enough. A collider without this
 /// component has that of its body. Default: none.
 ///
 /// In an app the hooks are a [`CollisionHooks`](crate::plugin::hooks::CollisionHooks).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct ActiveCollisionHooks {
     /// Whether pairs are filtered before they are tested.
     pub filter_pairs: bool,

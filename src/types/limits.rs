@@ -2,6 +2,7 @@
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// How many pairs a step on the CPU holds at most. They bound its memory and its time where thousands of bodies are in
 /// one place, each of which touches all others.
@@ -18,12 +19,13 @@ use bevy::prelude::*;
 ///   bodies last.
 ///
 /// A device has its own limits, those of its buffers. If a list does not fit there, the step runs on the CPU.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Resource, Reflect),
-    reflect(Resource, Default, Debug, PartialEq)
+    reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct StepLimits {
     /// Pairs of bodies whose bounding spheres overlap. Each takes up to 250 bytes.
     pub body_pairs: usize,

@@ -2,14 +2,16 @@
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Coulomb friction of a body or plane. Static and dynamic friction are the same. Default 0.5, combined by the mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct Friction {
     /// Ratio of the largest friction force to the normal force; the tangent of the steepest slope on which a body stays
     /// at rest. Negative values count as 0.
@@ -43,12 +45,13 @@ impl Friction {
 ///
 /// Bodies do not bounce if they meet more slowly than
 /// [`SolverSettings::restitution_threshold`](crate::types::solver_settings::SolverSettings::restitution_threshold).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Component, Reflect),
-    reflect(Component, Default, Debug, PartialEq)
+    reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct Restitution {
     /// Ratio of outgoing to incoming normal speed, from 0 to 1. Other values are clamped to this range.
     pub coefficient: f32,
@@ -75,8 +78,12 @@ impl Restitution {
 /// How the coefficients of two bodies combine into the coefficient of the pair.
 ///
 /// If the bodies have different rules, the later one in this list applies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Debug, PartialEq))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Reflect),
+    reflect(Default, Debug, PartialEq, Serialize, Deserialize)
+)]
 pub enum CombineRule {
     /// The arithmetic mean.
     #[default]

@@ -2,13 +2,14 @@
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// How bodies respond to collisions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Resource, Reflect),
-    reflect(Resource, Default, Debug, PartialEq)
+    reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 #[non_exhaustive]
 pub enum Response {
@@ -66,11 +67,11 @@ pub enum Response {
 ///
 /// If none of a pair's intersecting faces are found, the pair is neither reported nor pushed apart, unless the test for
 /// one body inside the other finds it. If some are found, the contact is computed from these.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Resource, Reflect),
-    reflect(Resource, Default, Debug, PartialEq)
+    reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
 #[non_exhaustive]
 pub enum Culling {

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "bevy")]
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// The largest [`SolverSettings::max_collision_substeps`].
 pub const MAX_COLLISION_SUBSTEPS: u32 = 64;
@@ -15,12 +16,13 @@ pub const MAX_PASSES: u32 = 256;
 /// A step is divided into *collision substeps*: contact points are computed anew in each of them. A collision substep
 /// is divided into the solver's *substeps*. Lengths in D are fractions of the bounding diameter of the smaller of the
 /// two bodies, so that small and large bodies behave alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "bevy",
     derive(Resource, Reflect),
-    reflect(Resource, Default, Debug, PartialEq)
+    reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)
 )]
+#[serde(default, deny_unknown_fields)]
 pub struct SolverSettings {
     /// Substeps per step, distributed over its collision substeps. Default 8, at most [`MAX_PASSES`].
     ///

@@ -9,6 +9,8 @@ mod asset_app;
 mod bevy_gltf;
 #[cfg(feature = "bevy_mesh")]
 mod bevy_mesh;
+#[cfg(all(feature = "bevy_gltf", feature = "bevy_scene", feature = "debug_gizmos"))]
+mod bsn;
 #[cfg(feature = "debug_gizmos")]
 mod debug_gizmos;
 #[path = "../common/gltf_files.rs"]
@@ -19,3 +21,5 @@ mod interpolation;
 mod picking;
 #[cfg(feature = "bevy_gltf")]
 mod prefab;
+#[cfg(feature = "bevy_gltf")]
+mod saved_scenes;

@@ -334,3 +334,16 @@ fn a_speed_without_end_is_refused_and_one_too_small_makes_no_step() {
     sim.step(3);
     assert_eq!((sim.position(body).x, sim.report().step), (0.0, 0));
 }
+
+/// A saved scene may hold any number.
+#[test]
+fn a_speed_that_was_set_by_reflection_is_checked() {
+    for speed in [f64::NAN, -1.0, f64::INFINITY] {
+        let mut sim = Sim::new();
+        let mut time = sim.world().resource_mut::<Time<Physics>>();
+        *time.path_mut::<f64>("context.speed").unwrap() = speed;
+        sim.step(2);
+        let time = sim.world().resource::<Time<Physics>>();
+        assert_eq!((time.relative_speed(), time.elapsed()), (1.0, 2 * STEP), "{speed}");
+    }
+}

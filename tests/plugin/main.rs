@@ -4,6 +4,8 @@
 mod app;
 mod bad_bodies;
 mod bakes;
+#[cfg(feature = "bevy_scene")]
+mod bsn;
 mod character;
 mod clock;
 mod compounds;

@@ -11,7 +11,8 @@ use bevy::reflect::TypeRegistration;
 use bevy::reflect::serde::{TypedReflectDeserializer, TypedReflectSerializer};
 use bevy::reflect::tuple_struct::TupleStruct;
 use bevy_faceoff::prelude::*;
-use serde::de::DeserializeSeed;
+use serde::Serialize;
+use serde::de::{DeserializeOwned, DeserializeSeed};
 use std::any::TypeId;
 use std::path::Path;
 
@@ -89,11 +90,77 @@ fn missing_data(declared: &declared::Declared, registration: &TypeRegistration) 
             declared.has_default,
             registration.contains::<ReflectDefault>(),
         ),
+        (
+            "ReflectSerialize",
+            derives("Serialize"),
+            registration.contains::<ReflectSerialize>(),
+        ),
+        (
+            "ReflectDeserialize",
+            derives("Deserialize"),
+            registration.contains::<ReflectDeserialize>(),
+        ),
+        (
+            "Default or FromTemplate, which bsn! needs",
+            derives("Component"),
+            declared.has_default || derives("FromTemplate"),
+        ),
+        (
+            "VariantDefaults, which bsn! needs",
+            derives("Component") && declared.is_enum,
+            derives("VariantDefaults"),
+        ),
     ];
     let missing = wanted.iter().filter(|(_, wanted, there)| *wanted && !there);
     missing
         .map(|(data, ..)| format!("{}: without {data}", declared.name))
         .collect()
+}
+
+/// Components without references have serde, for files and networks that do without reflection.
+#[test]
+fn what_has_serde_goes_there_and_back() {
+    fn same<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: T) {
+        let text = ron::to_string(&value).unwrap();
+        assert_eq!(ron::from_str::<T>(&text).unwrap(), value, "{text}");
+    }
+    same(RigidBody::Kinematic);
+    same(LinearVelocity(Vec3::new(0.1, -0.0, 1.0e-40)));
+    same(Friction::new(0.3).with_combine(CombineRule::Max));
+    same(LockedAxes::ROTATION | LockedAxes::TRANSLATION_X);
+    same(MaxLinearSpeed::default());
+    same(AngularInertia::principal(Vec3::new(1.0, 2.0, 3.0)));
+    same(PlaneCollider::through(Vec3::X, Vec3::Y));
+    same(Sensor);
+    same(BodyCulling(Culling::FrontFacing));
+    same(SolverSettings {
+        substeps: 3,
+        ..default()
+    });
+    same(StepLimits::NONE);
+    same(Gravity::default());
+    assert_eq!(
+        ron::from_str("(coefficient: 0.2)"),
+        Ok(Friction::new(0.2)),
+        "what is left out is the default"
+    );
+    assert!(ron::from_str::<Friction>("(coeficient: 0.2)").is_err());
+}
+
+/// No file and no inspector sets bits that are no axes.
+#[test]
+fn locked_axes_have_no_other_bits() {
+    assert_eq!(ron::from_str("255"), Ok(LockedAxes::from_bits(63)));
+    let mut axes = LockedAxes::NONE;
+    let reflected: &mut dyn Reflect = &mut axes;
+    assert!(reflected.reflect_mut().as_opaque().is_ok(), "its bits have no setter");
+    let mut sim = Sim::new();
+    let registry = sim.world().resource::<AppTypeRegistry>().read();
+    let registration = registry.get(TypeId::of::<LockedAxes>()).unwrap();
+    let mut reader = ron::Deserializer::from_str("200").unwrap();
+    let loaded = TypedReflectDeserializer::new(registration, &registry).deserialize(&mut reader);
+    let loaded = LockedAxes::from_reflect(&*loaded.unwrap());
+    assert_eq!(loaded, Some(LockedAxes::from_bits(200 & 63)));
 }
 
 /// Scenes of bodies keep their poses, names and hierarchy in apps without other plugins.
@@ -145,6 +212,39 @@ fn entities_are_mapped() {
     let mut start = touch(old);
     data.expect("it is registered").map_entities(&mut start, &mut map);
     assert_eq!(start, touch(new));
+
+    #[cfg(feature = "bevy_gltf")]
+    {
+        use bevy_faceoff::plugin::prefab::{PrefabError, PrefabFault, PropertyError};
+        let data = registry.get_type_data::<ReflectMapEntities>(TypeId::of::<MeshColliderHierarchyReady>());
+        let mut ready = MeshColliderHierarchyReady {
+            entity: old,
+            colliders: vec![old],
+            errors: vec![PrefabError {
+                entity: old,
+                node: String::new(),
+                file: None,
+                fault: PrefabFault::Property(PropertyError::Unknown(String::new())),
+            }],
+        };
+        data.expect("it is registered").map_entities(&mut ready, &mut map);
+        assert_eq!([ready.entity, ready.colliders[0], ready.errors[0].entity], [new; 3]);
+    }
+}
+
+/// A scene keeps that a body is drawn smoothly.
+#[cfg(feature = "interpolation")]
+#[test]
+fn interpolation_is_registered() {
+    use bevy_faceoff::plugin::interpolation::{NoTransformEasing, TransformInterpolation};
+    let mut sim = Sim::new();
+    let registry = sim.world().resource::<AppTypeRegistry>().read();
+    for id in [
+        TypeId::of::<TransformInterpolation>(),
+        TypeId::of::<NoTransformEasing>(),
+    ] {
+        assert!(registry.get_type_data::<ReflectComponent>(id).is_some());
+    }
 }
 
 /// What the step writes is not saved: a loaded scene begins without it.
@@ -175,6 +275,27 @@ fn handles_of_meshes_are_registered() {
     let handle = registry.get_type_data::<ReflectHandle>(TypeId::of::<Handle<CollisionMesh>>());
     assert_eq!(handle.map(ReflectHandle::asset_type_id), Some(mesh));
     assert!(registry.get(TypeId::of::<HandleTemplate<CollisionMesh>>()).is_some());
+}
+
+/// The numbers of default components are usable.
+#[test]
+fn defaults_are_valid() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&bevy_faceoff::geometry::shapes::cube(1.0));
+    sim.spawn((
+        RigidBody::default(),
+        cube,
+        (Mass::default(), Density::default(), AngularInertia::default()),
+        (MaxLinearSpeed::default(), MaxAngularSpeed::default()),
+        (LinearVelocity(Vec3::X), GravityScale::default()),
+    ));
+    let character = sim.spawn(Character::default());
+    sim.spawn((RayCaster::default(), ShapeCaster::default()));
+    sim.world().insert_resource(Gravity::default());
+    sim.step(2);
+    assert!(sim.rejected.is_empty());
+    assert!(sim.position(character).y < 0.0, "it falls");
+    assert_eq!(Character::default().radius, 0.3);
 }
 
 /// The default plane is the ground.

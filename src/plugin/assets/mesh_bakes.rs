@@ -24,6 +24,9 @@ pub enum MeshBakeError {
     /// The mesh is not usable.
     #[error(transparent)]
     Mesh(#[from] BevyMeshError),
+    /// The handle is the default one.
+    #[error("it names no mesh: its handle is Handle::default()")]
+    NoMesh,
     /// Bevy could not load the mesh.
     #[error("its mesh is not loaded: {0}")]
     NotLoaded(Arc<AssetLoadError>),
@@ -164,6 +167,11 @@ impl MeshBakes {
         source: &Source,
         assets: &mut BakeAssets,
     ) -> Poll<Result<Handle<CollisionMesh>, MeshBakeError>> {
+        // Whoever waits for such a mesh may wait forever. It is not remembered: a game may insert a mesh for this handle.
+        let is_missing = |handle: &Handle<Mesh>| *handle == Handle::default() && !assets.meshes.contains(handle);
+        if source.meshes.iter().any(is_missing) {
+            return Poll::Ready(Err(MeshBakeError::NoMesh));
+        }
         if let Some(path) = &source.beside {
             match self.beside(path, source, assets) {
                 Poll::Pending => return Poll::Pending,

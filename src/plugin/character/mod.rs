@@ -31,7 +31,8 @@ use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use std::f32::consts::FRAC_PI_4;
 
-/// A capsule that is moved by its velocity and stopped by colliders and planes.
+/// A capsule that is moved by its velocity and stopped by colliders and planes. By default it is 1.8 metres high, with a radius
+/// of 0.3 metres.
 ///
 /// Its `Transform` is the centre of the capsule. The step writes the translation; the rotation is the game's, and turns the
 /// capsule.
@@ -68,7 +69,7 @@ use std::f32::consts::FRAC_PI_4;
 ///   answered ([`SpatialQuery::check`](crate::plugin::queries::SpatialQuery::check)), and if its numbers are not valid; then a
 ///   warning names it.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
 #[require(Transform, CharacterGround)]
 pub struct Character {
     /// Metres; more than 0.
@@ -97,6 +98,12 @@ pub struct Character {
     pub filter: SpatialQueryFilter,
 }
 
+impl Default for Character {
+    fn default() -> Self {
+        Self::new(0.3, 0.6)
+    }
+}
+
 impl Character {
     /// One at rest, with defaults.
     pub fn new(radius: f32, half_length: f32) -> Self {
@@ -119,14 +126,11 @@ impl Character {
     }
 }
 
-/// What a [`Character`] stands on; `None` in the air. The step writes it.
+/// What a [`Character`] stands on; `None` in the air. The step writes it. It is saved in scenes, so that a loaded character goes
+/// on with its platform.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Deref)]
 #[reflect(Component, Default, Debug, PartialEq)]
-pub struct CharacterGround(
-    #[entities]
-    #[reflect(skip_serializing)]
-    Option<GroundContact>,
-);
+pub struct CharacterGround(#[entities] Option<GroundContact>);
 
 /// Where a [`Character`] stands.
 #[derive(Clone, Copy, Debug, MapEntities, PartialEq, Reflect)]
@@ -149,12 +153,12 @@ pub struct GroundContact {
     /// How the ground has turned in the last step, rad/s: to turn a character along with its platform.
     pub angular_velocity: Vec3,
     /// The point in the axes of the collider, and the rotation of these.
-    #[reflect(ignore)]
     anchor: Anchor,
 }
 
 /// A point of a collider.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Debug, PartialEq)]
 struct Anchor {
     /// In the axes of the collider.
     point: DVec3,

@@ -118,6 +118,9 @@ impl Character {
         if !(self.skin.is_finite() && self.max_slope.is_finite()) {
             return Err(format!("its skin is {}, its max_slope {}", self.skin, self.max_slope));
         }
+        if !self.up.is_normalized() {
+            return Err(format!("its up is {}; set a unit vector", *self.up));
+        }
         if !to_world.is_finite() {
             return Err("its Transform is not finite".into());
         }

@@ -5,16 +5,24 @@ pub use crate::types::body::{ExternalForces, LockedAxes};
 pub use crate::types::material::CombineRule;
 
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
-/// Mass of a body in kilograms. Overrides [`Density`]. The inertia is scaled with it.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+/// Mass of a body in kilograms. Overrides [`Density`]. The inertia is scaled with it. Default 1; without this component the
+/// mass is that of the shape.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mass(pub f32);
+
+impl Default for Mass {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
 
 /// Density in kilograms per cubic metre, of a collider or of all colliders of a body that have none. Default 1. In a body
 /// with [`Mass`] it only distributes that mass.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Density(pub f32);
 
 impl Default for Density {
@@ -25,9 +33,10 @@ impl Default for Density {
 
 /// Inertia tensor about the centre of mass in the body's own axes, in kg m^2. Overrides the inertia of the shape.
 ///
-/// It must be symmetric and positive definite. [`AngularInertia::principal`] makes one from principal moments.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+/// It must be symmetric and positive definite. [`AngularInertia::principal`] makes one from principal moments. Default 1 about
+/// every axis.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AngularInertia(pub Mat3);
 
 impl AngularInertia {
@@ -38,8 +47,8 @@ impl AngularInertia {
 }
 
 /// Factor on [`Gravity`](crate::plugin::settings::Gravity) for one body. Default 1.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GravityScale(pub f32);
 
 impl Default for GravityScale {
@@ -50,24 +59,38 @@ impl Default for GravityScale {
 
 /// Rate at which the linear velocity decays, in 1/s: a free body keeps the fraction `exp(-rate)` of it per second.
 /// Default 0. Negative rates count as 0.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LinearDamping(pub f32);
 
 /// Rate at which the angular velocity decays, in 1/s, like [`LinearDamping`]. Default 0. Negative rates count as 0.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AngularDamping(pub f32);
 
-/// Largest speed of a body's centre of mass, in m/s. Without this component, or if it is negative, there is no limit.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+/// Largest speed of a body's centre of mass, in m/s. Without this component, or if it is negative, there is no limit. Default
+/// infinite.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MaxLinearSpeed(pub f32);
 
-/// Largest angular speed of a body, in rad/s. Without this component, or if it is negative, there is no limit.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+impl Default for MaxLinearSpeed {
+    fn default() -> Self {
+        Self(f32::INFINITY)
+    }
+}
+
+/// Largest angular speed of a body, in rad/s. Without this component, or if it is negative, there is no limit. Default
+/// infinite.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MaxAngularSpeed(pub f32);
+
+impl Default for MaxAngularSpeed {
+    fn default() -> Self {
+        Self(f32::INFINITY)
+    }
+}
 
 /// Continuous collision detection (CCD): a dynamic body with this component does not pass through thin bodies, however
 /// fast it is.
@@ -93,11 +116,11 @@ pub struct MaxAngularSpeed(pub f32);
 /// * There is no CCD on the GPU. While a body in the world has this component, steps run on the CPU. Where the stages run on a
 ///   GPU, that change wakes all sleeping bodies and forgets warm starting impulses, both when the first such body appears and
 ///   when the last one goes.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContinuousCollision;
 
 /// Keeps a body awake, and with it all bodies that it touches.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SleepingDisabled;

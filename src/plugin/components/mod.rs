@@ -1,4 +1,6 @@
 //! Components of bodies and planes. Those that the core shares are in [`types`](crate::types).
+//!
+//! All of them can be written in `bsn!`, and saved in scenes: see [`guide::scenes`](crate::guide::scenes).
 
 mod dynamics;
 
@@ -7,6 +9,7 @@ pub use dynamics::*;
 use crate::asset::CollisionMesh;
 use crate::types::settings::Culling;
 use bevy::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// A shape: part of the body of the nearest [`RigidBody`](crate::types::body::RigidBody) on its entity or above it.
 /// Without one it is static.
@@ -29,11 +32,14 @@ pub(crate) struct ColliderToCome;
 /// It follows the `Transform` of its entity and of those above it. A plane that is moved pushes bodies out of itself, but it
 /// has no velocity: it does not carry them along. A lift or a piston is a kinematic body with a mesh.
 ///
-/// Spawn it on an entity of its own. It is never part of a body. It may have [`Friction`](crate::types::material::Friction) and
+/// Spawn it on an entity of its own. It is never part of a body. It requires a `Transform` so that editors and saved scenes can
+/// move it. It may have [`Friction`](crate::types::material::Friction) and
 /// [`Restitution`](crate::types::material::Restitution), and obeys
 /// [`CollisionLayers`](crate::types::body::CollisionLayers). Collisions with planes are reported like those with bodies: by [`Collisions`](crate::plugin::collisions::Collisions), messages, events and [`CollidingEntities`].
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
+#[require(Transform)]
+#[serde(default, deny_unknown_fields)]
 pub struct PlaneCollider {
     /// Points away from the solid side. It need not have unit length.
     pub normal: Vec3,
@@ -65,31 +71,33 @@ impl PlaneCollider {
 /// A sensor touches the bodies that it overlaps or contains at the beginning of a step, asleep or not. It detects a
 /// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
 /// only if the faster one of the two has [`ContinuousCollision`].
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor;
 
 /// Takes a collider out of the world until it is removed: it touches nothing and has no mass. So does Bevy's `Disabled`.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ColliderDisabled;
 
 /// Takes a body and its colliders out of the world until it is removed: the body does not move and touches nothing. So
 /// does Bevy's `Disabled`.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidBodyDisabled;
 
 /// Places a kinematic body at its `Transform` in the next step, without the velocity of the move
 /// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). The step removes it.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Teleport;
 
 /// Overrides the resource [`Culling`] for this body: which of its triangles are tested. The mode of the other body of a
 /// pair chooses among that body's triangles.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(
+    Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deref, DerefMut, Serialize, Deserialize,
+)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyCulling(pub Culling);
 
 /// The colliders and planes that a collider touches, in ascending order; on a body those that any of its colliders
@@ -106,6 +114,6 @@ pub struct CollidingEntities(
 /// Triggers [`CollisionStart`](crate::plugin::events::CollisionStart) and
 /// [`CollisionEnd`](crate::plugin::events::CollisionEnd) as events on this collider, body or plane, for observers. As
 /// messages they are always written.
-#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[reflect(Component, Default, Debug, PartialEq)]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CollisionEventsEnabled;

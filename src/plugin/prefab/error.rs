@@ -2,16 +2,18 @@
 
 use crate::plugin::assets::MeshBakeError;
 use bevy::asset::{AssetLoadError, AssetPath};
+use bevy::ecs::entity::MapEntities;
 use bevy::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
 
 /// Something in a scene that gives no collider, or not the wanted one.
-#[derive(Reflect, Clone, Debug)]
-#[reflect(opaque, Debug)]
+#[derive(MapEntities, Reflect, Clone, Debug)]
+#[reflect(opaque, Clone, Debug)]
 pub struct PrefabError {
     /// The entity of the node or mesh, or that of the `WorldAssetRoot`.
+    #[entities]
     pub entity: Entity,
     /// The name of the node, or else of the entity.
     pub node: String,

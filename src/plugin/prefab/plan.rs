@@ -29,7 +29,7 @@ pub(super) struct Node {
     material_extras: Option<&'static GltfMaterialExtras>,
     made: Option<&'static MadeFrom>,
     made_body: Has<MadeBody>,
-    has_collider: Has<MeshCollider>,
+    collider: Option<&'static MeshCollider>,
     will_have_collider: Has<MeshColliderFrom>,
     is_body: Has<RigidBody>,
     is_hierarchy: Has<MeshColliderHierarchy>,
@@ -148,7 +148,7 @@ impl Planner<'_, '_, '_> {
                 body.settings.body = of_body.0.or(body.settings.body);
                 body.settings.mass = of_body.1.or(body.settings.mass);
             }
-            let is_free = item.made.is_some() || !item.has_collider && !item.will_have_collider;
+            let is_free = item.made.is_some() || !has_collider(&item) && !item.will_have_collider;
             if is_wanted && is_free {
                 primitives.push(Primitive {
                     entity: primitive,
@@ -263,6 +263,12 @@ impl Planner<'_, '_, '_> {
             fault,
         });
     }
+}
+
+/// Whether somebody else has given a collider to this entity. In a scene that was saved with colliders made here, these have
+/// the default handle, that of no mesh.
+fn has_collider(node: &NodeItem) -> bool {
+    node.collider.is_some_and(|collider| collider.0 != Handle::default())
 }
 
 /// The file and the number of the glTF mesh that this is a primitive of.

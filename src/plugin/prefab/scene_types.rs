@@ -1,5 +1,6 @@
-//! The components of glTF scenes.
+//! Bevy's components in glTF scenes.
 
+use crate::plugin::registration::register_hierarchy;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{
     DynamicSkinnedMeshBounds, InheritedVisibility, NoFrustumCulling, ViewVisibility, Visibility, VisibilityClass,
@@ -10,12 +11,10 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::transform::components::TransformTreeChanged;
 
-/// Registers the components of nodes and meshes. Bevy spawns scenes of registered components only. It registers them
-/// itself with its feature `reflect_auto_register`, which is on by default; servers and tests may be built without.
+/// Registers the components of nodes and meshes: Bevy spawns scenes of registered components only.
 pub(super) fn register(app: &mut App) {
-    app.register_type::<Transform>()
-        .register_type::<GlobalTransform>()
-        .register_type::<TransformTreeChanged>()
+    register_hierarchy(app);
+    app.register_type::<TransformTreeChanged>()
         .register_type::<Visibility>()
         .register_type::<InheritedVisibility>()
         .register_type::<ViewVisibility>()
@@ -23,9 +22,6 @@ pub(super) fn register(app: &mut App) {
         .register_type::<Aabb>()
         .register_type::<NoFrustumCulling>()
         .register_type::<DynamicSkinnedMeshBounds>()
-        .register_type::<Name>()
-        .register_type::<ChildOf>()
-        .register_type::<Children>()
         .register_type::<Mesh3d>()
         .register_type::<SkinnedMesh>()
         .register_type::<MorphWeights>()

@@ -6,6 +6,8 @@ use crate::plugin::components::{ColliderToCome, Density, Mass};
 use crate::projection::BakeSettings;
 use crate::types::body::{CollisionLayers, RigidBody};
 use crate::types::material::{Friction, Restitution};
+use bevy::ecs::entity::MapEntities;
+use bevy::ecs::reflect::ReflectMapEntities;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
@@ -79,20 +81,22 @@ pub struct ColliderSettings {
     pub sensor: Option<bool>,
     /// How to bake the mesh. With `None` a baked mesh or recipe beside the file is used if there is one, and the default
     /// otherwise.
-    #[reflect(ignore)]
     pub bake: Option<BakeSettings>,
 }
 
 /// Triggered on the entity of a [`MeshColliderHierarchy`] when all its colliders are made or refused: after the scene is
 /// spawned, and again after later changes below it. It is triggered too if there is nothing to make.
-#[derive(EntityEvent, Reflect, Clone, Debug)]
-#[reflect(Event, Debug)]
+#[derive(EntityEvent, MapEntities, Reflect, Clone, Debug)]
+#[reflect(Event, MapEntities, Debug)]
 pub struct MeshColliderHierarchyReady {
     /// The entity with the [`MeshColliderHierarchy`].
+    #[entities]
     pub entity: Entity,
     /// The entities that got a new collider.
+    #[entities]
     pub colliders: Vec<Entity>,
     /// What is wrong, also in the log.
+    #[entities]
     pub errors: Vec<PrefabError>,
 }
 

@@ -26,7 +26,7 @@ use bevy::prelude::*;
 /// # bevy::ecs::system::assert_is_system(read);
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
 #[component(on_add = has_casters)]
 #[require(Transform, RayHits)]
 pub struct RayCaster {
@@ -55,6 +55,13 @@ pub struct RayHits(
     #[reflect(skip_serializing)]
     pub(super) Vec<RayHitData>,
 );
+
+impl Default for RayCaster {
+    /// Forward, along -z, from the origin of the entity.
+    fn default() -> Self {
+        Self::new(Vec3::ZERO, Dir3::NEG_Z)
+    }
+}
 
 impl RayCaster {
     /// Without an end. It reports all colliders but its own.

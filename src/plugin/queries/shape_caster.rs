@@ -30,7 +30,7 @@ use bevy::prelude::*;
 /// # bevy::ecs::system::assert_is_system(read);
 /// ```
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
-#[reflect(Component, Debug, PartialEq)]
+#[reflect(Component, Default, Debug, PartialEq)]
 #[component(on_add = has_casters)]
 #[require(Transform, ShapeHits)]
 pub struct ShapeCaster {
@@ -57,7 +57,7 @@ pub struct ShapeCaster {
 
 /// The shape of a [`ShapeCaster`]. See [`QueryShape`].
 #[derive(Reflect, Clone, Debug, PartialEq)]
-#[reflect(Debug, PartialEq)]
+#[reflect(Default, Debug, PartialEq)]
 pub enum CasterShape {
     /// A ball about the origin.
     Ball {
@@ -93,6 +93,20 @@ pub struct ShapeHits(
     #[reflect(skip_serializing)]
     pub(super) Vec<ShapeHitData>,
 );
+
+impl Default for CasterShape {
+    /// A ball with a radius of half a metre.
+    fn default() -> Self {
+        Self::Ball { radius: 0.5 }
+    }
+}
+
+impl Default for ShapeCaster {
+    /// The default shape, forward, along -z, from the origin of the entity.
+    fn default() -> Self {
+        Self::new(CasterShape::default(), Vec3::ZERO, Dir3::NEG_Z)
+    }
+}
 
 impl ShapeCaster {
     /// Without an end. It reports the first collider but its own.

@@ -61,6 +61,8 @@ pub fn sim(folder: &Path) -> Sim {
     .add_observer(|ready: On<MeshColliderHierarchyReady>, mut told: ResMut<Told>| {
         told.0.push(ready.event().clone());
     });
+    #[cfg(feature = "bevy_scene")]
+    app.add_plugins(bevy::scene::ScenePlugin);
     Sim::of(app)
 }
 

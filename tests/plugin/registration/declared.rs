@@ -9,6 +9,7 @@ use syn::{Attribute, Item, Meta, Token, Type, Visibility};
 pub struct Declared {
     pub name: String,
     pub derives: HashSet<String>,
+    pub is_enum: bool,
     /// Whether it derives or implements `Default`.
     pub has_default: bool,
 }
@@ -49,10 +50,10 @@ impl Found {
         for item in items {
             match item {
                 Item::Struct(item) if is_compiled(&item.attrs) => {
-                    self.declare(&item.vis, &item.ident.to_string(), &item.attrs);
+                    self.declare(&item.vis, &item.ident.to_string(), &item.attrs, false);
                 }
                 Item::Enum(item) if is_compiled(&item.attrs) => {
-                    self.declare(&item.vis, &item.ident.to_string(), &item.attrs);
+                    self.declare(&item.vis, &item.ident.to_string(), &item.attrs, true);
                 }
                 Item::Impl(item) if is_compiled(&item.attrs) => {
                     let is_default = item
@@ -83,7 +84,7 @@ impl Found {
         }
     }
 
-    fn declare(&mut self, visibility: &Visibility, name: &str, attributes: &[Attribute]) {
+    fn declare(&mut self, visibility: &Visibility, name: &str, attributes: &[Attribute], is_enum: bool) {
         if matches!(visibility, Visibility::Public(_)) {
             let mut derives = HashSet::new();
             attributes
@@ -92,6 +93,7 @@ impl Found {
             self.types.push(Declared {
                 name: name.into(),
                 derives,
+                is_enum,
                 has_default: false,
             });
         }
@@ -162,6 +164,7 @@ fn is_on(feature: &str) -> bool {
         "bevy_mesh" => cfg!(feature = "bevy_mesh"),
         "bevy_picking" => cfg!(feature = "bevy_picking"),
         "bevy_render" => cfg!(feature = "bevy_render"),
+        "bevy_scene" => cfg!(feature = "bevy_scene"),
         "cli" => cfg!(feature = "cli"),
         "debug_gizmos" => cfg!(feature = "debug_gizmos"),
         "gpu" => cfg!(feature = "gpu"),
