@@ -53,7 +53,8 @@
 //!
 //! * `bevy`, on by default: [`plugin`] and [`prelude`]. Without it no crate of Bevy is built.
 //! * `gpu`, on by default: the stages on a GPU, through wgpu.
-//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `bevy_scene`, `debug_gizmos`: what works with these parts of Bevy.
+//! * `bevy_render`, `bevy_mesh`, `bevy_gltf`, `bevy_picking`, `bevy_scene`: what works with these parts of Bevy.
+//! * `debug_gizmos`, `debug_panel`: tools for development, on the screen.
 //! * `interpolation`: motion that looks smooth at any frame rate.
 //! * `cli`: the command line `faceoff`.
 

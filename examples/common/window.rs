@@ -10,7 +10,8 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
-use bevy_faceoff::plugin::debug::FaceoffGizmosPlugin;
+use bevy_faceoff::plugin::debug::{FaceoffGizmos, FaceoffGizmosPlugin};
+use bevy_faceoff::plugin::panel::{FaceoffPanel, FaceoffPanelPlugin};
 use bevy_faceoff::prelude::*;
 
 /// Colours of moving bodies, in the order in which their meshes load.
@@ -43,12 +44,18 @@ pub fn open(app: &mut App, title: &str) {
         }),
         FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()),
         FaceoffGizmosPlugin,
+        FaceoffPanelPlugin {
+            panel: FaceoffPanel::hidden(),
+        },
     ))
     .insert_resource(ClearColor(SKY))
     .init_resource::<View>()
     .init_resource::<Help>()
     .add_systems(Startup, (light_and_camera, write_help))
-    .add_systems(Update, (turn_camera, (dress, draw_grounds, count_frames).chain()));
+    .add_systems(
+        Update,
+        (turn_camera, switch_gizmos, (dress, draw_grounds, count_frames).chain()),
+    );
 }
 
 fn light_and_camera(mut commands: Commands, view: Res<View>) {
@@ -101,7 +108,10 @@ fn light_and_camera(mut commands: Commands, view: Res<View>) {
 fn write_help(mut commands: Commands, help: Res<Help>) {
     let separator = if help.0.is_empty() { "" } else { ", " };
     commands.spawn((
-        Text::new(format!("{}{separator}mouse or arrows: look around", help.0)),
+        Text::new(format!(
+            "{}{separator}mouse or arrows: look around, F3: figures, G: gizmos",
+            help.0
+        )),
         TextFont::from_font_size(15.0),
         TextColor(Color::srgb(0.08, 0.10, 0.14)),
         Node {
@@ -148,6 +158,34 @@ fn turn_camera(
     let out = Vec3::new(around.sin() * height.cos(), height.sin(), around.cos() * height.cos());
     view.from = view.at + distance * 0.9_f32.powf(notches.clamp(-10.0, 10.0)) * out;
     **camera = Transform::from_translation(view.from).looking_at(view.at, Vec3::Y);
+}
+
+/// Shows and hides wireframes, boxes, velocities and planes.
+fn switch_gizmos(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
+    if keys.just_pressed(KeyCode::KeyG) {
+        let gizmos = store.config_mut::<FaceoffGizmos>().1;
+        let is_shown = gizmos.wireframes.is_some();
+        let FaceoffGizmos {
+            wireframes,
+            boxes,
+            planes,
+            linear_velocities,
+            angular_velocities,
+            ..
+        } = if is_shown {
+            FaceoffGizmos::none()
+        } else {
+            FaceoffGizmos::all()
+        };
+        *gizmos = FaceoffGizmos {
+            wireframes,
+            boxes,
+            planes,
+            linear_velocities,
+            angular_velocities,
+            ..gizmos.clone()
+        };
+    }
 }
 
 /// Visible meshes and materials that entities share.

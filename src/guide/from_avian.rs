@@ -36,7 +36,8 @@
 //! | `Time<Physics>` | the same, and `step_once` |
 //! | `PhysicsSchedule`, `PhysicsSystems` | [`FaceoffStep`](crate::plugin::FaceoffStep), [`FaceoffSystems`](crate::plugin::FaceoffSystems) |
 //! | `PhysicsInterpolationPlugin`, `TransformInterpolation` | `InterpolationPlugin`, `TransformInterpolation`, feature `interpolation` |
-//! | `PhysicsDebugPlugin` | `FaceoffGizmosPlugin`, feature `debug_gizmos` |
+//! | `PhysicsDebugPlugin`, `PhysicsGizmos` | `FaceoffGizmosPlugin`, `FaceoffGizmos`, feature `debug_gizmos` |
+//! | `PhysicsDiagnosticsUiPlugin` | `FaceoffPanelPlugin`, feature `debug_panel` |
 //! | `PhysicsPickingPlugin` | `ColliderPickingPlugin`, feature `bevy_picking` |
 //! | `FixedJoint`, `RevoluteJoint` and other joints; `Dominance`; `f64`; two dimensions | none |
 //!

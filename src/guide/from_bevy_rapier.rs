@@ -37,7 +37,7 @@
 //! | `KinematicCharacterController` | [`Character`](crate::plugin::character::Character) |
 //! | `TimestepMode` | `Time<Fixed>` and `Time<Physics>`: see [`clock`](crate::plugin::clock) |
 //! | `TransformInterpolation` | the same, feature `interpolation` |
-//! | `RapierDebugRenderPlugin` | `FaceoffGizmosPlugin`, feature `debug_gizmos` |
+//! | `RapierDebugRenderPlugin`, `DebugRenderMode` | `FaceoffGizmosPlugin`, `FaceoffGizmos`, feature `debug_gizmos` |
 //! | `RapierPickingPlugin` | `ColliderPickingPlugin`, feature `bevy_picking` |
 //! | `ImpulseJoint`, `MultibodyJoint`; `Dominance`; several worlds; two dimensions | none |
 //!

@@ -129,6 +129,13 @@ impl Collisions {
             .filter(move |c| [c.collider1, c.collider2, c.body1, c.body2].contains(&entity))
     }
 
+    /// The body of a collider; `None` for planes.
+    #[cfg(any(feature = "debug_gizmos", feature = "debug_panel"))]
+    pub(crate) fn body_of(&self, collider: Entity) -> Option<Entity> {
+        let at = self.entities.binary_search(&collider).ok()?;
+        Some(self.bodies[at])
+    }
+
     fn collision<'a>(&'a self, pair: &PairContact) -> Collision<'a> {
         let [collider1, collider2] = pair.bodies.map(|i| self.entities[i as usize]);
         let [body1, body2] = pair.bodies.map(|i| self.bodies[i as usize]);

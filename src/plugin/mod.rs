@@ -20,6 +20,8 @@
 //! | show motion that is smooth at any frame rate | `interpolation`, with the feature of that name |
 //! | save and restore the state of the simulation | [`snapshot`] |
 //! | see where the step runs | [`backend`] |
+//! | see shapes, motion, contacts, islands and casts | `debug`, with the feature `debug_gizmos` |
+//! | see times, counts and rejected bodies on the screen | `panel`, with the feature `debug_panel` |
 
 pub mod assets;
 pub mod backend;
@@ -35,10 +37,14 @@ pub mod diagnostics;
 pub mod events;
 mod groups;
 pub mod hooks;
+#[cfg(any(feature = "debug_gizmos", feature = "debug_panel"))]
+mod inspect;
 #[cfg(feature = "interpolation")]
 pub mod interpolation;
 #[cfg(feature = "bevy_mesh")]
 pub mod mesh_collider_from;
+#[cfg(feature = "debug_panel")]
+pub mod panel;
 #[cfg(feature = "bevy_picking")]
 pub mod picking;
 #[cfg(feature = "bevy_gltf")]

@@ -190,7 +190,7 @@ impl<'a> Placed<'a> {
 
     /// Centre and half size of a box in the world that contains the mesh. It is quick to compute, and larger than
     /// [`Placed::bounding_box`] if the mesh is turned.
-    pub(super) fn outer_box(&self) -> [DVec3; 2] {
+    pub(crate) fn outer_box(&self) -> [DVec3; 2] {
         let Frame {
             rotation,
             scale,

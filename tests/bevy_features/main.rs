@@ -1,6 +1,11 @@
 //! What needs more of Bevy than the plugin itself does: its meshes, its glTF loader, its gizmos.
 
-#[cfg(any(feature = "bevy_gltf", feature = "bevy_picking", feature = "interpolation"))]
+#[cfg(any(
+    feature = "bevy_gltf",
+    feature = "bevy_picking",
+    feature = "debug_panel",
+    feature = "interpolation"
+))]
 #[path = "../common/app.rs"]
 mod app;
 #[path = "../common/asset_app.rs"]
@@ -13,6 +18,8 @@ mod bevy_mesh;
 mod bsn;
 #[cfg(feature = "debug_gizmos")]
 mod debug_gizmos;
+#[cfg(feature = "debug_panel")]
+mod debug_panel;
 #[path = "../common/gltf_files.rs"]
 mod gltf_files;
 #[cfg(feature = "interpolation")]

@@ -25,6 +25,9 @@ fn every_public_type_of_the_world_is_registered() {
     let mut sim = Sim::new();
     #[cfg(feature = "debug_gizmos")]
     sim.app.add_plugins(bevy_faceoff::plugin::debug::FaceoffGizmosPlugin);
+    #[cfg(feature = "debug_panel")]
+    sim.app
+        .add_plugins(bevy_faceoff::plugin::panel::FaceoffPanelPlugin::default());
     #[cfg(feature = "bevy_picking")]
     sim.app
         .add_plugins(bevy_faceoff::plugin::picking::ColliderPickingPlugin);

@@ -5,6 +5,7 @@ use super::hits::RayHitData;
 use super::index::has_casters;
 use super::spatial_query::SpatialQuery;
 use super::update::Colliders;
+use bevy::math::DAffine3;
 use bevy::prelude::*;
 
 /// Casts a ray from its entity after each step, and keeps what it hits in [`RayHits`].
@@ -105,11 +106,8 @@ pub(super) fn cast_rays(
     mut casters: Query<(Entity, &RayCaster, &mut RayHits)>,
 ) {
     for (entity, caster, mut hits) in &mut casters {
-        let to_world = colliders.to_world(entity);
-        let origin = to_world.transform_point3(caster.origin.as_dvec3()).as_vec3();
-        let direction = to_world.transform_vector3(caster.direction.as_dvec3()).as_vec3();
-        let found = match Dir3::new(direction) {
-            Ok(direction) if caster.enabled => caster.cast(&world, &colliders, entity, origin, direction),
+        let found = match caster.in_world(&colliders.to_world(entity)) {
+            Some((origin, direction)) if caster.enabled => caster.cast(&world, &colliders, entity, origin, direction),
             _ => Vec::new(),
         };
         hits.set_if_neq(RayHits(found));
@@ -117,6 +115,13 @@ pub(super) fn cast_rays(
 }
 
 impl RayCaster {
+    /// Start and direction of the ray in the world. `None` if it has no direction there.
+    pub(crate) fn in_world(&self, to_world: &DAffine3) -> Option<(Vec3, Dir3)> {
+        let origin = to_world.transform_point3(self.origin.as_dvec3()).as_vec3();
+        let direction = to_world.transform_vector3(self.direction.as_dvec3()).as_vec3();
+        Some((origin, Dir3::new(direction).ok()?))
+    }
+
     fn cast(
         &self,
         world: &SpatialQuery,

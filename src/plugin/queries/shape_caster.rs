@@ -8,6 +8,7 @@ use super::update::Colliders;
 use crate::asset::CollisionMesh;
 use crate::plugin::sync::hierarchy::decompose;
 use crate::queries::QueryShape;
+use bevy::math::DAffine3;
 use bevy::prelude::*;
 
 /// Casts a shape from its entity after each step, and keeps what it runs into in [`ShapeHits`].
@@ -150,6 +151,16 @@ impl ShapeCaster {
     }
 }
 
+impl ShapeCaster {
+    /// Pose at the start and direction of the shape in the world. `None` if it has no direction there.
+    pub(crate) fn in_world(&self, to_world: &DAffine3) -> Option<(Isometry3d, Dir3)> {
+        let translation = to_world.transform_point3(self.origin.as_dvec3()).as_vec3();
+        let rotation = decompose(&to_world.matrix3).0.as_quat() * self.rotation;
+        let direction = to_world.transform_vector3(self.direction.as_dvec3()).as_vec3();
+        Some((Isometry3d::new(translation, rotation), Dir3::new(direction).ok()?))
+    }
+}
+
 impl CasterShape {
     fn as_query<'a>(&self, meshes: &'a Assets<CollisionMesh>) -> Option<QueryShape<'a>> {
         Some(match self {
@@ -174,22 +185,25 @@ pub(super) fn cast_shapes(
     mut casters: Query<(Entity, &ShapeCaster, &mut ShapeHits)>,
 ) {
     for (entity, caster, mut hits) in &mut casters {
-        let to_world = colliders.to_world(entity);
-        let translation = to_world.transform_point3(caster.origin.as_dvec3()).as_vec3();
-        let rotation = decompose(&to_world.matrix3).0.as_quat() * caster.rotation;
-        let direction = to_world.transform_vector3(caster.direction.as_dvec3()).as_vec3();
+        let start = caster.in_world(&colliders.to_world(entity));
         let mut filter = caster.filter.clone();
         if caster.ignore_self {
             filter = filter.without(colliders.own(entity));
         }
         let mut found = Vec::new();
         if caster.enabled
-            && let Ok(direction) = Dir3::new(direction)
+            && let Some((Isometry3d { translation, rotation }, direction)) = start
             && let Some(shape) = caster.shape.as_query(&meshes)
         {
             while found.len() < caster.max_hits
-                && let Some(hit) =
-                    world.cast_shape(&shape, translation, rotation, direction, caster.max_distance, &filter)
+                && let Some(hit) = world.cast_shape(
+                    &shape,
+                    translation.into(),
+                    rotation,
+                    direction,
+                    caster.max_distance,
+                    &filter,
+                )
             {
                 filter.excluded.insert(hit.collider);
                 found.push(hit);

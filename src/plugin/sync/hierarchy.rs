@@ -283,6 +283,13 @@ impl NestedBodies {
             .map(|nested| (nested.posed.position, nested.posed.rotation))
     }
 
+    /// Scale and shear of a dynamic body along the axes of its pose, as the step uses them.
+    #[cfg(any(feature = "debug_gizmos", feature = "debug_panel"))]
+    pub fn stretch(&self, entity: Entity) -> Option<DMat3> {
+        let nested = self.0.get(&entity)?;
+        (nested.kind == RigidBody::Dynamic).then_some(nested.posed.stretch)
+    }
+
     /// Dynamic bodies whose `Transform` is unchanged since the last step, in any order.
     fn kept<'a>(&'a self, transforms: &'a Query<&mut Transform>) -> impl Iterator<Item = Entity> + 'a {
         self.0.iter().filter_map(|(&entity, nested)| {

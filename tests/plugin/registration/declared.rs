@@ -167,6 +167,7 @@ fn is_on(feature: &str) -> bool {
         "bevy_scene" => cfg!(feature = "bevy_scene"),
         "cli" => cfg!(feature = "cli"),
         "debug_gizmos" => cfg!(feature = "debug_gizmos"),
+        "debug_panel" => cfg!(feature = "debug_panel"),
         "gpu" => cfg!(feature = "gpu"),
         "interpolation" => cfg!(feature = "interpolation"),
         _ => panic!("this test does not know the feature {feature}"),

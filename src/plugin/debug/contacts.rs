@@ -1,0 +1,48 @@
+//! Gizmos of contacts: normals, points with impulses, segments of intersection.
+
+use super::config::FaceoffGizmos;
+use super::outlines::Drawn;
+use crate::plugin::collisions::Collisions;
+use bevy::prelude::*;
+
+pub(super) fn draw_contacts(mut gizmos: Drawn, collisions: Option<Res<Collisions>>) {
+    let &FaceoffGizmos {
+        contacts,
+        contact_length,
+        contact_points,
+        impulses,
+        impulse_scale,
+        intersections,
+        marker_size,
+        ..
+    } = gizmos.config_ext;
+    let kinds = [contacts, contact_points, impulses, intersections];
+    let Some(collisions) = collisions.filter(|_| gizmos.config.enabled) else {
+        return;
+    };
+    if kinds.iter().all(Option::is_none) {
+        return;
+    }
+    for hit in collisions.iter() {
+        if let Some(color) = contacts {
+            let point = hit.contact.point;
+            gizmos.arrow(point, point + contact_length * hit.contact.normal, color);
+        }
+        for point in hit.points {
+            if let Some(color) = contact_points {
+                gizmos.cross(point.point, marker_size, color);
+            }
+            if let Some(color) = impulses
+                && point.impulse > 0.0
+            {
+                let push = impulse_scale * point.impulse * point.normal;
+                gizmos.line(point.point, point.point + push, color);
+            }
+        }
+        if let Some(color) = intersections {
+            for pair in hit.faces {
+                gizmos.line(pair.start, pair.end, color);
+            }
+        }
+    }
+}
