@@ -3,10 +3,16 @@
 //! | argument | effect |
 //! |---|---|
 //! | `--headless` | without window and GPU: runs a number of fixed steps that the example chooses, then ends |
+//! | `--backend auto\|cpu\|gpu` | where the steps run: by default on a GPU if there is one |
+//! | `--bodies N` | how many bodies, in examples that leave it open |
 //! | `--frames N` | ends after N steps (headless) or N frames (window) |
 //! | `--screenshot FILE` | saves the last of these frames as a picture; needs `--frames` |
+//! | `--gif FILE` | saves the window as a moving picture of N frames, 80 by default; steps keep pace with them |
+//! | `--skip N` | with `--gif`: begins N frames later |
 #![allow(dead_code, reason = "no example uses all of it")]
 
+#[cfg(feature = "window")]
+mod gif;
 #[cfg(feature = "window")]
 pub mod window;
 
@@ -55,6 +61,11 @@ pub struct Options {
     pub headless: bool,
     pub frames: Option<u32>,
     pub screenshot: Option<PathBuf>,
+    pub gif: Option<PathBuf>,
+    /// Frames before the moving picture begins.
+    pub skip: u32,
+    pub backend: Backend,
+    pub bodies: Option<usize>,
 }
 
 impl Options {
@@ -62,47 +73,81 @@ impl Options {
         let mut options = Self::default();
         let mut args = std::env::args().skip(1);
         while let Some(arg) = args.next() {
+            let mut value = || args.next().unwrap_or_else(|| usage(&format!("{arg} needs a value")));
             match arg.as_str() {
                 "--headless" => options.headless = true,
-                "--frames" => match args.next().and_then(|n| n.parse().ok()) {
-                    Some(frames) => options.frames = Some(frames),
-                    None => usage("--frames needs a number"),
-                },
-                "--screenshot" => match args.next() {
-                    Some(file) => options.screenshot = Some(file.into()),
-                    None => usage("--screenshot needs a file"),
-                },
-                other => usage(&format!("unknown argument {other}")),
+                "--backend" => options.backend = backend(&value()),
+                "--bodies" => options.bodies = Some(number(&arg, &value()) as usize),
+                "--frames" => options.frames = Some(number(&arg, &value())),
+                "--screenshot" => options.screenshot = Some(value().into()),
+                "--gif" => options.gif = Some(value().into()),
+                "--skip" => options.skip = number(&arg, &value()),
+                _ => usage(&format!("unknown argument {arg}")),
             }
         }
-        if options.screenshot.is_some() && (options.headless || options.frames.is_none()) {
-            usage("--screenshot needs a window and --frames");
+        if options.headless && (options.screenshot.is_some() || options.gif.is_some()) {
+            usage("--screenshot and --gif need a window");
+        }
+        if options.screenshot.is_some() && options.frames.is_none() {
+            usage("--screenshot needs --frames");
         }
         options
+    }
+
+    fn step(&self, readback: Readback) -> StepPlugin {
+        StepPlugin {
+            backend: self.backend,
+            readback,
+            ..default()
+        }
+    }
+}
+
+fn number(arg: &str, value: &str) -> u32 {
+    value
+        .parse()
+        .unwrap_or_else(|_| usage(&format!("{arg} needs a number, not {value}")))
+}
+
+fn backend(value: &str) -> Backend {
+    match value {
+        "auto" => Backend::Auto,
+        "cpu" => Backend::Cpu,
+        "gpu" => Backend::Gpu,
+        _ => usage(&format!("--backend needs auto, cpu or gpu, not {value}")),
     }
 }
 
 fn usage(what: &str) -> ! {
-    eprintln!("{what}; arguments: [--headless] [--frames N] [--screenshot FILE.png]");
+    eprintln!(
+        "{what}; arguments: [--headless] [--backend auto|cpu|gpu] [--bodies N] [--frames N] [--screenshot FILE.png] \
+         [--gif FILE.gif [--skip N]]"
+    );
     exit(2)
 }
 
 /// An app with Bevy's plugins and ours. With `--headless` it runs `steps` fixed steps, or those of `--frames`.
 pub fn app(title: &str, steps: u32) -> App {
+    app_with(title, steps, Readback::Auto)
+}
+
+/// The same, with a choice of when the results of a GPU are read.
+pub fn app_with(title: &str, steps: u32, readback: Readback) -> App {
     let options = Options::parse();
+    let step = options.step(readback);
     let mut app = App::new();
     app.insert_resource(options.clone());
     if options.headless {
         app.add_plugins((
             MinimalPlugins.build().disable::<ScheduleRunnerPlugin>(),
             LogPlugin::default(),
-            FaceoffHeadlessPlugins::default(),
+            FaceoffHeadlessPlugins { step, ..default() },
         ));
         let steps = options.frames.unwrap_or(steps);
         app.set_runner(move |app| run_headless(app, steps));
     } else {
         #[cfg(feature = "window")]
-        window::open(&mut app, title);
+        window::open(&mut app, title, step);
         #[cfg(not(feature = "window"))]
         {
             eprintln!("{title}: built without windows; add --features window, or run it with -- --headless");
@@ -130,6 +175,10 @@ fn run_headless(mut app: App, steps: u32) -> AppExit {
                 return AppExit::error();
             }
         }
+    }
+    if let ActiveBackend::None { reason } = app.world().resource() {
+        eprintln!("nothing can run the steps: {reason}");
+        return AppExit::error();
     }
     app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     for _ in 0..steps {

@@ -1,6 +1,6 @@
 //! The window of the examples: camera, lights, a visible mesh for every body and a ground for every plane below.
 
-use super::{Help, NotReady, Options, View};
+use super::{Help, NotReady, Options, View, gif};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::Hdr;
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -9,6 +9,7 @@ use bevy::light::CascadeShadowConfigBuilder;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
+use bevy::render::RenderPlugin;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy_faceoff::plugin::debug::{FaceoffGizmos, FaceoffGizmosPlugin};
 use bevy_faceoff::plugin::panel::{FaceoffPanel, FaceoffPanelPlugin};
@@ -32,9 +33,15 @@ const SKY: Color = Color::srgb(0.50, 0.60, 0.72);
 /// A ground is a square of so many squares of 1 m.
 const GROUND_SQUARES: u32 = 80;
 
-pub fn open(app: &mut App, title: &str) {
+pub fn open(app: &mut App, title: &str, step: StepPlugin) {
+    let options = app.world().resource::<Options>();
+    let render = RenderPlugin {
+        // So that the first picture is complete.
+        synchronous_pipeline_compilation: options.gif.is_some() || options.screenshot.is_some(),
+        ..default()
+    };
     app.add_plugins((
-        DefaultPlugins.set(WindowPlugin {
+        DefaultPlugins.set(render).set(WindowPlugin {
             primary_window: Some(Window {
                 title: format!("bevy_faceoff: {title}"),
                 resolution: (960, 600).into(),
@@ -42,11 +49,12 @@ pub fn open(app: &mut App, title: &str) {
             }),
             ..default()
         }),
-        FaceoffPlugins::default().set(InterpolationPlugin::interpolate_all()),
+        FaceoffPlugins { step }.set(InterpolationPlugin::interpolate_all()),
         FaceoffGizmosPlugin,
         FaceoffPanelPlugin {
             panel: FaceoffPanel::hidden(),
         },
+        gif::GifPlugin,
     ))
     .insert_resource(ClearColor(SKY))
     .init_resource::<View>()
@@ -76,7 +84,7 @@ fn light_and_camera(mut commands: Commands, view: Res<View>) {
             color: SKY,
             falloff: FogFalloff::Linear {
                 start: 2.0 * distance,
-                end: (6.0 * distance).min(0.5 * GROUND_SQUARES as f32),
+                end: (6.0 * distance).min(0.5 * GROUND_SQUARES as f32).max(3.0 * distance),
             },
             ..default()
         },
@@ -105,7 +113,10 @@ fn light_and_camera(mut commands: Commands, view: Res<View>) {
     }
 }
 
-fn write_help(mut commands: Commands, help: Res<Help>) {
+fn write_help(mut commands: Commands, help: Res<Help>, options: Res<Options>) {
+    if options.gif.is_some() {
+        return;
+    }
     let separator = if help.0.is_empty() { "" } else { ", " };
     commands.spawn((
         Text::new(format!(
@@ -194,14 +205,32 @@ struct Wardrobe {
     meshes: HashMap<AssetId<CollisionMesh>, Handle<Mesh>>,
     moving: Vec<Handle<StandardMaterial>>,
     fixed: Option<Handle<StandardMaterial>>,
+    sensor: Option<Handle<StandardMaterial>>,
     next: usize,
+}
+
+fn paint(base_color: Color) -> StandardMaterial {
+    StandardMaterial {
+        base_color,
+        perceptual_roughness: 0.55,
+        ..default()
+    }
+}
+
+/// What sensors look like: one sees through them.
+fn glass() -> StandardMaterial {
+    StandardMaterial {
+        alpha_mode: AlphaMode::Blend,
+        unlit: true,
+        ..paint(Color::srgba(0.3, 0.8, 1.0, 0.2))
+    }
 }
 
 /// Draws the triangles that collide, as soon as they are loaded.
 fn dress(
     mut commands: Commands,
     mut wardrobe: Local<Wardrobe>,
-    bare: Query<(Entity, &MeshCollider), Without<Mesh3d>>,
+    bare: Query<(Entity, &MeshCollider, Has<Sensor>), Without<Mesh3d>>,
     bodies: Query<&RigidBody>,
     parents: Query<&ChildOf>,
     baked: Res<Assets<CollisionMesh>>,
@@ -212,19 +241,13 @@ fn dress(
         meshes: known,
         moving,
         fixed,
+        sensor,
         next,
     } = &mut *wardrobe;
-    let mut paint = |base_color| {
-        materials.add(StandardMaterial {
-            base_color,
-            perceptual_roughness: 0.55,
-            ..default()
-        })
-    };
     if moving.is_empty() {
-        moving.extend(COLORS.map(&mut paint));
+        moving.extend(COLORS.map(|color| materials.add(paint(color))));
     }
-    for (entity, collider) in &bare {
+    for (entity, collider, is_sensor) in &bare {
         let Some(mesh) = baked.get(&collider.0) else { continue };
         let mesh = known
             .entry(collider.0.id())
@@ -233,7 +256,8 @@ fn dress(
             .chain(parents.iter_ancestors(entity))
             .find_map(|e| bodies.get(e).ok());
         let material = match body {
-            None | Some(RigidBody::Static) => fixed.get_or_insert_with(|| paint(STATIC)),
+            _ if is_sensor => sensor.get_or_insert_with(|| materials.add(glass())),
+            None | Some(RigidBody::Static) => fixed.get_or_insert_with(|| materials.add(paint(STATIC))),
             Some(_) => {
                 *next += 1;
                 &moving[(*next - 1) % COLORS.len()]
@@ -299,16 +323,19 @@ fn checkered(count: u32) -> Mesh {
         .with_inserted_indices(Indices::U32(indices))
 }
 
+/// What is not visible yet.
+pub type Waiting<'w, 's> = Query<'w, 's, (), Or<(With<NotReady>, (With<MeshCollider>, Without<Mesh3d>))>>;
+
 /// Ends the app after `--frames` frames, counted from when all bodies are visible.
 fn count_frames(
     mut commands: Commands,
     mut count: Local<u32>,
     options: Res<Options>,
-    waiting: Query<(), Or<(With<NotReady>, (With<MeshCollider>, Without<Mesh3d>))>>,
+    waiting: Waiting,
     mut exit: MessageWriter<AppExit>,
 ) {
     let Some(frames) = options.frames else { return };
-    if !waiting.is_empty() {
+    if options.gif.is_some() || !waiting.is_empty() {
         return;
     }
     *count += 1;

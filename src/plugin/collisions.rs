@@ -174,10 +174,31 @@ impl Collisions {
 
     /// The contact manifolds of all pairs whose surfaces came nearer than the contact margin
     /// ([`SolverSettings::contact_margin`](crate::types::solver_settings::SolverSettings::contact_margin)), whether
-    /// they touch or not. This is the input for a solver of your own.
+    /// they touch or not.
     ///
     /// In ascending order: first pairs of colliders, then colliders (first) with planes (second). Sensors have no manifolds,
     /// and [`Response::Impulse`](crate::types::settings::Response::Impulse) makes none.
+    ///
+    /// # A solver of your own
+    ///
+    /// The example `custom_response` is one. Set [`Response::None`](crate::types::settings::Response::None), and add a system
+    /// to [`FaceoffStep`](crate::plugin::FaceoffStep) after
+    /// [`FaceoffSystems::Publish`](crate::plugin::FaceoffSystems::Publish). It reads the manifolds and writes
+    /// [`LinearVelocity`](crate::types::body::LinearVelocity) and [`AngularVelocity`](crate::types::body::AngularVelocity),
+    /// with which the next step moves the bodies.
+    ///
+    /// * **Points are from the beginning of the step**, before bodies moved. Since then the separation of a point has changed by
+    ///   about the relative velocity along the normal, as the components have it, times the length of the step.
+    /// * **The next step adds gravity** to the velocities, [`Gravity`](crate::plugin::settings::Gravity) times the length of the
+    ///   step, before it moves the bodies. Solve for the velocities with gravity, and write them without.
+    /// * **The length of a step** is the delta of [`Time<Physics>`](crate::plugin::clock::Physics).
+    /// * **The margin does not grow with speed.** Set `contact_margin` to the way that bodies may go in a step, as a part of
+    ///   their diameter, so that a contact is seen before they overlap.
+    /// * **Mass and inertia** are yours. That of a mesh: [`CollisionMesh::mass`](crate::asset::BakedMesh::mass), about the
+    ///   centre of mass, where anchors begin.
+    /// * **The colliders' bodies** have the velocities. Where bodies have colliders on children, find them by `ChildOf`.
+    /// * **On a GPU** use [`Readback::Lockstep`](crate::plugin::settings::Readback::Lockstep). Otherwise the manifolds are some
+    ///   steps old, and contacts are solved too late.
     pub fn manifolds(&self) -> impl Iterator<Item = (Entity, Entity, &[ManifoldPoint])> {
         let entity = |i: u32| {
             let bodies = self.entities.len();

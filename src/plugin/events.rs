@@ -12,6 +12,9 @@ use bevy::prelude::*;
 /// `collider1` and `body1` are then its own.
 ///
 /// If the two separate and touch again before [`CollisionEnd`] was sent, neither is sent.
+///
+/// Steps run in `FixedPostUpdate`. A system in `FixedLast` reads the messages of the step just done, one in `Update` those of
+/// all steps of the frame, and one in `FixedUpdate` those of the step before. Events are triggered at the end of the step.
 #[derive(Message, EntityEvent, MapEntities, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Message, Event, MapEntities, Debug, PartialEq)]
 pub struct CollisionStart {

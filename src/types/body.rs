@@ -147,7 +147,8 @@ impl ComputedCenterOfMass {
 )]
 pub struct Sleeping(pub bool);
 
-/// External forces and impulses on a body, in addition to gravity.
+/// External forces and impulses on a body, in addition to gravity. Insert it beside the [`RigidBody`], which does not
+/// require it.
 ///
 /// Forces act until you change them. Impulses act once: the next step applies them and sets them to zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -14,7 +14,12 @@ use serde::{Deserialize, Serialize};
 #[non_exhaustive]
 pub enum Response {
     /// Collisions are detected and reported, with contact points, but bodies do not push each other. They move by their
-    /// velocities and gravity.
+    /// velocities and gravity, and pass through planes too.
+    ///
+    /// For triggers, and for a solver of your own: see
+    /// [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds). Mass, damping, speed limits,
+    /// [`LockedAxes`](crate::types::body::LockedAxes), [`ExternalForces`](crate::types::body::ExternalForces), continuous
+    /// collision and sleep have no effect.
     None,
     /// Each touching pair gets one impulse per step against its closing velocity, with the mean
     /// [`Restitution`](crate::types::material::Restitution). For swarms of thousands of bodies that bounce off each

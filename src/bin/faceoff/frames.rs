@@ -14,6 +14,14 @@ const SIZE: [u32; 2] = [960, 720];
 const SAMPLES: u32 = 2;
 /// The height of the view at distance 1.
 const FIELD: f32 = 0.78;
+/// From where the scene is seen.
+const FROM: Vec3 = Vec3::new(0.98, 0.8, 2.0);
+/// How much farther away the camera is than it must be to see the whole scene.
+const MARGIN: f32 = 1.04;
+/// What is nearer to the camera is not drawn, as a part of the distance of the scene.
+const NEAREST: f32 = 0.02;
+/// The colour of what does not move.
+const FIXED: Vec3 = Vec3::splat(200.0);
 
 /// Draws the bodies of a world and writes `DIR/frame_STEP.png`.
 pub fn save(world: &mut World, framing: &Framing, step: usize, folder: &Path) -> Outcome {
@@ -23,15 +31,19 @@ pub fn save(world: &mut World, framing: &Framing, step: usize, folder: &Path) ->
 /// Draws the bodies of a world.
 pub fn draw(world: &mut World, framing: &Framing) -> Canvas {
     let mut view = View::new(framing);
-    let mut bodies = world.query_filtered::<(&MeshCollider, &Transform), Without<Unseen>>();
+    let mut query = world.query_filtered::<(Entity, &MeshCollider, &Transform, &RigidBody), Without<Unseen>>();
+    let mut bodies: Vec<_> = query.iter(world).collect();
+    // A query has its own order, which changes when a body gets another component. Colours stay.
+    bodies.sort_unstable_by_key(|(entity, ..)| *entity);
     let meshes = world.resource::<Assets<CollisionMesh>>();
-    for (i, (collider, transform)) in bodies.iter(world).enumerate() {
+    for (i, (_, collider, transform, kind)) in bodies.into_iter().enumerate() {
+        let colour = if *kind == RigidBody::Static { FIXED } else { colour(i) };
         if let Some(mesh) = meshes.get(&collider.0) {
-            view.body(mesh, transform, colour(i));
+            view.body(mesh, transform, colour);
         }
     }
     if framing.edges {
-        view.edges(framing.side);
+        view.edges(&framing.corners());
     }
     view.finish()
 }
@@ -46,22 +58,35 @@ fn colour(i: usize) -> Vec3 {
 /// The image so far, at sample resolution, and the camera.
 struct View {
     to_camera: Affine3A,
+    /// Distance of the nearest plane that is drawn.
+    nearest: f32,
     light: Vec3,
     width: usize,
     height: usize,
     colours: Vec<[u8; 3]>,
     /// Inverse depth; 0 is at infinity.
     nearness: Vec<f32>,
-    corners: Vec<Vec3>,
+    /// Corners of the body in hand, in the world and before the camera.
+    corners: Vec<[Vec3; 2]>,
 }
 
 impl View {
-    /// A view of a box from above one of its corners.
+    /// A view from above a corner of the scene's box, so near that it fills the image.
     fn new(framing: &Framing) -> Self {
-        let eye = framing.center + framing.side.max(f32::MIN_POSITIVE) * Vec3::new(0.98, 0.8, 2.0);
         let [width, height] = SIZE.map(|n| (n * SAMPLES) as usize);
+        let center = framing.bounds.center();
+        let turned = Affine3A::look_to_rh(Vec3::ZERO, -FROM, Vec3::Y);
+        let field = 0.5 * FIELD * Vec2::new(width as f32 / height as f32, 1.0);
+        let needed = framing.corners().map(|corner| {
+            let p = turned.transform_vector3(corner - center);
+            p.z + (p.truncate().abs() / field).max_element()
+        });
+        let distance = MARGIN * needed.into_iter().fold(f32::MIN_POSITIVE, f32::max);
         Self {
-            to_camera: Affine3A::look_at_rh(eye, framing.center, Vec3::Y),
+            to_camera: Affine3A::from_translation(Vec3::NEG_Z * distance)
+                * turned
+                * Affine3A::from_translation(-center),
+            nearest: NEAREST * distance,
             light: Vec3::new(0.4, 0.8, 0.55).normalize(),
             width,
             height,
@@ -71,9 +96,8 @@ impl View {
         }
     }
 
-    /// Projects a point of the world to sample coordinates and inverse depth, which is not positive behind the camera.
-    fn project(&self, point: Vec3) -> Vec3 {
-        let p = self.to_camera.transform_point3(point);
+    /// Projects a point before the camera to sample coordinates and inverse depth.
+    fn project(&self, p: Vec3) -> Vec3 {
         let near = -1.0 / p.z;
         let scale = self.height as f32 * near / FIELD;
         Vec3::new(
@@ -84,27 +108,28 @@ impl View {
     }
 
     fn body(&mut self, mesh: &CollisionMesh, transform: &Transform, colour: Vec3) {
-        let place = |p: &Vec3| transform.transform_point(*p);
-        let points: Vec<Vec3> = mesh.mesh.vertices().iter().map(place).collect();
         self.corners.clear();
-        for p in &points {
-            let projected = self.project(*p);
-            self.corners.push(projected);
+        for p in mesh.mesh.vertices() {
+            let p = transform.transform_point(*p);
+            self.corners.push([p, self.to_camera.transform_point3(p)]);
         }
         for t in mesh.mesh.triangles() {
-            let [p, q, r] = t.map(|v| points[v as usize]);
+            let [[p, from], [q, over], [r, to]] = t.map(|v| self.corners[v as usize]);
             let normal = (q - p).cross(r - p).normalize_or_zero();
             // Both sides are lit, because meshes may be open or inside out.
             let shade = 0.35 + 0.65 * (0.5 + 0.5 * normal.dot(self.light)).clamp(0.0, 1.0);
-            let [red, green, blue] = (colour * shade).to_array().map(|c| c as u8);
-            self.triangle(t.map(|v| self.corners[v as usize]), [red, green, blue]);
+            let colour = (colour * shade).to_array().map(|c| c as u8);
+            let (polygon, count) = before([from, over, to], -self.nearest);
+            let polygon = polygon.map(|p| self.project(p));
+            for i in 2..count {
+                self.triangle([polygon[0], polygon[i - 1], polygon[i]], colour);
+            }
         }
     }
 
     fn triangle(&mut self, [p, q, r]: [Vec3; 3], colour: [u8; 3]) {
         let area = (q - p).truncate().perp_dot((r - p).truncate());
-        let behind = p.z <= 0.0 || q.z <= 0.0 || r.z <= 0.0;
-        if behind || area == 0.0 || !area.is_finite() {
+        if area == 0.0 || !area.is_finite() {
             return;
         }
         let range = |a: f32, b: f32, c: f32, limit: usize| {
@@ -132,13 +157,12 @@ impl View {
         }
     }
 
-    /// Draws the edges of a cube about the origin.
-    fn edges(&mut self, side: f32) {
-        let corner =
-            |i: usize| 0.5 * side * Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 1 { 1.0 } else { -1.0 }));
+    /// Draws the edges of a box with these corners.
+    fn edges(&mut self, corners: &[Vec3; 8]) {
+        let corners = corners.map(|corner| self.project(self.to_camera.transform_point3(corner)));
         for i in 0..8 {
             for k in (0..3).filter(|k| i >> k & 1 == 0) {
-                let (from, to) = (self.project(corner(i)), self.project(corner(i | 1 << k)));
+                let (from, to) = (corners[i], corners[i | 1 << k]);
                 let steps = (to - from).truncate().abs().max_element().min(1.0e4) as usize + 1;
                 for step in 0..=steps {
                     // Inverse depth is linear on the screen.
@@ -173,4 +197,23 @@ impl View {
         }
         canvas
     }
+}
+
+/// The part of a triangle beyond the plane of this z, as a convex polygon: its corners, and how many they are.
+fn before(triangle: [Vec3; 3], z: f32) -> ([Vec3; 4], usize) {
+    let (mut polygon, mut count) = ([Vec3::NEG_Z; 4], 0);
+    let mut push = |p| {
+        polygon[count] = p;
+        count += 1;
+    };
+    for i in 0..3 {
+        let (from, to) = (triangle[i], triangle[(i + 1) % 3]);
+        if from.z <= z {
+            push(from);
+        }
+        if (from.z <= z) != (to.z <= z) {
+            push(from.lerp(to, (z - from.z) / (to.z - from.z)));
+        }
+    }
+    (polygon, count)
 }

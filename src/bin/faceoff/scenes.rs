@@ -1,6 +1,7 @@
 //! What `faceoff simulate` can run: the paper's box, and scenes in which bodies rest, hang, slide, pour and screw.
 
 use bevy::prelude::*;
+use bevy_faceoff::geometry::Aabb;
 use bevy_faceoff::prelude::*;
 use bevy_faceoff::testing::scenes::paper::Paper;
 use bevy_faceoff::testing::scenes::{Body, Scene, Shape, chain, incline, pour, rest, thread};
@@ -83,12 +84,18 @@ impl SceneChoice {
 /// What of a scene pictures show.
 #[derive(Clone, Copy, Debug)]
 pub struct Framing {
-    /// Middle of the box that is shown.
-    pub center: Vec3,
-    /// Its side, metres.
-    pub side: f32,
+    /// The box that is shown.
+    pub bounds: Aabb,
     /// Whether its edges are drawn.
     pub edges: bool,
+}
+
+impl Framing {
+    /// The corners of the box. Bit k of a number chooses the larger coordinate k.
+    pub fn corners(&self) -> [Vec3; 8] {
+        let Aabb { min, max } = self.bounds;
+        std::array::from_fn(|i| Vec3::from_array([0, 1, 2].map(|k| if i >> k & 1 == 1 { max[k] } else { min[k] })))
+    }
 }
 
 /// Stands between the camera and what is to be seen: left out of pictures.
@@ -103,28 +110,39 @@ pub fn spawn(world: &mut World, choice: SceneChoice, paper: &Paper, mesh: Option
         (SceneChoice::Chain, _) => {
             spawn_all(world, &chain::chain(paper.bodies + 1, LINK));
             let length = LINK * paper.bodies as f32;
-            framing(Vec3::NEG_Y * (0.5 * length), 0.7 * length + 1.5)
+            upright(-1.02 * length - 0.5, 0.5, 0.5)
         }
         (SceneChoice::Stack, _) => {
             spawn_all(world, &rest::stack(paper.bodies, GAP));
             let height = (1.0 + GAP) * paper.bodies as f32;
-            framing(Vec3::Y * (0.5 * height), height + 1.0)
+            upright(-0.5, height, 1.5)
         }
         (SceneChoice::Nut, _) => {
             spawn_all(world, &thread::nut_on_bolt());
-            framing(Vec3::Y * (0.5 * thread::LENGTH), thread::LENGTH)
+            upright(0.0, thread::LENGTH, 1.2)
         }
         (SceneChoice::Incline | SceneChoice::Box | SceneChoice::Pour, _) => {
             spawn_all(world, &incline::frictions());
-            framing(Vec3::ZERO, 15.0)
+            framing(Vec3::new(11.2, 6.0, 5.5))
         }
     }
 }
 
-fn framing(center: Vec3, side: f32) -> Framing {
+/// A box about the origin with half of these edges.
+fn framing(half: Vec3) -> Framing {
     Framing {
-        center,
-        side,
+        bounds: Aabb { min: -half, max: half },
+        edges: false,
+    }
+}
+
+/// A box about the y axis, as wide as deep.
+fn upright(low: f32, high: f32, half: f32) -> Framing {
+    Framing {
+        bounds: Aabb {
+            min: Vec3::new(-half, low, -half),
+            max: Vec3::new(half, high, half),
+        },
         edges: false,
     }
 }
@@ -180,7 +198,7 @@ fn spawn_paper(world: &mut World, paper: &Paper, mesh: &CollisionMesh) -> Framin
     }
     Framing {
         edges: true,
-        ..framing(Vec3::ZERO, paper.side)
+        ..framing(Vec3::splat(0.5 * paper.side))
     }
 }
 
@@ -205,5 +223,6 @@ fn spawn_heap(world: &mut World, paper: &Paper, mesh: &CollisionMesh) -> Framing
             },
         ));
     }
-    framing(Vec3::Y * (0.4 * heap.height), heap.height.max(heap.width) + 1.0)
+    // With its floor and walls, which are 1 m thick.
+    upright(-1.0, heap.height, 0.5 * heap.width + 1.0)
 }

@@ -7,8 +7,10 @@ pub use crate::types::material::CombineRule;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Mass of a body in kilograms. Overrides [`Density`]. The inertia is scaled with it. Default 1; without this component the
-/// mass is that of the shape.
+/// Mass of a body in kilograms. Overrides [`Density`]. The inertia is scaled with it. Default 1.
+///
+/// Without it the mass is that of the shape: density times volume. The volume of a mesh before scaling is
+/// [`CollisionMesh::mass`](crate::asset::BakedMesh::mass)`.volume`.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mass(pub f32);

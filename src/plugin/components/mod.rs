@@ -14,6 +14,13 @@ use serde::{Deserialize, Serialize};
 /// A shape: part of the body of the nearest [`RigidBody`](crate::types::body::RigidBody) on its entity or above it.
 /// Without one it is static.
 ///
+/// The handle is that of a file (`assets.load("knot.bake.ron")`), or of a mesh made by the program
+/// (`meshes.add(CollisionMesh::new(&mesh))`). The body takes part as soon as the mesh is loaded; until then it stands still.
+/// All bodies of a shape share one handle, at any scale.
+///
+/// It is not drawn. Give the entity a `Mesh3d` too: a mesh of your own, or, with the feature `bevy_mesh`, the triangles that
+/// collide: `CollisionMesh::to_bevy_mesh`.
+///
 /// [`Density`], [`Friction`](crate::types::material::Friction), [`Restitution`](crate::types::material::Restitution),
 /// [`CollisionLayers`](crate::types::body::CollisionLayers) and [`BodyCulling`] of a collider are those on its entity, or
 /// else those of its body.
@@ -71,6 +78,30 @@ impl PlaneCollider {
 /// A sensor touches the bodies that it overlaps or contains at the beginning of a step, asleep or not. It detects a
 /// body that passes within one step only with [`Response::Contacts`](crate::types::settings::Response::Contacts), and
 /// only if the faster one of the two has [`ContinuousCollision`].
+///
+/// It detects dynamic and kinematic bodies, so also the door that it opens. Ask who came:
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_faceoff::prelude::*;
+/// #[derive(Component)]
+/// struct Player;
+///
+/// fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+///     let area = (
+///         Sensor,
+///         CollisionEventsEnabled,
+///         MeshCollider(assets.load("cube.bake.ron")),
+///         Transform::from_scale(Vec3::new(4.0, 2.0, 2.0)),
+///     );
+///     // Of its events, `collider1` and `body1` are the sensor, and `body2` is who came.
+///     commands.spawn(area).observe(|start: On<CollisionStart>, players: Query<&Player>| {
+///         if players.contains(start.body2) {
+///             info!("the door opens");
+///         }
+///     });
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sensor;
@@ -88,6 +119,9 @@ pub struct RigidBodyDisabled;
 
 /// Places a kinematic body at its `Transform` in the next step, without the velocity of the move
 /// ([`RigidBody::Kinematic`](crate::types::body::RigidBody::Kinematic)). The step removes it.
+///
+/// A dynamic body whose `Transform` is written is always placed. With interpolation this component shows it at its new place
+/// at once, instead of on its way there.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Teleport;
