@@ -39,12 +39,12 @@
 //! | dominance | **no** | yes: [rigid body][avian3d rigid_body] | yes: [rigid body][bevy_rapier3d rigid_body] | |
 //! | friction and restitution by formula | yes | yes | yes | `solver/friction`, `dynamics/bounce`, `dynamics/spin` |
 //! | heavy on light, towers of small cubes | yes: solved until converged | a fixed number of substeps: `SubstepCount` | a fixed number of iterations, more for chosen bodies | `small_games/heavy_on_light`, `small_games/dice_tower` |
-//! | a kinematic body moved by its `Transform` pushes and carries | yes | no: it pushes by its velocity components | yes: `KinematicPositionBased` | `plugin/driven` |
+//! | a kinematic body moved by its `Transform` pushes and carries | yes | no: it pushes by its velocity components | yes: `KinematicPositionBased` | `plugin/driven`, `--example door` |
 //! | continuous collision detection | yes, by triangles, on the CPU; sensors too | speculative contacts for all, `SweptCcd` for some: [ccd][avian3d ccd] | `Ccd` and `SoftCcd`: [rigid body][bevy_rapier3d rigid_body] | `dynamics/bullets`, `ccd/bullets` |
 //! | sleep | by island | by island: [sleeping][avian3d sleeping] | by island: [island manager][rapier3d island_manager] | `sleep/islands` |
 //! | a character | a component that walks, climbs steps and rides | parts to build one: [move and slide][avian3d move_and_slide]; whole ones in other crates | a component: [character controller][bevy_rapier3d character_controller] | `plugin/character`, `--example character` |
 //! | vehicles | **no** | no | in rapier, without a component: [ray cast vehicle controller][rapier3d ray_cast_vehicle_controller] | |
-//! | a solver of your own | contact points without response | a plugin can be replaced: [plugin][avian3d plugin] | no | `plugin/contacts` |
+//! | a solver of your own | contact points without response | a plugin can be replaced: [plugin][avian3d plugin] | no | `plugin/contacts`, `--example custom_response` |
 //!
 //! # Questions to the world
 //!
@@ -62,8 +62,9 @@
 //! |---|---|---|---|---|
 //! | a glTF scene as colliders | yes | yes: [constructor][avian3d constructor] | yes: `AsyncSceneCollider` in [collider][bevy_rapier3d collider] | `bevy_features/prefab/body`, `--example prefab` |
 //! | settings written in Blender | yes | no; by name in code | no; by name in code | `bevy_features/prefab/settings` |
-//! | colliders are assets: shared, baked at import, replaced while the app runs | yes | no: `Collider` is a component | no: the same | `loading/processor`, `loading/hot_reload`, `--example bake_assets` |
-//! | components in saved scenes | all, by reflection | all but `Collider`, which `ColliderConstructor` stands in for: [parry][avian3d parry] | most, not `Collider`: [collider][bevy_rapier3d collider] | `plugin/registration` |
+//! | colliders are assets: shared, baked at import, replaced while the app runs | yes | no: `Collider` is a component | no: the same | `loading/processor`, `loading/hot_reload`, `--example bake_assets`, `--example baked_asset` |
+//! | components in saved scenes | all, by reflection | all but `Collider`, which `ColliderConstructor` stands in for: [parry][avian3d parry] | most, not `Collider`: [collider][bevy_rapier3d collider] | `plugin/registration`, `bevy_features/saved_scenes` |
+//! | bodies in `bsn!` | yes, with meshes by path | not mentioned | not mentioned | `plugin/bsn`, `bevy_features/bsn` |
 //! | defects of meshes are named, and repaired | yes | some triangles are dropped, by `TrimeshFlags`: [trimesh][parry3d trimesh] | the same | `geometry/repair`, `asset/hostile` |
 //! | a body with a NaN | is left out and named; the others go on | not checked | not checked | `plugin/bad_bodies` |
 //!
@@ -76,6 +77,8 @@
 //! | the same bits again, on any number of threads | yes | tested across platforms in two dimensions: [determinism 2d][avian3d determinism_2d] | promised: [lib.rs][rapier3d lib.rs] | `dynamics/same_bits`, `plugin/clock` |
 //! | the same bits on another kind of machine | **no** | yes, feature `enhanced-determinism` | yes, feature `enhanced-determinism` | |
 //! | save and restore the state in memory, with the solver's memory | `Snapshot` | components and the resource `ContactGraph` can be cloned: [contact graph][avian3d contact_graph] | in rapier; the plugin's contexts have serde, but for their maps from entities: [context][bevy_rapier3d context] | `plugin/contacts`, `--bench snapshot` |
+//! | the state as bytes, saved or sent | `Snapshot`, with serde | components: feature `serialize` | feature `serde-serialize`: [context][bevy_rapier3d context] | `plugin/snapshots`, `--example rollback` |
+//! | the same bits, whatever the order in which bodies are spawned | by a stable key on each body | not mentioned | not mentioned | `plugin/stable_keys` |
 //!
 //! # Where it runs, and how you look at it
 //!
@@ -88,8 +91,8 @@
 //! | two dimensions | **no** | avian2d | bevy_rapier2d | |
 //! | double precision | **no**: positions are single; where it decides, faces are tested in double | yes, feature `f64` | rapier3d-f64, without a plugin | `triangle_test/fine` |
 //! | several worlds in one app | **no** | no | yes: [multi contexts3][bevy_rapier3d multi_contexts3] | |
-//! | gizmos | yes | yes, also of colliders, boxes and joints: [debug render][avian3d debug_render] | yes, also of colliders and joints: [render][bevy_rapier3d render] | `bevy_features/debug_gizmos`, `--example debug_faces` |
-//! | times of the stages | `StepReport` and Bevy's diagnostics | Bevy's diagnostics and a panel: [ui][avian3d ui] | counters of rapier: [counters][rapier3d counters] | `plugin/groups` |
+//! | gizmos | colliders, contacts, motion, islands, casts | colliders, contacts, islands, casts, boxes, joints: [debug render][avian3d debug_render] | colliders, contacts, joints: [render][bevy_rapier3d render] | `bevy_features/debug_gizmos`, `--example debug_faces` |
+//! | times of the stages | `StepReport`, Bevy's diagnostics and a panel | Bevy's diagnostics and a panel: [ui][avian3d ui] | counters of rapier: [counters][rapier3d counters] | `plugin/groups`, `bevy_features/debug_panel` |
 //! | a command line for meshes and scenes | yes | no | no | `cli/simulate`, `cli/check` |
 //!
 //! # Learning, and releases
@@ -98,7 +101,7 @@
 //! |---|---|---|---|---|
 //! | used by many games, for years | **no**: not released yet | yes | yes | |
 //! | guides | these, whose programs are compiled and run | in its documentation: [lib.rs][avian3d lib.rs] | a site of its own, rapier.rs | `layers/guide` |
-//! | programs to start from | in `examples`, each also without a window | 22 in three dimensions: [examples][avian3d examples] | 21 in three dimensions: [examples][bevy_rapier3d examples] | `--example hello`, `--example pour`, `--example tori_in_a_box` |
+//! | programs to start from | in `examples`, each also without a window | 22 in three dimensions: [examples][avian3d examples] | 21 in three dimensions: [examples][bevy_rapier3d examples] | `--example hello`, `--example pour`, `--example tori_in_a_box`, `--example asteroids`, `--example falling_knots` |
 //! | a table of versions, a changelog | yes, and a policy on versions of Rust and Bevy | a table: [README][avian3d README] | in its repository | `CONTRIBUTING.md`, `CHANGELOG.md`, `layers/versions` |
 //!
 //! # Speed
