@@ -37,7 +37,7 @@ fn main() -> AppExit {
             at: Vec3::new(0.0, 0.9, 0.0),
         })
         .add_systems(Startup, spawn)
-        .add_systems(FaceoffStep, solve.after(FaceoffSystems::Publish));
+        .add_systems(FaceoffStep, solve.in_set(FaceoffSystems::Respond));
     if app.world().resource::<common::Options>().headless {
         app.add_systems(FixedLast, print);
     }
@@ -99,7 +99,7 @@ fn solve(
     collisions: Res<Collisions>,
     meshes: Res<Assets<CollisionMesh>>,
     gravity: Res<Gravity>,
-    time: Res<Time<Physics>>,
+    time: Res<Time>,
     mut query: Query<(
         Entity,
         &Transform,

@@ -220,9 +220,9 @@
 //! # A solver of your own
 //!
 //! Set [`Response::None`](crate::types::settings::Response) and read
-//! [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds). Write velocities in a system in
-//! `FaceoffStep` after `FaceoffSystems::Publish`: they move the bodies in the next step, and gravity is added in that
-//! step. So this one counts gravity in:
+//! [`Collisions::manifolds`](crate::plugin::collisions::Collisions::manifolds). Write velocities in a system
+//! in [`FaceoffSystems::Respond`](crate::plugin::FaceoffSystems): they move the bodies in the next step, and gravity is
+//! added in that step. So this one counts gravity in:
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -231,17 +231,17 @@
 //! # let mut app = App::new();
 //! # app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
 //! app.insert_resource(Response::None)
-//!     .add_systems(FaceoffStep, hold.after(FaceoffSystems::Publish));
+//!     .add_systems(FaceoffStep, hold.in_set(FaceoffSystems::Respond));
 //!
 //! /// Stops bodies at planes.
 //! fn hold(
 //!     collisions: Res<Collisions>,
 //!     gravity: Res<Gravity>,
-//!     clock: Res<Time<Fixed>>,
+//!     time: Res<Time>,
 //!     planes: Query<(), With<PlaneCollider>>,
 //!     mut bodies: Query<&mut LinearVelocity>,
 //! ) {
-//!     let fall = gravity.0 * clock.timestep().as_secs_f32();
+//!     let fall = gravity.0 * time.delta_secs();
 //!     for collision in collisions.iter().filter(|collision| planes.contains(collision.collider2)) {
 //!         let Ok(mut velocity) = bodies.get_mut(collision.body1) else { continue };
 //!         // The normal leads from the first collider to the second.

@@ -182,8 +182,8 @@ impl Collisions {
     /// # A solver of your own
     ///
     /// The example `custom_response` is one. Set [`Response::None`](crate::types::settings::Response::None), and add a system
-    /// to [`FaceoffStep`](crate::plugin::FaceoffStep) after
-    /// [`FaceoffSystems::Publish`](crate::plugin::FaceoffSystems::Publish). It reads the manifolds and writes
+    /// to [`FaceoffStep`](crate::plugin::FaceoffStep) in the set
+    /// [`FaceoffSystems::Respond`](crate::plugin::FaceoffSystems::Respond). It reads the manifolds and writes
     /// [`LinearVelocity`](crate::types::body::LinearVelocity) and [`AngularVelocity`](crate::types::body::AngularVelocity),
     /// with which the next step moves the bodies.
     ///
@@ -191,7 +191,7 @@ impl Collisions {
     ///   about the relative velocity along the normal, as the components have it, times the length of the step.
     /// * **The next step adds gravity** to the velocities, [`Gravity`](crate::plugin::settings::Gravity) times the length of the
     ///   step, before it moves the bodies. Solve for the velocities with gravity, and write them without.
-    /// * **The length of a step** is the delta of [`Time<Physics>`](crate::plugin::clock::Physics).
+    /// * **The length of a step** is the delta of the resource `Time`, which is the physics clock there.
     /// * **The margin does not grow with speed.** Set `contact_margin` to the way that bodies may go in a step, as a part of
     ///   their diameter, so that a contact is seen before they overlap.
     /// * **Mass and inertia** are yours. That of a mesh: [`CollisionMesh::mass`](crate::asset::BakedMesh::mass), about the

@@ -46,6 +46,10 @@ pub enum FaceoffSystems {
     /// Writes poses and velocities to components, and publishes [`Collisions`](super::collisions::Collisions), messages
     /// and events.
     Publish,
+    /// Empty: for systems of yours that use the results within the step, like a solver of your own. Spatial queries know
+    /// the new poses here. A system that is only ordered after `Publish` may run when the resource `Time` is no longer the
+    /// physics clock.
+    Respond,
 }
 
 impl From<Stage> for FaceoffSystems {

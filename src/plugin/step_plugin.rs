@@ -85,6 +85,7 @@ impl Plugin for StepPlugin {
                     FaceoffSystems::ForceScan,
                     FaceoffSystems::Integrate,
                     FaceoffSystems::Publish,
+                    FaceoffSystems::Respond,
                 )
                     .chain(),
             )
@@ -104,7 +105,7 @@ impl Plugin for StepPlugin {
                 )
                     .chain()
                     .in_set(FaceoffSystems::Publish),
-                clock::end.after(FaceoffSystems::Publish).ambiguous_with_all(),
+                clock::end.after(FaceoffSystems::Respond).ambiguous_with_all(),
             ));
         for stage in Stage::ALL {
             let run = hooks::run_without_hooks(stage);

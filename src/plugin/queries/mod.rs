@@ -48,7 +48,8 @@ impl Plugin for SpatialQueryPlugin {
             .register_type::<ShapeHits>();
         let update = (update::update_after_step, run_casters)
             .chain()
-            .after(FaceoffSystems::Publish);
+            .after(FaceoffSystems::Publish)
+            .before(FaceoffSystems::Respond);
         // The results of a GPU may be published between two steps.
         let late = RunFixedMainLoopSystems::AfterFixedMainLoop;
         app.add_systems(FaceoffStep, update.ambiguous_with_all())
