@@ -87,6 +87,7 @@
 //! | on a GPU | all stages, tested on a software driver; not measured on a real card | no | no | `gpu/parity/steps`, `bevy_render` |
 //! | on all cores | yes | in part: feature `parallel` | yes: feature `parallel` | `plugin/clock` |
 //! | without a window or a GPU | yes | yes | yes | `--example headless` |
+//! | in a browser | built for it, and run in Node.js on one thread; not tried in a browser | written for it: [optimization][avian3d optimization] | rapier is for it too: the category `wasm` in [Cargo.toml][rapier3d Cargo.toml] | `.ci/web` |
 //! | without Bevy | yes | no | rapier is such a library | `core/step` |
 //! | two dimensions | **no** | avian2d | bevy_rapier2d | |
 //! | double precision | **no**: positions are single; where it decides, faces are tested in double | yes, feature `f64` | rapier3d-f64, without a plugin | `triangle_test/fine` |
@@ -129,6 +130,7 @@
 //! [avian3d layers]: https://docs.rs/crate/avian3d/0.7.0/source/src/collision/collider/layers.rs
 //! [avian3d lib.rs]: https://docs.rs/crate/avian3d/0.7.0/source/src/lib.rs
 //! [avian3d move_and_slide]: https://docs.rs/crate/avian3d/0.7.0/source/src/character_controller/move_and_slide.rs
+//! [avian3d optimization]: https://docs.rs/crate/avian3d/0.7.0/source/src/collider_tree/optimization.rs
 //! [avian3d parry]: https://docs.rs/crate/avian3d/0.7.0/source/src/collision/collider/parry/mod.rs
 //! [avian3d picking]: https://docs.rs/crate/avian3d/0.7.0/source/src/picking/mod.rs
 //! [avian3d plugin]: https://docs.rs/crate/avian3d/0.7.0/source/src/dynamics/solver/plugin.rs
@@ -156,6 +158,7 @@
 //! [bevy_rapier3d system parameters]: https://docs.rs/crate/bevy_rapier3d/0.36.0/source/src/plugin/context/systemparams/rapier_context_systemparam.rs
 //! [parry3d parry]: https://docs.rs/crate/parry3d/0.30.2-glamx0.2-b/source/src/query/contact_manifolds/contact_manifolds_composite_shape_composite_shape.rs
 //! [parry3d trimesh]: https://docs.rs/crate/parry3d/0.30.2-glamx0.2-b/source/src/shape/trimesh.rs
+//! [rapier3d Cargo.toml]: https://docs.rs/crate/rapier3d/0.35.0-glamx0.2/source/Cargo.toml.orig
 //! [rapier3d contact_clustering]: https://docs.rs/crate/rapier3d/0.35.0-glamx0.2/source/src/geometry/contact_clustering.rs
 //! [rapier3d counters]: https://docs.rs/crate/rapier3d/0.35.0-glamx0.2/source/src/counters/mod.rs
 //! [rapier3d island_manager]: https://docs.rs/crate/rapier3d/0.35.0-glamx0.2/source/src/dynamics/island_manager/

@@ -22,7 +22,7 @@ fn shown_by(name: &str) -> PathBuf {
     let file = match name.split_once(' ') {
         Some(("--example", name)) => format!("examples/{name}.rs"),
         Some(("--bench", name)) => format!("benches/{name}.rs"),
-        _ if name.ends_with(".md") => name.to_owned(),
+        _ if name.ends_with(".md") || name.starts_with('.') => name.to_owned(),
         _ => format!("tests/{name}.rs"),
     };
     Path::new(env!("CARGO_MANIFEST_DIR")).join(file)
