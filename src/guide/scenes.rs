@@ -46,7 +46,8 @@
 //! ```
 //!
 //! `MeshColliderFrom` takes the path of a Bevy mesh, such as `"cart.glb#Mesh0/Primitive0"`, and `ShowFacesTowards` the name of
-//! an entity of the scene, `#Target`. A `ShapeCaster` takes a handle: `CasterShape::Mesh { mesh: handle, .. }` in braces.
+//! an entity of the scene, `#Target`. A `ShapeCaster` cannot be written
+//! in `bsn!`, because it may hold a handle: insert it afterwards.
 //!
 //! # Saved scenes
 //!

