@@ -1,4 +1,5 @@
-//! What a snapshot costs: 1,000 tori in a pile on the CPU, `cargo bench --bench snapshot`.
+//! What a snapshot costs: 1,000 tori in a pile on the CPU, `cargo bench --bench snapshot`. The sizes are those in memory
+//! and as text.
 //!
 //! Times are medians and depend on the machine; the counts are the same everywhere.
 
@@ -6,7 +7,13 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::prelude::*;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System;
 use std::time::{Duration, Instant};
+
+/// Tells the size of a snapshot.
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// One fixed step.
 const STEP: Duration = Duration::from_nanos(15_625_000);
@@ -29,13 +36,24 @@ fn main() {
 
     // Every round measures the same two steps: the first after `restore`, and as the usual one that which follows it.
     let (mut take, mut restore) = (Vec::new(), Vec::new());
-    let (mut first, mut usual) = (Vec::new(), Vec::new());
+    let (mut first, mut usual, mut both) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..TIMES {
         restore.push(time(|| assert!(start.restore(world).is_empty())));
         first.push(time(|| world.run_schedule(FaceoffStep)));
         usual.push(time(|| world.run_schedule(FaceoffStep)));
         take.push(time(|| Snapshot::take(world)));
+        both.push(restore[restore.len() - 1] + take[take.len() - 1]);
     }
+    let region = Region::new(ALLOCATOR);
+    let copy = start.clone();
+    let allocated = region.change();
+    let memory = allocated.bytes_allocated - allocated.bytes_deallocated;
+    let text = ron::to_string(&copy).expect("a snapshot is plain data");
+    println!(
+        "size: {memory} bytes in memory, {} as RON, {} as RON compressed with LZ4",
+        text.len(),
+        lz4_flex::compress(text.as_bytes()).len()
+    );
     let report = world.resource::<StepReport>();
     println!(
         "{} bodies, {} contact points, {} asleep",
@@ -47,6 +65,7 @@ fn main() {
     for (what, mut times) in [
         ("Snapshot::take", take),
         ("Snapshot::restore", restore),
+        ("take + restore", both),
         ("usual step", usual),
         ("first step after restore", first),
     ] {

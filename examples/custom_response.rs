@@ -25,7 +25,11 @@ const STEPS: u32 = 64 * 8;
 
 fn main() -> AppExit {
     // The solver needs the results of every step before the next one: not those of a GPU two steps later.
-    let mut app = common::app_with("custom response", STEPS, Readback::Lockstep);
+    let step = StepPlugin {
+        readback: Readback::Lockstep,
+        ..default()
+    };
+    let mut app = common::app_with("custom response", STEPS, step);
     app.insert_resource(Response::None)
         // With this response the margin does not grow with speed. It must be wide enough to see a contact one step ahead.
         .insert_resource(SolverSettings {

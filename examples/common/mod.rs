@@ -64,7 +64,7 @@ pub struct Options {
     pub gif: Option<PathBuf>,
     /// Frames before the moving picture begins.
     pub skip: u32,
-    pub backend: Backend,
+    pub backend: Option<Backend>,
     pub bodies: Option<usize>,
 }
 
@@ -76,7 +76,7 @@ impl Options {
             let mut value = || args.next().unwrap_or_else(|| usage(&format!("{arg} needs a value")));
             match arg.as_str() {
                 "--headless" => options.headless = true,
-                "--backend" => options.backend = backend(&value()),
+                "--backend" => options.backend = Some(backend(&value())),
                 "--bodies" => options.bodies = Some(number(&arg, &value()) as usize),
                 "--frames" => options.frames = Some(number(&arg, &value())),
                 "--screenshot" => options.screenshot = Some(value().into()),
@@ -94,11 +94,11 @@ impl Options {
         options
     }
 
-    fn step(&self, readback: Readback) -> StepPlugin {
+    /// `step` with the backend of the command line.
+    fn apply_to(&self, step: StepPlugin) -> StepPlugin {
         StepPlugin {
-            backend: self.backend,
-            readback,
-            ..default()
+            backend: self.backend.unwrap_or(step.backend),
+            ..step
         }
     }
 }
@@ -128,13 +128,13 @@ fn usage(what: &str) -> ! {
 
 /// An app with Bevy's plugins and ours. With `--headless` it runs `steps` fixed steps, or those of `--frames`.
 pub fn app(title: &str, steps: u32) -> App {
-    app_with(title, steps, Readback::Auto)
+    app_with(title, steps, StepPlugin::default())
 }
 
-/// The same, with a choice of when the results of a GPU are read.
-pub fn app_with(title: &str, steps: u32, readback: Readback) -> App {
+/// The same with other settings of the step.
+pub fn app_with(title: &str, steps: u32, step: StepPlugin) -> App {
     let options = Options::parse();
-    let step = options.step(readback);
+    let step = options.apply_to(step);
     let mut app = App::new();
     app.insert_resource(options.clone());
     if options.headless {

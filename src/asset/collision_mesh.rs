@@ -24,6 +24,7 @@ pub struct CollisionMesh {
     baked: Arc<BakedMesh>,
     features: Arc<MeshFeatures>,
     lanes: Arc<MeshLanes>,
+    fingerprint: u64,
 }
 
 /// The result of a bake.
@@ -67,6 +68,7 @@ impl From<BakedMesh> for CollisionMesh {
         Self {
             lanes: Arc::new(MeshLanes::new(&baked.mesh, &features, baked.mass.center)),
             features: Arc::new(features),
+            fingerprint: baked.fingerprint(),
             baked: Arc::new(baked),
         }
     }
@@ -92,6 +94,12 @@ impl CollisionMesh {
     /// Whether both are clones of the same bake, not merely equal.
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.baked, &other.baked)
+    }
+
+    /// A hash of the surface and its mass, which tells different meshes apart on every machine. A face table does not
+    /// change it.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        self.fingerprint
     }
 
     /// Bakes `mesh` with default settings, without a face table. This takes milliseconds and needs no thread pool.
@@ -167,6 +175,27 @@ impl CollisionMesh {
             baked: Arc::new(baked),
             ..self.clone()
         })
+    }
+}
+
+impl BakedMesh {
+    fn fingerprint(&self) -> u64 {
+        let mut hash = blake3::Hasher::new();
+        // Long pieces are hashed much faster than single numbers.
+        let mut bytes = Vec::new();
+        let vertices = self.mesh.vertices().iter();
+        bytes.extend(vertices.flat_map(|vertex| vertex.to_array()).flat_map(f32::to_le_bytes));
+        hash.update(&bytes);
+        bytes.clear();
+        bytes.extend(self.mesh.triangles().iter().flatten().flat_map(|v| v.to_le_bytes()));
+        hash.update(&bytes);
+        let BakeSettings {
+            weld_tolerance, inward, ..
+        } = self.settings;
+        let rest = (self.mesh.vertices().len(), weld_tolerance, inward, self.mass);
+        hash.update(format!("{rest:?}").as_bytes());
+        let hash = hash.finalize();
+        u64::from_le_bytes(std::array::from_fn(|i| hash.as_bytes()[i]))
     }
 }
 

@@ -86,8 +86,41 @@
 //! ));
 //! ```
 //!
-//! The same build on the same machine gives the same bits on any number of threads, if bodies are spawned in the same
-//! order. [`Snapshot`](crate::plugin::snapshot::Snapshot) takes the state and restores it.
+//! # The same bits
+//!
+//! Lockstep, rollback and replays need two runs that stay equal to the last bit: bodies that collide make the smallest
+//! difference grow. [`Snapshot`] takes the state and restores it, and the example `rollback` repeats 8 steps in every step.
+//!
+//! **On one machine** two runs are equal if all of this is the same:
+//!
+//! * The executable, and [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu). Results of a GPU are not those of the CPU.
+//! * The order of bodies. Give every collider and plane a [`StableKey`]: then entities do not matter, nor in which order bodies
+//!   are spawned. Without keys the entities must be the same.
+//! * Meshes, components, settings, and what systems write, before the same step.
+//! * The length of the steps. Bevy's fixed timestep is constant; `run_schedule(FaceoffStep)` has the same length.
+//!
+//! What does not matter: the number of threads, the frame rate, the instruction set that is chosen at run time (such as
+//! AVX2), and whether a [`Snapshot`] was restored in between. The tests compare the bits in all these cases.
+//!
+//! **On two machines** all of this holds as well, and further:
+//!
+//! * The same target, for example `x86_64-unknown-linux-gnu`, and the same compiler with the same options. `-C target-cpu` and
+//!   `-C target-feature` change how vectors are computed, and so does another architecture.
+//! * The same library of mathematical functions. A step calls `exp` (damping, choice of contact points) and, for rotations,
+//!   `sin`, `cos` and the arc functions of Rust's standard library, which takes them from the operating system: on Linux
+//!   from glibc, whose versions may differ in the last bit. A program that is linked statically, for example with
+//!   `x86_64-unknown-linux-musl`, brings its own. All else are basic operations and square roots, which IEEE 754 defines to the bit.
+//! * The same meshes, to the bit. Bake them once and ship the `.faceoff` files: a bake calls such functions more often.
+//!
+//! The tests run on one machine at a time, so equality between machines follows from these reasons and is not tested. Compare
+//! a hash of the poses now and then, and send a [`Snapshot`] when they differ.
+//!
+//! **On a GPU** the same device, driver and build repeat themselves with [`Readback::Lockstep`]. Another device or driver gives
+//! other bits. With [`Readback::Latent`] and [`Readback::Resident`] the number of collision substeps may differ from that of
+//! `Lockstep`, and with it the bits; so it may in the first steps with contacts after a [`Snapshot`] was restored.
+//!
+//! What a [`SpatialQuery`](crate::plugin::queries::SpatialQuery) finds is equal too, but for ties: which of two hits at exactly the
+//! same distance comes first depends on how bodies were spawned.
 //!
 //! # In a browser
 //!
@@ -141,6 +174,11 @@
 //! | test fewer triangles and miss some collisions | [`Culling`](crate::types::settings::Culling) |
 //! | simulate less often | `Time::<Fixed>::from_hz(32.0)`; contacts then push less smoothly |
 //!
+//! [`Readback::Latent`]: crate::plugin::settings::Readback::Latent
+//! [`Readback::Lockstep`]: crate::plugin::settings::Readback::Lockstep
+//! [`Readback::Resident`]: crate::plugin::settings::Readback::Resident
+//! [`Snapshot`]: crate::plugin::snapshot::Snapshot
+//! [`StableKey`]: crate::plugin::components::StableKey
 //! [`SleepingDisabled`]: crate::plugin::components::SleepingDisabled
 //! [`ContinuousCollision`]: crate::plugin::components::ContinuousCollision
 //! [`SolverSettings::substeps`]: crate::types::solver_settings::SolverSettings::substeps

@@ -355,6 +355,11 @@ impl Engine {
 
 #[cfg(feature = "gpu")]
 impl Engine {
+    /// Whether steps run on a device.
+    pub fn is_on_gpu(&self) -> bool {
+        self.gpu.is_some() && !self.on_cpu
+    }
+
     /// The stages on a device, if there is one.
     pub fn gpu_step(&mut self) -> Option<&mut GpuStep> {
         self.gpu.as_deref_mut()
@@ -404,9 +409,9 @@ impl Engine {
 
     /// What is read back of a step, if its results come later.
     pub fn latent(&self) -> Option<Detail> {
-        match (self.gpu.as_ref().filter(|_| !self.on_cpu), self.readback()) {
-            (Some(_), Readback::Latent) => Some(Detail::All),
-            (Some(_), Readback::Resident) => Some(Detail::Counts),
+        match (self.is_on_gpu(), self.readback()) {
+            (true, Readback::Latent) => Some(Detail::All),
+            (true, Readback::Resident) => Some(Detail::Counts),
             _ => None,
         }
     }

@@ -1,6 +1,7 @@
 //! Results of the last step: [`Collisions`] and [`StepReport`].
 
 use crate::manifolds::{ManifoldPoint, Manifolds};
+use crate::plugin::sync::order::Numbers;
 use crate::state::{Contact, ContactPoint, Contacts, FacePair, PairContact, PlaneContact};
 use crate::types::gpu_work::GpuWork;
 use crate::types::stage::Stage;
@@ -18,20 +19,21 @@ use std::time::Duration;
 /// * if one is a sensor, one of the two has [`ContinuousCollision`](crate::plugin::components::ContinuousCollision),
 ///   and they met at any time in the step.
 ///
-/// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of [`Entity`], which is not the
-/// order of spawning.
+/// Bodies asleep touch like bodies awake. "Ascending" and "smaller" refer to the order of
+/// [`StableKey`](crate::plugin::components::StableKey), and of [`Entity`] for colliders without one, which is not the order
+/// of spawning.
 #[derive(Resource, Reflect, Debug, Default)]
 #[reflect(Resource, Default, Debug)]
 pub struct Collisions {
-    /// Entity of each collider, ascending, so that their numbers are in the order of entities.
+    /// Entity of each collider.
     #[reflect(ignore)]
-    pub(crate) entities: Vec<Entity>,
+    pub(crate) entities: Numbers,
     /// The body of each collider.
     #[reflect(ignore)]
     pub(crate) bodies: Vec<Entity>,
-    /// Entity of each plane, ascending. In manifolds, planes are numbered after the colliders.
+    /// Entity of each plane. In manifolds, planes are numbered after the colliders.
     #[reflect(ignore)]
-    pub(crate) planes: Vec<Entity>,
+    pub(crate) planes: Numbers,
     #[reflect(ignore)]
     pub(crate) contacts: Contacts,
     #[reflect(ignore)]
@@ -41,7 +43,7 @@ pub struct Collisions {
 /// Two colliders that touch, or a collider and a plane.
 #[derive(Clone, Copy, Debug)]
 pub struct Collision<'a> {
-    /// The collider with the smaller [`Entity`], or that which touches a
+    /// The smaller collider, or that which touches a
     /// [`PlaneCollider`](crate::plugin::components::PlaneCollider).
     pub collider1: Entity,
     /// The other collider, or the plane.
@@ -104,7 +106,7 @@ impl Collisions {
     /// Takes time logarithmic in the number of colliders and pairs. For bodies of several colliders see
     /// [`Collisions::of`].
     pub fn get(&self, one: Entity, other: Entity) -> Option<Collision<'_>> {
-        let find = |entities: &[Entity], entity| entities.binary_search(&entity).ok().map(|i| i as u32);
+        let find = |numbers: &Numbers, entity| numbers.number_of(entity).map(|i| i as u32);
         let body = |entity| find(&self.entities, entity);
         match (body(one), body(other)) {
             (Some(i), Some(j)) => {

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 
 /// Two colliders, or a collider and a plane, began to touch in this step.
 ///
-/// As a message it is written once per pair, with `collider1 < collider2`. As an event it is triggered for each of the two
+/// As a message it is written once per pair, with the smaller one, in the order of
+/// [`Collisions`](crate::plugin::collisions::Collisions), as `collider1`. As an event it is triggered for each of the two
 /// colliders and their bodies that has [`CollisionEventsEnabled`](crate::plugin::components::CollisionEventsEnabled);
 /// `collider1` and `body1` are then its own.
 ///

@@ -44,6 +44,7 @@ pub(super) fn register(app: &mut App) {
         .register_type::<ContinuousCollision>()
         .register_type::<ActiveCollisionHooks>()
         .register_type::<CollisionLayers>()
+        .register_type::<StableKey>()
         .register_type::<Sensor>()
         .register_type::<BodyCulling>()
         .register_type::<CollidingEntities>()

@@ -5,9 +5,9 @@ use crate::types::body::RigidBody;
 use glam::{DVec3, Quat, Vec3};
 
 /// The properties of a body whose change wakes it or its neighbours.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct SleepInputs {
-    /// See [`MeshSlot::version`](crate::state::mesh_arena::MeshSlot::version).
+    /// The fingerprint of its mesh.
     pub mesh: u64,
     /// The centre of mass in the mesh's axes.
     pub center: Vec3,
@@ -19,7 +19,7 @@ pub(crate) struct SleepInputs {
 
 /// These properties and the pose: that of the body and, in a body of several colliders, the place of the collider and the
 /// body's centre of mass.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct PlacedSleepInputs {
     pub inputs: SleepInputs,
     pub place: Option<(Place, DVec3)>,
@@ -33,7 +33,7 @@ impl SleepInputs {
         let StepInput { bodies, meshes, .. } = input;
         let slot = &meshes[bodies.mesh[i]];
         Self {
-            mesh: slot.version,
+            mesh: slot.mesh.fingerprint(),
             center: slot.mesh.mass.center,
             kind: bodies.kind[i],
             scale: bodies.scale[i],

@@ -131,7 +131,7 @@ impl SolverMotion {
 }
 
 /// Whether a body is asleep, and how long it has been at rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SleepState {
     /// Asleep: its velocity is zero and the solver treats it as static until it wakes.
     pub asleep: bool,

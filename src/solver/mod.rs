@@ -48,6 +48,8 @@ mod friction;
 pub mod gpu;
 mod islands;
 mod load;
+#[cfg(feature = "bevy")]
+mod loaded;
 mod motion;
 mod overlap;
 mod pace;
@@ -60,7 +62,7 @@ pub mod speeds;
 mod substep;
 pub mod warm_start;
 
-#[cfg(feature = "gpu")]
+#[cfg(any(feature = "bevy", feature = "gpu"))]
 pub(crate) use adapter::PLANE_KEY;
 pub use bodies::{SleepState, SolverBodies, SolverBody, SolverMotion};
 pub use pace::Pace;

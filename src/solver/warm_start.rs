@@ -17,7 +17,7 @@ pub(super) const MAX_IMPULSE_SCALE: f32 = 2.0;
 
 /// The impulses of the last collision substep. Pairs are identified by the keys of their colliders, so these may
 /// be added, removed and renumbered.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WarmStart {
     /// Ascending by keys.
     pub(super) pairs: Vec<SavedPair>,
@@ -25,7 +25,7 @@ pub struct WarmStart {
 }
 
 /// A pair of the last collision substep. Its first body is the one that had the smaller number then.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct SavedPair {
     /// The smaller key first.
     pub keys: [u64; 2],
@@ -42,7 +42,7 @@ pub(super) struct SavedPair {
 }
 
 /// A point of the last collision substep, in world axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct SavedPoint {
     /// From the centres of mass.
     pub anchors: [Vec3; 2],

@@ -94,7 +94,7 @@ impl Default for BodyParams {
 }
 
 /// Pose and velocities of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Motion {
     /// Position of the mesh's origin, metres.
     pub position: Vec3,

@@ -41,7 +41,7 @@ pub struct Part {
 }
 
 /// Where a collider is in its body. The scale is that of the collider.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Place {
     /// Of the mesh's origin, in the body's axes, metres.
     pub translation: DVec3,

@@ -4,7 +4,7 @@ use super::contacts::ContactPoint;
 use glam::Vec3;
 
 /// The contact points of a pair of colliders.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Manifold {
     /// The two colliders, `a < b`.
     pub bodies: [u32; 2],
@@ -15,7 +15,7 @@ pub struct Manifold {
 }
 
 /// A contact point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ManifoldPoint {
     /// Anchors: the point on each collider's surface relative to its body's centre of mass, in world axes, metres. Where a vertex
     /// of a finely tessellated curved surface touches, the anchor lies on the smooth surface that the mesh
@@ -29,6 +29,7 @@ pub struct ManifoldPoint {
     /// Radius of curvature of each body's surface at its anchor, metres: 0 at a vertex or crease, infinite where the
     /// surface is flat. As the body rotates, the solver keeps the anchor below the centre of curvature: the contact of
     /// a rolling ball stays below its centre, and that of a corner rotates with the corner.
+    #[serde(with = "infinite_as_none")]
     pub curvature_radii: [f32; 2],
     /// Rotation of the normal per distance that the smooth surfaces slide along each other, rad/m, from the largest
     /// radii of curvature of both; 0 for other surfaces. The solver rotates the normal until the point carries an
@@ -39,7 +40,7 @@ pub struct ManifoldPoint {
 }
 
 /// How the surfaces of a pair touch.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ContactSurface {
     /// Coefficient of friction, 0 or more.
     pub friction: f32,
@@ -51,7 +52,7 @@ pub struct ContactSurface {
 }
 
 /// The contact manifolds of all pairs.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Manifolds {
     /// Manifolds, ascending by bodies; those with half-spaces come last.
     pub pairs: Vec<Manifold>,
@@ -136,6 +137,19 @@ impl ContactSurface {
 }
 
 impl ManifoldPoint {
+    /// The point of the same pair in the other order.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn flipped(self) -> Self {
+        let ([a, b], [radius_a, radius_b], [face_a, face_b]) = (self.anchors, self.curvature_radii, self.faces);
+        Self {
+            anchors: [b, a],
+            normal: -self.normal,
+            curvature_radii: [radius_b, radius_a],
+            faces: [face_b, face_a],
+            ..self
+        }
+    }
+
     /// The point with anchors relative to the centres of mass of bodies, from anchors relative to those of their
     /// colliders. `offsets` lead from the bodies' to the colliders'.
     pub(crate) fn shifted(self, offsets: [Vec3; 2]) -> Self {
@@ -165,4 +179,19 @@ pub(crate) fn pair_order(bodies: [u32; 2], first_plane: u32) -> (bool, [u32; 2])
 /// The point of least separation.
 pub(crate) fn nearest(points: &[ManifoldPoint]) -> Option<&ManifoldPoint> {
     points.iter().min_by(|p, q| p.separation.total_cmp(&q.separation))
+}
+
+/// Writes infinite numbers as `None`, because JSON has no infinity.
+mod infinite_as_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(numbers: &[f32; 2], serializer: S) -> Result<S::Ok, S::Error> {
+        let finite = numbers.map(|number| (number != f32::INFINITY).then_some(number));
+        finite.serialize(serializer)
+    }
+
+    pub fn deserialize<'d, D: Deserializer<'d>>(deserializer: D) -> Result<[f32; 2], D::Error> {
+        let finite = <[Option<f32>; 2]>::deserialize(deserializer)?;
+        Ok(finite.map(|number| number.unwrap_or(f32::INFINITY)))
+    }
 }

@@ -11,8 +11,6 @@ use std::sync::Arc;
 #[derive(Default)]
 pub struct MeshArena {
     slots: Vec<Option<MeshSlot>>,
-    /// Number of meshes put into slots so far.
-    versions: u64,
 }
 
 /// A mesh with the data derived from it when it was baked or loaded. A step derives nothing more.
@@ -23,8 +21,6 @@ pub struct MeshSlot {
     pub lanes: Arc<MeshLanes>,
     /// Its vertices and edges, for contact features.
     pub features: Arc<MeshFeatures>,
-    /// Unique for every mesh that the arena receives, in whatever slot.
-    pub version: u64,
 }
 
 impl MeshSlot {
@@ -34,7 +30,6 @@ impl MeshSlot {
             lanes: mesh.lanes().clone(),
             features: mesh.features().clone(),
             mesh,
-            version: 0,
         }
     }
 }
@@ -53,11 +48,7 @@ impl MeshArena {
 
     /// Replaces the mesh in a slot.
     pub fn replace(&mut self, slot: u32, mesh: CollisionMesh) {
-        self.versions += 1;
-        self.slots[slot as usize] = Some(MeshSlot {
-            version: self.versions,
-            ..MeshSlot::new(mesh)
-        });
+        self.slots[slot as usize] = Some(MeshSlot::new(mesh));
     }
 
     /// The content of a slot.

@@ -26,6 +26,8 @@ pub(crate) mod inactive;
 pub mod input;
 pub mod manifolds;
 pub mod margins;
+#[cfg(feature = "bevy")]
+pub(crate) mod memory_fault;
 pub mod mesh_arena;
 pub mod pairs;
 pub(crate) mod part_index;

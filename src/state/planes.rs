@@ -6,7 +6,7 @@ use crate::types::material::{CombineRule, Friction};
 use glam::Vec3;
 
 /// A solid half-space: `normal . p < distance`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plane {
     /// Unit vector out of the solid side.
     pub normal: Vec3,

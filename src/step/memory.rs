@@ -11,7 +11,7 @@ use glam::Vec3;
 
 /// The state that persists from step to step. Together with the manifolds of the last step and the motion of the bodies
 /// it determines the next step to the bit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StepMemory {
     /// Keys of the bodies of the last step, ascending.
     pub(super) keys: Vec<u64>,
@@ -25,7 +25,7 @@ pub struct StepMemory {
     pub(super) left_out: Vec<[u64; 2]>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct SavedBody {
     pub sleep: SleepState,
     pub inputs: PlacedSleepInputs,
@@ -36,6 +36,12 @@ pub(super) struct SavedBody {
 }
 
 impl StepMemory {
+    /// The keys of the bodies of the last step, ascending; none if that left nothing.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn keys(&self) -> &[u64] {
+        &self.keys
+    }
+
     /// Forgets everything: the next step begins with awake bodies and without impulses.
     pub fn forget(&mut self) {
         *self = Self::default();

@@ -57,6 +57,8 @@ mod crowds;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hooks;
+#[cfg(feature = "bevy")]
+mod loaded;
 pub mod memory;
 pub mod order;
 #[cfg(feature = "bevy")]

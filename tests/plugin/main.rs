@@ -24,7 +24,9 @@ mod registration;
 mod reports;
 mod response;
 mod sensors;
+mod snapshots;
 mod spatial_queries;
+mod stable_keys;
 mod warnings;
 
 /// `bakes`, `character`, `compounds`, `contacts`, `driven`, `hooks`, `sensors` and `spatial_queries` have no tests but functions: some of them are tests
@@ -38,6 +40,13 @@ macro_rules! tests_of {
             })*
         }
     };
+}
+
+tests_of! {
+    stable_keys as stable_keys_on_the_cpu:
+    worlds_with_the_same_keys_stay_equal_to_the_bit
+    without_keys_entities_matter
+    collisions_are_found_by_entities
 }
 
 tests_of! {

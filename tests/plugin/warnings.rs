@@ -1,6 +1,6 @@
 //! What is told in the log, by entity and name: once, and again only after it was mended.
 
-use crate::app::{Sim, resting};
+use crate::app::{Sim, resting, sorted};
 use crate::log::{self, take as told};
 use bevy::prelude::*;
 use bevy_faceoff::geometry::shapes;
@@ -31,8 +31,47 @@ fn what_does_not_do_what_it_says_is_told_by_entity_and_name() {
     hooks();
     faults();
     crowds();
+    same_keys();
     #[cfg(feature = "bevy_mesh")]
     without_meshes();
+}
+
+/// A key that appears twice counts for one collider or plane; another one is told.
+fn same_keys() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let keyed = |name: &str, x: f32| (StableKey(7), Name::new(name.to_string()), resting(&cube, Vec3::X * x));
+    let pair = [sim.spawn(keyed("twin", 0.0)), sim.spawn(keyed("twin", 5.0))];
+    sim.step(3);
+    let [first, second] = sorted(pair[0], pair[1]);
+    assert_told(second, "twin", &["StableKey 7", "key of its own"]);
+    assert_eq!(sim.report().bodies, 2);
+    sim.set(second, StableKey(8));
+    sim.step(3);
+    assert_eq!(told(), [""; 0]);
+    // Of a plane too.
+    let plane = (
+        StableKey(7),
+        Name::new("ground"),
+        PlaneCollider::through(Vec3::NEG_Y * 9.0, Vec3::Y),
+    );
+    let plane = sim.spawn(plane);
+    sim.step(3);
+    assert_told(plane, "ground", &["StableKey 7"]);
+    sim.world().despawn(first);
+    // Two colliders on children have the key of their body.
+    let body = sim.spawn((RigidBody::Dynamic, StableKey(9), Transform::from_xyz(0.0, 9.0, 0.0)));
+    let parts = [0.0, 3.0].map(|x| {
+        let part = (
+            cube.clone(),
+            Name::new("part"),
+            Transform::from_xyz(x, 0.0, 0.0),
+            ChildOf(body),
+        );
+        sim.spawn(part)
+    });
+    sim.step(3);
+    assert_told(parts[0].max(parts[1]), "part", &["StableKey 9", "has that of its body"]);
 }
 
 /// A crowd that loses pairs: an error names one of its bodies, and the report counts them until they are apart.

@@ -72,6 +72,24 @@ impl PlaneCollider {
     }
 }
 
+/// What a collider or plane is called in every run of a program, whatever its entity.
+///
+/// Colliders and planes are processed in the order of their keys, and those without a key after them in the order of
+/// entities. So two worlds whose bodies have the same keys give the same results to the bit, whatever was spawned and
+/// despawned in between; and a [`Snapshot`](crate::plugin::snapshot::Snapshot) of one continues in the other. Give one to
+/// every collider and plane, or to none.
+///
+/// Each has its own; those of a network or a saved game will do. A collider on a child has the key of its body if it has
+/// none, which is enough for a body with one collider. A key that appears twice causes a warning in the log, and then
+/// counts only for the collider with the smaller entity. The highest bit of a key does not count.
+///
+/// A collider whose key changes is a new one to the step: it wakes, and its collisions end and start.
+#[derive(
+    Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StableKey(pub u64);
+
 /// Makes a collider report collisions without pushing or being pushed. It has no mass, unless its body has no other
 /// colliders than sensors.
 ///
@@ -134,7 +152,7 @@ pub struct Teleport;
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BodyCulling(pub Culling);
 
-/// The colliders and planes that a collider touches, in ascending order; on a body those that any of its colliders
+/// The colliders and planes that a collider touches, in the order of [`StableKey`], then of entities; on a body those that any of its colliders
 /// touches. Add it to a collider, body or plane, and the step keeps it up to date. An entity stays in the list for the time of [`EventHysteresis`](crate::plugin::settings::EventHysteresis) after the last
 /// touch.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq, Deref)]

@@ -5,19 +5,23 @@ use super::collected::Collected;
 use super::components::Surface;
 #[cfg(feature = "gpu")]
 use super::latent::{Row, Seen};
+use super::order::{InOrder, Keyed};
+use crate::plugin::components::StableKey;
 #[cfg(feature = "gpu")]
 use crate::state::Motion;
 use crate::state::fault::BodyFault;
 use crate::state::{Body, NewPart, Place, StepInput};
 use crate::types::body::RigidBody;
 #[cfg(feature = "gpu")]
-use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::math::DMat3;
 use bevy::prelude::*;
 
 /// A body whose colliders are placed in it.
 pub(crate) struct Assembly {
     pub body: Entity,
+    /// The key of the body, which is also that of colliders without one.
+    pub key: Option<StableKey>,
     /// Its pose and its values, without a mesh.
     pub values: Body,
     /// Overrides the centre of mass, in the axes of the pose.
@@ -35,13 +39,15 @@ pub(crate) struct AssemblyPart {
     /// Index of the assembly.
     pub assembly: u32,
     pub collider: Entity,
+    /// Its number in the step, if it is valid.
+    pub number: Option<u32>,
     pub place: Place,
     pub density: f32,
 }
 
 /// A collider that was read, valid or not.
 pub(crate) struct Candidate {
-    pub entity: Entity,
+    pub id: Keyed,
     pub body: Body,
     /// Whether it becomes part of an [`Assembly`] that moves.
     pub is_joined: bool,
@@ -49,12 +55,22 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     /// A collider that is a body by itself.
-    pub fn single(entity: Entity, body: Body) -> Self {
+    pub fn single(id: Keyed, body: Body) -> Self {
         Self {
-            entity,
+            id,
             body,
             is_joined: false,
         }
+    }
+}
+
+impl InOrder for Candidate {
+    fn id(&self) -> Keyed {
+        self.id
+    }
+
+    fn id_mut(&mut self) -> &mut Keyed {
+        &mut self.id
     }
 }
 
@@ -85,7 +101,7 @@ impl Step {
         kinds.clear();
         arrays.clear();
         for candidate in candidates.iter() {
-            let (entity, body) = (candidate.entity, &candidate.body);
+            let (id, body) = (candidate.id, &candidate.body);
             let pushed = if candidate.is_joined {
                 arrays.push_part(body, meshes)
             } else {
@@ -93,33 +109,39 @@ impl Step {
             };
             match pushed {
                 Ok(()) => {
-                    entities.push(entity);
-                    owners.push(entity);
+                    entities.push(id);
+                    owners.push(id.entity);
                     kinds.push(body.kind);
                 }
-                Err(fault) => new_faults.push((entity, fault)),
+                Err(fault) => new_faults.push((id.entity, fault)),
             }
         }
+        entities.finish();
         *body_count = entities.len();
-        // Ascending by assembly, then collider, and those of one assembly follow each other.
-        parts.sort_unstable_by_key(|part| (part.assembly, part.collider));
-        let mut rest = &parts[..];
-        let mut found = Vec::new();
         let mut next = 0;
-        for (number, assembly) in (0..).zip(assemblies) {
-            let count = rest.iter().take_while(|part| part.assembly == number).count();
-            let (own, others) = rest.split_at(count);
-            rest = others;
+        for part in parts.iter_mut() {
+            // Most colliders of a body follow each other.
+            let is_next = entities.get(next) == Some(&part.collider);
+            let number = if is_next {
+                Some(next)
+            } else {
+                entities.number_of(part.collider)
+            };
+            next = number.map_or(next, |number| number + 1);
+            part.number = number.map(|number| number as u32);
+        }
+        // In the order of bodies, then colliders, and those of one body follow each other.
+        parts.sort_unstable_by_key(|part| {
+            let Assembly { body, key, .. } = assemblies[part.assembly as usize];
+            (Keyed::new(body, key), part.number)
+        });
+        let mut found = Vec::new();
+        for own in parts.chunk_by(|part, next| part.assembly == next.assembly) {
+            let assembly = &mut assemblies[own[0].assembly as usize];
             found.clear();
             found.extend(own.iter().filter_map(|part| {
-                // Most colliders of a body follow each other.
-                if entities.get(next) != Some(&part.collider) {
-                    next = entities.binary_search(&part.collider).ok()?;
-                }
-                let collider = next as u32;
-                next += 1;
                 Some(NewPart {
-                    collider,
+                    collider: part.number?,
                     place: part.place,
                     density: part.density,
                 })
@@ -146,7 +168,7 @@ impl Step {
                 let compound = self.assemblies[at].compound?;
                 Some(self.state.input.bodies.compounds[compound as usize].number as usize)
             }
-            Err(_) => self.collected.entities.binary_search(&body).ok(),
+            Err(_) => self.collected.entities.number_of(body),
         }
     }
 
@@ -169,10 +191,10 @@ impl Step {
             driven: driven.contains(entity),
         };
         let count = collected.entities.len() as u32;
-        // Both lists are ascending, and the candidates have invalid ones too.
+        // Both lists are in the same order, and the candidates have invalid ones too.
         let mut read = candidates.iter();
-        let singles = (0..count).zip(&collected.entities).filter_map(|(row, &entity)| {
-            let Candidate { body, .. } = read.find(|other| other.entity == entity)?;
+        let singles = (0..count).zip(collected.entities.iter()).filter_map(|(row, &entity)| {
+            let Candidate { body, .. } = read.find(|other| other.id.entity == entity)?;
             let own = Row {
                 entity,
                 kind: body.kind,
@@ -191,13 +213,15 @@ impl Step {
             };
             Some((own, seen(assembly.body, &assembly.values)))
         });
-        let (mut singles, mut compounds) = (singles.peekable(), compounds.peekable());
-        let merged = std::iter::from_fn(|| match (singles.peek(), compounds.peek()) {
-            (Some((one, _)), Some((other, _))) if other.entity < one.entity => compounds.next(),
-            (Some(_), _) => singles.next(),
-            (None, _) => compounds.next(),
-        });
-        latent.link(&collected.entities, arrays.compounds.len(), merged, resident);
+        let mut bodies: Vec<_> = singles.chain(compounds).collect();
+        // Without stable keys these are two ascending lists, which a stable sort merges.
+        bodies.sort_by_key(|(row, _)| row.entity);
+        latent.link(
+            &collected.entities,
+            arrays.compounds.len(),
+            bodies.into_iter(),
+            resident,
+        );
         for i in 0..arrays.len() {
             let row = arrays
                 .part(i as u32)
@@ -217,17 +241,6 @@ impl Step {
             angular_velocity: motion.angular_velocity,
             ..*body
         };
-        let meshes = &self.state.input.meshes;
-        let parts: EntityHashSet = self.parts.iter().map(|part| part.collider).collect();
-        for Candidate { entity, body, .. } in &mut self.candidates {
-            let Some(motion) = motion_of(*entity).filter(|_| !parts.contains(entity)) else {
-                continue;
-            };
-            let moved = moved(body, motion);
-            if crate::state::Bodies::default().push(&moved, meshes).is_ok() {
-                *body = moved;
-            }
-        }
         for assembly in &mut self.assemblies {
             if let Some(motion) = motion_of(assembly.body) {
                 let moved = moved(&assembly.values, motion);
@@ -236,15 +249,21 @@ impl Step {
                 }
             }
         }
-        for part in &self.parts {
-            let at = (self.candidates).binary_search_by_key(&part.collider, |candidate| candidate.entity);
-            if let Ok(at) = at {
-                let own = &mut self.candidates[at].body;
-                let placed = self.assemblies[part.assembly as usize]
-                    .values
-                    .collider(own.mesh, &part.place, own.scale);
-                (own.position, own.rotation) = (placed.position, placed.rotation);
-                (own.linear_velocity, own.angular_velocity) = (placed.linear_velocity, placed.angular_velocity);
+        let meshes = &self.state.input.meshes;
+        let parts: EntityHashMap<_> = (self.parts.iter())
+            .map(|part| (part.collider, (part.assembly, part.place)))
+            .collect();
+        for Candidate { id, body, .. } in &mut self.candidates {
+            if let Some((assembly, place)) = parts.get(&id.entity) {
+                let assembly = &self.assemblies[*assembly as usize].values;
+                let placed = assembly.collider(body.mesh, place, body.scale);
+                (body.position, body.rotation) = (placed.position, placed.rotation);
+                (body.linear_velocity, body.angular_velocity) = (placed.linear_velocity, placed.angular_velocity);
+            } else if let Some(motion) = motion_of(id.entity) {
+                let moved = moved(body, motion);
+                if crate::state::Bodies::default().push(&moved, meshes).is_ok() {
+                    *body = moved;
+                }
             }
         }
         self.fill();

@@ -3,7 +3,7 @@
 use super::components::{Surface, SurfaceComponents, SurfaceComponentsItem};
 use super::hierarchy::{self, Above, Node, Placed, affine};
 use crate::asset::CollisionMesh;
-use crate::plugin::components::{ColliderDisabled, MeshCollider};
+use crate::plugin::components::{ColliderDisabled, MeshCollider, StableKey};
 use crate::types::body::RigidBody;
 use bevy::ecs::query::QueryData;
 use bevy::math::{DAffine3, DMat3};
@@ -16,6 +16,7 @@ pub(crate) struct ChildComponents {
     mesh: &'static MeshCollider,
     transform: &'static Transform,
     parent: &'static ChildOf,
+    key: Option<&'static StableKey>,
     surface: SurfaceComponents,
 }
 
@@ -27,6 +28,7 @@ pub(crate) struct Child {
     pub collider: Entity,
     /// `None` for a static one.
     pub body: Option<Entity>,
+    pub key: Option<StableKey>,
     pub mesh: AssetId<CollisionMesh>,
     pub surface: Surface,
     transform: Transform,
@@ -53,7 +55,7 @@ struct Found<'a, 'w, 's> {
 }
 
 impl Found<'_, '_, '_> {
-    fn key(&self) -> (Option<Entity>, Entity) {
+    fn entities(&self) -> (Option<Entity>, Entity) {
         (self.body, self.components.entity)
     }
 }
@@ -64,6 +66,7 @@ impl Child {
         Self {
             collider: components.entity,
             body: found.body,
+            key: components.key.copied(),
             mesh: components.mesh.0.id(),
             surface: components.surface.read(),
             transform: *components.transform,
@@ -72,13 +75,14 @@ impl Child {
         }
     }
 
-    fn key(&self) -> (Option<Entity>, Entity) {
+    fn entities(&self) -> (Option<Entity>, Entity) {
         (self.body, self.collider)
     }
 
     /// Takes what the same collider has now. Its place remains if it has not moved.
     fn update(&mut self, found: &Found) {
         let components = found.components;
+        self.key = components.key.copied();
         self.mesh = components.mesh.0.id();
         self.surface = components.surface.read();
         if self.transform != *components.transform || self.above != found.above {
@@ -116,7 +120,7 @@ impl ChildColliders {
             let known = self.order.get(count).map(|&at| &mut self.children[at as usize]);
             count += 1;
             match known {
-                Some(known) if is_same && known.key() == found.key() => known.update(found),
+                Some(known) if is_same && known.entities() == found.entities() => known.update(found),
                 _ => is_same = false,
             }
         });
@@ -126,8 +130,8 @@ impl ChildColliders {
         self.children.clear();
         for_each(query, nodes, &mut |found| self.children.push(Child::new(found)));
         let mut rows: Vec<u32> = (0..self.children.len() as u32).collect();
-        rows.sort_unstable_by_key(|&row| self.children[row as usize].key());
-        self.children.sort_unstable_by_key(Child::key);
+        rows.sort_unstable_by_key(|&row| self.children[row as usize].entities());
+        self.children.sort_unstable_by_key(Child::entities);
         self.order.resize(rows.len(), 0);
         for (at, row) in (0..).zip(rows) {
             self.order[row as usize] = at;

@@ -4,7 +4,8 @@ use super::children::{Child, ChildComponents, IsChild};
 use super::components::{BodyComponents, BodyComponentsItem, Surface};
 use super::driven::DrivenBodies;
 use super::hierarchy::{self, Above, NestedBodies, Node, Placed, Posed};
-use super::planes::{self, PlaneComponents};
+use super::order::{self, Keyed};
+use super::planes::{self, KeyedPlane, PlaneComponents};
 use super::sheared::Sheared;
 use super::{Assembly, AssemblyPart, Candidate, Step, named};
 use crate::asset::CollisionMesh;
@@ -125,7 +126,7 @@ pub(crate) fn collect(
             others.push(body.entity);
         }
     }
-    // So that assemblies are ascending by body.
+    // So that assemblies are ascending by the entity of their body.
     others.sort_unstable();
     for &entity in &others {
         if let Ok(mut body) = bodies.get_mut(entity)
@@ -136,8 +137,8 @@ pub(crate) fn collect(
     }
     reader.children();
     reader.step.others = others;
-    // The order of a query depends on archetypes. The order of entities does not.
-    step.candidates.sort_unstable_by_key(|candidate| candidate.entity);
+    // The order of a query depends on archetypes. That of keys does not.
+    order::sort(&mut step.candidates, |id| step.oddities.add_same_key(id));
     step.fill();
     step.check_driven();
     for (assembly, center) in step.centers() {
@@ -150,7 +151,7 @@ pub(crate) fn collect(
 
     let keys = &mut step.state.input.keys;
     keys.clear();
-    keys.extend(step.collected.entities.iter().map(|entity| entity.to_bits()));
+    keys.extend_from_slice(step.collected.entities.keys());
 
     planes::read(
         &plane_query,
@@ -160,14 +161,16 @@ pub(crate) fn collect(
         &mut step.new_faults,
         &mut step.oddities,
     );
-    let plane_entities = &mut step.collected.planes;
-    plane_entities.clear();
-    plane_entities.extend(step.planes.iter().map(|&(entity, _)| entity));
+    step.collected.planes.clear();
     step.state.input.planes.clear();
-    step.state
-        .input
-        .planes
-        .extend(step.planes.iter().map(|&(_, plane)| plane));
+    for &KeyedPlane { id, plane } in &step.planes {
+        if id.is_stable() && step.collected.entities.keys().binary_search(&id.key).is_ok() {
+            step.oddities.add_same_key(id);
+        }
+        step.collected.planes.push(id);
+        step.state.input.planes.push(plane);
+    }
+    step.collected.planes.finish();
 
     let named = |entity: Entity| named(entity, names.get(entity).ok());
     step.new_faults.sort_unstable_by_key(|&(entity, _)| entity);
@@ -273,7 +276,8 @@ impl Reader<'_, '_> {
             stretch.z_axis.z as f32,
         );
         surface.apply(&mut own, surface.culling.unwrap_or(self.culling));
-        self.step.candidates.push(Candidate::single(body.entity, own));
+        let id = Keyed::new(body.entity, body.key.copied());
+        self.step.candidates.push(Candidate::single(id, own));
     }
 
     /// Notes a kinematic body that moves by its `Transform`. What pushes nothing is better tested where it is put.
@@ -327,6 +331,7 @@ impl Reader<'_, '_> {
         let number = self.step.assemblies.len() as u32;
         self.step.assemblies.push(Assembly {
             body: entity,
+            key: body.key.copied(),
             values: assembly,
             center,
             stretch: posed.stretch,
@@ -335,7 +340,13 @@ impl Reader<'_, '_> {
         });
         if let Some(MeshCollider(mesh)) = own {
             let placed = hierarchy::place(&DAffine3::from_mat3(posed.stretch));
-            self.part(number, entity, mesh.id(), &surface, &placed);
+            self.part(
+                number,
+                Keyed::new(entity, body.key.copied()),
+                mesh.id(),
+                &surface,
+                &placed,
+            );
         }
     }
 
@@ -356,7 +367,8 @@ impl Reader<'_, '_> {
             if let Some(assembly) = self.step.assemblies.get(number).filter(|it| it.body == body) {
                 let surface = child.surface.or(&assembly.surface);
                 let placed = child.place(&assembly.stretch);
-                self.part(number as u32, child.collider, child.mesh, &surface, &placed);
+                let id = Keyed::new(child.collider, child.key.or(assembly.key));
+                self.part(number as u32, id, child.mesh, &surface, &placed);
             }
         }
         self.step.children = children;
@@ -366,12 +378,12 @@ impl Reader<'_, '_> {
     fn part(
         &mut self,
         number: u32,
-        entity: Entity,
+        id: Keyed,
         mesh: AssetId<CollisionMesh>,
         surface: &Surface,
         &Placed { place, scale, shear }: &Placed,
     ) {
-        let Some(mesh) = self.mesh(entity, mesh, surface, shear.as_ref()) else {
+        let Some(mesh) = self.mesh(id.entity, mesh, surface, shear.as_ref()) else {
             return;
         };
         let assembly = &self.step.assemblies[number as usize];
@@ -379,13 +391,14 @@ impl Reader<'_, '_> {
         surface.apply(&mut part, surface.culling.unwrap_or(self.culling));
         self.step.parts.push(AssemblyPart {
             assembly: number,
-            collider: entity,
+            collider: id.entity,
+            number: None,
             place,
             density: part.density,
         });
         let is_joined = part.kind != RigidBody::Static;
         self.step.candidates.push(Candidate {
-            entity,
+            id,
             body: part,
             is_joined,
         });
@@ -404,7 +417,8 @@ impl Reader<'_, '_> {
         };
         let mut fixed = origin.collider(mesh, &place, scale);
         surface.apply(&mut fixed, surface.culling.unwrap_or(self.culling));
-        self.step.candidates.push(Candidate::single(entity, fixed));
+        let id = Keyed::new(entity, child.key);
+        self.step.candidates.push(Candidate::single(id, fixed));
     }
 
     /// The slot of a collider's mesh, with this shear applied. `None`, and maybe a fault, if it is not there.

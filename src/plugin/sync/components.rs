@@ -16,6 +16,7 @@ use bevy::prelude::*;
 #[query_data(mutable)]
 pub(crate) struct BodyComponents {
     pub entity: Entity,
+    pub key: Option<&'static StableKey>,
     pub collider: Option<&'static MeshCollider>,
     pub collider_disabled: Has<ColliderDisabled>,
     pub body_disabled: Has<RigidBodyDisabled>,

@@ -12,11 +12,11 @@ const LONG_WAY: f32 = 4.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct DrivenBodies {
     /// The pose of each in the world at the end of the last step.
-    poses: EntityHashMap<(Vec3, Quat)>,
+    pub poses: EntityHashMap<(Vec3, Quat)>,
     /// Where those begin that move in this step.
     departures: Vec<(Entity, (Vec3, Quat))>,
     /// Those that have moved very far in one step.
-    far: EntityHashSet,
+    pub far: EntityHashSet,
 }
 
 impl DrivenBodies {

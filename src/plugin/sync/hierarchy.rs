@@ -42,7 +42,7 @@ pub(crate) struct Placed {
 }
 
 /// A pose, and the scale and shear along its axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Posed {
     pub position: Vec3,
     pub rotation: Quat,
@@ -53,16 +53,16 @@ pub(crate) struct Posed {
 /// A body under other entities, as it was read or written last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nested {
-    kind: RigidBody,
-    transform: Transform,
+    pub kind: RigidBody,
+    pub transform: Transform,
     /// What was above it when `transform` gave the pose.
-    above: DAffine3,
-    posed: Posed,
+    pub above: DAffine3,
+    pub posed: Posed,
 }
 
 /// The bodies under other entities.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct NestedBodies(HashMap<Entity, Nested>);
+pub(crate) struct NestedBodies(pub HashMap<Entity, Nested>);
 
 impl NodeItem<'_, '_> {
     fn affine(&self) -> DAffine3 {

@@ -11,6 +11,7 @@ pub(crate) mod hierarchy;
 #[cfg(feature = "gpu")]
 pub(crate) mod latent;
 mod oddities;
+pub(crate) mod order;
 pub(crate) mod planes;
 pub(crate) mod publish;
 #[cfg(feature = "gpu")]
@@ -23,7 +24,7 @@ use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
 use crate::state::fault::BodyFault;
-use crate::state::{Counts, Motion, Plane};
+use crate::state::{Counts, Motion};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::memory::DeviceMemory;
@@ -40,6 +41,7 @@ pub(crate) use collected::Collected;
 use driven::DrivenBodies;
 use entity_hooks::{EntityHooks, Numbered};
 use hierarchy::NestedBodies;
+use order::Keyed;
 use std::collections::BTreeMap;
 use web_time::Instant;
 
@@ -58,9 +60,9 @@ pub(crate) struct Step {
     /// Steps with pending results.
     #[cfg(feature = "gpu")]
     pub latent: latent::Latent,
-    /// Scratch: colliders in the order of entities, valid or not.
+    /// Scratch: colliders in their order, valid or not.
     pub candidates: Vec<Candidate>,
-    /// Scratch: bodies whose colliders are placed in them, ascending, and these colliders.
+    /// Scratch: bodies whose colliders are placed in them, ascending by entity, and these colliders.
     pub assemblies: Vec<Assembly>,
     pub parts: Vec<AssemblyPart>,
     /// Colliders below other entities.
@@ -71,8 +73,8 @@ pub(crate) struct Step {
     pub nested: NestedBodies,
     /// Kinematic bodies that move by their `Transform`.
     pub driven: DrivenBodies,
-    /// Scratch: half-spaces in the order of entities.
-    pub planes: Vec<(Entity, Plane)>,
+    /// Scratch: half-spaces in their order.
+    pub planes: Vec<planes::KeyedPlane>,
     /// Arena slots by asset.
     pub slots: HashMap<AssetId<CollisionMesh>, u32>,
     /// Face tables that culling modes need and meshes lack.
@@ -92,7 +94,7 @@ pub(crate) struct Step {
     /// Scratch: pairs that no longer touch, but whose collision has not ended.
     pub lingering: Vec<Touching>,
     /// Scratch: the pairs of `touching_now` in both orders.
-    pub touching_both_ways: Vec<[Entity; 2]>,
+    pub touching_both_ways: Vec<(Entity, Keyed)>,
     /// Scratch: colliders and bodies of `touching` whose `Transform` others wrote since the last step, ascending.
     pub written: Vec<Entity>,
     /// When the step last wrote `Transform`s.
@@ -117,7 +119,7 @@ pub(crate) fn named(entity: Entity, name: Option<&Name>) -> String {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touching {
     /// The pair of colliders, with `first < second`.
-    pub pair: [Entity; 2],
+    pub pair: [Keyed; 2],
     /// Their bodies.
     pub bodies: [Entity; 2],
     /// Seconds without a touch after which the collision ends.
@@ -125,9 +127,14 @@ pub(crate) struct Touching {
 }
 
 impl Touching {
-    /// Sort key. A collider that became part of another body begins to touch anew.
-    pub fn key(&self) -> [[Entity; 2]; 2] {
-        [self.pair, self.bodies]
+    /// The two colliders.
+    pub fn colliders(&self) -> [Entity; 2] {
+        self.pair.map(|id| id.entity)
+    }
+
+    /// Whether both are the same collision. A collider that became part of another body begins to touch anew.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.pair, self.bodies) == (other.pair, other.bodies)
     }
 }
 

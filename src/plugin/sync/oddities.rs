@@ -1,5 +1,6 @@
 //! Warnings about components without effect. Each is logged once; the body or plane takes part in the step.
 
+use super::order::Keyed;
 use crate::types::hooks::ActiveCollisionHooks;
 use bevy::prelude::*;
 use std::mem::discriminant;
@@ -35,6 +36,11 @@ pub(crate) enum Oddity {
          without that, insert Teleport too"
     )]
     LongWay(f32),
+    #[error(
+        "its StableKey {0} is that of another one too, and counts for one of them only: give each collider and plane a key \
+         of its own. A collider without a key has that of its body"
+    )]
+    SameKey(u64),
 }
 
 impl Oddity {
@@ -63,6 +69,11 @@ impl Oddities {
     /// Records an oddity of this step.
     pub fn add(&mut self, entity: Entity, oddity: Oddity) {
         self.found.push((entity, oddity));
+    }
+
+    /// Records that the stable key of a collider or plane is that of another one.
+    pub fn add_same_key(&mut self, Keyed { key, entity }: Keyed) {
+        self.add(entity, Oddity::SameKey(key));
     }
 
     /// Records active hooks where the app has none.

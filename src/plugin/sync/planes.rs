@@ -1,6 +1,7 @@
 //! Reads planes.
 
 use super::oddities::{Oddities, Oddity};
+use super::order::{self, InOrder, Keyed};
 use crate::plugin::components::*;
 use crate::state::Plane;
 use crate::state::fault::BodyFault;
@@ -15,6 +16,7 @@ use bevy::prelude::*;
 #[derive(QueryData)]
 pub(crate) struct PlaneComponents {
     pub entity: Entity,
+    key: Option<&'static StableKey>,
     plane: &'static PlaneCollider,
     transform: Option<&'static Transform>,
     parent: Option<&'static ChildOf>,
@@ -26,13 +28,29 @@ pub(crate) struct PlaneComponents {
     kind: Option<&'static RigidBody>,
 }
 
-/// Reads planes in the order of entities. `to_world` gives the transformation from the coordinates of an entity to the world.
+/// A plane of a step.
+pub(crate) struct KeyedPlane {
+    pub id: Keyed,
+    pub plane: Plane,
+}
+
+impl InOrder for KeyedPlane {
+    fn id(&self) -> Keyed {
+        self.id
+    }
+
+    fn id_mut(&mut self) -> &mut Keyed {
+        &mut self.id
+    }
+}
+
+/// Reads planes in their order. `to_world` gives the transformation from the coordinates of an entity to the world.
 /// `has_hooks` says whether the app has hooks.
 pub(super) fn read(
     query: &Query<PlaneComponents>,
     to_world: impl Fn(Entity) -> DAffine3,
     has_hooks: bool,
-    planes: &mut Vec<(Entity, Plane)>,
+    planes: &mut Vec<KeyedPlane>,
     faults: &mut Vec<(Entity, BodyFault)>,
     oddities: &mut Oddities,
 ) {
@@ -42,11 +60,14 @@ pub(super) fn read(
         let is_at_home = plane.parent.is_none() && plane.transform.is_none_or(|own| *own == Transform::IDENTITY);
         let to_world = (!is_at_home).then(|| to_world(plane.entity));
         match plane.half_space(to_world) {
-            Ok(half_space) => planes.push((plane.entity, half_space)),
+            Ok(half_space) => planes.push(KeyedPlane {
+                id: Keyed::new(plane.entity, plane.key.copied()),
+                plane: half_space,
+            }),
             Err(fault) => faults.push((plane.entity, fault)),
         }
     }
-    planes.sort_unstable_by_key(|&(entity, _)| entity);
+    order::sort(planes, |id| oddities.add_same_key(id));
 }
 
 impl PlaneComponentsItem<'_, '_> {

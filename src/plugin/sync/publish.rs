@@ -77,7 +77,8 @@ pub(crate) fn find_written(
             None => transform.last_changed().is_newer_than(written_at, ticks.this_run()),
         })
     };
-    let touching = step.touching.iter().flat_map(|touching| touching.key()).flatten();
+    let touching =
+        (step.touching.iter()).flat_map(|touching| [touching.colliders(), touching.bodies].into_iter().flatten());
     step.written.extend(touching.filter(is_written));
     step.written.sort_unstable();
 }
@@ -220,43 +221,51 @@ pub(crate) fn publish(
     let contacts = &step.state.results.contacts;
     let hold = seconds(*hysteresis);
     let pairs = contacts.pairs.iter().map(|pair| Touching {
-        pair: pair.bodies.map(|i| results.entities[i as usize]),
+        pair: pair.bodies.map(|i| results.entities.keyed(i as usize)),
         bodies: pair.bodies.map(|i| results.bodies[i as usize]),
         left: if pair.passing { 0.0 } else { hold },
     });
     let planes = contacts.planes.iter().map(|c| {
-        let plane = results.planes[c.plane as usize];
-        let (collider, body) = (results.entities[c.body as usize], results.bodies[c.body as usize]);
+        let plane = results.planes.keyed(c.plane as usize);
+        let (collider, body) = (results.entities.keyed(c.body as usize), results.bodies[c.body as usize]);
         let first = collider < plane;
         Touching {
             pair: if first { [collider, plane] } else { [plane, collider] },
-            bodies: if first { [body, plane] } else { [plane, body] },
+            bodies: if first {
+                [body, plane.entity]
+            } else {
+                [plane.entity, body]
+            },
             left: hold,
         }
     });
     let touching = &mut step.touching_now;
     touching.clear();
     touching.extend(pairs.chain(planes));
-    touching.sort_unstable_by_key(Touching::key);
+    touching.sort_unstable_by_key(|touching| touching.pair);
     let dt = step.state.input.config.dt;
     let is_latent = step.engine.is_latent();
     let was_taken_away = |before: &Touching| {
         let is_written = |entity: &Entity| step.written.binary_search(entity).is_ok();
         // Where results come late, the arrays are those of another step.
-        !is_latent && before.key().iter().flatten().any(is_written) && !is_near(results, &step.state.input, before.pair)
+        !is_latent
+            && [before.colliders(), before.bodies].iter().flatten().any(is_written)
+            && !is_near(results, &step.state.input, before.colliders())
     };
     step.lingering.clear();
     step.lingering.extend(step.touching.iter().filter_map(|before| {
-        let touches = touching.binary_search_by_key(&before.key(), Touching::key);
+        let same = touching.binary_search_by_key(&before.pair, |now| now.pair);
+        let touches = same.is_ok_and(|at| touching[at].is_same(before));
         let left = before.left.min(hold) - dt;
-        let same_bodies = before.pair.map(|entity| results.body_of(entity)) == before.bodies.map(Some);
-        let lingers = touches.is_err() && left > 0.0 && same_bodies && !was_taken_away(before);
+        let same_bodies = before.colliders().map(|entity| results.body_of(entity)) == before.bodies.map(Some);
+        let lingers = !touches && left > 0.0 && same_bodies && !was_taken_away(before);
         lingers.then_some(Touching { left, ..*before })
     }));
     touching.append(&mut step.lingering);
-    touching.sort_unstable_by_key(Touching::key);
+    touching.sort_unstable_by_key(|touching| touching.pair);
 
-    let mut send = |[[a, b], [body_a, body_b]]: [[Entity; 2]; 2], start: bool| {
+    let mut send = |touching: &Touching, start: bool| {
+        let ([a, b], [body_a, body_b]) = (touching.colliders(), touching.bodies);
         let event = |target, [collider1, collider2]: [Entity; 2], [body1, body2]: [Entity; 2]| CollisionStart {
             target,
             collider1,
@@ -292,9 +301,9 @@ pub(crate) fn publish(
         both.clear();
         for &Touching { pair, bodies, .. } in touching.iter() {
             for (own, other) in [(0, 1), (1, 0)] {
-                both.push([pair[own], pair[other]]);
-                if bodies[own] != pair[own] {
-                    both.push([bodies[own], pair[other]]);
+                both.push((pair[own].entity, pair[other]));
+                if bodies[own] != pair[own].entity {
+                    both.push((bodies[own], pair[other]));
                 }
             }
         }
@@ -302,8 +311,9 @@ pub(crate) fn publish(
         // Several colliders of a body may touch the same one.
         both.dedup();
         for (entity, mut list) in &mut colliding {
-            let first = both.partition_point(|&[a, _]| a < entity);
-            let others = both[first..].iter().take_while(|&&[a, _]| a == entity).map(|&[_, b]| b);
+            let first = both.partition_point(|&(own, _)| own < entity);
+            let own = both[first..].iter().take_while(|&&(own, _)| own == entity);
+            let others = own.map(|&(_, other)| other.entity);
             if !list.iter().copied().eq(others.clone()) {
                 list.0.clear();
                 list.0.extend(others);
@@ -324,7 +334,7 @@ pub(crate) fn publish(
 /// Whether the bounding spheres of a pair overlap, or one of them a plane.
 fn is_near(collected: &Collected, input: &StepInput, pair: [Entity; 2]) -> bool {
     let bodies = &input.bodies;
-    let number = |entity: &Entity| collected.entities.binary_search(entity).ok();
+    let number = |entity: &Entity| collected.entities.number_of(*entity);
     match [number(&pair[0]), number(&pair[1])] {
         [Some(a), Some(b)] => bodies.center[a].distance(bodies.center[b]) <= bodies.radius[a] + bodies.radius[b],
         [Some(i), None] | [None, Some(i)] => {
@@ -347,23 +357,23 @@ fn seconds(hysteresis: EventHysteresis) -> f32 {
     hysteresis.max(0.0)
 }
 
-/// Walks two ascending lists, and calls `send` with each pair that is only in the second (`true`) or only in the first
+/// Walks two ascending lists, and calls `send` with each collision that is only in the second (`true`) or only in the first
 /// (`false`).
-fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut([[Entity; 2]; 2], bool)) {
-    let (before, after) = (before.iter().map(Touching::key), after.iter().map(Touching::key));
-    let (mut before, mut after) = (before.peekable(), after.peekable());
+fn differences(before: &[Touching], after: &[Touching], send: &mut impl FnMut(&Touching, bool)) {
+    let (mut before, mut after) = (before.iter().peekable(), after.iter().peekable());
     loop {
         match (before.peek(), after.peek()) {
-            (Some(b), Some(a)) if b == a => {
+            (Some(b), Some(a)) if b.is_same(a) => {
                 before.next();
                 after.next();
             }
-            (Some(b), a) if a.is_none_or(|a| b < a) => {
-                send(*b, false);
+            // Of a collider that changes its body one collision ends, and then one starts.
+            (Some(b), a) if a.is_none_or(|a| b.pair <= a.pair) => {
+                send(b, false);
                 before.next();
             }
             (_, Some(a)) => {
-                send(*a, true);
+                send(a, true);
                 after.next();
             }
             _ => return,

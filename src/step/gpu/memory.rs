@@ -58,6 +58,11 @@ impl DeviceMemory {
         })
     }
 
+    /// Whether there was no step with contacts.
+    pub fn is_empty(&self) -> bool {
+        self.last_bodies.is_empty()
+    }
+
     /// Number of bodies, and numbers of pairs and points.
     pub fn lengths(&self) -> (u32, [u32; 2]) {
         let of = |counter: u32| self.counters.get(counter as usize).copied().unwrap_or(0);

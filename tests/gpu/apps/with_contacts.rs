@@ -20,6 +20,9 @@ mod sensors;
 #[path = "../../plugin/spatial_queries.rs"]
 #[allow(dead_code)]
 mod spatial_queries;
+#[path = "../../plugin/stable_keys.rs"]
+#[allow(dead_code)]
+mod stable_keys;
 
 use crate::app::{ON_GPU, STEP, Sim, resting, sorted};
 use crate::gpu::Test;
@@ -86,6 +89,8 @@ pub const TESTS: &[Test] = &tests! {
     a_belt_carries_beside_a_gpu: hooks::a_belt_carries_a_crate_at_its_speed();
     a_sleeper_wakes_when_the_filter_changes: hooks::a_sleeper_wakes_when_the_filter_changes_its_mind();
     planes_obey_layers: contacts::planes_obey_layers();
+    worlds_with_the_same_keys_stay_equal:
+        assert!(stable_keys::worlds_with_the_same_keys_stay_equal_for(200).0 > 20);
     a_lift_carries_whenever_results_come: lifts();
     a_hammer_of_two_children_flies_like_the_merged_mesh:
         compounds::a_hammer_of_two_children_flies_like_the_merged_mesh();

@@ -1,9 +1,13 @@
 //! [`Snapshot`]: saves and restores the state of a simulation.
 
+mod map;
+mod plain;
+
 use crate::manifolds::Manifolds;
 use crate::plugin::components::MeshCollider;
 use crate::plugin::sync::driven::DrivenBodies;
 use crate::plugin::sync::hierarchy::{NestedBodies, world_above};
+use crate::plugin::sync::publish::PoseOfStep;
 use crate::plugin::sync::{Step, Touching};
 use crate::state::Motion;
 use crate::step::StepMemory;
@@ -11,16 +15,61 @@ use crate::step::StepMemory;
 use crate::step::gpu::memory::DeviceMemory;
 use crate::types::body::{AngularVelocity, LinearVelocity, RigidBody, Sleeping};
 use bevy::prelude::*;
+use plain::Plain;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The state of the simulation after a step: poses and velocities of all bodies, reported collisions, sleep states, and
 /// the solver's memory.
 ///
+/// The [guide](crate::guide::choose_settings#the-same-bits) tells what gives the same bits, also on two machines.
+///
 /// Steps after [`Snapshot::restore`] repeat those after [`Snapshot::take`] to the bit on the same machine if everything
 /// that users set is unchanged: components like [`RigidBody`] and resources like
 /// [`Gravity`](crate::plugin::settings::Gravity). A snapshot contains neither these nor the clock. On a GPU with
 /// results that come later, the first steps with contacts after `restore` may have other numbers of collision substeps.
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// # Saved games, and other worlds
+///
+/// A snapshot is plain data: it can be written and read with serde. RON and binary formats keep all bits; JSON does not,
+/// because serde_json rounds. What is damaged or of another format is an error when it is read, never a panic later. The
+/// memory of a GPU is written as that of the CPU: it is valid on any device, but the first step on a GPU after reading may
+/// differ in the last bits from that without a snapshot.
+///
+/// A snapshot holds no bodies, only their states. To save a game, write a scene of the bodies (a `DynamicWorld`), and
+/// beside it the snapshot. Bodies of a scene get new entities when it is loaded: let [`MapEntities`] replace those of the
+/// snapshot, with the map that `DynamicWorld::write_to_world` filled. Steps continue to the bit if every collider and plane has
+/// a [`StableKey`](crate::plugin::components::StableKey), and the scene contains it.
+///
+/// ```
+/// use bevy::ecs::entity::{EntityHashMap, MapEntities};
+/// use bevy::prelude::*;
+/// use bevy_faceoff::prelude::*;
+///
+/// /// Text that [`load`] reads.
+/// fn save(world: &mut World) -> Result<String> {
+///     Ok(ron::to_string(&Snapshot::take(world))?)
+/// }
+///
+/// /// Call it when the scene is in the `world`, and before the next step.
+/// fn load(text: &str, world: &mut World, mut entities: EntityHashMap<Entity>) -> Result {
+///     let mut snapshot: Snapshot = ron::from_str(text)?;
+///     snapshot.map_entities(&mut entities);
+///     for body in snapshot.restore(world) {
+///         warn!("{body} is in the saved game, but not in the scene");
+///     }
+///     Ok(())
+/// }
+/// # let mut app = App::new();
+/// # app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins::default()));
+/// # app.finish();
+/// # let text = save(app.world_mut()).unwrap();
+/// # load(&text, app.world_mut(), default()).unwrap();
+/// ```
+///
+/// [`MapEntities`]: bevy::ecs::entity::MapEntities
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Plain", try_from = "Plain")]
 pub struct Snapshot {
     bodies: BTreeMap<Entity, Motion>,
     touching: Vec<Touching>,
@@ -69,23 +118,31 @@ impl Snapshot {
             }
         }
         step.catch_up(&mut bodies);
-        let snapshot = Self {
+        let mut snapshot = Self {
             bodies,
             touching: step.touching.clone(),
             nested: step.nested.clone(),
             driven: step.driven.clone(),
-            memory: step.state.memory.clone(),
-            manifolds: step.state.results.manifolds.clone(),
-            asleep: Vec::new(),
-            #[cfg(feature = "gpu")]
-            device: step.device_memory(),
+            ..default()
         };
+        snapshot.take_memory(&mut step);
         let mut sleepers = world.query::<(Entity, &Sleeping)>();
         let mut asleep: Vec<_> = (sleepers.iter(world))
             .filter_map(|(entity, sleeping)| sleeping.0.then_some(entity))
             .collect();
         asleep.sort_unstable();
         Self { asleep, ..snapshot }
+    }
+
+    /// Takes the solver's memory from where the steps run.
+    fn take_memory(&mut self, step: &mut Step) {
+        #[cfg(feature = "gpu")]
+        if step.engine.is_on_gpu() {
+            self.device = step.device_memory();
+            return;
+        }
+        self.memory.clone_from(&step.state.memory);
+        self.manifolds.copy_from(&step.state.results.manifolds);
     }
 
     /// Restores the state of all bodies. Pending results of later steps are dropped. Bodies that were spawned since
@@ -101,6 +158,7 @@ impl Snapshot {
                 && let Some(mut transform) = body.get_mut::<Transform>()
             {
                 (transform.translation, transform.rotation) = (motion.position, motion.rotation);
+                keep_pose(&mut body);
             }
             if let Some(mut linear) = body.get_mut::<LinearVelocity>() {
                 linear.0 = motion.linear_velocity;
@@ -114,15 +172,13 @@ impl Snapshot {
             }
         }
         self.restore_nested(world);
+        // These poses are those of a step. What others write from now on places bodies.
+        let written_at = world.increment_change_tick();
         if let Some(mut step) = world.get_resource_mut::<Step>() {
-            #[cfg(feature = "gpu")]
-            step.remember(&self.device);
-            #[cfg(not(feature = "gpu"))]
-            step.forget();
+            step.written_at = Some(written_at);
             step.driven.clone_from(&self.driven);
             step.touching.clone_from(&self.touching);
-            step.state.memory.clone_from(&self.memory);
-            step.state.results.manifolds.copy_from(&self.manifolds);
+            self.restore_memory(&mut step);
         }
         gone
     }
@@ -139,14 +195,65 @@ impl Snapshot {
             if let Some(mut transform) = world.get_mut::<Transform>(entity) {
                 *transform = nested.write(entity, &transform, above, (motion.position, motion.rotation));
             }
+            if let Ok(mut body) = world.get_entity_mut(entity) {
+                keep_pose(&mut body);
+            }
         }
         if let Some(mut step) = world.get_resource_mut::<Step>() {
             step.nested = nested;
         }
     }
 
+    /// Restores the solver's memory where the steps run, which may be elsewhere than when the snapshot was taken.
+    fn restore_memory(&self, step: &mut Step) {
+        #[cfg(feature = "gpu")]
+        if step.engine.is_on_gpu() {
+            if self.memory.keys().is_empty() {
+                step.remember(&self.device);
+            } else {
+                step.remember(&DeviceMemory::from_cpu(&self.memory, &self.manifolds));
+            }
+            return;
+        }
+        step.forget();
+        #[cfg(feature = "gpu")]
+        if !self.device.is_empty() {
+            (step.state.memory, step.state.results.manifolds) = self.device.to_cpu();
+            return;
+        }
+        step.state.memory.clone_from(&self.memory);
+        step.state.results.manifolds.copy_from(&self.manifolds);
+    }
+
+    /// Moves the memory of a GPU to that of the CPU, which is plain data. Manifolds without memory are dropped.
+    fn leave_device(&mut self) {
+        #[cfg(feature = "gpu")]
+        if !self.device.is_empty() {
+            (self.memory, self.manifolds) = std::mem::take(&mut self.device).to_cpu();
+        }
+        if self.memory.keys().is_empty() {
+            self.manifolds = Manifolds::default();
+        }
+    }
+
+    /// Sorts the lists that are searched.
+    fn sort(&mut self) {
+        self.asleep.sort_unstable();
+        self.touching.sort_unstable_by_key(|touching| touching.pair);
+        self.touching.dedup_by_key(|touching| touching.pair);
+    }
+
     /// The bodies with pose and velocities, in the order of entities.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &Motion)> {
         self.bodies.iter().map(|(&entity, motion)| (entity, motion))
+    }
+}
+
+/// Notes that the pose of a body is that of a step.
+fn keep_pose(body: &mut EntityWorldMut) {
+    if let Some(&transform) = body.get::<Transform>()
+        && let Some(mut pose) = body.get_mut::<PoseOfStep>()
+    {
+        pose.0 = transform;
     }
 }
