@@ -107,5 +107,7 @@
 //!   meshes first, or pause [`Time<Physics>`](crate::plugin::clock).
 //! * **What the solver remembers** is not part of a scene: impulses from step to step, and how long bodies have been at rest.
 //!   A heap that lies still stays where it is, and two apps that load the same scene go on alike to the bit.
+//! * **To go on exactly as before**, save a [`Snapshot`](crate::plugin::snapshot::Snapshot) beside the scene, and give each collider
+//!   and plane a [`StableKey`](crate::plugin::components::StableKey).
 //!
 //! Components without handles and entities also have serde's `Serialize` and `Deserialize`, for formats of your own.

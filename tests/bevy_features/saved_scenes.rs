@@ -4,7 +4,7 @@ use crate::app::Sim;
 use crate::asset_app::{update_until, write};
 use crate::prefab;
 use bevy::asset::LoadState;
-use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity::{EntityHashMap, MapEntities};
 use bevy::prelude::*;
 use bevy::world_serialization::serde::WorldDeserializer;
 use bevy_faceoff::geometry::shapes;
@@ -247,6 +247,48 @@ fn two_apps_go_on_alike_from_a_saved_scene() {
         "their entities have other numbers"
     );
     assert_eq!(without_entities(state(&mut one)), without_entities(state(&mut other)));
+}
+
+/// With keys, which the scene contains, and with the memory of the solver, which the snapshot contains.
+#[test]
+fn a_scene_with_its_snapshot_goes_on_to_the_bit() {
+    let mut first = spawned();
+    first.world().resource_mut::<SolverSettings>().sleep_time = 0.5;
+    let world = first.world();
+    let mut colliders = world.query_filtered::<Entity, Or<(With<MeshCollider>, With<PlaneCollider>)>>();
+    let colliders: Vec<Entity> = colliders.iter(world).collect();
+    // Against the order of entities.
+    for (key, collider) in (0..).zip(colliders.into_iter().rev()) {
+        first.set(collider, StableKey(key));
+    }
+    run(&mut first, 150);
+    assert!(first.collisions().iter().count() > 4, "it is a heap");
+    let text = save(&mut first);
+    let snapshot = ron::to_string(&Snapshot::take(first.world())).unwrap();
+    let before = without_entities(state(&mut first));
+
+    let (mut second, _meshes) = sim(40);
+    let mut entities = load(&mut second, &text);
+    let mut snapshot: Snapshot = ron::from_str(&snapshot).unwrap();
+    snapshot.map_entities(&mut entities);
+    assert_eq!(snapshot.restore(second.world()), []);
+    assert_eq!(without_entities(state(&mut second)), before);
+    let mut asleep = 0;
+    for step in 0..100 {
+        run(&mut first, 1);
+        run(&mut second, 1);
+        assert_eq!(
+            without_entities(state(&mut second)),
+            without_entities(state(&mut first)),
+            "step {step}"
+        );
+        let count = |sim: &mut Sim| sim.report().asleep;
+        assert_eq!(count(&mut second), count(&mut first), "step {step}");
+        asleep = asleep.max(count(&mut first));
+    }
+    assert_ne!(without_entities(state(&mut first)), before);
+    assert!(asleep > 0, "some fall asleep");
+    assert!(second.rejected.is_empty(), "{:?}", second.rejected);
 }
 
 #[test]
