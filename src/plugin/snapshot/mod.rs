@@ -122,7 +122,7 @@ impl Snapshot {
             bodies,
             touching: step.touching.clone(),
             nested: step.nested.clone(),
-            driven: step.driven.clone(),
+            driven: step.driven.at_rest(),
             ..default()
         };
         snapshot.take_memory(&mut step);

@@ -40,6 +40,15 @@ impl DrivenBodies {
         }
     }
 
+    /// The same without the ways of the last step, which no later step needs.
+    pub fn at_rest(&self) -> Self {
+        Self {
+            poses: self.poses.clone(),
+            departures: Vec::new(),
+            far: self.far.clone(),
+        }
+    }
+
     /// Whether the `Transform` of a body says where it is.
     pub fn contains(&self, entity: Entity) -> bool {
         self.poses.contains_key(&entity)
