@@ -59,7 +59,10 @@ pub(crate) fn run(bodies: &Bodies, limit: usize, scratch: &mut Scratch, sphere_p
     let is_static = |i: usize| kind[i] == RigidBody::Static;
     let all = 0..kind.len() as u32;
     members.clear();
-    members.extend(all.clone().filter(|&i| !is_static(i as usize)));
+    // A body that saved impulses or forces beyond all measure have thrown out of the numbers within this step. It has no
+    // pairs; the next step rejects it.
+    let is_sound = |i: usize| center[i].is_finite() && speculative_radius[i].is_finite();
+    members.extend((all.clone()).filter(|&i| !is_static(i as usize) && is_sound(i as usize)));
     moving_grid.fill(members, center, speculative_radius);
     if moving_grid.is_overfull() {
         moving_grid.fill(members, center, speculative_radius);

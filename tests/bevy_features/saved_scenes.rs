@@ -282,7 +282,7 @@ fn a_scene_with_its_snapshot_goes_on_to_the_bit() {
             without_entities(state(&mut first)),
             "step {step}"
         );
-        let count = |sim: &mut Sim| sim.report().asleep;
+        let count = |sim: &mut Sim| sim.report().sleeping;
         assert_eq!(count(&mut second), count(&mut first), "step {step}");
         asleep = asleep.max(count(&mut first));
     }

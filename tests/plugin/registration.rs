@@ -22,15 +22,7 @@ const EXEMPT: &[(&str, &str)] = &[("SpatialIndex", "its module is private: only 
 /// Every public component, resource, event and message in the sources is registered as what it is.
 #[test]
 fn every_public_type_of_the_world_is_registered() {
-    let mut sim = Sim::new();
-    #[cfg(feature = "debug_gizmos")]
-    sim.app.add_plugins(bevy_faceoff::plugin::debug::FaceoffGizmosPlugin);
-    #[cfg(feature = "debug_panel")]
-    sim.app
-        .add_plugins(bevy_faceoff::plugin::panel::FaceoffPanelPlugin::default());
-    #[cfg(feature = "bevy_picking")]
-    sim.app
-        .add_plugins(bevy_faceoff::plugin::picking::ColliderPickingPlugin);
+    let mut sim = Sim::with_plugin(other_plugins);
     let registry = sim.world().resource::<AppTypeRegistry>().read();
 
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -62,6 +54,16 @@ fn every_public_type_of_the_world_is_registered() {
         }
     }
     assert!(missing.is_empty(), "{}", missing.join("\n"));
+}
+
+/// Plugins of ours that are in no group.
+fn other_plugins(_app: &mut App) {
+    #[cfg(feature = "debug_gizmos")]
+    _app.add_plugins(bevy_faceoff::plugin::debug::FaceoffGizmosPlugin);
+    #[cfg(feature = "debug_panel")]
+    _app.add_plugins(bevy_faceoff::plugin::panel::FaceoffPanelPlugin::default());
+    #[cfg(feature = "bevy_picking")]
+    _app.add_plugins(bevy_faceoff::plugin::picking::ColliderPickingPlugin);
 }
 
 /// What a type derives and its registration does not say.
