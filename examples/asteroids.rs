@@ -1,33 +1,21 @@
-//! A game: shoot the rocks, which break, and do not touch them.
+//! A game: shoot the rocks, which break. Each hit counts, until the ship touches a rock.
 //!
-//! * `cargo run --release --example asteroids --features window`: A and D turn, W thrusts, space fires, R starts again. Until
-//!   a key is pressed the ship flies by itself;
-//! * `cargo run --release --example asteroids -- --headless` lets it fly by itself, and prints the score. It ends with an error
-//!   if that is zero.
+//! * `cargo run --release --example asteroids --features window`: A and D turn, W thrusts, space fires;
+//! * `cargo run --release --example asteroids -- --headless` ends with an error if the ship hits nothing.
 //!
-//! The module `common` opens the window. In your own game use `DefaultPlugins` for that.
+//! The ship flies by itself until a key is pressed. The module `common` opens the window: your game uses `DefaultPlugins`.
 
 mod common;
 
 use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
-use std::f32::consts::TAU;
 
 /// Half of the field's sides, metres. Who leaves it comes back on the other side.
 const FIELD: Vec3 = Vec3::new(9.6, 1.0, 6.0);
-/// Diameters of rocks, from large to small, and points for each.
-const ROCKS: [(f32, u32); 3] = [(2.2, 20), (1.2, 50), (0.7, 100)];
-/// Speed of a bullet in m/s; how long it flies, and from shot to shot, seconds.
-const BULLET: (f32, f32, f32) = (16.0, 0.8, 0.22);
-/// The ship and bullets collide with rocks, rocks with all.
-const PLAYER: CollisionLayers = CollisionLayers {
-    memberships: 1,
-    filters: 2,
-};
-const ROCK: CollisionLayers = CollisionLayers {
-    memberships: 2,
-    filters: 3,
-};
+/// How many rocks there are at first, and diameters of rocks, from large to small.
+const ROCKS: (usize, [f32; 3]) = (6, [2.2, 1.2, 0.7]);
+/// Speed of a bullet in m/s, and seconds from shot to shot.
+const BULLET: (f32, f32) = (16.0, 0.22);
 
 fn main() -> AppExit {
     let mut app = common::app("asteroids", 64 * 30);
@@ -36,53 +24,50 @@ fn main() -> AppExit {
             from: Vec3::new(0.0, 14.5, 5.0),
             at: Vec3::ZERO,
         })
-        .insert_resource(common::Help("A, D: turn, W: thrust, space: fire, R: again"))
-        .init_resource::<Pilot>()
-        .add_systems(Startup, (load, start, next_wave).chain())
-        .add_systems(FixedUpdate, (fly_alone, fly, wrap).chain())
-        // After each step, because a slow frame has several.
-        .add_systems(FixedLast, (hit, next_wave, print).chain());
+        .insert_resource(common::Help("A, D: turn, W: thrust, space: fire"))
+        .add_systems(Startup, (load, send_rocks).chain())
+        .add_systems(FixedPreUpdate, send_rocks.run_if(not(any_with_component::<Rock>)))
+        .add_systems(FixedUpdate, (aim, fly, wrap).chain())
+        .add_systems(FixedLast, check)
+        .add_observer(hit);
     #[cfg(feature = "window")]
     if !app.world().resource::<common::Options>().headless {
-        app.insert_resource(ClearColor(Color::srgb(0.01, 0.01, 0.03)));
-        app.add_systems(Update, read_keys);
+        app.insert_resource(ClearColor(Color::srgb(0.02, 0.03, 0.06)))
+            .add_systems(Update, read_keys);
     }
     app.run()
 }
 
-/// What the ship is to do.
-#[derive(Resource, Default)]
-struct Pilot {
-    human: bool,
-    turn: f32,
-    thrust: bool,
-    fire: bool,
-}
-
 #[derive(Resource)]
 struct Game {
-    ship: MeshCollider,
     bullet: MeshCollider,
     rocks: [MeshCollider; 2],
     random: fastrand::Rng,
-    score: u32,
-    wave: usize,
 }
 
-/// How many seconds until it can fire again.
-#[derive(Component)]
-#[require(RigidBody, CollisionLayers = PLAYER, LinearDamping = LinearDamping(0.5))]
+#[derive(Component, Default)]
+#[require(RigidBody, CollisionLayers = CollisionLayers { memberships: 1, filters: 2 }, CollisionEventsEnabled)]
 #[require(LockedAxes = LockedAxes::TRANSLATION_Y | LockedAxes::ROTATION_X | LockedAxes::ROTATION_Z)]
-struct Ship(f32);
+struct Ship {
+    /// Seconds until it can fire again.
+    reload: f32,
+    is_steered: bool,
+    turn: f32,
+    thrust: bool,
+    fire: bool,
+    hits: u32,
+}
 
-/// How many seconds it still has. It is fast: without `ContinuousCollision` it could pass through a rock.
+/// It is fast: without `ContinuousCollision` it could pass through a rock.
 #[derive(Component)]
-#[require(RigidBody, CollisionLayers = PLAYER, ContinuousCollision)]
-struct Bullet(f32);
+#[require(RigidBody, CollisionLayers = CollisionLayers { memberships: 1, filters: 2 }, CollisionEventsEnabled)]
+#[require(ContinuousCollision)]
+struct Bullet;
 
-/// Its number in [`ROCKS`].
+/// The number of its size.
 #[derive(Component)]
-#[require(RigidBody, CollisionLayers = ROCK, LockedAxes = LockedAxes::TRANSLATION_Y, Restitution = Restitution::new(1.0))]
+#[require(RigidBody, CollisionLayers = CollisionLayers { memberships: 2, filters: 3 })]
+#[require(LockedAxes = LockedAxes::TRANSLATION_Y, Restitution = Restitution::new(1.0))]
 struct Rock(usize);
 
 fn load(mut commands: Commands, assets: Res<AssetServer>, mut meshes: ResMut<Assets<CollisionMesh>>) {
@@ -92,197 +77,124 @@ fn load(mut commands: Commands, assets: Res<AssetServer>, mut meshes: ResMut<Ass
     let sides = (0..4).flat_map(|i| [[i, (i + 1) % 4, i + 4], [i + 4, (i + 1) % 4, (i + 1) % 4 + 4]]);
     let caps = [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]];
     let dart = TriMesh::new(corners.concat(), sides.chain(caps).collect()).expect("all indices are of corners");
+    let dart = meshes.add(CollisionMesh::new(&dart));
+    commands.spawn((Ship::default(), MeshCollider(dart), Transform::default()));
     commands.insert_resource(Game {
-        ship: MeshCollider(meshes.add(CollisionMesh::new(&dart))),
         bullet: MeshCollider(assets.load("ball.bake.ron")),
         rocks: ["knot.bake.ron", "torus.bake.ron"].map(|path| MeshCollider(assets.load(path))),
         random: fastrand::Rng::with_seed(1979),
-        score: 0,
-        wave: 0,
     });
 }
 
-/// Begins a game. What is left of the last one goes.
-fn start(mut commands: Commands, mut game: ResMut<Game>, bodies: Query<Entity, With<RigidBody>>) {
-    bodies.iter().for_each(|body| commands.entity(body).despawn());
-    (game.score, game.wave) = (0, 0);
-    commands.spawn((Ship(0.0), game.ship.clone(), Transform::default()));
-}
-
-/// Sends rocks from the border when there are none.
-fn next_wave(mut commands: Commands, mut game: ResMut<Game>, rocks: Query<(), With<Rock>>) {
-    if rocks.is_empty() {
-        game.wave += 1;
-        let count = 4 + 2 * game.wave;
-        for around in (0..count).map(|i| TAU * i as f32 / count as f32) {
-            let at = FIELD * Vec3::new(around.cos(), 0.0, around.sin());
-            game.spawn_rock(&mut commands, 0, at, 1.2 * at.cross(Vec3::Y).normalize());
-        }
+/// Sends rocks from the border, a radian apart: so six go round.
+fn send_rocks(mut commands: Commands, mut game: ResMut<Game>) {
+    for i in 0..ROCKS.0 {
+        let at = FIELD * (Quat::from_rotation_y(i as f32) * Vec3::X);
+        game.spawn_rock(&mut commands, 0, at, 1.2 * at.cross(Vec3::Y).normalize());
     }
 }
 
 impl Game {
     fn spawn_rock(&mut self, commands: &mut Commands, size: usize, at: Vec3, velocity: Vec3) {
-        let turn = Vec3::from_array([0; 3].map(|_| 3.0 * self.random.f32() - 1.5));
         commands.spawn((
             Rock(size),
             self.rocks[self.random.usize(0..2)].clone(),
-            Transform::from_translation(at)
-                .with_rotation(Quat::from_scaled_axis(2.0 * turn))
-                .with_scale(Vec3::splat(ROCKS[size].0)),
+            Transform::from_translation(at).with_scale(Vec3::splat(ROCKS.1[size])),
             LinearVelocity(velocity),
-            AngularVelocity(turn),
+            AngularVelocity(Vec3::from_array([0; 3].map(|_| 3.0 * self.random.f32() - 1.5))),
         ));
     }
 }
 
-/// Aims at the nearest rock, while no human steers.
-fn fly_alone(
-    mut pilot: ResMut<Pilot>,
-    ship: Query<&Transform, With<Ship>>,
-    rocks: Query<(&Transform, &LinearVelocity), With<Rock>>,
-) {
-    let (false, Ok(pose)) = (pilot.human, ship.single()) else {
-        return;
-    };
-    // Where a bullet would meet each rock, as the ship sees it.
-    let ways = rocks.iter().map(|(rock, velocity)| {
-        let way = rock.translation - pose.translation;
-        way + velocity.0 * way.length() / BULLET.0
-    });
-    let Some(way) = ways.min_by(|a, b| a.length().total_cmp(&b.length())) else {
-        return;
-    };
-    let angle = pose.forward().cross(way).y.atan2(pose.forward().dot(way));
-    pilot.turn = (4.0 * angle).clamp(-1.0, 1.0);
-    pilot.fire = angle.abs() < 0.15;
-    pilot.thrust = pilot.fire && way.length() > 6.0;
+/// Aims at the nearest rock, until somebody steers.
+fn aim(ship: Single<(&mut Ship, &Transform)>, rocks: Query<&Transform, With<Rock>>) {
+    let (mut ship, pose) = ship.into_inner();
+    let ways = rocks.iter().map(|rock| rock.translation - pose.translation);
+    if let (Some(way), false) = (ways.min_by(|a, b| a.length().total_cmp(&b.length())), ship.is_steered) {
+        let angle = pose.forward().cross(way).y.atan2(pose.forward().dot(way));
+        ship.turn = (4.0 * angle).clamp(-1.0, 1.0);
+        ship.fire = angle.abs() < 0.15;
+        ship.thrust = ship.fire && way.length() > 6.0;
+    }
 }
 
-/// Moves the ship, fires, and removes bullets when their time is over.
 fn fly(
     mut commands: Commands,
-    pilot: Res<Pilot>,
     game: Res<Game>,
-    mut ship: Query<(&mut Ship, &Transform, &mut LinearVelocity, &mut AngularVelocity)>,
-    mut bullets: Query<(Entity, &mut Bullet)>,
+    ship: Single<(&mut Ship, &Transform, &mut LinearVelocity, &mut AngularVelocity)>,
     time: Res<Time>,
 ) {
-    for (mut ship, pose, mut velocity, mut spin) in &mut ship {
-        spin.0 = 4.0 * pilot.turn * Vec3::Y;
-        if pilot.thrust {
-            velocity.0 += 8.0 * time.delta_secs() * pose.forward();
-        }
-        ship.0 -= time.delta_secs();
-        if pilot.fire && ship.0 <= 0.0 {
-            ship.0 = BULLET.2;
-            commands.spawn((
-                Bullet(BULLET.1),
-                game.bullet.clone(),
-                Transform::from_translation(pose.translation + 0.8 * pose.forward()).with_scale(Vec3::splat(0.18)),
-                LinearVelocity(velocity.0 + BULLET.0 * pose.forward()),
-            ));
-        }
-    }
-    for (entity, mut bullet) in &mut bullets {
-        bullet.0 -= time.delta_secs();
-        if bullet.0 < 0.0 {
-            commands.entity(entity).despawn();
-        }
+    let (mut ship, pose, mut velocity, mut spin) = ship.into_inner();
+    // It slows down by itself.
+    let goal = if ship.thrust { 16.0 * pose.forward() } else { Vec3::ZERO };
+    velocity.0 = velocity.lerp(goal, 0.5 * time.delta_secs());
+    spin.0 = 4.0 * ship.turn * Vec3::Y;
+    ship.reload -= time.delta_secs();
+    if ship.fire && ship.reload <= 0.0 {
+        ship.reload = BULLET.1;
+        commands.spawn((
+            Bullet,
+            game.bullet.clone(),
+            Transform::from_translation(pose.translation + 0.8 * pose.forward()).with_scale(Vec3::splat(0.18)),
+            LinearVelocity(velocity.0 + BULLET.0 * pose.forward()),
+        ));
     }
 }
 
-/// Places who left the field on its other side. `Teleport` shows it there at once.
-fn wrap(mut commands: Commands, mut bodies: Query<(Entity, &mut Transform), With<RigidBody>>) {
-    for (entity, mut pose) in &mut bodies {
+/// Places who left the field on its other side, where `Teleport` shows it at once. Bullets are gone.
+fn wrap(mut commands: Commands, mut bodies: Query<(Entity, &mut Transform, Has<Bullet>), With<RigidBody>>) {
+    for (entity, mut pose, is_bullet) in &mut bodies {
         let outside = pose.translation.abs().cmpgt(FIELD + 0.5);
-        if outside.any() {
+        if outside.any() && is_bullet {
+            commands.entity(entity).despawn();
+        } else if outside.any() {
             pose.translation = Vec3::select(outside, -pose.translation.clamp(-FIELD, FIELD), pose.translation);
             commands.entity(entity).insert(Teleport);
         }
     }
 }
 
-/// Breaks rocks that bullets hit, and removes the ship if it touches one.
+/// Breaks a rock. The event is that of a bullet or the ship, so `body2` is a rock.
 fn hit(
+    start: On<CollisionStart>,
     mut commands: Commands,
-    mut started: MessageReader<CollisionStart>,
     mut game: ResMut<Game>,
+    mut ship: Single<&mut Ship>,
     rocks: Query<(&Rock, &Transform, &LinearVelocity)>,
-    others: Query<Has<Ship>, Without<Rock>>,
+    bullets: Query<(), With<Bullet>>,
 ) {
-    let mut gone = Vec::new();
-    for start in started.read() {
-        for [rock, other] in [[start.body1, start.body2], [start.body2, start.body1]] {
-            let (Ok((Rock(size), pose, velocity)), Ok(is_ship)) = (rocks.get(rock), others.get(other)) else {
-                continue;
-            };
-            // A bullet may hit two rocks in one step.
-            if gone.contains(&rock) || gone.contains(&other) {
-                continue;
-            }
-            gone.extend([rock, other]);
-            game.score += if is_ship { 0 } else { ROCKS[*size].1 };
-            if let Some((diameter, _)) = ROCKS.get(size + 1) {
-                let aside = velocity.cross(Vec3::Y).normalize_or(Vec3::X);
-                for way in [aside, -aside] {
-                    game.spawn_rock(
-                        &mut commands,
-                        size + 1,
-                        pose.translation + 0.55 * diameter * way,
-                        velocity.0 + 1.2 * way,
-                    );
-                }
-            }
-        }
+    // Another bullet may have broken it in the same step.
+    let Ok((Rock(size), pose, velocity)) = rocks.get(start.body2) else {
+        return;
+    };
+    let is_shot = bullets.contains(start.body1);
+    ship.hits = if is_shot { ship.hits + 1 } else { 0 };
+    commands.entity(start.body2).despawn();
+    if is_shot {
+        commands.entity(start.body1).try_despawn();
     }
-    gone.into_iter().for_each(|body| commands.entity(body).despawn());
+    let aside = velocity.cross(Vec3::Y).normalize_or(Vec3::X);
+    for way in [aside, -aside].into_iter().filter(|_| size + 1 < ROCKS.1.len()) {
+        let at = pose.translation + 0.55 * ROCKS.1[size + 1] * way;
+        game.spawn_rock(&mut commands, size + 1, at, velocity.0 + 1.2 * way);
+    }
 }
 
-/// Prints the score when the ship is lost, and every five seconds. Without a human it then begins again.
-fn print(
-    mut commands: Commands,
-    game: Res<Game>,
-    pilot: Res<Pilot>,
-    ships: Query<(), With<Ship>>,
-    report: Res<StepReport>,
-    mut lost: Local<bool>,
-    mut exit: MessageWriter<AppExit>,
-) {
-    let was_lost = std::mem::replace(&mut *lost, ships.is_empty());
-    if (*lost && !was_lost) || report.step.is_multiple_of(320) {
-        let lost = if *lost { ", and the ship is lost" } else { "" };
-        println!("step {}: wave {}, score {}{lost}", report.step, game.wave, game.score);
-    }
-    if *lost && !pilot.human {
-        commands.run_system_cached(start);
-    } else if report.step == 320 && game.score == 0 {
+/// Checks that the ship hits something in the first seconds.
+fn check(ship: Single<&Ship>, report: Res<StepReport>, mut exit: MessageWriter<AppExit>) {
+    if report.step == 320 && ship.hits == 0 {
         eprintln!("the ship has not hit anything");
         exit.write(AppExit::error());
     }
 }
 
 #[cfg(feature = "window")]
-fn read_keys(
-    mut commands: Commands,
-    keys: Res<ButtonInput<KeyCode>>,
-    mut pilot: ResMut<Pilot>,
-    mut window: Single<&mut Window>,
-    game: Res<Game>,
-) {
+fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut ship: Single<&mut Ship>, mut window: Single<&mut Window>) {
     let [left, right, thrust, fire] =
         [KeyCode::KeyA, KeyCode::KeyD, KeyCode::KeyW, KeyCode::Space].map(|key| keys.pressed(key));
-    if pilot.human || left || right || thrust || fire {
-        let turn = f32::from(u8::from(left)) - f32::from(u8::from(right));
-        *pilot = Pilot {
-            human: true,
-            turn,
-            thrust,
-            fire,
-        };
+    ship.is_steered |= left || right || thrust || fire;
+    if ship.is_steered {
+        (ship.turn, ship.thrust, ship.fire) = (f32::from(left) - f32::from(right), thrust, fire);
     }
-    if keys.just_pressed(KeyCode::KeyR) {
-        commands.run_system_cached(start);
-    }
-    window.title = format!("asteroids: {}", game.score);
+    window.title = format!("asteroids: {} hits", ship.hits);
 }

@@ -12,9 +12,9 @@ use bevy::prelude::*;
 use bevy_faceoff::prelude::*;
 use std::f32::consts::FRAC_PI_2;
 
-const RINGS: usize = 10;
+const RINGS: usize = 7;
 /// Height of the fixed ring, metres.
-const TOP: f32 = 7.7;
+const TOP: f32 = 5.3;
 /// Distance of the centres of two rings at rest, metres: the tubes, of radius 0.06 around a circle of radius 0.44, touch
 /// inside of both rings.
 const LINK: f32 = 2.0 * (0.44 - 0.06);
@@ -23,8 +23,8 @@ const STEPS: u32 = 64 * 8;
 fn main() -> AppExit {
     let mut app = common::app("chain", STEPS);
     app.insert_resource(common::View {
-        from: Vec3::new(3.0, 5.0, 9.5),
-        at: Vec3::new(0.0, 4.1, 0.0),
+        from: Vec3::new(2.4, 3.6, 7.0),
+        at: Vec3::new(0.0, 2.85, 0.0),
     })
     .insert_resource(common::Help("space: push"))
     .add_systems(Startup, spawn);

@@ -15,7 +15,7 @@ const KNOTS: usize = 40;
 /// Diameter of a knot, metres.
 const SIZE: f32 = 0.8;
 /// Width of the inside of the bin, and height of its walls, metres.
-const BIN: (f32, f32) = (3.0, 1.4);
+const BIN: (f32, f32) = (2.4, 1.4);
 /// Height from which they fall, metres.
 const SPOUT: f32 = 4.5;
 /// Steps from knot to knot.
@@ -25,8 +25,8 @@ const STEPS: u32 = 64 * 12;
 fn main() -> AppExit {
     let mut app = common::app("pour", STEPS);
     app.insert_resource(common::View {
-        from: Vec3::new(3.2, 5.2, 6.6),
-        at: Vec3::new(0.0, 0.9, 0.0),
+        from: Vec3::new(2.1, 4.9, 4.5),
+        at: Vec3::new(0.0, 1.1, 0.0),
     })
     .insert_resource(common::Help("space: again"))
     .add_systems(Startup, spawn)
@@ -64,8 +64,9 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     }
     commands.spawn(PlaneCollider::through(Vec3::ZERO, Vec3::Y));
     let knot = MeshCollider(assets.load("knot.bake.ron"));
-    // The headless run waits for the meshes of all colliders, so this one, which is static, makes it wait for the knots.
-    commands.spawn((knot.clone(), Transform::from_xyz(0.0, SPOUT + 1.5, 0.0)));
+    // The headless run waits for the meshes of all colliders, so this one, which is static, makes it wait for the knots. It is
+    // so high that it casts no shadow.
+    commands.spawn((knot.clone(), Transform::from_xyz(0.0, 10.0 * SPOUT, 0.0)));
     commands.insert_resource(Jug {
         knot,
         left: KNOTS,
@@ -85,7 +86,7 @@ fn pour(mut commands: Commands, mut jug: ResMut<Jug>, report: Res<StepReport>) {
         Knot,
         RigidBody::Dynamic,
         jug.knot.clone(),
-        Transform::from_xyz(0.6 * cos, SPOUT, 0.6 * sin)
+        Transform::from_xyz(0.5 * cos, SPOUT, 0.5 * sin)
             .with_rotation(Quat::from_scaled_axis(turn))
             .with_scale(Vec3::splat(SIZE)),
         LinearVelocity(Vec3::NEG_Y * 3.0),

@@ -9,7 +9,6 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
 use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
-use image::imageops::thumbnail;
 use image::{Rgb, RgbImage};
 use std::error::Error;
 use std::fs::File;
@@ -21,8 +20,8 @@ const FRAMES: u32 = 80;
 const STEPS: u32 = 3;
 /// How long a frame is shown, hundredths of a second. Three steps are 4.7.
 const DELAY: u16 = 5;
-/// Pixels of the window along each side of a pixel of the picture.
-const SHRINK: u32 = 2;
+/// Width and height of the window and the picture, pixels.
+pub const SIZE: (u32, u32) = (480, 300);
 /// Colours of the picture. One more says that a pixel stays as it is.
 const COLORS: usize = 127;
 /// Frames of the window before the first of the picture, in which the renderer gets ready. Time stands still meanwhile.
@@ -77,10 +76,7 @@ fn expose(
 fn collect(shot: On<ScreenshotCaptured>, mut film: ResMut<Film>) {
     let picture = match shot.image.clone().try_into_dynamic() {
         // Without the alpha channel, which holds something else with `Hdr`.
-        Ok(image) => {
-            let image = image.to_rgb8();
-            thumbnail(&image, image.width() / SHRINK, image.height() / SHRINK)
-        }
+        Ok(image) => image.to_rgb8(),
         Err(error) => {
             error!("{error}");
             default()

@@ -5,7 +5,7 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::Hdr;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit};
-use bevy::light::CascadeShadowConfigBuilder;
+use bevy::light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap, NotShadowCaster, NotShadowReceiver};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
@@ -35,16 +35,17 @@ const GROUND_SQUARES: u32 = 80;
 
 pub fn open(app: &mut App, title: &str, step: StepPlugin) {
     let options = app.world().resource::<Options>();
+    let is_recorded = options.gif.is_some();
     let render = RenderPlugin {
         // So that the first picture is complete.
-        synchronous_pipeline_compilation: options.gif.is_some() || options.screenshot.is_some(),
+        synchronous_pipeline_compilation: is_recorded || options.screenshot.is_some(),
         ..default()
     };
     app.add_plugins((
         DefaultPlugins.set(render).set(WindowPlugin {
             primary_window: Some(Window {
                 title: format!("bevy_faceoff: {title}"),
-                resolution: (960, 600).into(),
+                resolution: if is_recorded { gif::SIZE } else { (960, 600) }.into(),
                 ..default()
             }),
             ..default()
@@ -57,9 +58,13 @@ pub fn open(app: &mut App, title: &str, step: StepPlugin) {
         gif::GifPlugin,
     ))
     .insert_resource(ClearColor(SKY))
+    // The smaller the window, the less is seen of its shadows.
+    .insert_resource(DirectionalLightShadowMap {
+        size: if is_recorded { 1024 } else { 2048 },
+    })
     .init_resource::<View>()
     .init_resource::<Help>()
-    .add_systems(Startup, (light_and_camera, write_help))
+    .add_systems(Startup, (light_and_camera, write_help, hide_gizmos))
     .add_systems(
         Update,
         (turn_camera, switch_gizmos, (dress, draw_grounds, count_frames).chain()),
@@ -117,7 +122,7 @@ fn write_help(mut commands: Commands, help: Res<Help>, options: Res<Options>) {
     if options.gif.is_some() {
         return;
     }
-    let separator = if help.0.is_empty() { "" } else { ", " };
+    let separator = if help.0.is_empty() { "" } else { "\n" };
     commands.spawn((
         Text::new(format!(
             "{}{separator}mouse or arrows: look around, F3: figures, G: gizmos",
@@ -145,7 +150,7 @@ fn turn_camera(
     scroll: Res<AccumulatedMouseScroll>,
     time: Res<Time>,
 ) {
-    let key = |plus, minus| f32::from(u8::from(keys.pressed(plus))) - f32::from(u8::from(keys.pressed(minus)));
+    let key = |plus, minus| f32::from(keys.pressed(plus)) - f32::from(keys.pressed(minus));
     let arrows = Vec2::new(
         key(KeyCode::ArrowLeft, KeyCode::ArrowRight),
         key(KeyCode::ArrowUp, KeyCode::ArrowDown),
@@ -171,30 +176,45 @@ fn turn_camera(
     **camera = Transform::from_translation(view.from).looking_at(view.at, Vec3::Y);
 }
 
-/// Shows and hides wireframes, boxes, velocities and planes.
+fn hide_gizmos(mut store: ResMut<GizmoConfigStore>) {
+    *store.config_mut().1 = few_gizmos();
+}
+
+/// Gizmos at the start: only what an example asks for with `ShowFacesTowards`.
+fn few_gizmos() -> FaceoffGizmos {
+    FaceoffGizmos {
+        faces: FaceoffGizmos::all().faces,
+        ..FaceoffGizmos::none()
+    }
+}
+
+/// Shows and hides wireframes, boxes, velocities, planes and contacts.
 fn switch_gizmos(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
     if keys.just_pressed(KeyCode::KeyG) {
         let gizmos = store.config_mut::<FaceoffGizmos>().1;
-        let is_shown = gizmos.wireframes.is_some();
         let FaceoffGizmos {
             wireframes,
             boxes,
             planes,
             linear_velocities,
             angular_velocities,
+            contacts,
+            intersections,
             ..
-        } = if is_shown {
-            FaceoffGizmos::none()
+        } = FaceoffGizmos::all();
+        *gizmos = if gizmos.contacts.is_some() {
+            few_gizmos()
         } else {
-            FaceoffGizmos::all()
-        };
-        *gizmos = FaceoffGizmos {
-            wireframes,
-            boxes,
-            planes,
-            linear_velocities,
-            angular_velocities,
-            ..gizmos.clone()
+            FaceoffGizmos {
+                wireframes,
+                boxes,
+                planes,
+                linear_velocities,
+                angular_velocities,
+                contacts,
+                intersections,
+                ..few_gizmos()
+            }
         };
     }
 }
@@ -263,9 +283,11 @@ fn dress(
                 &moving[(*next - 1) % COLORS.len()]
             }
         };
-        commands
-            .entity(entity)
-            .insert((Mesh3d(mesh.clone()), MeshMaterial3d(material.clone())));
+        let mut entity = commands.entity(entity);
+        entity.insert((Mesh3d(mesh.clone()), MeshMaterial3d(material.clone())));
+        if is_sensor {
+            entity.insert((NotShadowCaster, NotShadowReceiver));
+        }
     }
 }
 

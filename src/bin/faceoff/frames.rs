@@ -15,7 +15,7 @@ const SAMPLES: u32 = 2;
 /// The height of the view at distance 1.
 const FIELD: f32 = 0.78;
 /// From where the scene is seen.
-const FROM: Vec3 = Vec3::new(0.98, 0.8, 2.0);
+const FROM: Vec3 = Vec3::new(0.98, 1.2, 2.0);
 /// How much farther away the camera is than it must be to see the whole scene.
 const MARGIN: f32 = 1.04;
 /// What is nearer to the camera is not drawn, as a part of the distance of the scene.
@@ -77,13 +77,19 @@ impl View {
         let center = framing.bounds.center();
         let turned = Affine3A::look_to_rh(Vec3::ZERO, -FROM, Vec3::Y);
         let field = 0.5 * FIELD * Vec2::new(width as f32 / height as f32, 1.0);
-        let needed = framing.corners().map(|corner| {
-            let p = turned.transform_vector3(corner - center);
-            p.z + (p.truncate().abs() / field).max_element()
-        });
-        let distance = MARGIN * needed.into_iter().fold(f32::MIN_POSITIVE, f32::max);
+        let corners = framing
+            .corners()
+            .map(|corner| turned.transform_vector3(corner - center));
+        // What keeps each corner right of or above one edge of the image, and left of or below the other.
+        let most = |sign: f32| {
+            let needed = corners.map(|p| sign * p.truncate() + field * p.z);
+            needed.into_iter().fold(Vec2::splat(f32::MIN), Vec2::max)
+        };
+        let (low, high) = (most(-1.0), most(1.0));
+        let distance = MARGIN * (0.5 * (low + high) / field).max_element().max(f32::MIN_POSITIVE);
+        let shift = 0.5 * (low - high);
         Self {
-            to_camera: Affine3A::from_translation(Vec3::NEG_Z * distance)
+            to_camera: Affine3A::from_translation(shift.extend(-distance))
                 * turned
                 * Affine3A::from_translation(-center),
             nearest: NEAREST * distance,
