@@ -1,6 +1,7 @@
-//! A game: shoot the rocks, which break. Each hit counts, until the ship touches a rock.
+//! A game: shoot the rocks, which break. Each hit counts. When the ship touches a rock, the game begins anew.
 //!
-//! * `cargo run --release --example asteroids --features window`: A and D turn, W thrusts, space fires;
+//! * `cargo run --release --example asteroids --features window`: A and D turn, W thrusts, space fires, R begins
+//!   anew;
 //! * `cargo run --release --example asteroids -- --headless` ends with an error if the ship hits nothing.
 //!
 //! The ship flies by itself until a key is pressed. The module `common` opens the window: your game uses `DefaultPlugins`.
@@ -24,12 +25,13 @@ fn main() -> AppExit {
             from: Vec3::new(0.0, 14.5, 5.0),
             at: Vec3::ZERO,
         })
-        .insert_resource(common::Help("A, D: turn, W: thrust, space: fire"))
+        .insert_resource(common::Help("A, D: turn, W: thrust, space: fire, R: again"))
         .add_systems(Startup, (load, send_rocks).chain())
         .add_systems(FixedPreUpdate, send_rocks.run_if(not(any_with_component::<Rock>)))
         .add_systems(FixedUpdate, (aim, fly, wrap).chain())
         .add_systems(FixedLast, check)
-        .add_observer(hit);
+        .add_observer(hit)
+        .add_observer(begin_anew);
     #[cfg(feature = "window")]
     if !app.world().resource::<common::Options>().headless {
         app.insert_resource(ClearColor(Color::srgb(0.02, 0.03, 0.06)))
@@ -56,7 +58,13 @@ struct Ship {
     thrust: bool,
     fire: bool,
     hits: u32,
+    /// The most hits of all games.
+    best: u32,
 }
+
+/// The game is lost, or the player wants another one.
+#[derive(Event)]
+struct BeginAnew;
 
 /// It is fast: without `ContinuousCollision` it could pass through a rock.
 #[derive(Component)]
@@ -167,12 +175,14 @@ fn hit(
     let Ok((Rock(size), pose, velocity)) = rocks.get(start.body2) else {
         return;
     };
-    let is_shot = bullets.contains(start.body1);
-    ship.hits = if is_shot { ship.hits + 1 } else { 0 };
-    commands.entity(start.body2).despawn();
-    if is_shot {
-        commands.entity(start.body1).try_despawn();
+    if !bullets.contains(start.body1) {
+        commands.trigger(BeginAnew);
+        return;
     }
+    ship.hits += 1;
+    ship.best = ship.best.max(ship.hits);
+    commands.entity(start.body2).despawn();
+    commands.entity(start.body1).try_despawn();
     let aside = velocity.cross(Vec3::Y).normalize_or(Vec3::X);
     for way in [aside, -aside].into_iter().filter(|_| size + 1 < ROCKS.1.len()) {
         let at = pose.translation + 0.55 * ROCKS.1[size + 1] * way;
@@ -180,21 +190,47 @@ fn hit(
     }
 }
 
+/// Clears the field, to which new rocks then come, and places the ship in the middle.
+fn begin_anew(
+    _: On<BeginAnew>,
+    mut commands: Commands,
+    others: Query<Entity, Or<(With<Rock>, With<Bullet>)>>,
+    ship: Single<(Entity, &mut Ship, &mut Transform, &mut LinearVelocity)>,
+) {
+    for other in &others {
+        commands.entity(other).try_despawn();
+    }
+    let (entity, mut ship, mut pose, mut velocity) = ship.into_inner();
+    (ship.hits, *pose, velocity.0) = (0, Transform::default(), Vec3::ZERO);
+    commands.entity(entity).insert(Teleport);
+}
+
 /// Checks that the ship hits something in the first seconds.
 fn check(ship: Single<&Ship>, report: Res<StepReport>, mut exit: MessageWriter<AppExit>) {
-    if report.step == 320 && ship.hits == 0 {
+    if report.step.is_multiple_of(320) && report.step > 0 {
+        println!("step {}: {} hits, at best {}", report.step, ship.hits, ship.best);
+    }
+    if report.step == 320 && ship.best == 0 {
         eprintln!("the ship has not hit anything");
         exit.write(AppExit::error());
     }
 }
 
 #[cfg(feature = "window")]
-fn read_keys(keys: Res<ButtonInput<KeyCode>>, mut ship: Single<&mut Ship>, mut window: Single<&mut Window>) {
+fn read_keys(
+    mut commands: Commands,
+    keys: Res<ButtonInput<KeyCode>>,
+    mut ship: Single<&mut Ship>,
+    mut window: Single<&mut Window>,
+) {
+    if keys.just_pressed(KeyCode::KeyR) {
+        commands.trigger(BeginAnew);
+    }
     let [left, right, thrust, fire] =
         [KeyCode::KeyA, KeyCode::KeyD, KeyCode::KeyW, KeyCode::Space].map(|key| keys.pressed(key));
     ship.is_steered |= left || right || thrust || fire;
     if ship.is_steered {
         (ship.turn, ship.thrust, ship.fire) = (f32::from(left) - f32::from(right), thrust, fire);
     }
-    window.title = format!("asteroids: {} hits", ship.hits);
+    window.title = format!("asteroids: {} hits, at best {}", ship.hits, ship.best);
 }

@@ -31,8 +31,8 @@
 //!   drawn; questions through [`SpatialQuery`](crate::plugin::queries::SpatialQuery) are about the poses after the last
 //!   step, unless [`update_spatial_queries`](crate::plugin::queries::update_spatial_queries) runs there.
 //! * **A GPU.** With `Readback::Lockstep` and `Readback::Latent` as on the CPU. With `Readback::Resident` components do not
-//!   follow the bodies. Blend the poses before and after the last step where you draw: `plugin::poses`, by
-//!   `Time<Fixed>::overstep_fraction`.
+//!   follow the bodies. Blend the poses before and after the last step where you draw: `plugin::poses` has them, and
+//!   `plugin::Poses::WGSL` the functions.
 //! * **Bodies under other entities.** Their `Transform` is interpolated relative to the parent.
 
 use crate::plugin::components::Teleport;

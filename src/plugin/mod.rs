@@ -58,6 +58,8 @@ pub mod snapshot;
 mod step_plugin;
 pub(crate) mod sync;
 
+#[cfg(feature = "gpu")]
+pub use crate::step::gpu::Poses;
 pub use groups::{CollisionMeshPlugin, FaceoffHeadlessPlugins, FaceoffPlugins};
 pub use schedule::{FaceoffStep, FaceoffSystems};
 pub use step_plugin::{StepPlugin, threads};

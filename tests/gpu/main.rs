@@ -37,6 +37,7 @@ fn main() {
             #[cfg(feature = "bevy")]
             ("apps::with_contacts", apps::with_contacts::TESTS),
             #[cfg(feature = "bevy")]
+            ("apps::drawn", apps::drawn::TESTS),
             ("apps::readback", apps::readback::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::soak", apps::soak::TESTS),

@@ -33,6 +33,10 @@ pub struct Scene {
     last_tree: Option<SceneTree>,
 }
 
+#[expect(
+    clippy::large_enum_variant,
+    reason = "planes are few, and a box would cost each mesh a miss"
+)]
 enum Item {
     Mesh(SceneMesh),
     Plane(SolidPlane),

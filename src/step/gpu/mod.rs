@@ -25,6 +25,7 @@ mod flight;
 mod hand_over;
 pub mod memory;
 mod overflow;
+mod poses;
 mod recent;
 pub mod record;
 pub mod remap;
@@ -47,6 +48,7 @@ use crate::step::StepState;
 use crate::types::gpu_work::GpuWork;
 use contact_programs::ContactPrograms;
 use flight::Flight;
+pub use poses::Poses;
 use recent::Recent;
 use record::{all_modules, impulse_kernels, impulse_program};
 use remap::LastBodies;
@@ -314,16 +316,4 @@ impl GpuStep {
             bodies: self.population.bodies,
         }
     }
-}
-
-/// Two poses of every collider, in the order of the last submitted step. Its results may not be known yet.
-#[derive(Clone, Copy, Debug)]
-pub struct Poses<'a> {
-    /// Before that step: an array of `Body` of `shaders/shared/types.wgsl`, 144 bytes each, which begins with position,
-    /// mesh and rotation.
-    pub previous: &'a Buffer,
-    /// After it: an array of `Moved`, 64 bytes each, which begins with position, a word of padding and rotation.
-    pub current: &'a Buffer,
-    /// Number of colliders.
-    pub bodies: u32,
 }

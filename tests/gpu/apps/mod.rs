@@ -2,6 +2,7 @@
 
 pub mod backend;
 pub mod bytes;
+pub mod drawn;
 pub mod readback;
 pub mod soak;
 pub mod spatial_queries;
