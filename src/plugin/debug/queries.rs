@@ -8,7 +8,7 @@ use bevy::math::DAffine3;
 use bevy::prelude::*;
 
 /// How far an infinite ray is drawn, metres.
-const INFINITE: f32 = 1000.0;
+const SHOWN_OF_INFINITE: f32 = 1000.0;
 
 pub(super) fn draw_rays(mut gizmos: Drawn, casters: Query<(Entity, &RayCaster, &RayHits)>, poses: WorldPoses) {
     let (rays, hit_color) = (gizmos.config_ext.rays, gizmos.config_ext.hits);
@@ -22,7 +22,7 @@ pub(super) fn draw_rays(mut gizmos: Drawn, casters: Query<(Entity, &RayCaster, &
         if let Some(color) = rays {
             let end = match hits.last() {
                 Some(last) if hits.len() >= caster.max_hits => last.distance,
-                _ => caster.max_distance.min(INFINITE),
+                _ => caster.max_distance.min(SHOWN_OF_INFINITE),
             };
             gizmos.line(start, start + way * end, color);
         }
@@ -56,7 +56,7 @@ pub(super) fn draw_shapes(
                 translation
             };
             let from = draw(0.0);
-            let mut end = caster.max_distance.min(INFINITE);
+            let mut end = caster.max_distance.min(SHOWN_OF_INFINITE);
             for hit in hits.iter() {
                 draw(hit.distance);
                 end = hit.distance;
