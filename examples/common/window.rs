@@ -192,27 +192,18 @@ fn few_gizmos() -> FaceoffGizmos {
 fn switch_gizmos(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
     if keys.just_pressed(KeyCode::KeyG) {
         let gizmos = store.config_mut::<FaceoffGizmos>().1;
-        let FaceoffGizmos {
-            wireframes,
-            boxes,
-            planes,
-            linear_velocities,
-            angular_velocities,
-            contacts,
-            intersections,
-            ..
-        } = FaceoffGizmos::all();
+        let all = FaceoffGizmos::all();
         *gizmos = if gizmos.contacts.is_some() {
             few_gizmos()
         } else {
             FaceoffGizmos {
-                wireframes,
-                boxes,
-                planes,
-                linear_velocities,
-                angular_velocities,
-                contacts,
-                intersections,
+                wireframes: all.wireframes,
+                boxes: all.boxes,
+                planes: all.planes,
+                linear_velocities: all.linear_velocities,
+                angular_velocities: all.angular_velocities,
+                contacts: all.contacts,
+                intersections: all.intersections,
                 ..few_gizmos()
             }
         };
