@@ -75,6 +75,11 @@ impl<'a> Placed<'a> {
         self.pose.translation + self.pose.frame.center
     }
 
+    /// Radius of a sphere about the centre of mass that holds the placed mesh, metres.
+    pub fn bounding_radius(&self) -> f32 {
+        self.pose.radius
+    }
+
     /// The mass in kilograms at a density in kg/m^3. [`MassProperties`](crate::geometry::MassProperties) tells how
     /// meshes that are not closed are treated.
     pub fn mass(&self, density: f64) -> f64 {

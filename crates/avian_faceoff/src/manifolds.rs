@@ -1,0 +1,88 @@
+//! Contact points of two meshes as Avian's manifolds.
+
+use avian3d::collision::contact_types::PackedFeatureId;
+use avian3d::math::{AdjustPrecision, Scalar, Vector};
+use avian3d::prelude::{ContactManifold, ContactPoint};
+use bevy_faceoff::queries::{FeatureId, FeatureKind, MeshContact};
+
+/// Avian drops all points of a manifold but four.
+const MAX_POINTS: usize = 4;
+
+/// Normals within one degree count as equal: the points of a manifold share the normal of the first of them.
+const SAME_NORMAL: Scalar = 0.999_847_7;
+
+/// Points that take the impulse of another feature have normals within 37 degrees.
+const LIKE_NORMAL: Scalar = 0.8;
+
+/// Appends manifolds of `points`, in their order. `first` is the position of the first mesh's origin, and surfaces that
+/// are `rest_offset` apart count as touching.
+pub(crate) fn push(points: &[MeshContact], first: Vector, rest_offset: f32, manifolds: &mut Vec<ContactManifold>) {
+    let begin = manifolds.len();
+    for point in points {
+        let normal = point.normal.adjust_precision();
+        let contact = contact(point, first, rest_offset);
+        let with_room = |m: &&mut ContactManifold| m.points.len() < MAX_POINTS && m.normal.dot(normal) >= SAME_NORMAL;
+        match manifolds[begin..].iter_mut().find(with_room) {
+            Some(manifold) => manifold.points.push(contact),
+            None => manifolds.push(ContactManifold::new([contact], normal)),
+        }
+    }
+}
+
+/// Anchors are relative to the origins of the meshes: Avian makes them relative to the centres of mass.
+fn contact(point: &MeshContact, first: Vector, rest_offset: f32) -> ContactPoint {
+    let [a, b] = point.anchors.map(|anchor| anchor.adjust_precision());
+    let half_way = (0.5 * point.separation * point.normal).adjust_precision();
+    let [feature_a, feature_b] = point.features.map(packed);
+    let depth = (rest_offset - point.separation).adjust_precision();
+    ContactPoint::new(a, b, first + a + half_way, depth).with_feature_ids(feature_a, feature_b)
+}
+
+/// Regions of overlap have no number that lasts: they are known by their places.
+fn packed(feature: FeatureId) -> PackedFeatureId {
+    match feature.kind() {
+        FeatureKind::Vertex => PackedFeatureId::vertex(feature.index()),
+        FeatureKind::Edge => PackedFeatureId::edge(feature.index()),
+        FeatureKind::Face => PackedFeatureId::face(feature.index()),
+        _ => PackedFeatureId::UNKNOWN,
+    }
+}
+
+/// Gives each point the impulses of the last step's point between the same features, or else of the nearest one within
+/// `reach` that no other point has.
+///
+/// Avian does the first by itself, for pairs with at most four manifolds.
+pub(crate) fn warm_start(new: &mut [ContactManifold], old: &[ContactManifold], reach: Scalar) {
+    let mut left: Vec<(Vector, &ContactPoint)> = Vec::new();
+    left.extend(old.iter().flat_map(|m| m.points.iter().map(|point| (m.normal, point))));
+    let mut unmatched = Vec::new();
+    for manifold in new {
+        let normal = manifold.normal;
+        for point in &mut manifold.points {
+            let same = |(_, old): &(Vector, &ContactPoint)| {
+                !point.feature_id1.is_unknown()
+                    && (old.feature_id1, old.feature_id2) == (point.feature_id1, point.feature_id2)
+            };
+            match left.iter().position(same) {
+                Some(i) => take_impulses(point, left.swap_remove(i).1),
+                None => unmatched.push((normal, point)),
+            }
+        }
+    }
+    for (normal, point) in unmatched {
+        let near = left
+            .iter()
+            .enumerate()
+            .filter(|(_, (n, _))| n.dot(normal) > LIKE_NORMAL);
+        let near = near.map(|(i, (_, old))| (i, old.point.distance_squared(point.point)));
+        let nearest = near.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        if let Some((i, _)) = nearest.filter(|(_, apart)| *apart < reach * reach) {
+            take_impulses(point, left.swap_remove(i).1);
+        }
+    }
+}
+
+fn take_impulses(point: &mut ContactPoint, old: &ContactPoint) {
+    point.warm_start_normal_impulse = old.warm_start_normal_impulse;
+    point.warm_start_tangent_impulse = old.warm_start_tangent_impulse;
+}

@@ -1,0 +1,48 @@
+//! What is kept of a pair from step to step.
+
+use avian3d::prelude::{NarrowPhaseSystems, PhysicsSchedule};
+use bevy::prelude::*;
+use bevy_faceoff::queries::PairMemory;
+use dashmap::DashMap;
+
+/// The memory of each pair of exact meshes near each other. Avian hands its narrow phase no memory of its own, and only
+/// resources that are not changed: so each part of this map has a lock.
+///
+/// A memory changes the time that contacts take, never the contacts.
+#[derive(Resource, Default)]
+pub struct PairMemories {
+    pairs: DashMap<[Entity; 2], Kept>,
+    /// Number of the step.
+    step: u64,
+}
+
+struct Kept {
+    memory: PairMemory,
+    /// The step that used it last.
+    step: u64,
+}
+
+impl PairMemories {
+    /// Lends the memory of a pair. No lock is held while `find` runs.
+    pub(crate) fn lend(&self, pair: [Entity; 2], find: impl FnOnce(&mut PairMemory)) {
+        let mut memory = self
+            .pairs
+            .remove(&pair)
+            .map_or_else(PairMemory::default, |(_, kept)| kept.memory);
+        find(&mut memory);
+        let step = self.step;
+        self.pairs.insert(pair, Kept { memory, step });
+    }
+}
+
+pub(crate) fn plugin(app: &mut App) {
+    app.init_resource::<PairMemories>()
+        .add_systems(PhysicsSchedule, forget.in_set(NarrowPhaseSystems::Last));
+}
+
+/// Drops what this step has not used: pairs that are far apart, gone, or asleep.
+fn forget(mut memories: ResMut<PairMemories>) {
+    let now = memories.step;
+    memories.pairs.retain(|_, kept| kept.step == now);
+    memories.step += 1;
+}
