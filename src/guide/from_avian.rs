@@ -3,6 +3,7 @@
 //!
 //! Stay with Avian if your game needs joints, many kinds of exact round shapes, or two dimensions. Its colliders of
 //! triangles are surfaces that are tested triangle by triangle. Use this plugin where concave meshes move and meet each other.
+//! Or keep Avian, and give it the contacts of this crate between meshes: `crates/avian_faceoff`.
 //!
 //! # Names
 //!

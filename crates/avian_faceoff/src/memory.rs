@@ -46,3 +46,30 @@ fn forget(mut memories: ResMut<PairMemories>) {
     memories.pairs.retain(|_, kept| kept.step == now);
     memories.step += 1;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_that_a_step_does_not_use_are_forgotten() {
+        let mut world = World::new();
+        world.init_resource::<PairMemories>();
+        let [a, b, c] = [0; 3].map(|_| world.spawn_empty().id());
+        let use_pairs = |world: &World, pairs: &[[Entity; 2]]| {
+            for pair in pairs {
+                world.resource::<PairMemories>().lend(*pair, |_| {});
+            }
+        };
+        let mut forget = IntoSystem::into_system(forget);
+        forget.initialize(&mut world);
+        use_pairs(&world, &[[a, b], [b, c]]);
+        forget.run((), &mut world).expect("it has its resource");
+        assert_eq!(world.resource::<PairMemories>().pairs.len(), 2);
+        use_pairs(&world, &[[b, c]]);
+        forget.run((), &mut world).expect("it has its resource");
+        let memories = world.resource::<PairMemories>();
+        assert_eq!(memories.pairs.len(), 1);
+        assert!(memories.pairs.contains_key(&[b, c]));
+    }
+}

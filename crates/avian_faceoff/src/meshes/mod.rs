@@ -42,6 +42,22 @@ pub struct ExactCollider(pub Handle<CollisionMesh>);
 /// commands.spawn((RigidBody::Dynamic, Collider::trimesh(vertices, triangles), ExactTrimesh));
 /// # }
 /// ```
+///
+/// An observer makes all triangle meshes exact, those of a scene from a [`ColliderConstructorHierarchy`] among them:
+///
+/// ```
+/// # use avian3d::prelude::*;
+/// # use avian_faceoff::prelude::*;
+/// # use bevy::prelude::*;
+/// fn make_exact(added: On<Add, Collider>, colliders: Query<&Collider>, mut commands: Commands) {
+///     if colliders.get(added.entity).is_ok_and(|collider| collider.shape().as_trimesh().is_some()) {
+///         commands.entity(added.entity).insert(ExactTrimesh);
+///     }
+/// }
+/// # fn add(app: &mut App) {
+/// app.add_observer(make_exact);
+/// # }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Default, Debug, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, Debug, PartialEq)]
 pub struct ExactTrimesh;

@@ -37,7 +37,7 @@ fn depths_by_the_core(scene: &Scene) -> Vec<f64> {
     });
     let mut points = Vec::new();
     // Avian's tolerance.
-    let margin = NarrowPhaseConfig::default().contact_tolerance as f32;
+    let margin = double(NarrowPhaseConfig::default().contact_tolerance) as f32;
     ContactWorker::new().manifold(&placed[0], &placed[1], margin, &mut PairMemory::default(), &mut points);
     let mut depths: Vec<f64> = points.iter().map(|p| f64::from(-p.separation)).collect();
     depths.sort_by(|a, b| b.total_cmp(a));

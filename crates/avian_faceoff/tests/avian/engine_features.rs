@@ -105,7 +105,7 @@ fn fast_bodies_do_not_tunnel() {
         let mut world = World::new(Contacts::Exact);
         let mut scene = Scene::weightless();
         scene.block(Vec3::X * 3.0, Vec3::new(0.02, 4.0, 4.0));
-        let bullet = scene.add(Body::new(Shape::Ball, Vec3::ZERO, Quat::IDENTITY));
+        let bullet = scene.add(Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY));
         bullet.scale = Vec3::splat(0.5);
         bullet.velocity = Vec3::X * if swept { 100.0 } else { 20.0 };
         world.fill(&scene);
