@@ -3,7 +3,8 @@
 //! Each engine runs in its own process, which does one step for each line it reads. So the steps of different engines
 //! alternate, and an engine that panics, hangs or takes too long does not stop the others.
 
-use crate::scene::{Scene, Shape};
+use crate::avian::Contacts;
+use crate::scene::{Choice, Scene};
 use crate::{avian, ours, rapier};
 use bevy_faceoff::types::settings::Response;
 use clap::ValueEnum;
@@ -24,11 +25,17 @@ pub trait Engine {
 
     /// The pairs of bodies that touched in the last step, by the engine's own definition, without walls.
     fn touching(&mut self) -> Vec<[u32; 2]>;
+
+    /// The kinetic energy of all bodies, joules, if it is looked at.
+    fn kinetic_energy(&mut self) -> Option<f64> {
+        None
+    }
 }
 
 /// The engines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
+#[value(rename_all = "lower")]
 pub enum Kind {
     /// bevy_faceoff, with one impulse per pair.
     Ours,
@@ -38,6 +45,8 @@ pub enum Kind {
     Rapier,
     /// avian3d.
     Avian,
+    /// avian3d with the contacts of avian_faceoff.
+    AvianFaceoff,
 }
 
 /// The time and result of a step.
@@ -47,6 +56,8 @@ pub struct Step {
     pub seconds: f64,
     /// The pairs of bodies that touched, ascending, each with the smaller index first.
     pub touching: Vec<[u32; 2]>,
+    /// The kinetic energy as a multiple of that at the start, if it is looked at.
+    pub energy: Option<f64>,
 }
 
 /// Runs an engine in this process: one step for each line of standard input, one line of JSON for each step.
@@ -55,8 +66,10 @@ pub fn serve(kind: Kind, scene: &Scene) {
         Kind::Ours => Box::new(ours::Faceoff::new(scene, Response::Impulse)),
         Kind::Contacts => Box::new(ours::Faceoff::new(scene, Response::Contacts)),
         Kind::Rapier => Box::new(rapier::Rapier::new(scene)),
-        Kind::Avian => Box::new(avian::Avian::new(scene)),
+        Kind::Avian => Box::new(avian::Avian::new(scene, Contacts::Own)),
+        Kind::AvianFaceoff => Box::new(avian::Avian::new(scene, Contacts::Exact)),
     };
+    let start = engine.kinetic_energy();
     let mut out = std::io::stdout();
     for _ in std::io::stdin().lines().map_while(Result::ok) {
         let seconds = engine.step();
@@ -66,7 +79,13 @@ pub fn serve(kind: Kind, scene: &Scene) {
         }
         touching.sort_unstable();
         touching.dedup();
-        let line = serde_json::to_string(&Step { seconds, touching }).expect("numbers");
+        let energy = engine.kinetic_energy().zip(start).map(|(now, start)| now / start);
+        let step = Step {
+            seconds,
+            touching,
+            energy,
+        };
+        let line = serde_json::to_string(&step).expect("numbers");
         if writeln!(out, "{line}").and_then(|()| out.flush()).is_err() {
             return;
         }
@@ -84,10 +103,11 @@ pub struct Process {
 
 impl Process {
     /// Starts an engine that may take `limit` in total.
-    pub fn start(kind: Kind, shape: Shape, bodies: usize, seed: u64, limit: Duration) -> std::io::Result<Self> {
+    pub fn start(kind: Kind, world: &Choice, limit: Duration) -> std::io::Result<Self> {
         let mut child = Command::new(std::env::current_exe()?)
-            .args(["--serve", name(kind), "--shape", shape.name()])
-            .args(["--bodies", &bodies.to_string(), "--seed", &seed.to_string()])
+            .args(["--serve", name(kind), "--shape", world.shape.name()])
+            .args(["--bodies", &world.bodies.to_string(), "--seed", &world.seed.to_string()])
+            .args(["--restitution", &world.restitution.to_string()])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -161,5 +181,6 @@ fn name(kind: Kind) -> &'static str {
         Kind::Contacts => "contacts",
         Kind::Rapier => "rapier",
         Kind::Avian => "avian",
+        Kind::AvianFaceoff => "avianfaceoff",
     }
 }

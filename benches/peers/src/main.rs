@@ -26,7 +26,7 @@ mod timing;
 use clap::{Parser, ValueEnum};
 use engine::Kind;
 use report::{Machine, Report};
-use scene::{Scene, Shape};
+use scene::{Choice, Scene, Shape};
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -46,6 +46,9 @@ struct Options {
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Coefficient of restitution of bodies and walls in whole steps.
+    #[arg(long, default_value_t = 1.0)]
+    restitution: f32,
     /// Number of rounds of the narrow phase [default: 15, or 3 with --quick].
     #[arg(long)]
     rounds: Option<usize>,
@@ -78,14 +81,25 @@ enum Peer {
     Parry,
     /// Whole steps.
     Rapier,
-    /// Whole steps.
+    /// Whole steps, with its own contacts and those of avian_faceoff.
     Avian,
+}
+
+impl Options {
+    fn choice(&self, shape: Shape) -> Choice {
+        Choice {
+            shape,
+            bodies: self.bodies,
+            seed: self.seed,
+            restitution: self.restitution,
+        }
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse();
     if let Some(kind) = options.serve {
-        engine::serve(kind, &Scene::new(options.shape[0], options.bodies, options.seed));
+        engine::serve(kind, &Scene::new(&options.choice(options.shape[0])));
         return Ok(());
     }
     let default = |long, quick| if options.quick { quick } else { long };
@@ -100,7 +114,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         queries::compare(rounds);
         return Ok(());
     }
-    let engines: Vec<Kind> = [(Peer::Rapier, Kind::Rapier), (Peer::Avian, Kind::Avian)]
+    let kinds = [
+        (Peer::Rapier, Kind::Rapier),
+        (Peer::Avian, Kind::Avian),
+        (Peer::Avian, Kind::AvianFaceoff),
+    ];
+    let engines: Vec<Kind> = kinds
         .into_iter()
         .filter(|(peer, _)| options.only.contains(peer))
         .map(|(_, kind)| kind)
@@ -118,7 +137,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for &shape in &options.shape {
         if options.only.contains(&Peer::Parry) {
             eprintln!("{}: narrow phase ..", shape.name());
-            let scene = Scene::new(shape, options.bodies, options.seed);
+            let scene = Scene::new(&options.choice(shape));
             report.narrow.push(narrow::measure(shape, &scene, rounds));
             eprintln!("{}: manifolds ..", shape.name());
             let pairs = narrow::sphere_pairs(&scene);
@@ -128,10 +147,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         if !engines.is_empty() {
             eprintln!("{}: whole steps ..", shape.name());
-            let world = (shape, options.bodies, options.seed);
             report
                 .steps
-                .push((shape, steps::measure(&engines, world, steps, limit)?));
+                .push((shape, steps::measure(&engines, &options.choice(shape), steps, limit)?));
         }
     }
     report.machine.finish();

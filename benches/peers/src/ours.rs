@@ -120,8 +120,10 @@ impl Faceoff {
             .resource_mut::<Assets<CollisionMesh>>()
             .add(scene.mesh.clone());
         for (point, normal) in scene.paper.walls() {
-            app.world_mut()
-                .spawn((PlaneCollider::through(point, normal), Restitution::new(1.0)));
+            app.world_mut().spawn((
+                PlaneCollider::through(point, normal),
+                Restitution::new(scene.restitution),
+            ));
         }
         for body in &scene.bodies {
             app.world_mut().spawn((
@@ -129,7 +131,7 @@ impl Faceoff {
                 MeshCollider(mesh.clone()),
                 body.pose,
                 LinearVelocity(body.velocity),
-                Restitution::new(1.0),
+                Restitution::new(scene.restitution),
             ));
         }
         app.finish();

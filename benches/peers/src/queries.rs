@@ -4,7 +4,7 @@
 use crate::narrow::sphere_pairs;
 use crate::ours::Stages;
 use crate::parry::Parry;
-use crate::scene::{Scene, Shape};
+use crate::scene::{Choice, Scene, Shape};
 use crate::timing::{median, pool, ratio, time};
 use bevy::math::{DQuat, DVec3, Vec3};
 use bevy_faceoff::asset::CollisionMesh;
@@ -165,7 +165,7 @@ impl Peers {
 /// Rays between 2200 knots, through the trees over all of them. In parry3d each body has a mesh of its own, scaled in advance;
 /// ours share one.
 fn among_bodies(rounds: usize) {
-    let scene = Scene::new(Shape::Knot, 2200, 1);
+    let scene = Scene::new(&Choice::new(Shape::Knot));
     let mut ours = queries::Scene::default();
     for body in &scene.bodies {
         let (translation, rotation) = (body.pose.translation.as_dvec3(), body.pose.rotation.as_dquat());
@@ -220,7 +220,7 @@ fn among_bodies(rounds: usize) {
 /// Overlaps of all pairs of knots whose bounding spheres overlap, one by one, and by the stages behind
 /// `queries::touching`.
 fn overlaps(rounds: usize) {
-    let scene = Scene::new(Shape::Knot, 2200, 1);
+    let scene = Scene::new(&Choice::new(Shape::Knot));
     let pairs = sphere_pairs(&scene);
     let mut stages = Stages::new(&scene);
     stages.broad_phase();

@@ -33,12 +33,12 @@ impl Rapier {
                     .linvel(vector(body.velocity))
                     .can_sleep(false),
             );
-            let collider = world.insert_collider(shape.friction(0.0).restitution(1.0), Some(handle));
+            let collider = world.insert_collider(shape.friction(0.0).restitution(scene.restitution), Some(handle));
             indices.insert(collider, index);
         }
         for (center, size) in scene.walls() {
             let wall = ColliderBuilder::cuboid(size.x, size.y, size.z).translation(vector(center));
-            world.insert_collider(wall.friction(0.0).restitution(1.0), None);
+            world.insert_collider(wall.friction(0.0).restitution(scene.restitution), None);
         }
         Self { world, indices }
     }

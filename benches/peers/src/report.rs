@@ -251,9 +251,9 @@ impl Report {
         );
         println!(
             "| shape | engine | steps | first, ms | median, ms | ours over the same steps, ms | times ours | times ours, steps 2 to 8 | first step: touching \
-             by both, only ours, only it | touching pairs, median | |"
+             by both, only ours, only it | touching pairs, median | highest energy over that at the start | |"
         );
-        println!("|---|---|---|---|---|---|---|---|---|---|---|");
+        println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
         for (shape, runs) in &self.steps {
             let ours = &runs[0].seconds;
             for run in runs {
@@ -262,11 +262,12 @@ impl Report {
                     Kind::Contacts => "ours, contacts",
                     Kind::Rapier => "rapier3d",
                     Kind::Avian => "avian3d",
+                    Kind::AvianFaceoff => "avian3d, avian_faceoff",
                 };
                 let steps = run.seconds.len();
                 let failure = run.failure.as_deref().unwrap_or_default();
                 if steps == 0 {
-                    println!("| {} | {name} | 0 | | | | | | | | {failure} |", shape.name());
+                    println!("| {} | {name} | 0 | | | | | | | | | {failure} |", shape.name());
                     continue;
                 }
                 let ms = |times: &[f64]| median(times.iter().copied()) * 1e3;
@@ -274,7 +275,7 @@ impl Report {
                 let early = run.seconds.get(1..8).zip(ours.get(1..8));
                 let [both, only_ours, only_it] = run.first;
                 println!(
-                    "| {} | {name} | {steps} | {:.2} | {:.2} | {:.2} | {} | {} | {both}, {only_ours}, {only_it} | {} | {failure} |",
+                    "| {} | {name} | {steps} | {:.2} | {:.2} | {:.2} | {} | {} | {both}, {only_ours}, {only_it} | {} | {} | {failure} |",
                     shape.name(),
                     run.seconds[0] * 1e3,
                     ms(&run.seconds),
@@ -282,7 +283,8 @@ impl Report {
                     cut(ratio(&run.seconds, same)),
                     // In later steps the engines differ in the number of pairs that still touch.
                     early.map_or(String::new(), |(run, ours)| cut(ratio(run, ours))),
-                    median(run.touching.iter().map(|&n| n as f64))
+                    median(run.touching.iter().map(|&n| n as f64)),
+                    run.energy.map_or(String::new(), cut),
                 );
             }
         }

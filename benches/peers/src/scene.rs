@@ -24,6 +24,31 @@ pub enum Shape {
     Knot,
 }
 
+/// Which scene.
+#[derive(Clone, Copy)]
+pub struct Choice {
+    /// The mesh of all bodies.
+    pub shape: Shape,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Coefficient of restitution of bodies and walls.
+    pub restitution: f32,
+}
+
+impl Choice {
+    /// The paper's number of bodies, elastic.
+    pub fn new(shape: Shape) -> Self {
+        Self {
+            shape,
+            bodies: 2200,
+            seed: 1,
+            restitution: 1.0,
+        }
+    }
+}
+
 /// All that an engine needs.
 pub struct Scene {
     /// What was asked for.
@@ -32,6 +57,8 @@ pub struct Scene {
     pub mesh: CollisionMesh,
     /// In the order of their indices.
     pub bodies: Vec<Body>,
+    /// Coefficient of restitution of bodies and walls.
+    pub restitution: f32,
 }
 
 /// One body.
@@ -70,7 +97,13 @@ impl Shape {
 
 impl Scene {
     /// The scene of `faceoff simulate --shape SHAPE --bodies BODIES --seed SEED`.
-    pub fn new(shape: Shape, bodies: usize, seed: u64) -> Self {
+    pub fn new(choice: &Choice) -> Self {
+        let Choice {
+            shape,
+            bodies,
+            seed,
+            restitution,
+        } = *choice;
         let mesh = CollisionMesh::new(&match shape {
             Shape::Torus => shapes::torus_240(),
             Shape::Knot => shapes::knot_1120(),
@@ -93,7 +126,12 @@ impl Scene {
                 velocity: body.velocity,
             })
             .collect();
-        Self { paper, mesh, bodies }
+        Self {
+            paper,
+            mesh,
+            bodies,
+            restitution,
+        }
     }
 
     /// The mesh's corners as a body scales them, and its triangles.

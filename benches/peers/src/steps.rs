@@ -1,7 +1,7 @@
 //! Time of whole steps: each engine runs in its own process, and their steps alternate.
 
 use crate::engine::{Kind, Process, Step};
-use crate::scene::Shape;
+use crate::scene::Choice;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -15,6 +15,8 @@ pub struct Run {
     pub seconds: Vec<f64>,
     /// The number of pairs of bodies that touched in each step.
     pub touching: Vec<usize>,
+    /// The highest kinetic energy as a multiple of that at the start, if it is looked at.
+    pub energy: Option<f64>,
     /// Pairs in the first step, in which all engines have the same poses: those that both it and bevy_faceoff report,
     /// those that only bevy_faceoff reports, and those that only it reports.
     pub first: [usize; 3],
@@ -25,23 +27,19 @@ pub struct Run {
 }
 
 /// Runs bevy_faceoff and `peers` for `steps` steps.
-pub fn measure(
-    peers: &[Kind],
-    (shape, bodies, seed): (Shape, usize, u64),
-    steps: usize,
-    limit: Duration,
-) -> std::io::Result<Vec<Run>> {
+pub fn measure(peers: &[Kind], world: &Choice, steps: usize, limit: Duration) -> std::io::Result<Vec<Run>> {
     let mut runs = Vec::new();
     for &engine in [Kind::Ours, Kind::Contacts].iter().chain(peers) {
         let run = Run {
             engine,
             seconds: Vec::new(),
             touching: Vec::new(),
+            energy: None,
             first: [0; 3],
             failure: None,
             first_pairs: BTreeSet::new(),
         };
-        runs.push((run, Some(Process::start(engine, shape, bodies, seed, limit)?)));
+        runs.push((run, Some(Process::start(engine, world, limit)?)));
     }
     for _ in 0..steps {
         for (run, process) in &mut runs {
@@ -71,5 +69,6 @@ impl Run {
         }
         self.seconds.push(step.seconds);
         self.touching.push(step.touching.len());
+        self.energy = step.energy.map(|energy| energy.max(self.energy.unwrap_or(0.0)));
     }
 }

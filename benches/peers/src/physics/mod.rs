@@ -3,6 +3,7 @@
 //! Both move the same bodies of the same masses, frictions and restitutions through the same steps, and neither lets them
 //! sleep. What is judged is where bodies are and how they move, by code that knows no engine.
 
+mod avian;
 mod bounce;
 mod chain;
 mod cloud;
@@ -37,6 +38,14 @@ pub struct Options {
     /// Only cases whose names contain this.
     #[arg(long, default_value = "", hide_default_value = true)]
     case: String,
+    /// Only these engines. rapier3d's primitives or convex parts run in the cases that have them.
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        default_value = "ours,meshes,primitives,parts"
+    )]
+    engines: Vec<Engine>,
     /// How balls are turned at random, so many times each, before they bounce [default: 12, or 3 with --quick].
     #[arg(long)]
     turns: Option<usize>,
@@ -97,7 +106,7 @@ pub fn compare(options: &Options, quick: bool, limit: Duration) {
     let mut rows = Vec::new();
     for case in cases {
         eprintln!("{} ..", case.name);
-        let outcomes = case.run(limit);
+        let outcomes = case.run(&options.engines, limit);
         for outcome in &outcomes {
             let Outcome { engine, verdict, .. } = outcome;
             eprintln!("    {engine:?}: {verdict} ({:.3} ms a step)", outcome.milliseconds);
@@ -105,12 +114,14 @@ pub fn compare(options: &Options, quick: bool, limit: Duration) {
         rows.push((case, outcomes));
     }
     machine.finish();
-    table::print(&rows, &machine, &versions());
+    table::print(&options.engines, &rows, &machine, &versions());
 }
 
 impl Case {
-    fn run(&self, limit: Duration) -> Vec<Outcome> {
-        let engines: Vec<Engine> = [Engine::Ours, Engine::Meshes].into_iter().chain(self.other).collect();
+    fn run(&self, engines: &[Engine], limit: Duration) -> Vec<Outcome> {
+        let others = [Engine::Primitives, Engine::Parts];
+        let takes_part = |engine: &Engine| !others.contains(engine) || self.other == Some(*engine);
+        let engines: Vec<Engine> = engines.iter().copied().filter(takes_part).collect();
         let mut limits = vec![limit; engines.len()];
         let mut runs: Vec<Vec<Run>> = engines.iter().map(|_| Vec::new()).collect();
         let scenes: Vec<Vec<Scene>> = engines.iter().map(|e| (self.scenes)(e.gap())).collect();

@@ -6,10 +6,22 @@ use crate::engine::THREADS;
 use crate::report::Machine;
 
 /// Prints a row for each case.
-pub fn print(rows: &[(Case, Vec<Outcome>)], machine: &Machine, versions: &[(&'static str, String)]) {
+pub fn print(
+    engines: &[Engine],
+    rows: &[(Case, Vec<Outcome>)],
+    machine: &Machine,
+    versions: &[(&'static str, String)],
+) {
+    let mut columns: Vec<&str> = Vec::new();
+    for &engine in engines {
+        if !columns.contains(&column(engine)) {
+            columns.push(column(engine));
+        }
+    }
+    let library = |name: &str| name == "bevy_faceoff" || columns.iter().any(|column| column.starts_with(name));
     let versions: Vec<String> = versions
         .iter()
-        .filter(|(name, _)| ["bevy_faceoff", "parry3d", "rapier3d"].contains(name))
+        .filter(|(name, _)| library(name) || *name == "parry3d" && library("rapier3d"))
         .map(|(name, version)| format!("{name} {version}"))
         .collect();
     println!(
@@ -20,34 +32,42 @@ pub fn print(rows: &[(Case, Vec<Outcome>)], machine: &Machine, versions: &[(&'st
         machine.load[0],
         machine.load[1],
     );
-    println!(
-        "| case | measured | ours | ms a step | rapier3d, meshes | ms a step | rapier3d, other shapes | ms a step |"
-    );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("| case | measured | {} | ms a step |", columns.join(" | ms a step | "));
+    println!("|---|---|{}", "---|---|".repeat(columns.len()));
     for (case, outcomes) in rows {
         let mut cells = vec![case.name.clone(), case.quantity.into()];
-        for k in 0..3 {
-            let Some(Outcome {
-                engine,
-                verdict,
-                milliseconds,
-            }) = outcomes.get(k)
-            else {
-                cells.extend([String::new(), String::new()]);
-                continue;
-            };
-            let shapes = match engine {
-                Engine::Ours | Engine::Meshes => "",
-                Engine::Primitives => "primitives: ",
-                Engine::Parts => "convex parts: ",
-            };
-            let time = if milliseconds.is_nan() {
-                String::new()
-            } else {
-                format!("{milliseconds:.3}")
-            };
-            cells.extend([format!("{shapes}{verdict}"), time]);
+        for name in &columns {
+            let outcome = outcomes.iter().find(|outcome| column(outcome.engine) == *name);
+            cells.extend(outcome.map_or([String::new(), String::new()], Outcome::cells));
         }
         println!("| {} |", cells.join(" | "));
+    }
+}
+
+/// The heading of an engine's column.
+fn column(engine: Engine) -> &'static str {
+    match engine {
+        Engine::Ours => "ours",
+        Engine::Meshes => "rapier3d, meshes",
+        Engine::Primitives | Engine::Parts => "rapier3d, other shapes",
+        Engine::Avian => "avian3d, meshes",
+        Engine::AvianFaceoff => "avian3d, avian_faceoff",
+    }
+}
+
+impl Outcome {
+    /// What is measured, and the time.
+    fn cells(&self) -> [String; 2] {
+        let shapes = match self.engine {
+            Engine::Primitives => "primitives: ",
+            Engine::Parts => "convex parts: ",
+            _ => "",
+        };
+        let time = if self.milliseconds.is_nan() {
+            String::new()
+        } else {
+            format!("{:.3}", self.milliseconds)
+        };
+        [format!("{shapes}{}", self.verdict), time]
     }
 }

@@ -1,10 +1,12 @@
 //! A scene that an engine moves, and a thread that it moves in: one that panics or hangs does not take the others along.
 
-use super::{ours, rapier};
+use super::{avian, ours, rapier};
+use crate::avian::Contacts;
 use crate::engine::THREADS;
 use crate::timing::{pool, time};
 use bevy::math::{DQuat, DVec3};
 use bevy_faceoff::testing::scenes::Scene;
+use clap::ValueEnum;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
@@ -13,7 +15,7 @@ use std::time::{Duration, Instant};
 const TURN: usize = 16;
 
 /// Who moves a scene, and with which shapes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
 pub enum Engine {
     /// bevy_faceoff, with contacts between meshes.
     Ours,
@@ -23,11 +25,16 @@ pub enum Engine {
     Primitives,
     /// rapier3d, with meshes cut into convex parts by V-HACD at its defaults.
     Parts,
+    /// avian3d, with meshes whose internal edges are fixed.
+    Avian,
+    /// avian3d, with contacts between meshes from avian_faceoff.
+    AvianFaceoff,
 }
 
 impl Engine {
-    /// How far apart bodies rest, as a part of their diameter: scenes begin so that nothing has to fall first. rapier's
-    /// begin a hair apart: on meshes that touch exactly its contacts fail, and a pyramid falls in the first steps.
+    /// How far apart bodies rest, as a part of their diameter: scenes begin so that nothing has to fall first. Those of
+    /// others begin a hair apart: on meshes that touch exactly parry's contacts fail, and a pyramid falls in the first
+    /// steps.
     pub fn gap(self) -> f32 {
         match self {
             Self::Ours => bevy_faceoff::types::solver_settings::SolverSettings::default().rest_offset,
@@ -198,6 +205,8 @@ fn serve(engine: Engine, scene: &Scene, inbox: &Receiver<()>, outbox: &Sender<Re
 fn build(engine: Engine, scene: &Scene) -> Box<dyn World> {
     match engine {
         Engine::Ours => Box::new(ours::Faceoff::new(scene)),
-        _ => Box::new(rapier::Rapier::new(engine, scene)),
+        Engine::Avian => Box::new(avian::Avian::new(scene, Contacts::Own)),
+        Engine::AvianFaceoff => Box::new(avian::Avian::new(scene, Contacts::Exact)),
+        Engine::Meshes | Engine::Primitives | Engine::Parts => Box::new(rapier::Rapier::new(engine, scene)),
     }
 }
