@@ -18,9 +18,15 @@ fn main() {
     let ring = SharedShape::new(ring);
     let mut bodies = Vec::new();
     for i in 0..RINGS {
-        let kind = if i == 0 { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
+        let kind = if i == 0 {
+            RigidBodyBuilder::fixed()
+        } else {
+            RigidBodyBuilder::dynamic()
+        };
         let quarter = std::f32::consts::FRAC_PI_2 * (i % 2) as f32;
-        let body = kind.translation(Vector::new(0.0, -0.74 * i as f32, 0.0)).rotation(Vector::new(0.0, quarter, 0.0));
+        let body = kind
+            .translation(Vector::new(0.0, -0.74 * i as f32, 0.0))
+            .rotation(Vector::new(0.0, quarter, 0.0));
         let body = world.insert_body(body);
         world.insert_collider(ColliderBuilder::new(ring.clone()), Some(body));
         bodies.push(body);

@@ -26,8 +26,15 @@ fn main() {
         world.step();
         if step % 15 == 0 {
             let at = world.bodies[swinging].translation();
-            let points: usize = world.contact_pairs().flat_map(|pair| pair.manifolds()).map(|m| m.points.len()).sum();
-            println!("{:.2} s: the knot is at {at:.2}, with {points} contact points", step as f32 / 60.0);
+            let points: usize = world
+                .contact_pairs()
+                .flat_map(|pair| pair.manifolds())
+                .map(|m| m.points.len())
+                .sum();
+            println!(
+                "{:.2} s: the knot is at {at:.2}, with {points} contact points",
+                step as f32 / 60.0
+            );
         }
     }
 }

@@ -7,8 +7,8 @@ use crate::mesh::ExactMesh;
 use crate::parry::math::{Pose, Real, Vector};
 use crate::parry::query::details::{NormalConstraints, ShapeCastOptions};
 use crate::parry::query::{
-    ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion, PersistentQueryDispatcher,
-    QueryDispatcher, ShapeCastHit, Unsupported,
+    ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
+    PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, Unsupported,
 };
 #[cfg(feature = "rapier")]
 use crate::parry::query::{ShapeDistance, ShapeIntersection};
@@ -105,7 +105,11 @@ where
         let Some(meshes) = exact([g1, g2]) else {
             // Of its own meshes parry finds no contacts with these, but of other composite shapes it does.
             let is_grid = |shape: &dyn Shape| matches!(shape.shape_type(), ShapeType::HeightField | ShapeType::Voxels);
-            let [g1, g2] = if is_grid(g1) || is_grid(g2) { [g1, g2] } else { [known(g1), known(g2)] };
+            let [g1, g2] = if is_grid(g1) || is_grid(g2) {
+                [g1, g2]
+            } else {
+                [known(g1), known(g2)]
+            };
             return DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace);
         };
         let memory = memory::of(workspace);
@@ -113,7 +117,11 @@ where
             manifolds.clear();
             return Ok(());
         };
-        let reach = REACH * meshes.map(|mesh| mesh.bounding_sphere().1).into_iter().fold(Real::INFINITY, Real::min);
+        let reach = REACH
+            * meshes
+                .map(|mesh| mesh.bounding_sphere().1)
+                .into_iter()
+                .fold(Real::INFINITY, Real::min);
         with_points(&placed, prediction, memory, |points| {
             manifolds::replace(points, pos12, reach, manifolds);
         });
@@ -174,7 +182,9 @@ impl QueryDispatcher for ExactDispatcher {
         };
         let back = rotation(pos12).normalize().inverse();
         let deepest = place(meshes, pos12).and_then(|placed| {
-            with_points(&placed, prediction, &mut PairMemory::default(), |points| points.first().copied())
+            with_points(&placed, prediction, &mut PairMemory::default(), |points| {
+                points.first().copied()
+            })
         });
         Ok(deepest.map(|point| in_own_axes(&point, back)))
     }

@@ -21,12 +21,8 @@ type Old<C> = Option<TrackedContact<C>>;
 /// Replaces the manifolds of the last step by those of these points, whose first mesh lies at the origin. Points with equal
 /// normals share manifolds. A point takes its data from the one with the same features, or from the nearest within `reach`,
 /// metres.
-pub fn replace<M, C>(
-    points: &[MeshContact],
-    pos12: &Pose,
-    reach: Real,
-    manifolds: &mut Vec<ContactManifold<M, C>>,
-) where
+pub fn replace<M, C>(points: &[MeshContact], pos12: &Pose, reach: Real, manifolds: &mut Vec<ContactManifold<M, C>>)
+where
     M: Default,
     C: Default + Copy,
 {
@@ -34,7 +30,9 @@ pub fn replace<M, C>(
     let back = rotation(pos12).normalize().inverse();
     for point in points {
         let normal = to_parry(point.normal);
-        let place = manifolds.iter().position(|m| m.points.len() < MOST_POINTS && m.local_n1.dot(normal) >= SAME_NORMAL);
+        let place = manifolds
+            .iter()
+            .position(|m| m.points.len() < MOST_POINTS && m.local_n1.dot(normal) >= SAME_NORMAL);
         let manifold = match place {
             Some(place) => &mut manifolds[place],
             None => {
@@ -48,7 +46,9 @@ pub fn replace<M, C>(
         };
         let [at1, at2] = [narrow(point.anchors[0]), narrow(back * point.anchors[1])];
         let [id1, id2] = point.features.map(packed);
-        manifold.points.push(TrackedContact::new(at1, at2, id1, id2, point.separation));
+        manifold
+            .points
+            .push(TrackedContact::new(at1, at2, id1, id2, point.separation));
     }
     follow(old, manifolds, reach);
 }

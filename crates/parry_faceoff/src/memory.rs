@@ -16,7 +16,9 @@ struct Memory {
 
 /// The memory in a pair's workspace. What it holds of another pair of shapes is replaced.
 pub fn of(workspace: &mut Option<ContactManifoldsWorkspace>) -> &mut PairMemory {
-    let is_ours = workspace.as_ref().is_some_and(|w| w.0.downcast_ref::<Memory>().is_some());
+    let is_ours = workspace
+        .as_ref()
+        .is_some_and(|w| w.0.downcast_ref::<Memory>().is_some());
     if !is_ours {
         *workspace = None;
     }

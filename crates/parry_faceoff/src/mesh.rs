@@ -62,7 +62,11 @@ impl ExactMesh {
     /// If the scale is not finite, or makes the mesh flat or larger than
     /// [`MAX_COORDINATE`](bevy_faceoff::geometry::mesh::MAX_COORDINATE).
     pub fn scaled(&self, scale: Vector) -> Result<Self, ExactMeshError> {
-        Self::with_scale(self.mesh.clone(), self.scale * from_parry(scale), Some(self.surface.flags()))
+        Self::with_scale(
+            self.mesh.clone(),
+            self.scale * from_parry(scale),
+            Some(self.surface.flags()),
+        )
     }
 
     /// The same mesh with other flags for parry's mesh. They change contacts with other shapes, and whether rays and points

@@ -5,9 +5,9 @@ use crate::mesh::ExactMesh;
 use crate::parry::bounding_volume::{Aabb, BoundingSphere};
 use crate::parry::mass_properties::MassProperties;
 use crate::parry::math::{Matrix, Pose, Real, Vector};
+use crate::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 #[cfg(feature = "rapier")]
 use crate::parry::shape::SubShapeId;
-use crate::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use crate::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, TypedShape};
 
 /// What parry's composite shapes are beside that.
@@ -95,7 +95,8 @@ impl RayCast for ExactMesh {
         max_time_of_impact: Real,
         solid: bool,
     ) -> Option<RayIntersection> {
-        self.surface().cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)
+        self.surface()
+            .cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)
     }
 
     fn intersects_local_ray(&self, ray: &Ray, max_time_of_impact: Real) -> bool {

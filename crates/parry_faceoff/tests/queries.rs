@@ -40,7 +40,10 @@ fn poses() -> impl Iterator<Item = (Vec3, Quat)> {
     (0..40).map(|i| {
         let i = i as f32;
         let way = Vec3::new((1.3 * i).sin(), (2.1 * i).cos(), (0.7 * i).sin());
-        (way * (0.02 * i), Quat::from_euler(glam::EulerRot::XYZ, i, 2.0 * i, 0.3 * i))
+        (
+            way * (0.02 * i),
+            Quat::from_euler(glam::EulerRot::XYZ, i, 2.0 * i, 0.3 * i),
+        )
     })
 }
 
@@ -58,7 +61,8 @@ fn sorted(manifolds: &Manifolds) -> Vec<[f32; 10]> {
         .iter()
         .flat_map(|m| {
             m.points.iter().map(|p| {
-                let ([a, b, c], [d, e, f], [g, h, i]) = (p.local_p1.to_array(), p.local_p2.to_array(), m.local_n1.to_array());
+                let ([a, b, c], [d, e, f], [g, h, i]) =
+                    (p.local_p1.to_array(), p.local_p2.to_array(), m.local_n1.to_array());
                 [a, b, c, d, e, f, g, h, i, p.dist]
             })
         })
@@ -128,15 +132,29 @@ fn swapped_shapes_have_the_same_points() {
         let pos12 = pose(translation, rotation);
         let one = manifolds(&pos12, &knot, &knot);
         let other = manifolds(&pos12.inverse(), &knot, &knot);
-        let deepest = |found: &Manifolds| found.iter().flat_map(|m| &m.points).map(|p| p.dist).fold(f32::INFINITY, f32::min);
+        let deepest = |found: &Manifolds| {
+            found
+                .iter()
+                .flat_map(|m| &m.points)
+                .map(|p| p.dist)
+                .fold(f32::INFINITY, f32::min)
+        };
         assert_eq!(one.is_empty(), other.is_empty());
         if one.is_empty() {
             continue;
         }
-        assert!((deepest(&one) - deepest(&other)).abs() < 1e-5, "{} {}", deepest(&one), deepest(&other));
+        assert!(
+            (deepest(&one) - deepest(&other)).abs() < 1e-5,
+            "{} {}",
+            deepest(&one),
+            deepest(&other)
+        );
         // Of equally good points the reduction may choose others. Most are the same.
         let points = |found: &Manifolds| -> Vec<(Vector, Vector)> {
-            found.iter().flat_map(|m| m.points.iter().map(|p| (p.local_p1, p.local_p2))).collect()
+            found
+                .iter()
+                .flat_map(|m| m.points.iter().map(|p| (p.local_p1, p.local_p2)))
+                .collect()
         };
         let others = points(&other);
         let same = points(&one)
@@ -159,7 +177,12 @@ fn a_scaled_mesh_is_the_mesh_of_scaled_vertices() {
         assert!((mass.mass() / wanted.mass() - 1.0).abs() < 1e-4);
         assert!(mass.local_com.distance(wanted.local_com) < 1e-5);
         let stock = surface.mass_properties(2.0);
-        assert!((mass.mass() / stock.mass() - 1.0).abs() < 1e-3, "{} {}", mass.mass(), stock.mass());
+        assert!(
+            (mass.mass() / stock.mass() - 1.0).abs() < 1e-3,
+            "{} {}",
+            mass.mass(),
+            stock.mass()
+        );
         let moments = |m: &parry_faceoff::parry::mass_properties::MassProperties| {
             let mut all = m.principal_inertia().to_array();
             all.sort_by(f32::total_cmp);
@@ -171,7 +194,12 @@ fn a_scaled_mesh_is_the_mesh_of_scaled_vertices() {
             let pos12 = pose(translation * scale.abs(), rotation);
             let [ours, wanted] = [&scaled, &made].map(|mesh| manifolds(&pos12, mesh, mesh));
             let deepest = |found: &Manifolds| found.iter().flat_map(|m| &m.points).map(|p| p.dist).fold(1.0, f32::min);
-            assert!((deepest(&ours) - deepest(&wanted)).abs() < 1e-4, "{} {}", deepest(&ours), deepest(&wanted));
+            assert!(
+                (deepest(&ours) - deepest(&wanted)).abs() < 1e-4,
+                "{} {}",
+                deepest(&ours),
+                deepest(&wanted)
+            );
             found += ours.len();
         }
         assert!(found > 20, "{found}");
@@ -188,12 +216,28 @@ fn others() -> Vec<(&'static str, Box<dyn Shape>, Vec3)> {
         ("ball", Box::new(Ball::new(0.3)), Vec3::Y * 0.4),
         ("cuboid", Box::new(Cuboid::new(Vector::splat(0.5))), Vec3::Y * 0.8),
         ("capsule", Box::new(Capsule::new_y(0.3, 0.2)), Vec3::X * 0.5),
-        ("half-space", Box::new(HalfSpace::new(vector(Vec3::Y).normalize())), Vec3::Y * -0.3),
-        ("height field", Box::new(HeightField::new(heights, Vector::splat(3.0))), Vec3::Y * -0.3),
+        (
+            "half-space",
+            Box::new(HalfSpace::new(vector(Vec3::Y).normalize())),
+            Vec3::Y * -0.3,
+        ),
+        (
+            "height field",
+            Box::new(HeightField::new(heights, Vector::splat(3.0))),
+            Vec3::Y * -0.3,
+        ),
         ("voxels", voxels(), Vec3::Y * 0.25),
         ("compound", Box::new(Compound::new(parts.to_vec())), Vec3::Y * 0.5),
-        ("mesh", Box::new(TriMesh::new(vertices, torus.triangles().to_vec()).expect("a valid mesh")), Vec3::X * 0.5),
-        ("cylinder", Box::new(parry_faceoff::parry::shape::Cylinder::new(0.3, 0.3)), Vec3::Y * 0.5),
+        (
+            "mesh",
+            Box::new(TriMesh::new(vertices, torus.triangles().to_vec()).expect("a valid mesh")),
+            Vec3::X * 0.5,
+        ),
+        (
+            "cylinder",
+            Box::new(parry_faceoff::parry::shape::Cylinder::new(0.3, 0.3)),
+            Vec3::Y * 0.5,
+        ),
         ("convex hull", convex_hull(), Vec3::Y * 0.5),
     ]
 }
@@ -218,7 +262,10 @@ fn a_mixed_pair_is_parrys() {
         let [mut our_workspace, mut stock_workspace]: [Option<ContactManifoldsWorkspace>; 2] = [None, None];
         for swapped in [false, true] {
             for step in 0..4 {
-                let near = pose(at * (1.0 - 0.02 * step as f32), Quat::from_rotation_y(0.1 * step as f32));
+                let near = pose(
+                    at * (1.0 - 0.02 * step as f32),
+                    Quat::from_rotation_y(0.1 * step as f32),
+                );
                 let pos12 = if swapped { near.inverse() } else { near };
                 let (ours_12, stock_12): ([&dyn Shape; 2], [&dyn Shape; 2]) = match swapped {
                     false => ([&knot, &*other], [surface, &*other]),
@@ -238,13 +285,25 @@ fn a_mixed_pair_is_parrys() {
                 }
                 touched |= ours.iter().any(|m| !m.points.is_empty());
 
-                let [e, s] = [ExactDispatcher.contact(&pos12, a, b, MARGIN), DefaultQueryDispatcher.contact(&pos12, c, d, MARGIN)];
+                let [e, s] = [
+                    ExactDispatcher.contact(&pos12, a, b, MARGIN),
+                    DefaultQueryDispatcher.contact(&pos12, c, d, MARGIN),
+                ];
                 assert_eq!(format!("{e:?}"), format!("{s:?}"), "{name}");
-                let [e, s] = [ExactDispatcher.intersection_test(&pos12, a, b), DefaultQueryDispatcher.intersection_test(&pos12, c, d)];
+                let [e, s] = [
+                    ExactDispatcher.intersection_test(&pos12, a, b),
+                    DefaultQueryDispatcher.intersection_test(&pos12, c, d),
+                ];
                 assert_eq!(format!("{e:?}"), format!("{s:?}"), "{name}");
-                let [e, s] = [ExactDispatcher.distance(&pos12, a, b), DefaultQueryDispatcher.distance(&pos12, c, d)];
+                let [e, s] = [
+                    ExactDispatcher.distance(&pos12, a, b),
+                    DefaultQueryDispatcher.distance(&pos12, c, d),
+                ];
                 assert_eq!(format!("{e:?}"), format!("{s:?}"), "{name}");
-                let [e, s] = [ExactDispatcher.closest_points(&pos12, a, b, 1.0), DefaultQueryDispatcher.closest_points(&pos12, c, d, 1.0)];
+                let [e, s] = [
+                    ExactDispatcher.closest_points(&pos12, a, b, 1.0),
+                    DefaultQueryDispatcher.closest_points(&pos12, c, d, 1.0),
+                ];
                 assert_eq!(format!("{e:?}"), format!("{s:?}"), "{name}");
                 let options = ShapeCastOptions::default();
                 let velocity = vector(Vec3::Y);
@@ -284,14 +343,22 @@ fn what_lies_inside_a_solid_touches_it() {
         exact(Kind::Cube).scaled(scale).expect("a valid scale")
     });
     let pos12 = pose(Vec3::new(0.3, 0.2, 0.1), Quat::from_rotation_x(0.4));
-    let touches = |pos12: &Pose| format!("{:?}", ExactDispatcher.intersection_test(pos12, &outer, &inner)).contains("true");
+    let touches =
+        |pos12: &Pose| format!("{:?}", ExactDispatcher.intersection_test(pos12, &outer, &inner)).contains("true");
     assert!(touches(&pos12));
     let surfaces = DefaultQueryDispatcher.intersection_test(&pos12, outer.surface(), inner.surface());
-    assert!(format!("{surfaces:?}").contains("false"), "parry compares surfaces: {surfaces:?}");
-    let contact = ExactDispatcher.contact(&pos12, &outer, &inner, 0.0).expect("a known pair");
+    assert!(
+        format!("{surfaces:?}").contains("false"),
+        "parry compares surfaces: {surfaces:?}"
+    );
+    let contact = ExactDispatcher
+        .contact(&pos12, &outer, &inner, 0.0)
+        .expect("a known pair");
     assert!(contact.expect("a contact").dist < -1.0);
     assert!(!manifolds(&pos12, &outer, &inner).is_empty());
-    let points = ExactDispatcher.closest_points(&pos12, &outer, &inner, 1.0).expect("a known pair");
+    let points = ExactDispatcher
+        .closest_points(&pos12, &outer, &inner, 1.0)
+        .expect("a known pair");
     assert_eq!(points, ClosestPoints::Intersecting);
     assert!(!touches(&pose(Vec3::X * 2.2, Quat::IDENTITY)));
     assert!(touches(&pose(Vec3::X * 2.05, Quat::IDENTITY)));
@@ -303,12 +370,17 @@ fn the_deepest_point_of_exact_meshes_is_the_contact() {
     let mut seen = 0;
     for (translation, rotation) in poses() {
         let pos12 = pose(translation, rotation);
-        let contact = ExactDispatcher.contact(&pos12, &knot, &knot, MARGIN).expect("a known pair");
+        let contact = ExactDispatcher
+            .contact(&pos12, &knot, &knot, MARGIN)
+            .expect("a known pair");
         let found = manifolds(&pos12, &knot, &knot);
-        assert_eq!(contact.map(|c| (c.point1, c.point2, c.dist)), found.first().map(|m| {
-            let point = m.points[0];
-            (point.local_p1, point.local_p2, point.dist)
-        }));
+        assert_eq!(
+            contact.map(|c| (c.point1, c.point2, c.dist)),
+            found.first().map(|m| {
+                let point = m.points[0];
+                (point.local_p1, point.local_p2, point.dist)
+            })
+        );
         if let Some(contact) = contact {
             let apart = (pos12 * contact.point2 - contact.point1).dot(contact.normal1);
             assert!((apart - contact.dist).abs() < 1e-5);
@@ -369,7 +441,10 @@ fn memory_changes_no_result() {
     let (mut found, mut workspace) = (Manifolds::new(), None);
     for step in 0..200 {
         let angle = 0.002 * step as f32;
-        let pos12 = pose(Vec3::new(0.42 - 0.1 * angle, 0.02, 0.0), Quat::from_rotation_y(0.5 + angle));
+        let pos12 = pose(
+            Vec3::new(0.42 - 0.1 * angle, 0.02, 0.0),
+            Quat::from_rotation_y(0.5 + angle),
+        );
         ExactDispatcher
             .contact_manifolds(&pos12, &knot, &knot, MARGIN, &mut found, &mut workspace)
             .expect("a known pair");
@@ -401,11 +476,21 @@ fn what_is_invalid_is_refused_or_finds_nothing() {
     for translation in [Vec3::splat(f32::NAN), Vec3::X * 1e30, Vec3::X * f32::INFINITY] {
         let pos12 = pose(translation, Quat::IDENTITY);
         assert!(manifolds(&pos12, &knot, &knot).is_empty());
-        assert!(ExactDispatcher.contact(&pos12, &knot, &knot, 0.1).expect("a known pair").is_none());
+        assert!(
+            ExactDispatcher
+                .contact(&pos12, &knot, &knot, 0.1)
+                .expect("a known pair")
+                .is_none()
+        );
     }
     let pos12 = pose(Vec3::X, Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
     assert!(manifolds(&pos12, &knot, &knot).is_empty());
-    for scale in [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::splat(f32::NAN), Vec3::splat(1e12)] {
+    for scale in [
+        Vec3::ZERO,
+        Vec3::new(1.0, 0.0, 1.0),
+        Vec3::splat(f32::NAN),
+        Vec3::splat(1e12),
+    ] {
         let error = knot.scaled(vector(scale)).map(|_| ()).expect_err("an invalid scale");
         assert!(error.to_string().starts_with("the mesh cannot be scaled: "), "{error}");
         assert!(knot.scale_dyn(vector(scale), 0).is_none());
@@ -424,14 +509,19 @@ fn what_is_invalid_is_refused_or_finds_nothing() {
 
 #[test]
 fn the_bounding_box_is_tight_and_holds_all_vertices() {
-    let knot = exact(Kind::Knot).scaled(Vector::new(1.0, 2.0, 0.5)).expect("a valid scale");
+    let knot = exact(Kind::Knot)
+        .scaled(Vector::new(1.0, 2.0, 0.5))
+        .expect("a valid scale");
     let mut gain = 0.0;
     for (translation, rotation) in poses() {
         let place = pose(translation, rotation);
         let (ours, stock) = (knot.compute_aabb(&place), knot.surface().compute_aabb(&place));
         for &vertex in knot.surface().vertices() {
             let at = place * vertex;
-            assert!(ours.mins.cmple(at).all() && ours.maxs.cmpge(at).all(), "{at} outside {ours:?}");
+            assert!(
+                ours.mins.cmple(at).all() && ours.maxs.cmpge(at).all(),
+                "{at} outside {ours:?}"
+            );
         }
         gain += stock.volume() / ours.volume() - 1.0;
     }

@@ -37,7 +37,7 @@ pub fn vector(v: glam::Vec3) -> Vector {
 /// An empty world with exact contacts.
 pub fn world() -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
-    world.narrow_phase.set_query_dispatcher(ExactDispatcher);
+    world.narrow_phase = NarrowPhase::with_query_dispatcher(ExactDispatcher);
     world.gravity = Vector::new(0.0, -9.81, 0.0);
     world.integration_parameters.dt = 1.0 / HZ as f32;
     world
@@ -56,7 +56,8 @@ pub fn shape(contacts: Contacts, body: &Body) -> SharedShape {
         Contacts::Stock => {
             let surface = exact.surface();
             let (vertices, triangles) = (surface.vertices().to_vec(), surface.indices().to_vec());
-            SharedShape::trimesh_with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES).expect("a valid mesh")
+            SharedShape::trimesh_with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES)
+                .expect("a valid mesh")
         }
     }
 }
@@ -90,7 +91,11 @@ impl Moved {
         let mut world = world();
         world.gravity = vector(scene.gravity);
         let bodies = scene.bodies.iter().map(|body| {
-            let kind = if body.fixed { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
+            let kind = if body.fixed {
+                RigidBodyBuilder::fixed()
+            } else {
+                RigidBodyBuilder::dynamic()
+            };
             let rotation = Rotation::from_array(body.rotation.to_array());
             let new = kind
                 .pose(Pose::from_parts(vector(body.position), rotation))
