@@ -13,7 +13,7 @@ use crate::parry::query::{
 #[cfg(feature = "rapier")]
 use crate::parry::query::{ShapeDistance, ShapeIntersection};
 use crate::parry::shape::{Shape, ShapeType};
-use bevy_faceoff::queries::{ContactWorker, MeshContact, PairMemory, Placed, QueryShape};
+use bevy_faceoff::queries::{ContactWorker, MeshContact, PairMemory, Placed};
 use glam::{DQuat, DVec3};
 use std::cell::RefCell;
 
@@ -50,7 +50,7 @@ thread_local! {
 }
 
 /// Both meshes, if both are exact.
-fn exact<'a>(shapes: [&'a dyn Shape; 2]) -> Option<[&'a ExactMesh; 2]> {
+fn exact(shapes: [&dyn Shape; 2]) -> Option<[&ExactMesh; 2]> {
     let [a, b] = shapes.map(|shape| shape.as_shape::<ExactMesh>());
     Some([a?, b?])
 }
@@ -83,9 +83,8 @@ fn with_points<R>(
 }
 
 fn touch([a, b]: [&ExactMesh; 2], pos12: &Pose) -> bool {
-    let shape = QueryShape::Mesh(b.mesh(), crate::convert::from_parry(b.scale()));
-    a.placed(&Pose::IDENTITY)
-        .is_some_and(|a| a.overlaps(&shape, translation(pos12), rotation(pos12)))
+    let a = a.placed(&Pose::IDENTITY);
+    a.is_some_and(|a| a.overlaps(&b.asked(), translation(pos12), rotation(pos12)))
 }
 
 impl<M, C> PersistentQueryDispatcher<M, C> for ExactDispatcher

@@ -1,5 +1,8 @@
 #![cfg_attr(feature = "rapier", doc = include_str!("../README.md"))]
-#![cfg_attr(not(feature = "rapier"), doc = "Exact contacts between concave triangle meshes: see the README.")]
+#![cfg_attr(
+    not(feature = "rapier"),
+    doc = "Exact contacts between concave triangle meshes: see the README."
+)]
 
 #[cfg(not(any(feature = "rapier", feature = "bevy_rapier")))]
 compile_error!("choose the parry: with feature `rapier` that of rapier3d, with `bevy_rapier` that of bevy_rapier3d");

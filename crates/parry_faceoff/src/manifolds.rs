@@ -1,7 +1,7 @@
 //! Contact points as manifolds of parry.
 
 use crate::convert::{narrow, rotation, to_parry};
-use crate::parry::math::{Pose, Real, Vector};
+use crate::parry::math::{Pose, Real};
 use crate::parry::query::{ContactManifold, TrackedContact};
 use crate::parry::shape::PackedFeatureId;
 use bevy_faceoff::queries::{FeatureId, FeatureKind, MeshContact};
@@ -82,8 +82,8 @@ fn follow<M, C: Copy>(mut old: Vec<ContactManifold<M, C>>, new: &mut [ContactMan
 
 /// How far a point has moved on the surfaces.
 fn apart<C>(a: &TrackedContact<C>, b: &TrackedContact<C>) -> Real {
-    let far = |a: Vector, b: Vector| a.distance(b);
-    far(a.local_p1, b.local_p1).max(far(a.local_p2, b.local_p2))
+    let [first, second] = [a.local_p1.distance(b.local_p1), a.local_p2.distance(b.local_p2)];
+    first.max(second)
 }
 
 /// The id in parry's form. parry has no name for the features of overlaps, but their ids differ.

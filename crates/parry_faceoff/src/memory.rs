@@ -22,17 +22,17 @@ pub fn of(workspace: &mut Option<ContactManifoldsWorkspace>) -> &mut PairMemory 
     if !is_ours {
         *workspace = None;
     }
-    let workspace = workspace.get_or_insert_with(|| ContactManifoldsWorkspace(Memory::new()));
+    let workspace = workspace.get_or_insert_with(|| ContactManifoldsWorkspace(Box::new(Memory::new())));
     let memory = workspace.0.downcast_mut::<Memory>().expect("any other was replaced");
     &mut memory.pair
 }
 
 impl Memory {
-    fn new() -> Box<dyn WorkspaceData> {
-        Box::new(Self {
+    fn new() -> Self {
+        Self {
             pair: PairMemory::default(),
             saved_as: SavedAs::new(),
-        })
+        }
     }
 }
 
@@ -43,6 +43,6 @@ impl WorkspaceData for Memory {
 
     /// A copy of a world is to be small, so it begins without memory.
     fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
-        Self::new()
+        Box::new(Self::new())
     }
 }

@@ -5,7 +5,7 @@ use crate::parry::math::{Pose, Vector};
 use crate::parry::shape::{TriMesh, TriMeshBuilderError, TriMeshFlags};
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{self, MeshError};
-use bevy_faceoff::queries::{BodyFault, Placed};
+use bevy_faceoff::queries::{BodyFault, Placed, QueryShape};
 use glam::{DQuat, DVec3, Vec3};
 
 /// A triangle mesh for a collider. Where [`ExactDispatcher`](crate::ExactDispatcher) is installed, two of them touch with
@@ -115,6 +115,11 @@ impl ExactMesh {
     /// The mesh in this pose; `None` if it is not finite or too far away.
     pub(crate) fn placed(&self, pose: &Pose) -> Option<Placed<'_>> {
         Placed::new(&self.mesh, translation(pose), rotation(pose), self.scale).ok()
+    }
+
+    /// The mesh as a shape to ask with.
+    pub(crate) fn asked(&self) -> QueryShape<'_> {
+        QueryShape::Mesh(&self.mesh, self.scale)
     }
 
     /// Its centre of mass, and the radius of a sphere about it that contains the mesh.
