@@ -405,20 +405,34 @@ fn a_copy_of_a_world_moves_as_the_world_does() {
     }
 }
 
-#[test]
-fn a_chain_of_ten_rings_hangs() {
-    let scene = chain::chain(10, 0.74);
-    let mut moved = Moved::new(Contacts::Exact, &scene);
+/// Hangs a chain of so many rings for so long, and returns the error of its length.
+fn hang(rings: usize, seconds: usize, recycling: bool) -> f64 {
+    let mut moved = Moved::new(Contacts::Exact, &chain::chain(rings, 0.74));
+    moved.world.integration_parameters.contact_recycling = recycling;
     let ring = |moved: &Moved, i: usize| (moved.position(i).as_dvec3(), moved.rotation(i).as_dquat());
-    for second in 0..10 {
+    for second in 0..seconds {
         moved.step(HZ);
-        for i in 1..10 {
+        for i in 1..rings {
             let links = chain::linking_number(ring(&moved, i - 1), ring(&moved, i));
-            assert_ne!(links, 0, "link {i} is open after {second} s");
+            assert_ne!(links, 0, "link {i} of {rings} is open after {second} s");
         }
     }
-    let length = f64::from(moved.position(0).distance(moved.position(9)));
-    let error = length / chain::length(10) - 1.0;
-    println!("length {length:.3} m, {:+.2} %", 100.0 * error);
+    let length = f64::from(moved.position(0).distance(moved.position(rings - 1)));
+    length / chain::length(rings) - 1.0
+}
+
+#[test]
+fn a_chain_of_ten_rings_hangs() {
+    let error = hang(10, 10, true);
+    println!("{:+.2} %", 100.0 * error);
     assert!(error.abs() < 0.02, "{error}");
+}
+
+#[test]
+fn a_long_chain_hangs_if_contacts_are_not_recycled() {
+    for rings in [20, 50] {
+        let error = hang(rings, 20, false);
+        println!("{rings} rings: {:+.2} %", 100.0 * error);
+        assert!(error.abs() < 0.05, "{error}");
+    }
 }
