@@ -1,6 +1,6 @@
 //! avian3d, with its own contacts and with those of avian_faceoff: whole steps of a headless app.
 
-use crate::engine::{Engine, THREADS};
+use crate::engine::{Contacts, Engine, THREADS};
 use crate::scene::{STEP, Scene};
 use crate::timing::time;
 use avian_faceoff::prelude::*;
@@ -9,15 +9,6 @@ use bevy::app::{TaskPoolOptions, TaskPoolPlugin};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use std::collections::HashMap;
-
-/// Who makes contacts between meshes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Contacts {
-    /// avian3d.
-    Own,
-    /// avian_faceoff.
-    Exact,
-}
 
 /// An app without bodies, with default settings but for the length of a step.
 pub fn app(contacts: Contacts) -> App {

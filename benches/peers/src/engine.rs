@@ -3,7 +3,6 @@
 //! Each engine runs in its own process, which does one step for each line it reads. So the steps of different engines
 //! alternate, and an engine that panics, hangs or takes too long does not stop the others.
 
-use crate::avian::Contacts;
 use crate::scene::{Choice, Scene};
 use crate::{avian, ours, rapier};
 use bevy_faceoff::types::settings::Response;
@@ -17,6 +16,15 @@ use std::time::{Duration, Instant};
 
 /// The number of threads of each engine.
 pub const THREADS: usize = 2;
+
+/// Who finds contacts between meshes, in an engine that can have ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contacts {
+    /// The engine.
+    Own,
+    /// avian_faceoff or parry_faceoff.
+    Exact,
+}
 
 /// A simulation that runs whole steps.
 pub trait Engine {
@@ -43,6 +51,8 @@ pub enum Kind {
     Contacts,
     /// rapier3d.
     Rapier,
+    /// rapier3d with the contacts of parry_faceoff.
+    RapierFaceoff,
     /// avian3d.
     Avian,
     /// avian3d with the contacts of avian_faceoff.
@@ -65,7 +75,8 @@ pub fn serve(kind: Kind, scene: &Scene) {
     let mut engine: Box<dyn Engine> = match kind {
         Kind::Ours => Box::new(ours::Faceoff::new(scene, Response::Impulse)),
         Kind::Contacts => Box::new(ours::Faceoff::new(scene, Response::Contacts)),
-        Kind::Rapier => Box::new(rapier::Rapier::new(scene)),
+        Kind::Rapier => Box::new(rapier::Rapier::new(scene, Contacts::Own)),
+        Kind::RapierFaceoff => Box::new(rapier::Rapier::new(scene, Contacts::Exact)),
         Kind::Avian => Box::new(avian::Avian::new(scene, Contacts::Own)),
         Kind::AvianFaceoff => Box::new(avian::Avian::new(scene, Contacts::Exact)),
     };
@@ -180,6 +191,7 @@ fn name(kind: Kind) -> &'static str {
         Kind::Ours => "ours",
         Kind::Contacts => "contacts",
         Kind::Rapier => "rapier",
+        Kind::RapierFaceoff => "rapierfaceoff",
         Kind::Avian => "avian",
         Kind::AvianFaceoff => "avianfaceoff",
     }

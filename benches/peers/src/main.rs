@@ -3,7 +3,8 @@
 //!
 //! With `--queries` it compares queries of one mesh: rays against a large terrain, overlaps and casts.
 //!
-//! With `--physics` it compares the accuracy of the motion in bevy_faceoff and rapier3d instead.
+//! With `--physics` it compares the accuracy of the motion instead: in bevy_faceoff, rapier3d and avian3d, the last two also with our
+//! contacts.
 //!
 //! Times of first hits are printed only if the answers agree, or if a slow independent test confirms bevy_faceoff where
 //! they disagree. Each disagreement is printed.
@@ -79,7 +80,7 @@ struct Options {
 enum Peer {
     /// Narrow and broad phase.
     Parry,
-    /// Whole steps.
+    /// Whole steps, with its own contacts and those of parry_faceoff.
     Rapier,
     /// Whole steps, with its own contacts and those of avian_faceoff.
     Avian,
@@ -116,6 +117,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let kinds = [
         (Peer::Rapier, Kind::Rapier),
+        (Peer::Rapier, Kind::RapierFaceoff),
         (Peer::Avian, Kind::Avian),
         (Peer::Avian, Kind::AvianFaceoff),
     ];

@@ -1,11 +1,12 @@
 //! rapier3d: whole steps.
 
-use crate::engine::{Engine, THREADS};
+use crate::engine::{Contacts, Engine, THREADS};
 use crate::scene::{STEP, Scene};
 use crate::timing::time;
 use bevy::math::Vec3;
+use parry_faceoff::{ExactDispatcher, ExactMesh};
 use rapier3d::math::{Pose, Rotation, Vector};
-use rapier3d::prelude::{ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder};
+use rapier3d::prelude::{ColliderBuilder, ColliderHandle, PhysicsWorld, RigidBodyBuilder, SharedShape};
 use std::collections::HashMap;
 
 /// The scene in rapier with default settings, except those of the scene: no gravity, no friction, elastic bodies that
@@ -17,15 +18,24 @@ pub struct Rapier {
 
 impl Rapier {
     /// A world that is ready for its first step.
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(scene: &Scene, contacts: Contacts) -> Self {
         let mut world = PhysicsWorld::new();
         world.gravity = Vector::ZERO;
         world.integration_parameters.dt = STEP.as_secs_f32();
         world.configure_thread_pool(THREADS).expect("threads to work on");
+        if contacts == Contacts::Exact {
+            world.narrow_phase.set_query_dispatcher(ExactDispatcher);
+        }
+        let exact = ExactMesh::from_baked(scene.mesh.clone()).expect("a valid mesh");
         let mut indices = HashMap::new();
         for (body, index) in scene.bodies.iter().zip(0..) {
-            let (vertices, triangles) = scene.scaled_mesh(body);
-            let shape = ColliderBuilder::trimesh(vertices.map(vector).collect(), triangles).expect("a valid mesh");
+            let shape = match contacts {
+                Contacts::Own => {
+                    let (vertices, triangles) = scene.scaled_mesh(body);
+                    SharedShape::trimesh(vertices.map(vector).collect(), triangles).expect("a valid mesh")
+                }
+                Contacts::Exact => SharedShape::new(exact.scaled(vector(body.pose.scale)).expect("a valid mesh")),
+            };
             let rotation = Rotation::from_array(body.pose.rotation.to_array());
             let handle = world.insert_body(
                 RigidBodyBuilder::dynamic()
@@ -33,7 +43,10 @@ impl Rapier {
                     .linvel(vector(body.velocity))
                     .can_sleep(false),
             );
-            let collider = world.insert_collider(shape.friction(0.0).restitution(scene.restitution), Some(handle));
+            let collider = world.insert_collider(
+                ColliderBuilder::new(shape).friction(0.0).restitution(scene.restitution),
+                Some(handle),
+            );
             indices.insert(collider, index);
         }
         for (center, size) in scene.walls() {

@@ -261,6 +261,7 @@ impl Report {
                     Kind::Ours => "ours",
                     Kind::Contacts => "ours, contacts",
                     Kind::Rapier => "rapier3d",
+                    Kind::RapierFaceoff => "rapier3d, parry_faceoff",
                     Kind::Avian => "avian3d",
                     Kind::AvianFaceoff => "avian3d, avian_faceoff",
                 };

@@ -2,7 +2,8 @@
 
 use super::mass::Mass as BodyMass;
 use super::world::{State, World};
-use crate::avian::{Contacts, app, begin};
+use crate::avian::{app, begin};
+use crate::engine::Contacts;
 use avian_faceoff::prelude::*;
 use avian3d::prelude::*;
 use bevy::math::DVec3;

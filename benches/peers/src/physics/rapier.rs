@@ -1,4 +1,4 @@
-//! rapier3d, by default settings but for sleep and the length of a step, with one of three kinds of shapes.
+//! rapier3d, by default settings but for sleep, the length of a step and where the engine says so, with one of four kinds of shapes.
 
 use super::mass::Mass;
 use super::world::{Engine, State, World};
@@ -6,7 +6,9 @@ use crate::rapier::vector;
 use crate::scene::STEP;
 use crate::timing::time;
 use bevy::math::{DQuat, DVec3, Vec3};
+use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::testing::scenes::{BIN_WALL, Body, Scene, Shape};
+use parry_faceoff::{ExactDispatcher, ExactMesh};
 use rapier3d::math::{Matrix, Pose, Rotation};
 use rapier3d::prelude::{
     ColliderBuilder, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle, SharedShape, TriMeshFlags,
@@ -28,6 +30,10 @@ impl Rapier {
         let mut world = PhysicsWorld::new();
         world.gravity = vector(scene.gravity);
         world.integration_parameters.dt = STEP.as_secs_f32();
+        if matches!(engine, Engine::RapierFaceoff | Engine::RapierFaceoffFresh) {
+            world.narrow_phase.set_query_dispatcher(ExactDispatcher);
+        }
+        world.integration_parameters.contact_recycling = engine != Engine::RapierFaceoffFresh;
         let bodies = scene.bodies.iter().map(|body| {
             let kind = if body.fixed {
                 RigidBodyBuilder::fixed()
@@ -107,6 +113,7 @@ fn make(engine: Engine, shape: Shape, scale: Vec3) -> SharedShape {
         (Engine::Primitives, Shape::Ball) => SharedShape::ball(half.x),
         (Engine::Primitives | Engine::Parts, Shape::Cube) => SharedShape::cuboid(half.x, half.y, half.z),
         (Engine::Primitives | Engine::Parts, Shape::Bin) => bin(scale),
+        (Engine::RapierFaceoff | Engine::RapierFaceoffFresh, _) => SharedShape::new(exact(shape.mesh(), scale)),
         _ => {
             let mesh = &shape.mesh().mesh;
             let vertices: Vec<_> = mesh.vertices().iter().map(|&v| vector(v * scale)).collect();
@@ -122,6 +129,11 @@ fn make(engine: Engine, shape: Shape, scale: Vec3) -> SharedShape {
             }
         }
     }
+}
+
+fn exact(mesh: &CollisionMesh, scale: Vec3) -> ExactMesh {
+    let mesh = ExactMesh::from_baked(mesh.clone());
+    mesh.and_then(|mesh| mesh.scaled(vector(scale))).expect("a valid mesh")
 }
 
 /// A floor and four walls.

@@ -50,6 +50,8 @@ fn column(engine: Engine) -> &'static str {
         Engine::Ours => "ours",
         Engine::Meshes => "rapier3d, meshes",
         Engine::Primitives | Engine::Parts => "rapier3d, other shapes",
+        Engine::RapierFaceoff => "rapier3d, parry_faceoff",
+        Engine::RapierFaceoffFresh => "the same, contacts not recycled",
         Engine::Avian => "avian3d, meshes",
         Engine::AvianFaceoff => "avian3d, avian_faceoff",
     }

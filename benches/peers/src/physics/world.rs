@@ -1,8 +1,7 @@
 //! A scene that an engine moves, and a thread that it moves in: one that panics or hangs does not take the others along.
 
 use super::{avian, ours, rapier};
-use crate::avian::Contacts;
-use crate::engine::THREADS;
+use crate::engine::{Contacts, THREADS};
 use crate::timing::{pool, time};
 use bevy::math::{DQuat, DVec3};
 use bevy_faceoff::testing::scenes::Scene;
@@ -25,6 +24,10 @@ pub enum Engine {
     Primitives,
     /// rapier3d, with meshes cut into convex parts by V-HACD at its defaults.
     Parts,
+    /// rapier3d, with the contacts of parry_faceoff.
+    RapierFaceoff,
+    /// The same, with contacts found in every step: rapier's recycling is off.
+    RapierFaceoffFresh,
     /// avian3d, with meshes whose internal edges are fixed.
     Avian,
     /// avian3d, with contacts between meshes from avian_faceoff.
@@ -207,6 +210,6 @@ fn build(engine: Engine, scene: &Scene) -> Box<dyn World> {
         Engine::Ours => Box::new(ours::Faceoff::new(scene)),
         Engine::Avian => Box::new(avian::Avian::new(scene, Contacts::Own)),
         Engine::AvianFaceoff => Box::new(avian::Avian::new(scene, Contacts::Exact)),
-        Engine::Meshes | Engine::Primitives | Engine::Parts => Box::new(rapier::Rapier::new(engine, scene)),
+        _ => Box::new(rapier::Rapier::new(engine, scene)),
     }
 }
