@@ -3,6 +3,7 @@
 //!
 //! Stay with rapier if your game needs joints or convex shapes by the thousand: convex parts are cheaper than
 //! meshes there. Use this plugin where concave meshes move and meet each other.
+//! Or keep rapier, and give it the contacts of this crate between meshes: `crates/parry_faceoff`.
 //!
 //! # Names
 //!
