@@ -34,6 +34,12 @@ impl Ccd {
         self.had_impact.clear();
     }
 
+    /// The impacts of the last collision substep, in the order of bodies.
+    #[cfg(feature = "gpu")]
+    pub fn impacts(&self) -> &[Impact] {
+        &self.impacts
+    }
+
     /// Whether body `i` had an impact in the step.
     pub fn had_impact(&self, i: usize) -> bool {
         self.had_impact.get(i) == Some(&true)

@@ -1,6 +1,7 @@
 //! Readback: reading of buffers, and handling of lost devices.
 
 use super::device::Gpu;
+use bytemuck::Pod;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, channel};
 use thiserror::Error;
@@ -145,6 +146,21 @@ pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) 
     let result = look(&view(gpu, staging, bytes.max(4))?[..bytes as usize]);
     scoped(gpu, || staging.unmap())?;
     Ok(result)
+}
+
+/// Copies an element of a list.
+///
+/// # Errors
+/// The device's message.
+pub fn read_row<T: Pod>(gpu: &Gpu, list: &Buffer, number: u32) -> Result<T, DeviceError> {
+    let bytes = size_of::<T>() as u64;
+    scoped(gpu, || {
+        let staging = staging(gpu, bytes);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(list, u64::from(number) * bytes, &staging, 0, bytes);
+        gpu.queue.submit([encoder.finish()]);
+        map(gpu, &staging, bytes, bytemuck::pod_read_unaligned)
+    })?
 }
 
 /// Copies the first words of a buffer.

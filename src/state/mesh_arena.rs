@@ -8,12 +8,13 @@ use std::ops::Index;
 use std::sync::Arc;
 
 /// Meshes by slot. Bodies refer to slots.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct MeshArena {
     slots: Vec<Option<MeshSlot>>,
 }
 
 /// A mesh with the data derived from it when it was baked or loaded. A step derives nothing more.
+#[derive(Clone)]
 pub struct MeshSlot {
     /// The asset.
     pub mesh: CollisionMesh,

@@ -7,6 +7,7 @@
 //! | [`body`], [`fault`] | one body, and its validation errors |
 //! | [`placed_mesh`] | a mesh with its pose |
 //! | `part_index` | which colliders are parts of bodies of several |
+//! | `excerpt` | a few of the bodies of a step, by themselves |
 //! | [`pairs`] | pairs that may touch |
 //! | [`contacts`] | touching pairs, faces and points as they are reported |
 //! | [`manifolds`] | contact manifolds, the input of the solver |
@@ -21,6 +22,8 @@ pub mod config;
 pub mod contacts;
 pub mod crowd;
 pub mod departure;
+#[cfg(feature = "gpu")]
+mod excerpt;
 pub mod fault;
 pub(crate) mod inactive;
 pub mod input;
