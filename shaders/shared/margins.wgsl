@@ -14,7 +14,10 @@ fn with_speculative_radius(step: t::Step, body: t::Body) -> t::Body {
         let v = body.linear_velocity - step.drift;
         travel = (sqrt(dot(v, v)) + sway(step, body)) * step.speculative_time;
     }
-    placed.speculative_radius = body.radius + step.contact_margin * body.radius + min(travel, BOUND * body.thickness);
+    if step.has_fast_bodies == 0u {
+        travel = min(travel, BOUND * body.thickness);
+    }
+    placed.speculative_radius = body.radius + step.contact_margin * body.radius + travel;
     return placed;
 }
 

@@ -27,7 +27,8 @@ struct Step {
     compounds: u32,
     // The common velocity of the bodies, m/s.
     drift: vec3<f32>,
-    padding_b: u32,
+    // Not 0: continuous collision needs every pair that may meet until the next detection.
+    has_fast_bodies: u32,
 }
 
 // Input and state of a body. Unused slots have a radius of zero.
@@ -49,7 +50,8 @@ struct Body {
     inverse_inertia: vec3<f32>,
     gravity_scale: f32,
     inverse_inertia_off_diagonal: vec3<f32>,
-    // Two bits for the kind, one for sensors, two for culling, one for colliders of compounds; see the constants.
+    // Two bits for the kind, one for sensors, two for culling, one each for colliders of compounds and for continuous
+    // collision; see the constants.
     flags: u32,
     // Collision layers.
     memberships: u32,

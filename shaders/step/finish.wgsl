@@ -42,7 +42,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     moved[i] = after;
     atomicAdd(&tally[t::ASLEEP], u32(after.asleep != 0u));
     last_step_states[i] = state;
-    if !is_static {
+    if !is_static && (body.flags & t::FAST) == 0u {
         let v = state.linear_velocity;
         let w = state.angular_velocity;
         for (var axis = 0u; axis < 3u; axis += 1u) {

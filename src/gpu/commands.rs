@@ -3,6 +3,7 @@
 use super::device::Gpu;
 use super::kernel_timer::KernelTimer;
 use super::known::Known;
+use super::readback::{DeviceError, map, scoped, staging};
 use crate::types::gpu_work::GpuWork;
 use std::ops::Range;
 use wgpu::{
@@ -26,9 +27,7 @@ impl<'g> Commands<'g> {
         }
         Self {
             gpu,
-            encoder: gpu
-                .device
-                .create_command_encoder(&CommandEncoderDescriptor { label: Some(label) }),
+            encoder: encoder(gpu, label),
             work: GpuWork::default(),
         }
     }
@@ -69,6 +68,38 @@ impl<'g> Commands<'g> {
         }
     }
 
+    /// Writes bytes into a buffer from this place on, before the commands that are still to be submitted.
+    pub fn write_at(&mut self, buffer: &Buffer, at: u64, bytes: &[u8]) {
+        self.gpu.queue.write_buffer(buffer, at, bytes);
+        self.work.uploaded_bytes += bytes.len() as u64;
+    }
+
+    /// Submits what is recorded so far, waits for it, and returns these ranges of buffers, one after the other. Commands
+    /// can be recorded from then on as before.
+    ///
+    /// # Errors
+    /// If the device is lost or refuses a call.
+    pub fn fetch(&mut self, ranges: &[(&Buffer, Range<u64>)]) -> Result<Vec<u8>, DeviceError> {
+        let total: u64 = ranges.iter().map(|(_, range)| range.end - range.start).sum();
+        let staging = scoped(self.gpu, || {
+            let staging = staging(self.gpu, total);
+            let mut at = 0;
+            for (buffer, range) in ranges.iter().filter(|(_, range)| !range.is_empty()) {
+                let bytes = range.end - range.start;
+                self.encoder
+                    .copy_buffer_to_buffer(buffer, range.start, &staging, at, bytes);
+                at += bytes;
+            }
+            let recorded = std::mem::replace(&mut self.encoder, encoder(self.gpu, "faceoff step, continued"));
+            self.gpu.queue.submit([recorded.finish()]);
+            staging
+        })?;
+        self.work.copies += ranges.len() as u32;
+        self.work.submissions += 1;
+        self.work.read_back_bytes += total;
+        map(self.gpu, &staging, total, <[u8]>::to_vec)
+    }
+
     /// Copies the start of a buffer to this range of another one, which the CPU will read.
     pub fn read_back(&mut self, from: &Buffer, to: &Buffer, range: &Range<u64>) {
         let bytes = range.end - range.start;
@@ -100,6 +131,11 @@ impl<'g> Commands<'g> {
         self.work.submissions += 1;
         (submission, self.work)
     }
+}
+
+fn encoder(gpu: &Gpu, label: &'static str) -> CommandEncoder {
+    gpu.device
+        .create_command_encoder(&CommandEncoderDescriptor { label: Some(label) })
 }
 
 /// A compute pass.

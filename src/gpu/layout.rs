@@ -70,7 +70,7 @@ layout! {
         bodies: u32, planes: u32, bucket_mask: u32, response: u32,
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
         contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
-        drift: Vec3, padding_b: u32,
+        drift: Vec3, has_fast_bodies: u32,
     }
     /// Input and state of a body.
     Body {
@@ -261,6 +261,8 @@ constants! {
     u32 CULLING_FRONT = 16;
     /// The collider belongs to a compound, which places it.
     u32 PART = 32;
+    /// Continuous collision stops the body, so that its speed causes no collision substeps.
+    u32 FAST = 64;
 
     // Bits of `Body::carried` and `Compound::carried`: what carries over from the last step, in which the body had the
     // number `source`.
@@ -376,7 +378,7 @@ constants! {
     u32 ASLEEP = 19;
     /// Number of sphere pairs in any collision substep.
     u32 MAX_SPHERE_PAIRS = 20;
-    // Maxima over all bodies that are not static, after the step, m/s: of the velocity along each axis, of the negated
+    // Maxima over all bodies that are neither static nor `FAST`, after the step, m/s: of the velocity along each axis, of the negated
     // velocity, and of the surface speed relative to the centre of mass. The values are integers in the order of the
     // floats (`ascending`); 0 stands for none.
     u32 MAX_VELOCITY = 21;

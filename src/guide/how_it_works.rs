@@ -212,9 +212,12 @@
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | not there | | [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) and [hooks](crate::plugin::hooks): their steps run on the CPU |
+//! | collision substeps | each group of bodies that can meet has its own number | all bodies have the largest |
+//! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
-//! A step on a GPU is one submission, for any number of collision substeps. Bodies, the solver's memory and sleep states
+//! A step on a GPU is one submission, for any number of collision substeps. With
+//! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each of them: when its
+//! contacts are solved, the CPU reads which bodies may meet the fast ones, stops these in double precision, and the GPU goes on. Bodies, the solver's memory and sleep states
 //! stay on the device. [`Readback`](crate::plugin::settings::Readback) tells when the results reach components.
 //!
 //! # A solver of your own

@@ -55,7 +55,8 @@
 //! | surprise | cause | what to do |
 //! |---|---|---|
 //! | every step takes long though little touches | `StepReport::collision_substeps` is above 1: a thin or small body is fast among others | a thicker mesh, or a smaller `max_collision_substeps` |
-//! | the log says that steps run on the CPU | a body with `ContinuousCollision`, or hooks: a GPU has neither | remove them, or accept it |
+//! | the log says that steps run on the CPU | colliders or planes with `ActiveCollisionHooks`, which a GPU does not have | remove them, or accept it |
+//! | the log says that steps wait for the GPU in their midst | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
 //! | the log says that bodies overlap too many others | thousands of bodies in one place | spawn them apart |
 //! | the first step takes seconds | kernels are compiled, or a table of faces is baked | `Readback::Latent`; bake ahead of time |
 //! | a debug build is slow | | `[profile.dev.package."*"] opt-level = 3` in your `Cargo.toml` |

@@ -121,6 +121,8 @@ pub(crate) struct Engine {
     failure: Option<String>,
     /// Whether steps run on the CPU although there is a device.
     on_cpu: bool,
+    /// Whether the CPU stops bodies in the midst of a step on a device.
+    pub has_fast_bodies: bool,
 }
 
 #[cfg(feature = "gpu")]
@@ -161,6 +163,7 @@ impl Engine {
             announced: false,
             failure: None,
             on_cpu: false,
+            has_fast_bodies: false,
         })
     }
 
@@ -288,8 +291,8 @@ impl Engine {
     pub fn keep_on_cpu(&mut self, on_cpu: bool) {
         if on_cpu && matches!(self.active, ActiveBackend::Gpu { .. }) {
             info_once!(
-                "steps run on the CPU because there are bodies with ContinuousCollision or with ActiveCollisionHooks, \
-                 which the GPU does not have"
+                "steps run on the CPU because there are colliders or planes with ActiveCollisionHooks, which the GPU does \
+                 not have"
             );
         }
         self.on_cpu = on_cpu;
@@ -309,7 +312,7 @@ impl Engine {
                 return;
             }
             state.scratch.age(&mut state.results);
-            match gpu.run(state) {
+            match within(self.pool.as_ref(), self.has_fast_bodies, || gpu.run(state)) {
                 Ok(()) => return self.retries.count_step(),
                 Err(error) => self.replace(&error),
             }
@@ -429,7 +432,10 @@ impl Engine {
     ) -> Option<Option<Output>> {
         self.parallel_stages = 0;
         let gpu = self.gpu.as_mut()?;
-        let result = gpu.submit(state, carried, detail).and_then(|()| {
+        let submitted = within(self.pool.as_ref(), self.has_fast_bodies, || {
+            gpu.submit(state, carried, detail)
+        });
+        let result = submitted.and_then(|()| {
             if gpu.in_flight() > latency {
                 gpu.take().transpose()
             } else {
@@ -482,5 +488,14 @@ impl Engine {
             reason: reason.clone(),
         };
         self.failure = Some(reason);
+    }
+}
+
+/// Runs `work` on the threads of the pool, or on this one if it is not `shared` out.
+#[cfg(feature = "gpu")]
+fn within<R: Send>(pool: Option<&ThreadPool>, shared: bool, work: impl FnOnce() -> R + Send) -> R {
+    match pool.filter(|_| shared) {
+        Some(pool) => pool.install(work),
+        None => work(),
     }
 }

@@ -264,7 +264,9 @@ pub struct StepReport {
     /// Number of steps on the GPU whose results are not published yet; see
     /// [`Readback`](crate::plugin::settings::Readback).
     pub in_flight: usize,
-    /// How many times a step has waited for the results of an earlier one since the device was opened.
+    /// How many times a step has waited for the GPU since the device was opened: for the results of an earlier step, or in
+    /// each collision substep for what
+    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) needs.
     pub waits: u64,
     /// Number of bodies of which pairs were left out, because they overlap so many others that the step would have exceeded
     /// its [`StepLimits`](crate::types::limits::StepLimits). If it is not 0, the step was not exact.

@@ -25,8 +25,9 @@ pub struct FaceoffStep;
 /// Systems between the stages run in the first collision substep. The stages of the others run in
 /// [`FaceoffSystems::Integrate`].
 ///
-/// On a GPU all stages are one submission. [`FaceoffSystems::BroadPhase`] submits it and waits for it, so systems
-/// between the stages see its results.
+/// On a GPU all stages are one submission, and a few with
+/// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision). [`FaceoffSystems::BroadPhase`] submits it and
+/// waits for it, so systems between the stages see its results.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FaceoffSystems {
     /// Reads components into the stages' arrays and rejects invalid bodies.

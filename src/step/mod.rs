@@ -29,8 +29,8 @@
 //!
 //! N, I, C: only with the response None, Impulse, Contacts. First, last: only in the first or last collision substep.
 //! [`order`] is this table as code, and both backends run it. `step::cpu` calls one function per part, which is in the
-//! folder of its stage; `step::gpu` records the kernels of that folder. Continuous collision detection and hooks exist on
-//! the CPU only: steps with them run there.
+//! folder of its stage; `step::gpu` records the kernels of that folder. Hooks exist on the CPU
+//! only: steps with them run there. Continuous collision detection runs on the CPU in the midst of a step on the device.
 //!
 //! A [`StepState`] owns all data of a step in four structs, and the function of a stage takes those that it needs:
 //! * [`StepInput`]: the caller's input. The step moves its bodies.

@@ -38,8 +38,8 @@ pub enum Part {
     RecordTouches,
     /// Puts islands to sleep that have been at rest for long enough.
     FallAsleep,
-    /// Stops bodies with continuous collision detection at their first impact. Runs on the CPU only: steps with such
-    /// bodies run there.
+    /// Stops bodies with continuous collision detection at their first impact. Runs on the CPU only, in the midst of a step
+    /// on a device too.
     StopFastBodies,
     /// Copies the motion of the solver's bodies to the bodies of the step.
     MoveBodies,

@@ -29,8 +29,8 @@ pub enum Response {
     /// sleeping: see [`SolverSettings`](crate::types::solver_settings::SolverSettings). All triangles take part,
     /// whatever the [`Culling`].
     ///
-    /// It runs on the GPU too. Steps with a body that has
-    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) run on the CPU. With
+    /// It runs on the GPU too. The CPU stops bodies that have
+    /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) in the midst of a step. With
     /// [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
     /// [`Readback::Resident`](crate::plugin::settings::Readback::Resident) the number of collision substeps of a step
     /// follows from the speeds of [`LATENCY`](crate::plugin::settings::LATENCY) steps before.

@@ -230,6 +230,7 @@ fn all_calls() -> Vec<(Call, &'static [Elements])> {
             bodies,
             touches: bodies,
             solves: true,
+            has_fast_bodies: false,
         };
         let recorder = |response, may_sleep| Recorder {
             response,

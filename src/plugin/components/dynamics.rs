@@ -115,9 +115,12 @@ impl Default for MaxAngularSpeed {
 ///   ([`Collision::passing`](crate::plugin::collisions::Collision::passing)). On a sensor or a kinematic body the
 ///   component has only this effect.
 /// * Planes do not need it: no body passes through them.
-/// * There is no CCD on the GPU. While a body in the world has this component, steps run on the CPU. Where the stages run on a
-///   GPU, that change wakes all sleeping bodies and forgets warm starting impulses, both when the first such body appears and
-///   when the last one goes.
+/// * Steps with such bodies stay on the GPU, with the same guarantees: the CPU stops them in the midst of the step. For
+///   that each collision substep waits for the GPU once, or up to three times if something is near a path, also with
+///   [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
+///   [`Readback::Resident`](crate::plugin::settings::Readback::Resident), whose results come as late as ever.
+///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it. On a GPU all bodies have the same number
+///   of collision substeps, so after an impact of one of them all may have more.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[reflect(Component, Default, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContinuousCollision;

@@ -17,7 +17,7 @@ pub(super) fn backend(active: Option<&ActiveBackend>, report: &StepReport, figur
         Some(ActiveBackend::Gpu { adapter, shared }) => {
             let whose = if *shared { ", shared with the renderer" } else { "" };
             let away = if report.step > 0 && report.gpu.is_none() {
-                "\nsteps run on the CPU: continuous collision or hooks"
+                "\nsteps run on the CPU: hooks"
             } else {
                 ""
             };

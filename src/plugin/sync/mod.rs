@@ -24,7 +24,7 @@ use crate::plugin::backend::Engine;
 #[cfg(feature = "gpu")]
 use crate::plugin::settings::LATENCY;
 use crate::state::fault::BodyFault;
-use crate::state::{Counts, Motion};
+use crate::state::{Counts, Motion, StepInput};
 use crate::step::StepState;
 #[cfg(feature = "gpu")]
 use crate::step::gpu::memory::DeviceMemory;
@@ -175,18 +175,26 @@ impl Step {
         }
     }
 
-    /// Moves the simulation to the CPU while a body needs CCD or hooks are active, and back to the GPU afterwards. Bodies
-    /// keep their state.
+    /// Moves the simulation to the CPU while hooks are active, and back to the GPU afterwards. Bodies keep their state.
     pub fn choose_place(&mut self) {
-        let bodies = &self.state.input.bodies;
-        let stops = bodies.params.iter().any(|params| params.continuous);
-        let stops = stops && self.state.input.config.response == Response::Contacts;
-        let on_cpu = stops || self.state.input.has_hooks();
+        let StepInput { bodies, config, .. } = &self.state.input;
+        let fast = bodies.params.iter().position(|params| params.continuous);
+        self.engine.has_fast_bodies = fast.is_some() && config.response == Response::Contacts;
+        let on_cpu = self.state.input.has_hooks();
         #[cfg(feature = "gpu")]
         if self.engine.changes_place(on_cpu) {
             self.hand_over(on_cpu);
         }
         self.engine.keep_on_cpu(on_cpu);
+        if self.engine.has_fast_bodies
+            && self.engine.is_latent()
+            && let Some(&entity) = fast.and_then(|collider| self.collected.bodies.get(collider))
+        {
+            info_once!(
+                "steps wait for the GPU in their midst because {entity} has ContinuousCollision, which runs on the CPU; their \
+                 results come as late as before"
+            );
+        }
     }
 
     /// Moves bodies, sleep states and saved impulses between the device and the CPU.

@@ -20,6 +20,8 @@ pub struct StepCapacity {
     pub touches: u32,
     /// Whether bodies are solved. Otherwise the solver's lists, and those between steps, have no elements.
     pub solves: bool,
+    /// Whether some body has continuous collision. Otherwise the list that only it needs has no elements.
+    pub has_fast_bodies: bool,
 }
 
 impl StepCapacity {
@@ -30,6 +32,7 @@ impl StepCapacity {
             bodies: grow(self.bodies, needed.bodies),
             touches: grow(self.touches, needed.touches),
             solves: self.solves || needed.solves,
+            has_fast_bodies: self.has_fast_bodies || needed.has_fast_bodies,
         }
     }
 
@@ -40,6 +43,7 @@ impl StepCapacity {
             bodies: self.bodies.max(other.bodies),
             touches: self.touches.max(other.touches),
             solves: self.solves || other.solves,
+            has_fast_bodies: self.has_fast_bodies || other.has_fast_bodies,
         }
     }
 
@@ -52,6 +56,11 @@ impl StepCapacity {
             .saturating_add(capacity.pairs);
         self.bodies = self.bodies.max(capacity.bodies.saturating_add(capacity.planes));
         self
+    }
+
+    /// The number of bodies whose states at the start of a collision substep are kept until its end.
+    fn kept_states(&self) -> u32 {
+        if self.has_fast_bodies { self.bodies } else { 0 }
     }
 
     /// The capacity of the solver's own buffers.
@@ -80,6 +89,8 @@ buffers! {
         host_states: ARRAY MotionState, capacity.solver().bodies, "motion states of the host";
         /// Motion states during the step.
         motion_states: ARRAY MotionState, capacity.solver().bodies, "motion states";
+        /// The same at the start of the collision substep, for continuous collision.
+        earlier_states: ARRAY MotionState, capacity.kept_states(), "motion states before";
         /// External forces.
         forces: ARRAY BodyForces, capacity.solver().bodies, "forces";
         /// As the host sends them. Kernels clear the impulses of the copy.

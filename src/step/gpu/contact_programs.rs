@@ -34,6 +34,7 @@ pub const START: StepCapacity = StepCapacity {
     bodies: 0,
     touches: 2048,
     solves: false,
+    has_fast_bodies: false,
 };
 
 /// Stages that find contact points.
@@ -141,10 +142,10 @@ impl ContactPrograms {
         }
     }
 
-    /// Records a step with contacts.
-    pub fn record(&self, commands: &mut Commands, buffers: &Buffers, input: &SolverInput, timer: Option<&Timer>) {
+    /// Records the start of a step with contacts. For each collision substep follow [`ContactPrograms::record_solution`]
+    /// and [`ContactPrograms::record_motion`].
+    pub fn record_start(&self, commands: &mut Commands, input: &SolverInput) {
         let Self { step, solver, .. } = self;
-        let solve = &self.solve[usize::from(input.may_sleep())];
         commands.clear(&step.tally);
         for (from, to) in [
             (&step.last_step_counters, &solver.solver_counters),
@@ -158,32 +159,56 @@ impl ContactPrograms {
         if input.old_bodies() == 0 {
             commands.clear(&solver.solver_counters);
         }
-        for number in 0..input.collision_substeps {
-            let place = Place::of(number, input.collision_substeps);
-            let (collision_substep, numbers, find) = if place.is_first {
-                (&step.first_collision_substep, &step.first_new_numbers, &self.first)
-            } else {
-                commands.clear(&buffers.buckets);
-                (&step.later_collision_substep, &step.later_new_numbers, &self.later)
+    }
+
+    /// Records a collision substep from the broad phase to the solution of its contacts. It keeps the states of bodies at
+    /// its start if continuous collision will ask for them.
+    pub fn record_solution(
+        &self,
+        commands: &mut Commands,
+        buffers: &Buffers,
+        input: &SolverInput,
+        number: u32,
+        keeps_states: bool,
+        timer: Option<&Timer>,
+    ) {
+        let Self { step, solver, .. } = self;
+        let is_first = number == 0;
+        let (collision_substep, numbers, find) = if is_first {
+            (&step.first_collision_substep, &step.first_new_numbers, &self.first)
+        } else {
+            commands.clear(&buffers.buckets);
+            (&step.later_collision_substep, &step.later_new_numbers, &self.later)
+        };
+        commands.copy(collision_substep, &solver.collision_substep);
+        commands.copy(numbers, &step.new_numbers);
+        commands.clear(&self.contacts.contact_counters);
+        for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Integrate) {
+            let program = match stage {
+                Stage::ForceScan => &self.solve[usize::from(input.may_sleep())],
+                _ => find,
             };
-            commands.copy(collision_substep, &solver.collision_substep);
-            commands.copy(numbers, &step.new_numbers);
-            commands.clear(&self.contacts.contact_counters);
-            for stage in Stage::ALL {
-                let program = match stage {
-                    Stage::ForceScan => solve,
-                    Stage::Integrate if place.is_last => &self.last,
-                    Stage::Integrate => &self.between,
-                    _ => find,
-                };
-                let around = timer.map(|timer| timer.around(stage, number));
-                program.record(stage, commands, input.population(), around);
-                if stage == Stage::BroadPhase && place.is_first {
-                    // Copy for rendering.
-                    commands.copy(&buffers.bodies, &buffers.before);
-                }
+            let around = timer.map(|timer| timer.around(stage, number));
+            program.record(stage, commands, input.population(), around);
+            if stage == Stage::BroadPhase && is_first {
+                // Copy for rendering.
+                commands.copy(&buffers.bodies, &buffers.before);
+            }
+            if stage == Stage::BroadPhase && keeps_states {
+                commands.copy(&step.motion_states, &step.earlier_states);
             }
         }
+    }
+
+    /// Records the motion of the bodies in a collision substep.
+    pub fn record_motion(&self, commands: &mut Commands, input: &SolverInput, number: u32, timer: Option<&Timer>) {
+        let program = if Place::of(number, input.collision_substeps).is_last {
+            &self.last
+        } else {
+            &self.between
+        };
+        let around = timer.map(|timer| timer.around(Stage::Integrate, number));
+        program.record(Stage::Integrate, commands, input.population(), around);
     }
 }
 

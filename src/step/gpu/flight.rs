@@ -1,5 +1,6 @@
 //! A step in flight: submitted, with results that have not been read.
 
+use super::fast_bodies::Impacts;
 use super::results::{Detail, Parts, Raw};
 use super::upload::Input;
 use crate::gpu::device::Gpu;
@@ -17,6 +18,8 @@ pub(super) struct Flight {
     pub detail: Detail,
     /// What was asked of the device.
     pub work: GpuWork,
+    /// Impacts of bodies with continuous collision.
+    pub impacts: Impacts,
     /// Receives the results.
     pub staging: Buffer,
     parts: Parts,
@@ -34,12 +37,14 @@ impl Flight {
         staging: Buffer,
         submission: SubmissionIndex,
         work: GpuWork,
+        impacts: Impacts,
     ) -> Self {
         let mapped = request(&staging, parts.total);
         Self {
             input,
             detail,
             work,
+            impacts,
             staging,
             parts,
             submission,

@@ -14,7 +14,8 @@ use crate::state::manifolds::pair_order;
 use crate::state::{Manifold, ManifoldPoint, Manifolds};
 use crate::step::memory::{SavedBody, StepMemory};
 use bytemuck::{Pod, cast_slice, pod_collect_to_vec};
-use glam::Quat;
+use glam::{Quat, Vec3};
+use std::collections::BTreeMap;
 
 impl DeviceMemory {
     /// The memory of a device on which the last step would have been. `manifolds` are those of the last step.
@@ -53,6 +54,8 @@ impl DeviceMemory {
                 parts,
                 planes: memory.planes.clone(),
                 gravity: memory.gravity,
+                left_out: Vec::new(),
+                impacts: impacts(&memory.bodies),
             },
             moved: words(&moved),
             last_step_states: words(&states),
@@ -72,6 +75,7 @@ impl DeviceMemory {
             compounds,
             planes,
             gravity,
+            impacts,
             ..
         } = &self.last_bodies;
         if keys.is_empty() {
@@ -102,7 +106,7 @@ impl DeviceMemory {
                     rotation: Quat::from_array(moved.rotation),
                 },
                 body: body as u32,
-                had_impact: false,
+                had_impact: impacts.contains_key(&(body as u32)),
             }
         });
         let [pairs, points] = [PAIRS, POINTS].map(|counter| self.counters[counter as usize] as usize);
@@ -181,6 +185,12 @@ fn compounds(bodies: &[SavedBody]) -> (Vec<LastCompound>, Vec<LastPart>) {
         });
     }
     (compounds, parts)
+}
+
+/// The bodies that had an impact. They bring their velocities along.
+fn impacts(bodies: &[SavedBody]) -> BTreeMap<u32, [Vec3; 2]> {
+    let impacts = bodies.iter().filter(|saved| saved.had_impact);
+    impacts.map(|saved| (saved.body, [Vec3::ZERO; 2])).collect()
 }
 
 fn words<T: Pod>(list: &[T]) -> Vec<u32> {

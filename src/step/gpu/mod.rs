@@ -1,4 +1,5 @@
-//! A step on the GPU: one submission, whose results are read at once or some steps later.
+//! A step on the GPU: one submission, whose results are read at once or some steps later. With continuous collision each
+//! collision substep has one to three more, and waits for them.
 //!
 //! A step can continue from the last one before the host has read its results, because poses and velocities stay on the
 //! device. If a list overflows, a flag on the device makes that step and all later ones do nothing. The host makes the
@@ -11,6 +12,7 @@
 //! | `record` | the kernels of each part of a step, in the order of [`order`](crate::step::order) |
 //! | `buffers`, `contact_programs` | buffers and calls of steps with contact points |
 //! | `submit` | submission of a step |
+//! | `fast_bodies` | continuous collision, by the CPU in the midst of a step |
 //! | `flight` | a step in flight |
 //! | `overflow` | repetition of steps whose lists overflowed |
 //! | `capacity`, `recent` | creation of buffers; lists that become shorter |
@@ -21,6 +23,7 @@
 pub mod buffers;
 mod capacity;
 mod contact_programs;
+mod fast_bodies;
 mod flight;
 mod hand_over;
 pub mod memory;
@@ -34,6 +37,7 @@ mod solver_input;
 mod submit;
 pub mod upload;
 
+use crate::ccd::stage::Ccd;
 use crate::gpu::arena::Arena;
 use crate::gpu::buffers::{Buffers, Capacity, TooLarge};
 use crate::gpu::device::{Gpu, NoGpu};
@@ -93,6 +97,8 @@ pub struct GpuStep {
     known: Known,
     /// The use of lists.
     recent: Recent,
+    /// Continuous collision.
+    ccd: Ccd,
     /// Submitted steps, oldest first.
     flights: VecDeque<Flight>,
     /// Results that were read before they were asked for; older than all steps in flight.
@@ -168,6 +174,7 @@ impl GpuStep {
                 timer,
                 known: Known::default(),
                 recent: Recent::default(),
+                ccd: Ccd::default(),
                 flights: VecDeque::new(),
                 finished: VecDeque::new(),
                 spare: Vec::new(),
@@ -236,7 +243,7 @@ impl GpuStep {
         self.finished.len() + self.flights.len()
     }
 
-    /// Number of times that [`GpuStep::take`] had to wait.
+    /// Number of times that [`GpuStep::take`] had to wait, or a step for what continuous collision reads.
     pub fn waits(&self) -> u64 {
         self.waits
     }

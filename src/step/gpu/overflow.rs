@@ -44,7 +44,7 @@ impl GpuStep {
                 let work = self.work_of(&flight, &raw);
                 self.note_use(&flight.input, &work.lists, &raw.tally);
                 self.spare.push(flight.staging);
-                let output = raw.sort(&flight.input, self.timer.as_ref());
+                let output = raw.sort(&flight.input, &flight.impacts, self.timer.as_ref());
                 return Ok(Output { work, ..output });
             }
             if !self.repeat(&raw.counters, &raw.tally)? {
@@ -112,6 +112,8 @@ impl GpuStep {
             bodies: input.old_bodies().max(bodies + planes),
             touches: lists.touches.length,
             solves: input.response == Response::Contacts,
+            // Games shoot again.
+            has_fast_bodies: false,
         });
         self.recent.add(used, for_contacts);
     }

@@ -157,6 +157,7 @@ mod tests {
             contacts: ContactCapacity::default(),
             touches: 0,
             solves: true,
+            has_fast_bodies: false,
         };
         recent.add(Capacity { bodies: 3, ..of(2) }, Some(used));
         assert_eq!(recent.shrunk(least, Some(for_contacts), least), None);

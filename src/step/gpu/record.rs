@@ -142,8 +142,10 @@ impl Recorder<'_> {
             }
             Part::RecordTouches => force_scan::gpu::record_touches(calls),
             Part::FallAsleep => sleep::gpu::record_fall_asleep(calls, self.may_sleep),
-            // Steps with such bodies or hooks run on the CPU.
-            Part::FilterPairs | Part::ModifyContacts | Part::StopFastBodies => {}
+            // Steps with hooks run on the CPU.
+            Part::FilterPairs | Part::ModifyContacts => {}
+            // The CPU does, before the commands of this stage are submitted: see `fast_bodies`.
+            Part::StopFastBodies => {}
             // In the last collision substep `Part::Remember` moves the bodies, so that a step that has to be repeated
             // starts from their old poses.
             Part::MoveBodies if place.is_last => {}
@@ -204,6 +206,7 @@ pub fn report_kernels() -> impl Iterator<Item = &'static Kernel> {
             bodies: capacity.bodies,
             touches: 0,
             solves: false,
+            has_fast_bodies: false,
         };
         let recorder = Recorder {
             response: Response::None,

@@ -7,6 +7,7 @@ use crate::state::{Bodies, Place, Plane, StepInput};
 use crate::step::remap;
 use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// State of the last submitted step whose change wakes bodies. Poses are known to the device only.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,6 +20,10 @@ pub struct LastBodies {
     pub(super) parts: Vec<LastPart>,
     pub(super) planes: Vec<Plane>,
     pub(super) gravity: Vec3,
+    /// Numbers of bodies whose speeds were left out of those that the device reports, ascending.
+    pub(super) left_out: Vec<u32>,
+    /// Bodies that had an impact, with their velocities after it: linear and angular.
+    pub(super) impacts: BTreeMap<u32, [Vec3; 2]>,
 }
 
 /// A body of the last step whose colliders are placed in it.
@@ -48,8 +53,19 @@ pub struct CompoundRemap {
     pub carried: u32,
 }
 
+/// A body whose speed was left out in the last step and counts in this one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slowed {
+    /// Its number.
+    pub number: u32,
+    /// Its number in the last step.
+    pub before: u32,
+    /// Linear and angular, if the host knows them.
+    pub velocities: Option<[Vec3; 2]>,
+}
+
 /// The numbers of bodies in two successive steps.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyRemap {
     /// For each collider its number in the last step, and what carries over, as in `Body::carried`.
     pub bodies: Vec<(u32, u32)>,
@@ -59,6 +75,13 @@ pub struct BodyRemap {
     pub new_numbers: Vec<u32>,
     /// Whether the half-spaces differ.
     pub planes_changed: bool,
+    /// Whether some collider has continuous collision.
+    pub has_fast_bodies: bool,
+    /// The bodies with continuous collision that move, ascending. Their speeds cause no collision substeps.
+    pub fast: Vec<u32>,
+    /// Bodies that were among them in the last step. A body that has had an impact is likely to have another one with the
+    /// same body, so it needs collision substeps too.
+    pub slowed: Vec<Slowed>,
 }
 
 impl LastBodies {
@@ -85,12 +108,25 @@ impl LastBodies {
         let count = bodies.len();
         let mut keys = Vec::new();
         input.write_keys(&mut keys);
-        let sleep_inputs: Vec<_> = (0..count).map(|i| SleepInputs::of(input, i)).collect();
+        let (mut fast, mut has_fast_bodies) = (Vec::new(), false);
+        let inputs = (0..count).map(|i| {
+            if bodies.params[i].continuous {
+                has_fast_bodies = true;
+                if bodies.kind[i] != RigidBody::Static && bodies.is_body(i) {
+                    fast.push(i as u32);
+                }
+            }
+            SleepInputs::of(input, i)
+        });
+        let sleep_inputs: Vec<_> = inputs.collect();
         let mut remap = BodyRemap {
+            fast,
+            has_fast_bodies,
             bodies: vec![(0, 0); count],
             compounds: Vec::new(),
             new_numbers: vec![GONE; self.keys.len()],
             planes_changed: self.planes != *planes,
+            ..BodyRemap::default()
         };
         let same_gravity = self.gravity == config.gravity;
         for (i, before) in remap::previous_numbers(&self.keys, &keys).enumerate() {
@@ -111,6 +147,7 @@ impl LastBodies {
             carried |= if params.woken { WOKEN } else { 0 };
             remap.bodies[i] = (before, carried);
         }
+        self.slow_down(&mut remap);
         if !self.keys.is_empty() {
             remap::renumber_planes(&mut remap.new_numbers, self.planes.len(), count, planes.len());
         }
@@ -133,8 +170,31 @@ impl LastBodies {
                 .collect(),
             planes: planes.clone(),
             gravity: config.gravity,
+            left_out: remap.fast.clone(),
+            impacts: BTreeMap::new(),
         };
         remap
+    }
+
+    /// Finds the bodies of the last step that were fast and no longer are, and removes those with an impact from the fast ones.
+    fn slow_down(&self, remap: &mut BodyRemap) {
+        let before: BTreeSet<u32> = self.left_out.iter().chain(self.impacts.keys()).copied().collect();
+        for before in before {
+            let number = remap.new_numbers[before as usize];
+            let velocities = self.impacts.get(&before).copied();
+            match (remap.fast.binary_search(&number), velocities) {
+                (Ok(at), Some(_)) => {
+                    remap.fast.remove(at);
+                }
+                (Err(_), _) if number != GONE => {}
+                _ => continue,
+            }
+            remap.slowed.push(Slowed {
+                number,
+                before,
+                velocities,
+            });
+        }
     }
 
     /// What carries over to each compound of `bodies`. It continues the one to which its first collider belonged.

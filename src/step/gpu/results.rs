@@ -1,6 +1,7 @@
 //! Results of a step, converted to the host's arrays in an order that does not depend on the order of workgroups.
 
 use super::contact_programs::ContactPrograms;
+use super::fast_bodies::Impacts;
 use super::upload::Input;
 use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::{Buffers, Capacity};
@@ -226,7 +227,7 @@ pub(super) struct Raw {
 
 impl Raw {
     /// Sorts the results, and converts numbers to those of the input.
-    pub fn sort(mut self, input: &Input, timer: Option<&Timer>) -> Output {
+    pub fn sort(mut self, input: &Input, impacts: &Impacts, timer: Option<&Timer>) -> Output {
         let count = |counter: u32| self.counters[counter as usize] as usize;
         let mut output = Output {
             counts: Counts {
@@ -270,7 +271,11 @@ impl Raw {
                 let now = self.tally[TOUCHING_NOW as usize] as usize;
                 output.counts.touching_pairs = output.counts.touching_pairs.max(now);
             } else {
-                Touches::from_device(self.touches).report(input.len(), &mut output.contacts);
+                let mut touches = Touches::from_device(self.touches);
+                for &(pair, contact) in &impacts.sensor_touches {
+                    touches.record_sensor(pair, contact);
+                }
+                touches.report(input.len(), &mut output.contacts);
                 output.counts.touching_pairs = output.contacts.pairs.len();
             }
         }

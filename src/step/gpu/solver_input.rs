@@ -31,14 +31,14 @@ pub struct SolverInput {
     remap: BodyRemap,
     /// Common velocity of the bodies, m/s.
     pub drift: Vec3,
-    /// Changes of speed by the host.
+    /// Speeds that the known results do not include.
     pub host_speeds: HostSpeeds,
 }
 
-/// Speeds that the host sets or changes in one step.
+/// Speeds that the host sets or changes in one step, and those of bodies that are no longer fast.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HostSpeeds {
-    /// Of bodies whose velocities it sets.
+    /// Of these bodies.
     pub speeds: Speeds,
     /// Upper bound of the change of any body's speed by impulses and added velocities, m/s.
     pub max_change: f32,
@@ -47,7 +47,7 @@ pub struct HostSpeeds {
 impl SolverInput {
     /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
     /// each collider and then for each compound, have at most
-    /// `speeds`, plus what the host adds.
+    /// `speeds`, plus what the host adds. The velocities of [`BodyRemap::slowed`] must be known.
     pub fn new(state: &StepInput, carried: &[Option<Carried>], speeds: Speeds, remap: BodyRemap) -> Self {
         let StepInput {
             config,
@@ -60,6 +60,10 @@ impl SolverInput {
         state.write_keys(&mut keys);
         bodies.read(placed, planes, &keys);
         let count = placed.len();
+        let flagged = if remap.has_fast_bodies { count } else { 0 };
+        for (i, body) in (0..).zip(&mut bodies.bodies[..flagged]) {
+            body.continuous &= remap.fast.binary_search(&placed.body_of(i)).is_ok();
+        }
         // The first collider of the body in a row of `carried`, and the row of a collider.
         let collider_of = |row: usize| match row.checked_sub(count) {
             Some(compound) => placed.compounds[compound].number as usize,
@@ -74,6 +78,12 @@ impl SolverInput {
         let mut seen = Speeds::of(&bodies, |i| {
             i < count && (!placed.is_body(i) || carried_velocities(row_of(i)).is_some())
         });
+        for slowed in &remap.slowed {
+            if let Some([linear, angular]) = slowed.velocities {
+                let i = placed.body_of(slowed.number) as usize;
+                seen.add(linear, angular.length() * bodies.bodies[i].extent);
+            }
+        }
         let mut added = 0.0f32;
         let mut carried_speeds = Speeds::NONE;
         // What carries over is not that of the host, and need not be sent when the host's changes.
@@ -87,9 +97,13 @@ impl SolverInput {
         for (row, Carried { linear, angular, .. }) in rows.filter_map(|row| Some((row, carried_velocities(row)?))) {
             let i = collider_of(row);
             let motion = &mut bodies.motions[i];
-            seen.add_along(!linear.axes, motion.linear_velocity);
-            motion.linear_velocity = linear.sent(motion.linear_velocity);
+            let own = motion.linear_velocity;
+            motion.linear_velocity = linear.sent(own);
             motion.angular_velocity = angular.sent(motion.angular_velocity);
+            if bodies.bodies[i].continuous {
+                continue;
+            }
+            seen.add_along(!linear.axes, own);
             let spin = motion.angular_velocity.length() * bodies.bodies[i].extent;
             let change = Vec3::select(linear.axes, linear.added, Vec3::ZERO).length();
             if angular.axes.any() {
@@ -103,6 +117,7 @@ impl SolverInput {
         let all = seen.and(carried_speeds).after(added, Vec3::ZERO);
         let collision_substeps = all.collision_substeps(&config.solver, &bodies, config.dt);
         let by_impulses = (bodies.bodies.iter().zip(&bodies.forces))
+            .filter(|(body, _)| !body.continuous)
             .map(|(body, forces)| {
                 let turn = body.inverse_inertia * forces.angular_impulse;
                 forces.impulse.length() * body.inverse_mass + turn.length() * body.extent
@@ -165,6 +180,11 @@ impl SolverInput {
     /// Whether bodies may fall asleep.
     pub fn may_sleep(&self) -> bool {
         self.settings.sleeping
+    }
+
+    /// The bodies with continuous collision whose speeds cause no collision substeps, ascending.
+    pub fn fast(&self) -> &[u32] {
+        &self.remap.fast
     }
 
     /// Number of bodies and half-spaces.

@@ -1,18 +1,22 @@
 //! Submission of a step.
 
 use super::buffers::StepCapacity;
+use super::fast_bodies::{FastBodies, Impacts};
 use super::flight::Flight;
+use super::remap::BodyRemap;
 use super::results::{Detail, Parts};
 use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
 use crate::gpu::commands::Commands;
-use crate::gpu::readback::{scoped, staging};
+use crate::gpu::readback::{read_row, scoped, staging};
+use crate::solver::gpu::layout::MotionState;
 use crate::state::StepInput;
 use crate::types::gpu_work::GpuWork;
 use crate::types::settings::Response;
 use crate::types::stage::Stage;
+use glam::Vec3;
 
 impl GpuStep {
     /// Submits a step. `carried` has an entry for each collider of `state` and then for each compound; if it is empty, all
@@ -40,7 +44,9 @@ impl GpuStep {
         }
         let mut input = Input::new(state, carried);
         if state.config.response == Response::Contacts {
-            let remap = self.last_bodies.advance_to(state);
+            let mut remap = self.last_bodies.advance_to(state);
+            self.read_velocities(&mut remap)?;
+            let fast_bodies = remap.has_fast_bodies.then(|| FastBodies::of(state));
             // Changes of speed that the known results do not include: by the host, and by gravity.
             let max_change = self.host_speeds.iter().map(|host| host.max_change).sum();
             let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
@@ -50,7 +56,7 @@ impl GpuStep {
                 .fold(self.speeds, |speeds, host| speeds.and(host.speeds));
             let solver = SolverInput::new(state, carried, known.after(max_change, fall), remap);
             self.host_speeds.push_back(solver.host_speeds);
-            input = input.with_solver(solver);
+            input = input.with_solver(solver, fast_bodies);
         } else {
             self.last_bodies.forget();
             self.host_speeds.push_back(HostSpeeds::default());
@@ -80,6 +86,7 @@ impl GpuStep {
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
             solves: input.response == Response::Contacts,
+            has_fast_bodies: input.fast_bodies.is_some(),
             ..contacts.capacity()
         });
         if self.needs_growth(needed, for_contacts) {
@@ -90,7 +97,34 @@ impl GpuStep {
         }
         self.population = input.population();
         let between = std::mem::take(&mut self.between);
-        self.launch(input, detail, between)
+        self.launch(input, detail, between)?;
+        if self.flights.back().is_some_and(|flight| flight.impacts.skipped) {
+            // The next step must know the impacts of this one.
+            self.finish_all()?;
+        }
+        Ok(())
+    }
+
+    /// Reads the velocities of bodies that have lost their continuous collision, which nothing else tells.
+    fn read_velocities(&mut self, remap: &mut BodyRemap) -> Result<(), StepError> {
+        let mut unknown = remap
+            .slowed
+            .iter_mut()
+            .filter(|slowed| slowed.velocities.is_none())
+            .peekable();
+        if unknown.peek().is_none() {
+            return Ok(());
+        }
+        self.finish_all()?;
+        let Some(contacts) = &self.contacts else {
+            return Ok(());
+        };
+        for slowed in unknown {
+            let states = &contacts.step.last_step_states;
+            let state = read_row::<MotionState>(&self.gpu, states, slowed.before).map_err(StepError::Device)?;
+            slowed.velocities = Some([state.linear_velocity, state.angular_velocity].map(Vec3::from));
+        }
+        Ok(())
     }
 
     /// `earlier` is the work of attempts whose lists were too short.
@@ -102,13 +136,17 @@ impl GpuStep {
             program,
             timer,
             known,
+            last_bodies,
+            ccd,
             flights,
             spare,
+            waits,
             ..
         } = self;
         let wanted = input.response != Response::Impulse;
         let contacts = contacts.as_ref().filter(|_| wanted);
         let flight = scoped(gpu, || {
+            let mut impacts = Impacts::default();
             let parts = Parts::new(&buffers.capacity, contacts, &input, detail);
             let mut commands = Commands::new(gpu, "faceoff step");
             input.write(&mut commands, known, buffers, contacts);
@@ -122,7 +160,18 @@ impl GpuStep {
                 commands.clear(&buffers.body_contacts);
             }
             match (contacts, &input.solver) {
-                (Some(contacts), Some(solver)) => contacts.record(&mut commands, buffers, solver, timer.as_ref()),
+                (Some(contacts), Some(solver)) => {
+                    let (fast, timer) = (input.fast_bodies.as_ref(), timer.as_ref());
+                    contacts.record_start(&mut commands, solver);
+                    for number in 0..solver.collision_substeps {
+                        contacts.record_solution(&mut commands, buffers, solver, number, fast.is_some(), timer);
+                        if let Some(fast) = fast {
+                            *waits += 1;
+                            fast.stop(solver.dt(), ccd, &mut commands, buffers, contacts, &mut impacts)?;
+                        }
+                        contacts.record_motion(&mut commands, solver, number, timer);
+                    }
+                }
                 (Some(contacts), None) => contacts.record_report(&mut commands, input.population(), timer.as_ref()),
                 (None, _) => {
                     for stage in Stage::ALL {
@@ -141,9 +190,12 @@ impl GpuStep {
             };
             parts.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
             let (submission, work) = commands.submit();
-            Flight::new(input, detail, parts, staging, submission, work.after(&earlier))
+            let work = work.after(&earlier);
+            Ok(Flight::new(input, detail, parts, staging, submission, work, impacts))
         });
-        flights.push_back(flight.map_err(StepError::Device)?);
+        let flight = flight.and_then(|flight| flight).map_err(StepError::Device)?;
+        last_bodies.impacts.clone_from(&flight.impacts.velocities);
+        flights.push_back(flight);
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! The input of a step, packed for the device.
 
 use super::contact_programs::ContactPrograms;
+use super::fast_bodies::FastBodies;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::buffers::{Buffers, Capacity};
@@ -8,7 +9,7 @@ use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
 use crate::gpu::layout::{
     self, BODIES, CARRIED_ANGULAR, CARRIED_LINEAR, CARRIED_POSITION, CARRIED_ROTATION, COUNTERS, CULLING_FACES,
-    CULLING_FRONT, DYNAMIC, KIND_MASK, KINEMATIC, PART, SENSOR, STATIC,
+    CULLING_FRONT, DYNAMIC, FAST, KIND_MASK, KINEMATIC, PART, SENSOR, STATIC,
 };
 use crate::gpu::program::Population;
 use crate::state::{Bodies, Compound, Motion, Part, Plane, StepInput};
@@ -114,6 +115,8 @@ pub struct Input {
     pub(super) response: Response,
     /// With [`Response::Contacts`].
     pub(super) solver: Option<SolverInput>,
+    /// With [`Response::Contacts`], if some body has continuous collision.
+    pub(super) fast_bodies: Option<FastBodies>,
 }
 
 impl Input {
@@ -153,11 +156,17 @@ impl Input {
                 .collect(),
             response: config.response,
             solver: None,
+            fast_bodies: None,
         }
     }
 
-    /// Adds the solver's input, with [`Response::Contacts`].
-    pub(super) fn with_solver(mut self, solver: SolverInput) -> Self {
+    /// Adds the solver's input and that of continuous collision, with [`Response::Contacts`].
+    pub(super) fn with_solver(mut self, solver: SolverInput, fast_bodies: Option<FastBodies>) -> Self {
+        self.step.has_fast_bodies = fast_bodies.is_some().into();
+        self.fast_bodies = fast_bodies;
+        for &i in solver.fast() {
+            self.bodies[i as usize].flags |= FAST;
+        }
         self.step.dt = solver.dt();
         self.step.speculative_time = solver.speculative_time();
         self.step.drift = solver.drift.to_array();

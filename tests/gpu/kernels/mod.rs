@@ -76,6 +76,7 @@ fn only_what_a_response_calls_is_compiled() {
             bodies: length,
             touches: 0,
             solves: false,
+            has_fast_bodies: false,
         };
         let recorder = Recorder {
             response: Response::None,
