@@ -19,7 +19,7 @@ fn unit(random: &mut fastrand::Rng) -> Vec3 {
 
 /// Shoots `tries` bullets of diameter 1 at a plate in the plane z = 0, at `sizes` diameters per step, and counts those
 /// that are on the other side a few steps later. They rotate by up to `spin` radians per step.
-fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: bool) -> usize {
+pub fn passed(bullet: &TriMesh, sizes: f32, spin: f32, tries: usize, continuous: bool) -> usize {
     let mut random = fastrand::Rng::with_seed(sizes as u64);
     let mut world = World::new();
     world.state.input.config.gravity = Vec3::ZERO;
@@ -80,10 +80,10 @@ fn without_continuous_collision_nearly_all_pass() {
 /// Size of the plates for small bullets, metres.
 const PLATE: f64 = 400.0;
 /// Direction of their flight.
-const WAY: Vec3 = Vec3::new(-0.953, -0.286, -0.0953);
+pub const WAY: Vec3 = Vec3::new(-0.953, -0.286, -0.0953);
 
 /// A plate of 1 cm in the plane x = 0.
-fn plate(kind: RigidBody, velocity: Vec3, spin: Vec3) -> Body {
+pub fn plate(kind: RigidBody, velocity: Vec3, spin: Vec3) -> Body {
     Body {
         kind,
         linear_velocity: velocity,
@@ -99,7 +99,7 @@ fn plate(kind: RigidBody, velocity: Vec3, spin: Vec3) -> Body {
 
 /// Shoots a bullet of 2 cm without friction from x = 2 at `plate`. Returns whether the bullet got through within half a
 /// second, and the velocities of the bullet and of the plate.
-fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [Vec3; 2]) {
+pub fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [Vec3; 2]) {
     let mut world = World::weightless();
     let (cube, bullet) = (world.mesh(&shapes::cube(1.0)), world.mesh(bullet));
     let plate = world.put(&Body { mesh: cube, ..plate });
@@ -130,7 +130,7 @@ fn shoot(plate: Body, bullet: &TriMesh, velocity: Vec3, spin: Vec3) -> (bool, [V
     (through, [bullet, plate].map(|i| world.velocity(i)))
 }
 
-fn small_ball() -> TriMesh {
+pub fn small_ball() -> TriMesh {
     shapes::ball(0.01, 2)
 }
 

@@ -30,6 +30,7 @@ fn main() {
             ("solver", solver::TESTS),
             ("solver", solver::PHYSICAL_TESTS),
             ("dynamics", dynamics::TESTS),
+            ("dynamics", dynamics::STEP_TESTS),
             #[cfg(feature = "bevy")]
             ("apps::backend", apps::backend::TESTS),
             #[cfg(feature = "bevy")]
@@ -38,6 +39,8 @@ fn main() {
             ("apps::with_contacts", apps::with_contacts::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::drawn", apps::drawn::TESTS),
+            #[cfg(feature = "bevy")]
+            ("apps::fast_bodies", apps::fast_bodies::TESTS),
             ("apps::readback", apps::readback::TESTS),
             #[cfg(feature = "bevy")]
             ("apps::soak", apps::soak::TESTS),

@@ -3,6 +3,7 @@
 pub mod backend;
 pub mod bytes;
 pub mod drawn;
+pub mod fast_bodies;
 pub mod readback;
 pub mod soak;
 pub mod spatial_queries;

@@ -72,7 +72,7 @@ pub const TESTS: &[Test] = &tests! {
     damping_limits_and_locks_hold: contacts::damping_limits_and_locks_hold();
     forces_go_on_and_impulses_act_once: contacts::forces_go_on_and_impulses_act_once();
     a_platform_that_moves_carries: contacts::a_platform_that_moves_carries_what_stands_on_it();
-    a_bullet_is_stopped_on_the_cpu: contacts::a_bullet_flagged_so_does_not_pass_a_sheet();
+    a_bullet_is_stopped: contacts::a_bullet_flagged_so_does_not_pass_a_sheet();
     a_snapshot_of_a_pile_goes_on_to_the_bit: contacts::a_snapshot_of_a_pile_goes_on_to_the_bit();
     a_ball_dropped_in_a_room_rests_on_its_floor: bakes::a_ball_dropped_in_a_room_rests_on_its_floor();
     the_walls_of_a_room_push_inward: bakes::the_walls_of_a_room_push_inward();
@@ -118,8 +118,10 @@ pub const TESTS: &[Test] = &tests! {
     a_sensor_spawned_over_sleepers_reports_them: sensors::a_sensor_spawned_over_sleepers_reports_them_until_it_goes();
     a_dynamic_sensor_that_sleeps_reports: sensors::a_dynamic_sensor_that_falls_asleep_goes_on_reporting();
     who_sleeps_beside_a_wall_does_not_touch_it: sensors::who_falls_asleep_beside_a_wall_does_not_begin_to_touch_it();
-    what_is_fast_is_noticed_by_a_sensor_on_the_cpu:
+    what_is_fast_is_noticed_by_a_sensor:
         sensors::what_is_fast_and_flagged_is_noticed_by_a_sensor_and_not_stopped();
+    a_bullet_is_noticed_up_to_where_it_is_stopped:
+        sensors::a_bullet_that_is_stopped_is_noticed_up_to_there_and_no_farther();
     touches_that_come_and_go_are_told_once:
         sensors::touches_that_come_and_go_are_told_once_unless_they_are_to_be_exact();
     results_are_those_of_waiting_steps_two_steps_later: later();
@@ -158,8 +160,8 @@ fn lifts() {
     }
 }
 
-/// A body of two colliders with continuous collision detection, with which steps run on the CPU, falls beside a heap at
-/// rest, and goes again. The heap does not notice, nor does a body of two colliders that sleeps.
+/// A body of two colliders with hooks, with which steps run on the CPU, falls beside a heap at rest, and goes again. The
+/// heap does not notice, nor does a body of two colliders that sleeps.
 fn there_and_back() {
     for readback in [Readback::Lockstep, Readback::Latent] {
         let (mut sim, mut cubes) = heap(readback);
@@ -167,19 +169,18 @@ fn there_and_back() {
         cubes.push(dumbbell(&mut sim, &cube, Vec3::new(-8.0, 0.502, 0.0)));
         sim.step(64);
         let before: Vec<_> = cubes.iter().map(|&cube| sim.position(cube)).collect();
-        let root = sim.spawn((
-            RigidBody::Dynamic,
-            ContinuousCollision,
-            Transform::from_xyz(8.0, 2.0, 0.0),
-        ));
+        let root = sim.spawn((RigidBody::Dynamic, Transform::from_xyz(8.0, 2.0, 0.0)));
         for x in [-1.0, 1.0] {
-            sim.spawn((cube.clone(), Transform::from_xyz(x, 0.0, 0.0), ChildOf(root)));
+            let hooks = ActiveCollisionHooks::FILTER_PAIRS;
+            sim.spawn((cube.clone(), hooks, Transform::from_xyz(x, 0.0, 0.0), ChildOf(root)));
         }
         sim.step(96);
+        assert!(sim.report().gpu.is_none(), "it ran on the CPU");
         let landed = sim.position(root);
         assert!((landed.y - 0.5).abs() < 0.01, "{readback:?}: {landed}");
         sim.world().despawn(root);
         sim.step(64);
+        assert!(sim.report().gpu.is_some(), "it came back");
         for (&cube, &at) in cubes.iter().zip(&before) {
             let moved = (sim.position(cube) - at).length();
             assert!(moved < 0.01, "{readback:?}: moved {moved} m");

@@ -3,11 +3,15 @@
 
 #[path = "../../dynamics/bounce.rs"]
 mod bounce;
+#[path = "../../dynamics/bullets.rs"]
+#[allow(dead_code)]
+mod bullets;
 #[path = "../../dynamics/chain.rs"]
 mod chain;
 #[path = "../../dynamics/cloud.rs"]
 mod cloud;
 mod compounds;
+mod fast_bodies;
 #[path = "../../dynamics/hammers.rs"]
 mod hammers;
 #[path = "../../dynamics/incline.rs"]
@@ -47,6 +51,10 @@ pub const TESTS: &[Test] = &tests! {
     a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
     what_sleeps_sleeps_on_while_steps_move_to_the_cpu_and_back: sleep::moves_to_the_cpu_and_back();
     what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
+    no_bullet_passes_a_thin_plate: fast_bodies::pass_no_plate();
+    no_bullet_passes_a_plate_that_moves: fast_bodies::pass_no_plate_that_moves();
+    bullets_stop_as_on_the_cpu: fast_bodies::stop_as_on_the_cpu();
+    a_fast_dumbbell_stops_with_both_its_balls: fast_bodies::stop_with_all_their_colliders();
     a_hammer_flies_about_its_centre_of_mass: hammers::flies();
     a_hammer_falls_comes_to_rest_and_sleeps: hammers::rests();
     a_hammer_hits_like_the_merged_mesh: hammers::hits_like_the_merged_mesh();
@@ -81,3 +89,9 @@ pub const TESTS: &[Test] = &tests! {
     three_in_the_same_place_part: small_games::overlapping(&shapes::torus_240(), 3, Vec3::ZERO);
     a_swarm_that_lands_is_not_looked_at_from_afar: small_games::swarm(2, 26.0);
 };
+
+/// Those that make steps of their own.
+pub const STEP_TESTS: &[Test] = &[
+    ("lists_that_grow_in_a_flight_change_nothing", fast_bodies::overflow),
+    ("a_bullet_that_meets_nothing_reads_little", fast_bodies::read_little),
+];
