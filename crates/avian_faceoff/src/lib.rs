@@ -6,6 +6,7 @@ mod manifolds;
 mod memory;
 pub mod meshes;
 mod narrow_phase;
+mod overlap;
 mod plugin;
 mod precision;
 pub mod steps;

@@ -11,6 +11,9 @@ const MAX_POINTS: usize = 4;
 /// Normals within one degree count as equal: the points of a manifold share the normal of the first of them.
 const SAME_NORMAL: Scalar = 0.999_847_7;
 
+/// Bits of an index in the id of a point that stands for an overlap. Avian uses the two highest bits of others.
+const OVERLAP_BITS: u32 = 27;
+
 /// Points that take the impulse of another feature have normals within 37 degrees.
 const LIKE_NORMAL: Scalar = 0.8;
 
@@ -38,13 +41,15 @@ fn contact(point: &MeshContact, first: Vector, rest_offset: f32) -> ContactPoint
     ContactPoint::new(a, b, first + a + half_way, depth).with_feature_ids(feature_a, feature_b)
 }
 
-/// Regions of overlap have no number that lasts: they are known by their places.
+/// Avian has no name for the features of overlaps, but their ids must differ: unknown ones are all equal to it.
 fn packed(feature: FeatureId) -> PackedFeatureId {
+    let overlap = |code: u32| PackedFeatureId(code << OVERLAP_BITS | feature.index() & ((1 << OVERLAP_BITS) - 1));
     match feature.kind() {
         FeatureKind::Vertex => PackedFeatureId::vertex(feature.index()),
         FeatureKind::Edge => PackedFeatureId::edge(feature.index()),
         FeatureKind::Face => PackedFeatureId::face(feature.index()),
-        _ => PackedFeatureId::UNKNOWN,
+        FeatureKind::Overlap { place } => overlap(1 + u32::from(place)),
+        _ => overlap(7),
     }
 }
 
@@ -60,8 +65,7 @@ pub(crate) fn warm_start(new: &mut [ContactManifold], old: &[ContactManifold], r
         let normal = manifold.normal;
         for point in &mut manifold.points {
             let same = |(_, old): &(Vector, &ContactPoint)| {
-                !point.feature_id1.is_unknown()
-                    && (old.feature_id1, old.feature_id2) == (point.feature_id1, point.feature_id2)
+                (old.feature_id1, old.feature_id2) == (point.feature_id1, point.feature_id2)
             };
             match left.iter().position(same) {
                 Some(i) => take_impulses(point, left.swap_remove(i).1),

@@ -4,6 +4,7 @@ use crate::contacts::ExactContacts;
 use crate::manifolds;
 use crate::memory::PairMemories;
 use crate::meshes::ExactCollider;
+use crate::overlap;
 use crate::precision::{double, double_rotation, single};
 use avian3d::collision::collider::contact_query;
 use avian3d::math::{AdjustPrecision, AsF32, Scalar, Vector};
@@ -183,6 +184,8 @@ impl Worker {
         let margin = pair.margin(prediction, settings);
         self.contacts.manifold(a, b, margin, memory, &mut self.points);
         let old = std::mem::take(manifolds);
+        let centers = (b.center_of_mass() - a.center_of_mass()).adjust_precision();
+        overlap::resolve(&mut self.points, pair.diameter, &old, centers);
         manifolds::push(&self.points, pair.first, pair.rest_offset(settings), manifolds);
         let reach = (REACH * pair.diameter + margin).adjust_precision();
         manifolds::warm_start(manifolds, &old, reach);

@@ -2,10 +2,13 @@
 
 use crate::world::{Contacts, HZ, World};
 use avian_faceoff::prelude::*;
+use avian3d::dynamics::solver::SolverConfig;
 use avian3d::math::{AdjustPrecision, Vector};
 use avian3d::prelude::*;
 use bevy::ecs::system::SystemState;
 use bevy::prelude::*;
+use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::testing::scenes::paper::{self, Paper};
 use bevy_faceoff::testing::scenes::{Body, Scene, Shape};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
@@ -127,7 +130,7 @@ fn small_bodies_rest_too() {
     let mut world = World::with(Contacts::Exact, plugins);
     let mut scene = Scene::new();
     scene.floor(Vec3::new(1.0, 0.1, 1.0), Quat::IDENTITY);
-    for i in 0..4 {
+    for i in 0..2 {
         let at = Vec3::Y * (0.02 + 0.0401 * i as f32);
         scene
             .add(Body::new(Shape::Cube, at, Quat::from_rotation_y(0.2 * i as f32)))
@@ -143,19 +146,55 @@ fn small_bodies_rest_too() {
     }
 }
 
+/// The paper's scene: tori in flight in a box, of which many lie deep in each other at first.
 #[test]
-fn energy_falls_without_restitution() {
-    // A dense cloud whose bodies overlap at first.
-    let mut scene = Scene::weightless();
-    let mut random = fastrand::Rng::with_seed(8);
-    for i in 0..27 {
-        let at = Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32) * 0.8;
-        let turn = Quat::from_euler(EulerRot::XYZ, random.f32(), random.f32(), random.f32());
-        let body = scene.add(Body::new(Shape::Ring, at, turn));
-        body.velocity = Vec3::new(random.f32() - 0.5, random.f32() - 0.5, random.f32() - 0.5) * 4.0;
-        body.friction = bevy_faceoff::types::material::Friction::new(0.0);
+fn energy_stays_low_where_bodies_begin_in_each_other() {
+    let mesh = CollisionMesh::new(&shapes::torus_240());
+    let count = 300;
+    let paper = Paper {
+        bodies: count,
+        side: paper::default_side(count),
+        speed: 0.5,
+        seed: 1,
+    };
+    let mut world = World::new(Contacts::Exact);
+    world
+        .app
+        .insert_resource(Gravity(Vector::ZERO))
+        .insert_resource(DefaultFriction(Friction::ZERO))
+        // Avian parts bodies at up to 4 m/s, eight times as fast as these fly.
+        .insert_resource(SolverConfig {
+            max_overlap_solve_speed: 0.5,
+            ..default()
+        });
+    let side = paper.side + 8.0;
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for out in [axis, -axis] {
+            let size = (Vec3::splat(side) - axis * (side - 8.0)).adjust_precision();
+            let at = Transform::from_translation(out * (0.5 * paper.side + 4.0));
+            let wall = Collider::cuboid(size.x, size.y, size.z);
+            world.app.world_mut().spawn((RigidBody::Static, wall, at));
+        }
     }
-    let mut world = World::of(Contacts::Exact, &scene);
+    let mut random = fastrand::Rng::with_seed(1);
+    let flyers: Vec<_> = paper.flyers(&mesh, || random.f32()).collect();
+    let torus = world.app.world_mut().resource_mut::<Assets<CollisionMesh>>().add(mesh);
+    for flyer in flyers {
+        let body = world.app.world_mut().spawn((
+            RigidBody::Dynamic,
+            ExactCollider(torus.clone()),
+            Transform {
+                translation: flyer.position,
+                rotation: flyer.rotation,
+                scale: Vec3::splat(flyer.scale),
+            },
+            LinearVelocity(flyer.velocity.adjust_precision()),
+            SleepingDisabled,
+        ));
+        let body = body.id();
+        world.bodies.push(body);
+    }
+    world.begin();
     let start = world.kinetic_energy();
     let mut most: f64 = 0.0;
     for _ in 0..3 * HZ {
@@ -167,5 +206,5 @@ fn energy_falls_without_restitution() {
         100.0 * most / start,
         100.0 * world.kinetic_energy() / start
     );
-    assert!(most < 2.0 * start);
+    assert!(most < 2.0 * start, "{most} J, {start} J at the start");
 }
