@@ -184,6 +184,7 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
         bodies: 0,
         touches: 0,
         solves: false,
+        has_fast_bodies: false,
     };
     let for_contacts = none.grown(StepCapacity {
         contacts: ContactCapacity {
@@ -198,6 +199,7 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
         bodies: MANY,
         touches: many(lists.touches),
         solves: response == Response::Contacts,
+        has_fast_bodies: false,
     });
     let mut sizes = Buffers::sizes(&capacity);
     if response != Response::Impulse {
