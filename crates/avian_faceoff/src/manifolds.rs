@@ -17,19 +17,20 @@ const OVERLAP_BITS: u32 = 27;
 /// Points that take the impulse of another feature have normals within 37 degrees.
 const LIKE_NORMAL: Scalar = 0.8;
 
-/// Appends manifolds of `points`, in their order. `first` is the position of the first mesh's origin, and surfaces that
-/// are `rest_offset` apart count as touching.
-pub(crate) fn push(points: &[MeshContact], first: Vector, rest_offset: f32, manifolds: &mut Vec<ContactManifold>) {
-    let begin = manifolds.len();
+/// Manifolds of `points`, in their order. `first` is the position of the first mesh's origin, and surfaces that are
+/// `rest_offset` apart count as touching.
+pub(crate) fn group(points: &[MeshContact], first: Vector, rest_offset: f32) -> Vec<ContactManifold> {
+    let mut manifolds: Vec<ContactManifold> = Vec::new();
     for point in points {
         let normal = point.normal.adjust_precision();
         let contact = contact(point, first, rest_offset);
         let with_room = |m: &&mut ContactManifold| m.points.len() < MAX_POINTS && m.normal.dot(normal) >= SAME_NORMAL;
-        match manifolds[begin..].iter_mut().find(with_room) {
+        match manifolds.iter_mut().find(with_room) {
             Some(manifold) => manifold.points.push(contact),
             None => manifolds.push(ContactManifold::new([contact], normal)),
         }
     }
+    manifolds
 }
 
 /// Anchors are relative to the origins of the meshes: Avian makes them relative to the centres of mass.

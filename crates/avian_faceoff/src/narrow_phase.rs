@@ -12,7 +12,7 @@ use avian3d::prelude::*;
 use bevy::ecs::system::lifetimeless::{Read, SQuery, SRes};
 use bevy::prelude::*;
 use bevy_faceoff::asset::CollisionMesh;
-use bevy_faceoff::queries::{BodyFault, ContactWorker, MeshContact, PairMemory, Placed};
+use bevy_faceoff::queries::{ContactWorker, MeshContact, PairMemory, Placed};
 use std::cell::RefCell;
 
 /// The collider type that Avian's narrow phase runs with. Each [`Collider`] requires it.
@@ -76,81 +76,64 @@ impl AnyCollider for ExactNarrowPhase {
         let [mesh1, mesh2] = pair.map(|(_, exact)| exact.and_then(|exact| meshes.get(&exact.0)));
         let [(collider1, _), (collider2, _)] = pair;
         let (Some(mesh1), Some(mesh2)) = (mesh1, mesh2) else {
-            contact_query::contact_manifolds(
-                collider1,
-                position1,
-                rotations[0],
-                collider2,
-                position2,
-                rotations[1],
-                prediction_distance,
-                manifolds,
-            );
+            let ([p1, p2], [r1, r2]) = (positions, rotations);
+            contact_query::contact_manifolds(collider1, p1, r1, collider2, p2, r2, prediction_distance, manifolds);
             return;
         };
         let place = |i: usize, mesh, collider: &Collider| {
-            let rotation = double_rotation(rotations[i].0);
-            // As Avian does, which mirrors no collider.
-            place(mesh, positions[i], rotation, collider.scale().abs()).inspect_err(|fault| {
-                error_once!("{}: the exact collider makes no contacts. {fault}", entities[i]);
-            })
+            // Avian mirrors no collider.
+            let scale = collider.scale().abs().f32();
+            let placed = Placed::new(mesh, double(positions[i]), double_rotation(rotations[i].0), scale);
+            placed.inspect_err(|fault| error_once!("{}: the exact collider makes no contacts. {fault}", entities[i]))
         };
         let (Ok(a), Ok(b)) = (place(0, mesh1, collider1), place(1, mesh2, collider2)) else {
             manifolds.clear();
             return;
         };
-        let pair = Pair {
-            meshes: [a, b],
-            diameter: 2.0 * a.bounding_radius().min(b.bounding_radius()),
-            first: position1,
-        };
-        let prediction = single(prediction_distance);
-        WORKER.with_borrow_mut(|worker| {
-            if pair.may_touch(pair.margin(prediction, settings)) {
-                memories.lend(entities, |memory| {
-                    worker.contacts(&pair, prediction, settings, memory, manifolds)
-                });
-            } else {
-                manifolds.clear();
-            }
+        let pair = Pair::new([a, b], position1, single(prediction_distance), settings);
+        if !pair.may_touch() {
+            manifolds.clear();
+            return;
+        }
+        memories.lend(entities, |memory| {
+            WORKER.with_borrow_mut(|worker| worker.contacts(&pair, memory, manifolds));
         });
     }
-}
-
-fn place(
-    mesh: &CollisionMesh,
-    position: Vector,
-    rotation: bevy::math::DQuat,
-    scale: Vector,
-) -> Result<Placed<'_>, BodyFault> {
-    Placed::new(mesh, double(position), rotation, scale.f32())
 }
 
 /// Two exact meshes.
 struct Pair<'a> {
     meshes: [Placed<'a>; 2],
-    /// Of the smaller bounding sphere, metres.
-    diameter: f32,
     /// Position of the first one's origin.
     first: Vector,
+    /// Of the smaller bounding sphere, metres.
+    diameter: f32,
+    /// How far apart surfaces come to rest, metres.
+    rest_offset: f32,
+    /// The distance up to which surfaces have contacts, metres.
+    margin: f32,
 }
 
-impl Pair<'_> {
-    fn rest_offset(&self, settings: &ExactContacts) -> f32 {
-        let offset = settings.rest_offset * self.diameter;
-        if offset.is_finite() { offset.max(0.0) } else { 0.0 }
+impl<'a> Pair<'a> {
+    fn new(meshes: [Placed<'a>; 2], first: Vector, prediction: f32, settings: &ExactContacts) -> Self {
+        let [a, b] = &meshes;
+        let diameter = 2.0 * a.bounding_radius().min(b.bounding_radius());
+        let offset = settings.rest_offset * diameter;
+        let rest_offset = if offset.is_finite() { offset.max(0.0) } else { 0.0 };
+        Self {
+            meshes,
+            first,
+            diameter,
+            rest_offset,
+            // Beyond the size of the smaller body the contacts of now say nothing about those after the step.
+            margin: prediction.clamp(0.0, diameter) + rest_offset,
+        }
     }
 
-    /// The distance up to which surfaces have contacts, metres. Beyond the size of the smaller body the contacts of now
-    /// say nothing about those after the step.
-    fn margin(&self, prediction: f32, settings: &ExactContacts) -> f32 {
-        prediction.clamp(0.0, self.diameter) + self.rest_offset(settings)
-    }
-
-    /// Whether the bounding spheres are within `margin`. The boxes of turned meshes overlap four times as often.
-    fn may_touch(&self, margin: f32) -> bool {
+    /// Whether the bounding spheres are within the margin. The boxes of turned meshes overlap four times as often.
+    fn may_touch(&self) -> bool {
         let [a, b] = &self.meshes;
-        let reach = f64::from(a.bounding_radius()) + f64::from(b.bounding_radius()) + f64::from(margin);
+        let reach = f64::from(a.bounding_radius()) + f64::from(b.bounding_radius()) + f64::from(self.margin);
         a.center_of_mass().distance_squared(b.center_of_mass()) <= reach * reach
     }
 }
@@ -171,23 +154,15 @@ thread_local! {
 
 impl Worker {
     /// Replaces the manifolds of the last step.
-    fn contacts(
-        &mut self,
-        pair: &Pair,
-        prediction: f32,
-        settings: &ExactContacts,
-        memory: &mut PairMemory,
-        manifolds: &mut Vec<ContactManifold>,
-    ) {
+    fn contacts(&mut self, pair: &Pair, memory: &mut PairMemory, manifolds: &mut Vec<ContactManifold>) {
         let [a, b] = &pair.meshes;
         self.points.clear();
-        let margin = pair.margin(prediction, settings);
-        self.contacts.manifold(a, b, margin, memory, &mut self.points);
-        let old = std::mem::take(manifolds);
+        self.contacts.manifold(a, b, pair.margin, memory, &mut self.points);
         let centers = (b.center_of_mass() - a.center_of_mass()).adjust_precision();
-        overlap::resolve(&mut self.points, pair.diameter, &old, centers);
-        manifolds::push(&self.points, pair.first, pair.rest_offset(settings), manifolds);
-        let reach = (REACH * pair.diameter + margin).adjust_precision();
-        manifolds::warm_start(manifolds, &old, reach);
+        overlap::resolve(&mut self.points, pair.diameter, manifolds, centers);
+        let mut new = manifolds::group(&self.points, pair.first, pair.rest_offset);
+        let reach = (REACH * pair.diameter + pair.margin).adjust_precision();
+        manifolds::warm_start(&mut new, manifolds, reach);
+        *manifolds = new;
     }
 }

@@ -22,8 +22,10 @@ pub(crate) fn resolve(points: &mut Vec<MeshContact>, diameter: f32, old: &[Conta
     }
     let impulse = |m: &ContactManifold| m.normal * m.points.iter().map(|p| p.warm_start_normal_impulse).sum::<Scalar>();
     let last: Vector = old.iter().map(impulse).sum();
-    let direction = [last, centers, Vector::Y].into_iter().find_map(Vector::try_normalize);
-    let Some(direction) = direction else { return };
+    let direction = [last, centers]
+        .into_iter()
+        .find_map(Vector::try_normalize)
+        .unwrap_or(Vector::Y);
     points.retain(|point| {
         let normal: Vector = point.normal.adjust_precision();
         point.separation >= 0.0 || normal.dot(direction) >= 0.0

@@ -5,6 +5,8 @@ use avian3d::math::{AdjustPrecision, AsF32};
 use avian3d::parry::shape::TriMeshBuilderError;
 use avian3d::prelude::*;
 use bevy::asset::AssetLoadFailedEvent;
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::lifetimeless::Read;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 use bevy_faceoff::asset::CollisionMesh;
@@ -13,9 +15,13 @@ use bevy_faceoff::asset::CollisionMesh;
 #[derive(Resource, Default)]
 pub(super) struct Shapes(HashMap<AssetId<CollisionMesh>, Collider>);
 
-/// The [`Collider`] was made of the mesh, and follows it.
+/// The [`Collider`] was made of a mesh, and follows it.
 #[derive(Component)]
 pub(super) struct MadeFromMesh;
+
+/// The mesh that the [`Collider`] was made of or compared with.
+#[derive(Component)]
+pub(super) struct Settled(AssetId<CollisionMesh>);
 
 /// The body waits for its mesh.
 #[derive(Component)]
@@ -23,54 +29,52 @@ pub(super) struct MadeFromMesh;
 pub(super) struct AwaitsMesh;
 
 /// An exact collider, and what of it there is.
-type Made<'a> = (
-    &'a ExactCollider,
-    Option<&'a Collider>,
-    Has<MadeFromMesh>,
-    Has<AwaitsMesh>,
-    Has<RigidBody>,
-    Has<RigidBodyDisabled>,
-);
+#[derive(QueryData)]
+pub(super) struct Parts {
+    entity: Entity,
+    exact: Read<ExactCollider>,
+    collider: Option<Read<Collider>>,
+    settled: Option<Read<Settled>>,
+    made: Has<MadeFromMesh>,
+    awaits: Has<AwaitsMesh>,
+}
 
-/// Gives a new exact collider its [`Collider`].
+/// Gives a new exact collider its [`Collider`], or has its body wait for the mesh.
 pub(super) fn on_insert(
     inserted: On<Insert, ExactCollider>,
-    colliders: Query<Made>,
+    colliders: Query<Parts>,
+    bodies: Query<(), (With<RigidBody>, Without<RigidBodyDisabled>)>,
     meshes: Res<Assets<CollisionMesh>>,
     mut shapes: ResMut<Shapes>,
     mut commands: Commands,
 ) {
-    let entity = inserted.entity;
-    let Ok((exact, collider, made, awaits, is_body, disabled)) = colliders.get(entity) else {
+    let Ok(parts) = colliders.get(inserted.entity) else {
         return;
     };
-    match (meshes.get(&exact.0), collider) {
-        (Some(mesh), Some(collider)) if !made => check(entity, mesh, collider),
-        (Some(mesh), _) => shapes.give(entity, exact.0.id(), mesh, awaits, &mut commands),
-        (None, None) if is_body && !disabled => {
-            commands.entity(entity).insert(AwaitsMesh);
-        }
-        (None, _) => {}
+    if let Some(mesh) = meshes.get(&parts.exact.0) {
+        shapes.settle(&parts, mesh, &mut commands);
+    } else if parts.collider.is_none() && bodies.contains(parts.entity) {
+        commands.entity(parts.entity).insert(AwaitsMesh);
     }
 }
 
 /// Gives colliders to those whose mesh has been loaded, and new ones where it was loaded again.
 pub(super) fn follow_assets(
     mut events: MessageReader<AssetEvent<CollisionMesh>>,
-    colliders: Query<(Entity, Made)>,
+    colliders: Query<Parts>,
     meshes: Res<Assets<CollisionMesh>>,
     mut shapes: ResMut<Shapes>,
     mut commands: Commands,
 ) {
-    let mut changed = HashSet::new();
+    let (mut added, mut modified) = (HashSet::new(), HashSet::new());
     for event in events.read() {
         match event {
             AssetEvent::Added { id } => {
-                changed.insert((*id, false));
+                added.insert(*id);
             }
             AssetEvent::Modified { id } => {
                 shapes.0.remove(id);
-                changed.insert((*id, true));
+                modified.insert(*id);
             }
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
                 shapes.0.remove(id);
@@ -78,15 +82,14 @@ pub(super) fn follow_assets(
             AssetEvent::LoadedWithDependencies { .. } => {}
         }
     }
-    if changed.is_empty() {
+    if added.is_empty() && modified.is_empty() {
         return;
     }
-    for (entity, (exact, collider, made, awaits, ..)) in &colliders {
-        let id = exact.0.id();
-        let is_new = changed.contains(&(id, false)) && collider.is_none();
-        let is_other = changed.contains(&(id, true)) && made;
-        if let Some(mesh) = meshes.get(id).filter(|_| is_new || is_other) {
-            shapes.give(entity, id, mesh, awaits, &mut commands);
+    for parts in &colliders {
+        let id = parts.exact.0.id();
+        let is_new = added.contains(&id) && parts.settled.is_none_or(|settled| settled.0 != id);
+        if let Some(mesh) = meshes.get(id).filter(|_| is_new || modified.contains(&id)) {
+            shapes.settle(&parts, mesh, &mut commands);
         }
     }
 }
@@ -107,30 +110,35 @@ pub(super) fn tell_failures(
 }
 
 impl Shapes {
-    fn give(
-        &mut self,
-        entity: Entity,
-        id: AssetId<CollisionMesh>,
-        mesh: &CollisionMesh,
-        awaits: bool,
-        commands: &mut Commands,
-    ) {
-        let collider = match self.0.get(&id) {
-            Some(collider) => Ok(collider.clone()),
-            None => collider(mesh).inspect(|new| {
-                self.0.insert(id, new.clone());
-            }),
-        };
-        match collider {
+    /// Makes the collider of the mesh, or checks the one that is not made of one.
+    fn settle(&mut self, parts: &PartsItem, mesh: &CollisionMesh, commands: &mut Commands) {
+        let (entity, id) = (parts.entity, parts.exact.0.id());
+        let mut commands = commands.entity(entity);
+        commands.insert(Settled(id));
+        if let Some(collider) = parts.collider.filter(|_| !parts.made) {
+            check(entity, mesh, collider);
+            return;
+        }
+        match self.of(id, mesh) {
             Ok(collider) => {
-                if awaits {
+                if parts.awaits {
                     // First: Avian does not notice that the body of a collider is enabled again.
-                    commands.entity(entity).remove::<(AwaitsMesh, RigidBodyDisabled)>();
+                    commands.remove::<(AwaitsMesh, RigidBodyDisabled)>();
                 }
-                commands.entity(entity).insert((collider, MadeFromMesh));
+                commands.insert((collider, MadeFromMesh));
             }
             Err(error) => error!("{entity}: Avian makes no collider of the exact mesh, which is left out: {error}"),
         }
+    }
+
+    /// The collider of a mesh.
+    fn of(&mut self, id: AssetId<CollisionMesh>, mesh: &CollisionMesh) -> Result<Collider, TriMeshBuilderError> {
+        if let Some(collider) = self.0.get(&id) {
+            return Ok(collider.clone());
+        }
+        let new = collider(mesh)?;
+        self.0.insert(id, new.clone());
+        Ok(new)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Triangle meshes of Avian, baked.
 
+use super::collider::MadeFromMesh;
 use super::{ExactCollider, ExactTrimesh};
 use avian3d::math::AsF32;
 use avian3d::parry::shape::{SharedShape, TriMesh as ParryMesh};
@@ -26,7 +27,12 @@ struct Bake {
 pub(super) fn bake(
     colliders: Query<
         (Entity, &Collider, Option<&ExactCollider>),
-        (With<ExactTrimesh>, Or<(Changed<Collider>, Added<ExactTrimesh>)>),
+        (
+            With<ExactTrimesh>,
+            // That one's mesh is baked already.
+            Without<MadeFromMesh>,
+            Or<(Changed<Collider>, Added<ExactTrimesh>)>,
+        ),
     >,
     mut meshes: ResMut<Assets<CollisionMesh>>,
     mut bakes: ResMut<Bakes>,

@@ -98,6 +98,39 @@ fn a_collider_follows_a_mesh_that_is_replaced() {
 }
 
 #[test]
+fn a_collider_follows_a_handle_whose_mesh_comes_later() {
+    let mut world = World::new(Contacts::Exact);
+    let body = world.add(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY));
+    world.begin();
+    let meshes = world.app.world_mut().resource_mut::<Assets<CollisionMesh>>();
+    let later = meshes.reserve_handle();
+    world
+        .app
+        .world_mut()
+        .entity_mut(body)
+        .insert(ExactCollider(later.clone()));
+    world.steps(2);
+    let mut meshes = world.app.world_mut().resource_mut::<Assets<CollisionMesh>>();
+    meshes
+        .insert(later.id(), CollisionMesh::new(&shapes::cube(3.0)))
+        .expect("it is reserved");
+    world.steps(2);
+    let collider = world.app.world().get::<Collider>(body).expect("a collider");
+    let bounds = collider.shape().compute_local_aabb();
+    assert!((bounds.maxs.x - 1.5).abs() < 1e-6, "{bounds:?}");
+}
+
+#[test]
+fn a_collider_that_was_made_of_a_mesh_is_not_baked_again() {
+    let mut world = World::new(Contacts::Exact);
+    let body = world.add_with(&Body::new(Shape::Cube, Vec3::ZERO, Quat::IDENTITY), ExactTrimesh);
+    world.begin();
+    let mesh = handle(&world, body);
+    world.steps(3);
+    assert_eq!(handle(&world, body), mesh);
+}
+
+#[test]
 fn triangle_meshes_are_baked_and_shared() {
     let mut world = World::new(Contacts::Exact);
     let collider = trimesh(Shape::Ring);
