@@ -34,16 +34,14 @@ impl<'g> Commands<'g> {
 
     /// Writes bytes from the start of a buffer, before all other commands.
     pub fn write(&mut self, buffer: &Buffer, bytes: &[u8]) {
-        self.gpu.queue.write_buffer(buffer, 0, bytes);
-        self.work.uploaded_bytes += bytes.len() as u64;
+        self.write_at(buffer, 0, bytes);
     }
 
     /// The same, if no kernel writes the buffer: only what has changed since the last time is written.
     pub fn write_changes(&mut self, known: &mut Known, buffer: &Buffer, bytes: &[u8]) {
         for range in known.change(buffer, bytes) {
             let changed = &bytes[range.clone()];
-            self.gpu.queue.write_buffer(buffer, range.start as u64, changed);
-            self.work.uploaded_bytes += changed.len() as u64;
+            self.write_at(buffer, range.start as u64, changed);
         }
     }
 
@@ -89,12 +87,12 @@ impl<'g> Commands<'g> {
                 self.encoder
                     .copy_buffer_to_buffer(buffer, range.start, &staging, at, bytes);
                 at += bytes;
+                self.work.copies += 1;
             }
             let recorded = std::mem::replace(&mut self.encoder, encoder(self.gpu, "faceoff step, continued"));
             self.gpu.queue.submit([recorded.finish()]);
             staging
         })?;
-        self.work.copies += ranges.len() as u32;
         self.work.submissions += 1;
         self.work.read_back_bytes += total;
         map(self.gpu, &staging, total, <[u8]>::to_vec)

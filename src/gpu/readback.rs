@@ -2,6 +2,7 @@
 
 use super::device::Gpu;
 use bytemuck::Pod;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, channel};
 use thiserror::Error;
@@ -148,18 +149,21 @@ pub fn map<T>(gpu: &Gpu, staging: &Buffer, bytes: u64, look: impl FnOnce(&[u8]) 
     Ok(result)
 }
 
-/// Copies an element of a list.
+/// Copies these elements of a list.
 ///
 /// # Errors
 /// The device's message.
-pub fn read_row<T: Pod>(gpu: &Gpu, list: &Buffer, number: u32) -> Result<T, DeviceError> {
-    let bytes = size_of::<T>() as u64;
+pub fn read_rows<T: Pod>(gpu: &Gpu, list: &Buffer, rows: Range<u64>) -> Result<Vec<T>, DeviceError> {
+    let size = size_of::<T>() as u64;
+    let bytes = size * (rows.end - rows.start);
     scoped(gpu, || {
         let staging = staging(gpu, bytes);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(list, u64::from(number) * bytes, &staging, 0, bytes);
-        gpu.queue.submit([encoder.finish()]);
-        map(gpu, &staging, bytes, bytemuck::pod_read_unaligned)
+        if bytes > 0 {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(list, size * rows.start, &staging, 0, bytes);
+            gpu.queue.submit([encoder.finish()]);
+        }
+        map(gpu, &staging, bytes, bytemuck::pod_collect_to_vec)
     })?
 }
 
@@ -168,14 +172,5 @@ pub fn read_row<T: Pod>(gpu: &Gpu, list: &Buffer, number: u32) -> Result<T, Devi
 /// # Errors
 /// The device's message.
 pub fn read_words(gpu: &Gpu, buffer: &Buffer, words: usize) -> Result<Vec<u32>, DeviceError> {
-    let bytes = 4 * words as u64;
-    scoped(gpu, || {
-        let staging = staging(gpu, bytes);
-        if words > 0 {
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, bytes);
-            gpu.queue.submit([encoder.finish()]);
-        }
-        map(gpu, &staging, bytes, bytemuck::pod_collect_to_vec)
-    })?
+    read_rows(gpu, buffer, 0..words as u64)
 }

@@ -10,7 +10,7 @@ use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
 use crate::gpu::commands::Commands;
-use crate::gpu::readback::{read_row, scoped, staging};
+use crate::gpu::readback::{read_rows, scoped, staging};
 use crate::solver::gpu::layout::MotionState;
 use crate::state::StepInput;
 use crate::types::gpu_work::GpuWork;
@@ -121,8 +121,9 @@ impl GpuStep {
         };
         for slowed in unknown {
             let states = &contacts.step.last_step_states;
-            let state = read_row::<MotionState>(&self.gpu, states, slowed.before).map_err(StepError::Device)?;
-            slowed.velocities = Some([state.linear_velocity, state.angular_velocity].map(Vec3::from));
+            let row = u64::from(slowed.before);
+            let read = read_rows::<MotionState>(&self.gpu, states, row..row + 1).map_err(StepError::Device)?;
+            slowed.velocities = Some([read[0].linear_velocity, read[0].angular_velocity].map(Vec3::from));
         }
         Ok(())
     }
