@@ -24,6 +24,12 @@ impl Scratch {
         self.meshes.has_large_pair()
     }
 
+    /// Whether the last contact generation shows that a pair's faces do not intersect now, and that neither body contains
+    /// the other.
+    pub fn is_apart(&self, bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> bool {
+        self.meshes.is_apart(bodies, meshes, pair)
+    }
+
     /// Returns memory, but for that of the last manifolds and of what pairs keep.
     pub fn renew(&mut self) {
         (self.pairs, self.found, self.planes) = Default::default();

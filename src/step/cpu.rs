@@ -122,6 +122,7 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
             manifolds,
             &scratch.inactive,
             |pair| !scratch.left_out.contains_plane_pair(pair),
+            |pair| scratch.manifolds.is_apart(&input.bodies, &input.meshes, pair),
             limit,
             &mut scratch.triangle_test,
             contacts,

@@ -68,6 +68,7 @@ const TASK: usize = 16;
 
 /// Writes into `contacts` which of `near_pairs` touch, with their intersecting faces, and which bodies penetrate
 /// `planes`, if the pair is `wanted`. `manifolds` are those of the last collision substep; inactive pairs touch as they did then.
+/// Pairs for which `is_apart` holds are known not to touch.
 ///
 /// Returns the number of intersecting faces. If it exceeds the `limit`, the test ends early and leaves `contacts` empty.
 pub(crate) fn run(
@@ -78,6 +79,7 @@ pub(crate) fn run(
     manifolds: &Manifolds,
     inactive: &InactiveBodies,
     wanted: impl Fn([u32; 2]) -> bool + Sync,
+    is_apart: impl Fn([u32; 2]) -> bool + Sync,
     limit: usize,
     scratch: &mut Scratch,
     contacts: &mut Contacts,
@@ -88,7 +90,8 @@ pub(crate) fn run(
     // Inactive solid pairs keep their contact points, and these tell whether they touch. If no point overlaps, no faces
     // intersect, and the test is skipped.
     let is_known = |pair: [u32; 2]| {
-        inactive.is_inactive(pair) && bodies.push_each_other(pair) && overlapping.binary_search(&pair).is_err()
+        let is_still = inactive.is_inactive(pair) && bodies.push_each_other(pair);
+        is_still && overlapping.binary_search(&pair).is_err() || is_apart(pair)
     };
     let (tasks, workers) = scratch.ready(near_pairs.len());
     let parts = tasks.par_iter_mut().zip(near_pairs.par_chunks(TASK));

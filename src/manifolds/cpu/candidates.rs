@@ -18,6 +18,10 @@ use std::ops::RangeInclusive;
 /// `l` of the second is bit `6 + 3 k + l`; the crossing is [`CROSSING`].
 pub type Parts = u16;
 
+/// Fractions of the slack. Each candidate tells what it may have after a motion within each of them. Most have nothing within
+/// the first, which covers the motion of bodies at rest.
+pub const FRACTIONS: [f64; 3] = [1.0 / 16.0, 1.0 / 4.0, 1.0];
+
 /// The bit of [`Parts`] for the crossing of two triangles.
 pub const CROSSING: Parts = 1 << 15;
 
@@ -62,10 +66,10 @@ impl Part {
 #[derive(Clone, Debug, Default)]
 pub struct Candidates {
     /// Triangles of the first and of the second body.
-    triangles: [Vec<u32>; 2],
+    triangles: [Vec<Listed>; 2],
     pairs: Vec<Candidate>,
-    /// Whether any pair may cross.
-    pub may_cross: bool,
+    /// Whether any pair may cross after a motion within each of [`FRACTIONS`] of the slack.
+    pub may_cross: [bool; FRACTIONS.len()],
 }
 
 /// Shortens a list that uses less than a quarter of its memory. Short lists stay as they are, so that pairs that come and
@@ -78,12 +82,21 @@ fn shrink<T>(list: &mut Vec<T>, used: usize) {
     }
 }
 
+/// A triangle of candidates.
+#[derive(Clone, Copy, Debug)]
+struct Listed {
+    number: u32,
+    /// The smallest of [`FRACTIONS`] within which it may have anything, as an index.
+    first: usize,
+}
+
 /// A pair of triangles.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     /// Indices into [`Candidates::triangles`].
     triangles: [u32; 2],
-    parts: Parts,
+    /// What the two may have after a motion within each of the [`FRACTIONS`] of the slack.
+    parts: [Parts; FRACTIONS.len()],
 }
 
 impl Candidates {
@@ -116,22 +129,34 @@ impl Candidates {
                 found(&pair, may_have);
                 return;
             }
-            let mut parts = pair.possible_features(&search.range, slack, may_have);
-            if may_have & CROSSING != 0 && pair.may_cross(slack.distance) {
-                parts |= CROSSING;
-                *may_cross = true;
+            let mut parts = [0; FRACTIONS.len()];
+            let (mut possible, mut closest) = (may_have, FRACTIONS.len());
+            for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
+                possible = pair.possible_parts(&search.range, slack * fraction, possible);
+                if possible == 0 {
+                    break;
+                }
+                (parts[i], closest) = (possible, i);
             }
-            if parts == 0 {
+            if closest == FRACTIONS.len() {
                 return;
             }
-            if pair.is_within(search.reach) {
-                found(&pair, parts);
+            for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
+                *may_cross |= parts & CROSSING != 0;
             }
-            let listed = |index: &mut u32, list: &mut Vec<u32>, triangle: &Triangle| {
+            if parts[0] != 0 && pair.is_within(search.reach) {
+                found(&pair, parts[0]);
+            }
+            let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
                 if *index == NOT_LISTED {
                     *index = list.len() as u32;
-                    list.push(triangle.number);
+                    list.push(Listed {
+                        number: triangle.number,
+                        first: closest,
+                    });
                 }
+                let listed = &mut list[*index as usize].first;
+                *listed = closest.min(*listed);
                 *index
             };
             pairs.push(Candidate {
@@ -148,7 +173,7 @@ impl Candidates {
     pub fn clear(&mut self) {
         self.triangles.iter_mut().for_each(Vec::clear);
         self.pairs.clear();
-        self.may_cross = false;
+        self.may_cross = Default::default();
     }
 
     /// Returns memory of lists that have lately had at most `used` elements.
@@ -157,22 +182,33 @@ impl Candidates {
         shrink(&mut self.pairs, used);
     }
 
-    /// Places the triangles, and calls `found` for each candidate within `reach`, in order.
+    /// Calls `found` for each candidate within `reach` that may have something after a motion within this one of
+    /// [`FRACTIONS`] of the slack, in order. `placed` is memory kept between calls.
     pub fn for_each(
         &self,
         sides: &[Side; 2],
         placed: &mut [Vec<Triangle>; 2],
+        fraction: usize,
         reach: f64,
         mut found: impl FnMut(&TrianglePair, Parts),
     ) {
-        for i in 0..2 {
-            placed[i].clear();
-            placed[i].extend(self.triangles[i].iter().map(|&number| sides[i].triangle(number)));
+        for ((placed, listed), side) in placed.iter_mut().zip(&self.triangles).zip(sides) {
+            // Triangles that are not needed keep what is there.
+            placed.resize(listed.len().max(placed.len()), Triangle::default());
+            for (triangle, listed) in placed.iter_mut().zip(listed) {
+                if listed.first <= fraction {
+                    *triangle = side.triangle(listed.number);
+                }
+            }
         }
         for candidate in &self.pairs {
+            let parts = candidate.parts[fraction];
+            if parts == 0 {
+                continue;
+            }
             let [i, j] = candidate.triangles.map(|index| index as usize);
             if let Some(pair) = TrianglePair::new(sides, [&placed[0][i], &placed[1][j]], reach) {
-                found(&pair, candidate.parts);
+                found(&pair, parts);
             }
         }
     }
@@ -188,15 +224,17 @@ impl TrianglePair<'_> {
         owned_features([0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]))
     }
 
-    /// Those of the features `may_have` with a separation in `range` that the triangles may have after a motion within the
-    /// slack.
-    fn possible_features(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
+    /// Those of the parts `may_have` that the triangles may have after a motion within the slack: features with a separation
+    /// in `range`, and the crossing.
+    fn possible_parts(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
         let most = (range.start().abs().max(range.end().abs()) + slack.distance) * (1.0 + 1.0e-9);
         let possible = bits(u32::from(may_have & !CROSSING)).filter(|&bit| match Part::of(bit) {
             Part::Vertex { side, k } => self.may_have_vertex(side, k, range, slack),
             Part::Edges(edges) => self.may_have_edges(edges, most, slack.rotation),
         });
-        possible.fold(0, |parts, bit| parts | 1 << bit)
+        let features = possible.fold(0, |parts, bit| parts | 1 << bit);
+        let crosses = may_have & CROSSING != 0 && self.may_cross(slack.distance);
+        features | if crosses { CROSSING } else { 0 }
     }
 
     /// The conditions of a vertex-face feature, each widened by the slack. The vertex moves relative to the face by at
@@ -275,7 +313,23 @@ impl TrianglePair<'_> {
 
     /// Whether the triangles may cross after a motion within `slack`.
     fn may_cross(&self, slack: f64) -> bool {
-        self.is_within(slack) && self.boxes_are_within(slack)
+        self.is_within(slack) && self.boxes_are_within(slack) && self.edges_are_within(slack)
+    }
+
+    /// Whether no common perpendicular of two edges separates the triangles by more than `distance`.
+    fn edges_are_within(&self, distance: f64) -> bool {
+        let [a, b] = self.triangles.map(|t| t.corners);
+        // More than the rounding errors of the heights.
+        let distance = distance + 1.0e-12 * (a[0].abs().max_element() + b[0].abs().max_element());
+        (0..9).all(|i| {
+            let (k, l) = (i / 3, i % 3);
+            let axis = (a[(k + 1) % 3] - a[k]).cross(b[(l + 1) % 3] - b[l]);
+            let [of_a, of_b] = [a, b].map(|corners| corners.map(|p| axis.dot(p - a[k])));
+            let least = |of: [f64; 3]| of[0].min(of[1]).min(of[2]);
+            let most = |of: [f64; 3]| of[0].max(of[1]).max(of[2]);
+            let gap = (least(of_b) - most(of_a)).max(least(of_a) - most(of_b));
+            gap <= 0.0 || gap * gap <= distance * distance * axis.length_squared()
+        })
     }
 
     /// Whether the triangles' boxes are no farther apart than `distance` along any axis, up to rounding.

@@ -1,19 +1,25 @@
 //! What a pair keeps from one call to the next: its candidates, and the pose in which they were found.
 
-use super::candidates::Candidates;
+use super::candidates::{Candidates, FRACTIONS};
 use super::pair::Pair;
 use super::search::{Search, Slack, Wanted, Window};
 use crate::geometry::features::MeshFeatures;
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::{Arc, Weak};
 
-/// Rounding allowance of motions, in units of the bodies' size.
+/// Rounding allowance of motions, in units of the bodies' size. So surfaces that do not cross are at least so far apart.
 const ROUNDING: f64 = 1.0e-9;
+/// Upper bound of the distance of surfaces that the triangle test cannot tell from intersecting ones, in units of the sum of
+/// the bounding radii and of the distances of the meshes' origins.
+const UNDECIDED: f64 = 1.0e-13;
 /// Most candidates that are kept, for a pair and of each kind.
 const MAX_CANDIDATES: usize = 1 << 16;
 
 /// A search has as much slack as the bodies need for so many calls, as they have moved since the last search.
 const CALLS: f64 = 4.0;
+/// After so many calls, bodies have probably come to rest. If they have moved since the search, a new one gives fewer
+/// candidates that matter.
+const CALLS_TO_REST: u32 = 32;
 /// Least slack, in units of the bodies' size.
 const LEAST_SLACK: f64 = 0.004;
 /// Memory that so many searches have not used is returned.
@@ -29,8 +35,8 @@ pub struct Kept {
     pub near: KeptCandidates,
     /// Candidates of overlapping features.
     pub deep: KeptCandidates,
-    /// Valid with `near`: no surfaces cross, and no body contains the other.
-    pub is_apart: bool,
+    /// Neither body contained the other in the pose in which `near` was found, and surfaces did not cross.
+    pub was_apart: bool,
 }
 
 /// Candidates with the motion in which they are valid.
@@ -52,6 +58,14 @@ pub struct KeptCandidates {
     recent: Recent,
     /// Whether the last search was worth more than one thread.
     pub is_large: bool,
+}
+
+/// Where the candidates of a pair come from.
+pub enum Source {
+    /// A new search.
+    Search(Search),
+    /// What is kept. The bodies have moved by at most this one of [`FRACTIONS`] of the slack.
+    Kept { fraction: usize },
 }
 
 /// Searches of a pair.
@@ -94,6 +108,19 @@ impl Kept {
     /// Whether the pair is worth more than one thread.
     pub fn is_large(&self) -> bool {
         self.near.is_large || self.deep.is_large
+    }
+
+    /// Whether what is kept shows that no surfaces cross in this pose, and that neither body contains the other.
+    pub fn is_apart(&self, pair: &Pair) -> bool {
+        let near = &self.near;
+        // The triangle test counts what it cannot decide as touching.
+        let [a, b] = pair.sides.each_ref().map(|side| side.place(Vec3::ZERO).length());
+        let undecided = UNDECIDED * (f64::from(pair.pose.size) + a + b);
+        if undecided > ROUNDING * pair.size {
+            return false;
+        }
+        let fraction = near.motion_to(pair).and_then(|motion| near.fraction_of(motion));
+        self.was_apart && fraction.is_some_and(|fraction| !near.may_cross(fraction))
     }
 
     fn begin(&mut self, slack_limit: Option<f64>) {
@@ -143,12 +170,12 @@ fn arm(pair: &Pair, reach: f64) -> f64 {
 }
 
 impl KeptCandidates {
-    /// What to search for, if not all candidates for `wanted` are among these. The candidates found are then kept here.
-    pub fn search(&mut self, pair: &Pair, wanted: &Wanted) -> Option<Search> {
-        let motion = self.found_at.as_ref().and_then(|at| at.motion_to(pair, self.reach()));
-        if motion.is_some_and(|motion| self.cover(wanted, motion)) {
+    /// How to find the candidates for `wanted`. Those that a new search finds are then kept here.
+    pub fn source(&mut self, pair: &Pair, wanted: &Wanted) -> Source {
+        let motion = self.motion_to(pair);
+        if let Some(fraction) = motion.and_then(|motion| self.fraction(wanted, motion)) {
             self.uses += 1;
-            return None;
+            return Source::Kept { fraction };
         }
         let distance = self.next_slack(pair, wanted.margin, motion);
         let slack = Slack {
@@ -159,7 +186,7 @@ impl KeptCandidates {
         let window = wanted.window.map(|window| window.grown(2.0 * distance));
         self.found_at = Some(RelativePose::of(pair));
         (self.slack, self.margin, self.window, self.uses) = (slack, wanted.margin, window, 0);
-        Some(Search {
+        Source::Search(Search {
             range: wanted.range.clone(),
             reach: wanted.reach,
             slack,
@@ -168,14 +195,29 @@ impl KeptCandidates {
         })
     }
 
-    /// Whether all candidates for `wanted` are among these after this motion.
-    fn cover(&self, wanted: &Wanted, motion: f64) -> bool {
-        motion <= self.slack.distance
-            && wanted.margin + motion <= self.margin + self.slack.distance
-            && match (&wanted.window, &self.window) {
-                (Some(now), Some(then)) => now.is_within(then),
-                _ => true,
-            }
+    /// Index of the smallest of [`FRACTIONS`] of the slack with which all candidates for `wanted` are among these after
+    /// this motion.
+    fn fraction(&self, wanted: &Wanted, motion: f64) -> Option<usize> {
+        let is_covered = match (&wanted.window, &self.window) {
+            (Some(now), Some(then)) => now.is_within(then),
+            _ => true,
+        };
+        // A wider margin is like a motion.
+        let needed = motion + (wanted.margin - self.margin).max(0.0);
+        let fraction = self.fraction_of(needed).filter(|_| is_covered);
+        fraction.filter(|&fraction| fraction == 0 || self.uses < CALLS_TO_REST)
+    }
+
+    /// Index of the smallest of [`FRACTIONS`] of the slack that covers a motion.
+    fn fraction_of(&self, motion: f64) -> Option<usize> {
+        FRACTIONS
+            .iter()
+            .position(|fraction| motion <= fraction * self.slack.distance)
+    }
+
+    /// Upper bound of the motion since the last search; `None` without one, and if it was of other bodies.
+    fn motion_to(&self, pair: &Pair) -> Option<f64> {
+        self.found_at.as_ref()?.motion_to(pair, self.reach())
     }
 
     fn reach(&self) -> f64 {
@@ -203,9 +245,9 @@ impl KeptCandidates {
         self.shares[shares..].iter_mut().for_each(Candidates::clear);
     }
 
-    /// Whether any candidates may cross.
-    pub fn may_cross(&self) -> bool {
-        self.shares.iter().any(|share| share.may_cross)
+    /// Whether any candidates may cross after a motion within this one of [`FRACTIONS`] of the slack.
+    pub fn may_cross(&self, fraction: usize) -> bool {
+        self.shares.iter().any(|share| share.may_cross[fraction])
     }
 
     fn len(&self) -> usize {

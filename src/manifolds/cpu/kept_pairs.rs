@@ -70,6 +70,14 @@ impl KeptPairs {
         &mut self.pairs
     }
 
+    /// What the pair of these bodies keeps.
+    pub fn get(&self, bodies: [u32; 2]) -> Option<&Kept> {
+        [&self.pairs, &self.waiting].into_iter().find_map(|pairs| {
+            let i = pairs.binary_search_by_key(&bodies, |pair| pair.bodies).ok()?;
+            Some(&*pairs[i].kept)
+        })
+    }
+
     /// Returns the memory of pairs that are gone.
     pub fn shrink(&mut self) {
         self.free = Vec::new();

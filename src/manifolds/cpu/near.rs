@@ -256,7 +256,7 @@ mod tests {
         candidates.select(&mut near, sides, &search, |pair, parts| {
             pair.features(&search.range, parts, |feature| found.push(feature.middle()));
         });
-        candidates.for_each(sides, &mut Default::default(), reach, |pair, parts| {
+        candidates.for_each(sides, &mut Default::default(), 0, reach, |pair, parts| {
             pair.features(&search.range, parts, |feature| kept.push(feature.middle()));
         });
         [sorted(found), sorted(kept)]

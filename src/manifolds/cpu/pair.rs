@@ -3,7 +3,7 @@
 use super::contour::{Contours, Patch, Segment};
 use super::feature::{Feature, Key, Origin};
 use super::inside;
-use super::kept::Kept;
+use super::kept::{Kept, Source};
 use super::near::PairPose;
 use super::ray::exit;
 use super::reduce::Reduction;
@@ -75,21 +75,29 @@ impl Worker {
             reach: margin + touch,
             window: None,
         };
-        let is_new = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
-        kept.is_apart &= !is_new;
+        let source = shares.find(pair, &wanted, &mut kept.near, threads, |_| true);
+        let fraction = match source {
+            Source::Kept { fraction } => fraction,
+            Source::Search(_) => {
+                kept.was_apart = false;
+                0
+            }
+        };
         features.clear();
         features.extend(shares.features());
         contours.clear();
         contours.segments.extend(shares.segments());
         if contours.segments.is_empty() {
-            if kept.is_apart {
+            // Without a crossing on the way, nothing has got inside since the search.
+            let has_not_crossed = !kept.near.may_cross(fraction);
+            if kept.was_apart && has_not_crossed {
                 return;
             }
             if let Some(contact) = inside::contact(sides) {
                 features.clear();
                 features.push(contact);
             } else {
-                kept.is_apart = !kept.near.may_cross();
+                kept.was_apart |= has_not_crossed;
             }
             return;
         }

@@ -15,6 +15,17 @@ pub struct Slack {
     pub rotation: f64,
 }
 
+impl std::ops::Mul<f64> for Slack {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            distance: factor * self.distance,
+            rotation: factor * self.rotation,
+        }
+    }
+}
+
 /// Which features of a pair are wanted now.
 pub struct Wanted {
     /// Their largest separation or overlap, metres.

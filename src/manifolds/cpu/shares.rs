@@ -5,10 +5,10 @@
 use super::candidates::{CROSSING, Candidates, Parts};
 use super::contour::Segment;
 use super::feature::{Feature, TrianglePair};
-use super::kept::KeptCandidates;
+use super::kept::{KeptCandidates, Source};
 use super::near::{NearClusters, NearTriangles};
 use super::pair::{Pair, ROUNDING};
-use super::search::{Search, Wanted};
+use super::search::Wanted;
 use super::side::Triangle;
 use crate::parallel::loops;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ struct Share {
 
 impl Shares {
     /// Finds the wanted features that `admit` admits, and the segments in which triangles cross. Uses as many threads of
-    /// the current pool; one is the calling thread. Tells whether it searched anew.
+    /// the current pool; one is the calling thread. Tells where the candidates came from.
     pub fn find(
         &mut self,
         pair: &Pair,
@@ -49,9 +49,9 @@ impl Shares {
         kept: &mut KeptCandidates,
         threads: usize,
         admit: impl Fn(&Feature) -> bool + Sync,
-    ) -> bool {
-        let search = kept.search(pair, wanted);
-        if let Some(search) = &search {
+    ) -> Source {
+        let source = kept.source(pair, wanted);
+        if let Source::Search(search) = &source {
             self.clusters.run(&pair.sides, &pair.pose, search);
             kept.is_large = self.clusters.len() >= 2 * MIN_CLUSTER_PAIRS;
             self.split(threads);
@@ -68,9 +68,9 @@ impl Shares {
         let shares = shares[..*count].par_iter_mut().zip(&mut kept.shares);
         let min_shares = if threads > 1 { 1 } else { *count };
         loops::for_each(shares, min_shares, |(share, candidates)| {
-            share.run(pair, wanted, search.as_ref(), clusters, candidates, &admit);
+            share.run(pair, wanted, &source, clusters, candidates, &admit);
         });
-        search.is_some()
+        source
     }
 
     /// The features that were found, in order.
@@ -111,7 +111,7 @@ impl Share {
         &mut self,
         pair: &Pair,
         wanted: &Wanted,
-        search: Option<&Search>,
+        source: &Source,
         clusters: &NearClusters,
         candidates: &mut Candidates,
         admit: impl Fn(&Feature) -> bool,
@@ -137,12 +137,12 @@ impl Share {
                 segments.extend(pair.segment(rounding));
             }
         };
-        match search {
-            Some(search) => {
+        match source {
+            Source::Search(search) => {
                 near.run(sides, size, search, clusters, self.clusters.clone());
                 candidates.select(near, sides, search, found);
             }
-            None => candidates.for_each(sides, placed, wanted.reach, found),
+            Source::Kept { fraction } => candidates.for_each(sides, placed, *fraction, wanted.reach, found),
         }
     }
 }
