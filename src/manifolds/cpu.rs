@@ -8,6 +8,7 @@ mod feature_ids;
 mod inside;
 mod kept;
 mod kept_pairs;
+mod moved;
 mod near;
 pub(super) mod pair;
 pub(super) mod placed_cluster;
@@ -22,6 +23,7 @@ pub(super) mod smooth;
 pub(crate) use feature::Feature;
 pub(crate) use feature_ids::feature_ids;
 pub(crate) use kept::Kept;
+pub(super) use moved::Reuse;
 pub(crate) use pair::{Pair, Worker};
 
 use super::MarginPair;
@@ -90,14 +92,25 @@ pub fn run(
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
-    run_some(bodies, meshes, pairs, |_| false, scratch, manifolds);
+    let pairs: Vec<Wanted> = pairs.iter().map(|&pair| Wanted { pair, reuse: None }).collect();
+    run_some(bodies, meshes, &pairs, |_| false, scratch, manifolds);
 }
 
-/// The same, where pairs that are left out keep what they have found for later calls if they are to `wait`.
+/// A pair whose contact points are wanted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// The margin is that within which points are found.
+    pub pair: MarginPair,
+    /// When points of the same step will do; `None` if they are always found anew.
+    pub reuse: Option<Reuse>,
+}
+
+/// The same, where pairs may reuse points, and those that are left out keep what they have found for later calls if they
+/// are to `wait`.
 pub(super) fn run_some(
     bodies: &Bodies,
     meshes: &MeshArena,
-    pairs: &[MarginPair],
+    pairs: &[Wanted],
     waits: impl Fn([u32; 2]) -> bool,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
@@ -110,16 +123,17 @@ pub(super) fn run_some(
     let (tasks, workers) = (&mut tasks[..wanted], workers.ready());
     // A single task shares out its large pairs.
     let threads = if wanted == 1 { loops::threads() } else { 1 };
-    let kept = kept.of(pairs, waits).par_chunks_mut(TASK);
+    let numbers = pairs.iter().map(|wanted| wanted.pair.bodies);
+    let kept = kept.of(numbers, waits).par_chunks_mut(TASK);
     let parts = tasks.par_iter_mut().zip(pairs.par_chunks(TASK)).zip(kept);
     loops::for_each(parts, 1, |((task, pairs), kept)| {
         task.clear();
         let mut worker = workers.lock();
-        for (pair, kept) in pairs.iter().zip(kept) {
+        for (wanted, kept) in pairs.iter().zip(kept) {
             let first = task.points.len();
             let (kept, points) = (&mut kept.kept, &mut task.points);
-            add_points(bodies, meshes, pair, &mut worker, kept, threads, points);
-            task.end_pair(pair.bodies, first);
+            add_points(bodies, meshes, wanted, &mut worker, kept, threads, points);
+            task.end_pair(wanted.pair.bodies, first);
         }
     });
     manifolds.clear();
@@ -136,7 +150,16 @@ pub(super) fn run_some(
 pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifolds {
     let mut manifolds = Manifolds::default();
     let (mut worker, mut kept) = (Worker::default(), Kept::default());
-    add_points(bodies, meshes, &pair, &mut worker, &mut kept, 1, &mut manifolds.points);
+    let wanted = Wanted { pair, reuse: None };
+    add_points(
+        bodies,
+        meshes,
+        &wanted,
+        &mut worker,
+        &mut kept,
+        1,
+        &mut manifolds.points,
+    );
     manifolds.end_pair(pair.bodies, 0);
     manifolds
 }
@@ -145,16 +168,32 @@ pub fn of_pair(bodies: &Bodies, meshes: &MeshArena, pair: MarginPair) -> Manifol
 fn add_points(
     bodies: &Bodies,
     meshes: &MeshArena,
-    pair: &MarginPair,
+    Wanted {
+        pair: MarginPair {
+            bodies: numbers,
+            margin,
+        },
+        reuse,
+    }: &Wanted,
     worker: &mut Worker,
     kept: &mut Kept,
     threads: usize,
     points: &mut Vec<ManifoldPoint>,
 ) {
-    if let Some(found) = pair_of_bodies(bodies, meshes, pair.bodies) {
-        let chosen = worker.reduced(&found, pair.margin, kept, threads);
-        let offsets = pair.bodies.map(|i| bodies.frame[i as usize].offset().as_vec3());
-        points.extend(chosen.iter().map(|feature| found.point(feature).0.shifted(offsets)));
+    let Some(pair) = pair_of_bodies(bodies, meshes, *numbers) else {
+        return;
+    };
+    let is_done = |reuse: &Reuse| kept.found.move_to(&pair, bodies, *numbers, reuse, points);
+    if reuse.as_ref().is_some_and(is_done) {
+        return;
+    }
+    let first = points.len();
+    let chosen = worker.reduced(&pair, *margin, kept, threads);
+    let offsets = numbers.map(|i| bodies.frame[i as usize].offset().as_vec3());
+    points.extend(chosen.iter().map(|feature| pair.point(feature).0.shifted(offsets)));
+    if let Some(reuse) = reuse {
+        kept.found
+            .set(&pair, bodies, *numbers, *margin, reuse.step, &points[first..]);
     }
 }
 

@@ -1,16 +1,19 @@
 //! Contact generation within a step: new manifolds of active pairs, reused ones of inactive pairs.
 
 use super::MarginPair;
-use super::cpu::{self, planes};
+use super::cpu::{self, Reuse, Wanted, planes};
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::pair_order;
+use crate::state::margins::SpeculativeMargins;
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
 
 /// Memory kept between steps.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    pairs: Vec<MarginPair>,
+    pairs: Vec<Wanted>,
+    /// Number of steps so far.
+    step: u64,
     found: Manifolds,
     /// Manifolds of the last collision substep.
     before: Manifolds,
@@ -38,9 +41,10 @@ impl Scratch {
     }
 }
 
-/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`; of pairs with planes those that are
-/// `wanted`. The previous ones are kept for [`reuse`].
+/// Writes the manifolds of all active pairs that respond to contacts into `manifolds`, in collision substep `number`; of pairs
+/// with planes those that are `wanted`. The previous ones are kept for [`reuse`].
 pub(crate) fn find(
+    number: u32,
     config: &StepConfig,
     bodies: &Bodies,
     meshes: &MeshArena,
@@ -53,12 +57,12 @@ pub(crate) fn find(
 ) {
     let is_awake = |pair| !inactive.is_inactive(pair);
     scratch.pairs.clear();
-    for &NearPair {
-        bodies: pair, margin, ..
-    } in near_pairs
-    {
-        if bodies.push_each_other(pair) && is_awake(pair) {
-            scratch.pairs.push(MarginPair { bodies: pair, margin });
+    scratch.step += u64::from(number == 0);
+    for pair in near_pairs {
+        if bodies.push_each_other(pair.bodies) && is_awake(pair.bodies) {
+            scratch
+                .pairs
+                .push(wanted_points(number, scratch.step, config, bodies, pair));
         }
     }
     std::mem::swap(manifolds, &mut scratch.before);
@@ -71,6 +75,35 @@ pub(crate) fn find(
     cpu::run_some(bodies, meshes, &scratch.pairs, waits, &mut scratch.meshes, manifolds);
     let wanted = |pair| is_awake(pair) && wanted(pair);
     planes::find(bodies, meshes, planes, config, wanted, &mut scratch.planes, manifolds);
+}
+
+/// How the points of a near pair are found in collision substep `number`. A pair that is slow for its group gets a wider margin,
+/// so that its points last for as many collision substeps as its surfaces need to move by
+/// [`SolverSettings::collision_substep_travel`](crate::types::solver_settings::SolverSettings::collision_substep_travel).
+fn wanted_points(number: u32, step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair) -> Wanted {
+    let &NearPair {
+        bodies: pair, margin, ..
+    } = near;
+    let [a, b] = pair.map(|i| i as usize);
+    let count = config.dt / bodies.travel_time[a].max(bodies.travel_time[b]);
+    let left = count.round() - number as f32;
+    let at_rest = SpeculativeMargins::AtRest.of_pair(bodies, config, pair);
+    let travel = margin - at_rest;
+    let most = config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
+    let reuse = (count.is_finite() && count > 1.5 && travel < most).then(|| Reuse {
+        step,
+        margin,
+        travel: most - travel,
+    });
+    let margin = if reuse.is_some() && left > 1.5 {
+        at_rest + (left * travel).min(most)
+    } else {
+        margin
+    };
+    Wanted {
+        pair: MarginPair { bodies: pair, margin },
+        reuse,
+    }
 }
 
 /// Adds the manifolds that inactive pairs had in the last collision substep. Plane `i` has the number `first_plane +

@@ -116,21 +116,9 @@ fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, offsets: [Vec3;
         return Point::NONE;
     }
     let [a, b] = manifold.anchors;
-    let outward = [manifold.normal, -manifold.normal];
-    let curvature_centers = [0, 1].map(|side| {
-        let (anchor, radius) = (manifold.anchors[side], manifold.curvature_radii[side]);
-        // No deeper than the collider's centre of mass. For a ball that is exactly its centre of curvature.
-        let max_depth = (anchor - offsets[side]).dot(outward[side]).max(0.0);
-        let depth = if radius < f32::INFINITY {
-            radius.min(max_depth)
-        } else {
-            0.0
-        };
-        Vec3A::from(anchor - depth * outward[side])
-    });
     Point {
         anchors: manifold.anchors.map(Vec3A::from),
-        curvature_centers,
+        curvature_centers: manifold.curvature_centers(offsets).map(Vec3A::from),
         contact_fraction: contact_fraction(manifold.curvature_radii),
         anchor_offset: (center_offset + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
         initial_normal: manifold.normal.into(),

@@ -160,6 +160,23 @@ impl ManifoldPoint {
         }
     }
 
+    /// From the centre of mass of each body to the centre of curvature below its anchor, world axes, metres. For a flat
+    /// surface it is the anchor. `offsets` lead from the bodies' centres of mass to those of their colliders.
+    pub(crate) fn curvature_centers(&self, offsets: [Vec3; 2]) -> [Vec3; 2] {
+        let outward = [self.normal, -self.normal];
+        [0, 1].map(|side| {
+            let (anchor, radius) = (self.anchors[side], self.curvature_radii[side]);
+            // No deeper than the collider's centre of mass. For a ball that is exactly its centre of curvature.
+            let max_depth = (anchor - offsets[side]).dot(outward[side]).max(0.0);
+            let depth = if radius < f32::INFINITY {
+                radius.min(max_depth)
+            } else {
+                0.0
+            };
+            anchor - depth * outward[side]
+        })
+    }
+
     /// The reported form of the point; `center` is the first body's centre of mass.
     pub(crate) fn in_world(&self, center: Vec3, impulse: f32) -> ContactPoint {
         ContactPoint {

@@ -183,6 +183,7 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
         }
         Part::TestTriangles => test_triangles(input, results, scratch),
         Part::FindContactPoints => manifolds::step::find(
+            number,
             &config,
             &input.bodies,
             &input.meshes,

@@ -3,5 +3,6 @@
 mod data;
 mod exact;
 mod fine;
+mod known;
 mod oracle_itself;
 mod properties;

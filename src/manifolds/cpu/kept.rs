@@ -1,6 +1,7 @@
 //! What a pair keeps from one call to the next: its candidates, and the pose in which they were found.
 
 use super::candidates::{Candidates, FRACTIONS};
+use super::moved::Found;
 use super::pair::Pair;
 use super::search::{Search, Slack, Wanted, Window};
 use crate::geometry::features::MeshFeatures;
@@ -37,6 +38,8 @@ pub struct Kept {
     pub deep: KeptCandidates,
     /// Neither body contained the other in the pose in which `near` was found, and surfaces did not cross.
     pub was_apart: bool,
+    /// The contact points, for the later collision substeps of the same step.
+    pub found: Found,
 }
 
 /// Candidates with the motion in which they are valid.
@@ -78,7 +81,7 @@ struct Recent {
 
 /// The pose of a pair's second body relative to the first.
 #[derive(Clone, Debug)]
-struct RelativePose {
+pub struct RelativePose {
     meshes: [Weak<MeshFeatures>; 2],
     scales: [Vec3; 2],
     /// Rotation and centre of mass of the second body in the first one's axes.
@@ -124,6 +127,7 @@ impl Kept {
     }
 
     fn begin(&mut self, slack_limit: Option<f64>) {
+        self.found.clear();
         for kept in [&mut self.near, &mut self.deep] {
             (kept.found_at, kept.slack_limit, kept.is_large) = (None, slack_limit, false);
         }
@@ -131,7 +135,8 @@ impl Kept {
 }
 
 impl RelativePose {
-    fn of(pair: &Pair) -> Self {
+    /// That of a pair.
+    pub fn of(pair: &Pair) -> Self {
         Self {
             meshes: pair.sides.each_ref().map(|side| Arc::downgrade(side.mesh.features())),
             scales: pair.sides.each_ref().map(|side| side.scale),
@@ -142,7 +147,7 @@ impl RelativePose {
 
     /// Upper bound of the motion since then of the points of one body near the other, relative to it, metres; `None` if
     /// these are other bodies. `reach` bounds how far near points are apart.
-    fn motion_to(&self, pair: &Pair, reach: f64) -> Option<f64> {
+    pub fn motion_to(&self, pair: &Pair, reach: f64) -> Option<f64> {
         let same = (0..2).all(|i| {
             let side = &pair.sides[i];
             self.scales[i] == side.scale && std::ptr::eq(self.meshes[i].as_ptr(), Arc::as_ptr(side.mesh.features()))

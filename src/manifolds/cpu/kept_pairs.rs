@@ -1,7 +1,6 @@
 //! What all pairs of a step keep, by their bodies.
 
 use super::kept::Kept;
-use crate::manifolds::MarginPair;
 use std::cmp::Reverse;
 
 /// What each pair of the last call keeps.
@@ -30,12 +29,16 @@ pub struct KeptPair {
 impl KeptPairs {
     /// What these pairs keep, one for each, in their order. Pairs are ascending. What other pairs keep is dropped, unless
     /// they are to wait.
-    pub fn of(&mut self, pairs: &[MarginPair], waits: impl Fn([u32; 2]) -> bool) -> &mut [KeptPair] {
+    pub fn of(
+        &mut self,
+        pairs: impl Iterator<Item = [u32; 2]> + Clone,
+        waits: impl Fn([u32; 2]) -> bool,
+    ) -> &mut [KeptPair] {
         if !self.waiting.is_empty() {
             self.pairs.append(&mut self.waiting);
             self.pairs.sort_unstable_by_key(|pair| pair.bodies);
         }
-        let mut now = pairs.iter().map(|pair| pair.bodies).peekable();
+        let mut now = pairs.clone().peekable();
         for mut old in self.pairs.drain(..) {
             while now.next_if(|&bodies| bodies < old.bodies).is_some() {}
             let is_left = now.next_if_eq(&old.bodies).is_some();
@@ -51,7 +54,7 @@ impl KeptPairs {
         }
         self.free.sort_unstable_by_key(|free| Reverse(free.number));
         let mut before = self.before.drain(..).peekable();
-        for &MarginPair { bodies, .. } in pairs {
+        for bodies in pairs {
             let same = before.next_if(|old| old.bodies == bodies);
             let or_free = same.or_else(|| {
                 let mut free = self.free.pop()?;
