@@ -185,7 +185,8 @@
 //!   normal.
 //! * **Bias passes** push overlapping bodies apart, **relax passes** then remove the velocity that this added. A pass is
 //!   projected Gauss-Seidel over the pairs of an island, with an extrapolation between passes, until the
-//!   velocities have converged. Large islands get fewer passes. Heavy loads get more substeps.
+//!   velocities have converged. Large islands get fewer passes. Heavy loads get more substeps. Pairs are coloured, and pairs
+//!   of one colour have no moving body in common, so that several are solved at once.
 //! * **Friction** stays within Coulomb's cone. In a flat patch it acts over the area and not at the corners.
 //! * **Impacts** are resolved in the substep in which they happen, for all contacts of the island at once.
 //! * A pair that overlaps deeply when it first meets is pushed apart along the line of centres.
@@ -209,7 +210,7 @@
 //! | | CPU | GPU |
 //! |---|---|---|
 //! | order of the stages | one list, which both run | the same list |
-//! | work is shared out | over pairs, and over islands, on a thread pool; small stages on one thread | a workgroup for each pair; for each island one, which colours its pairs and solves those of a colour at once |
+//! | work is shared out | over pairs, and over islands, on a thread pool; small stages on one thread; the solver computes eight pairs of an island in one vector | a workgroup for each pair; for each island one, which colours its pairs and solves those of a colour at once |
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |

@@ -177,6 +177,12 @@ pub fn boxes_meet<S: Simd>(min_a: Points<S>, max_a: Points<S>, min_b: Points<S>,
     all_le(min_a, max_b) & all_le(min_b, max_a)
 }
 
+/// The lanes whose bits are set.
+#[inline(always)]
+pub fn lanes<S: Simd>(simd: S, bits: u32) -> mask32x8<S> {
+    mask32x8::from_bitmask(simd, bits.into())
+}
+
 /// One bit per lane.
 #[inline(always)]
 pub fn bitmask<S: Simd>(mask: mask32x8<S>) -> u32 {

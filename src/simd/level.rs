@@ -135,8 +135,8 @@ mod tests {
     use super::baseline;
     use crate::geometry::lanes::Stored;
     use crate::simd::lanes::{
-        Points, Rows, Select, Simd, SimdBase, SimdFloat, bitmask, boxes_meet, cross, dot, largest, least, load, norm1,
-        splat, store,
+        Points, Rows, Select, Simd, SimdBase, SimdFloat, bitmask, boxes_meet, cross, dot, lanes, largest, least, load,
+        norm1, splat, store,
     };
     use glam::{Mat3, Vec3};
 
@@ -178,7 +178,7 @@ mod tests {
             [dot(p, q), norm1(p), least(q)],
             cross(p, q),
             rows.times(p),
-            [largest(p), a, b],
+            [largest(p), a.copysign(b), lanes(simd, 0b1010_0110).select(a, b)],
         ];
         let combined = [
             less & more_or_equal,

@@ -1,8 +1,10 @@
 //! All contact constraints of a collision substep in flat lists, and the parallel loop over their islands.
 
+use super::batch::{Batch, Batches, PointLanes};
 use super::bodies::SolverBodies;
+use super::colors::{BatchSize, Colors};
 use super::contact::{Pair, Point};
-use super::islands::{Island, Islands, Mobility};
+use super::islands::{Island, IslandPair, Islands, Mobility};
 use super::motion::{BodyStates, StatesMut};
 use super::pace::Pace;
 use super::warm_start::{SavedPair, WarmStart};
@@ -24,6 +26,11 @@ pub(super) struct Constraints {
     /// In the order of the islands.
     pairs: Vec<Pair>,
     points: Vec<Point>,
+    /// The pairs in lanes, and their points.
+    batches: Vec<Batch>,
+    lanes: Vec<PointLanes>,
+    colors: Colors,
+    batch_sizes: Vec<BatchSize>,
     /// The bodies of each manifold; `None` if it is not solved.
     solved: Vec<Option<[u32; 2]>>,
     /// For each point of the manifolds its number among `points`; `u32::MAX` if it is not solved.
@@ -40,6 +47,8 @@ pub(super) struct IslandsMut<'a> {
     pub states: StatesMut<'a>,
     pub pairs: &'a mut [Pair],
     pub points: &'a mut [Point],
+    pub batches: &'a mut [Batch],
+    pub lanes: &'a mut [PointLanes],
 }
 
 impl Constraints {
@@ -100,8 +109,27 @@ impl Constraints {
         }));
         self.islands.build(mobility, paces, &self.solved);
         self.states.resize(self.islands.bodies.len());
+        self.add_batches(manifolds);
         self.add_pairs(manifolds);
         self.find_unsolved(bodies, manifolds, warm);
+    }
+
+    /// Sorts the pairs of each island by batches, and makes room for these.
+    fn add_batches(&mut self, manifolds: &Manifolds) {
+        self.batch_sizes.clear();
+        let points_of = |pair: &IslandPair| manifolds.pairs[pair.number as usize].point_count;
+        let Islands { list, pairs, .. } = &mut self.islands;
+        for island in list {
+            let first = self.batch_sizes.len();
+            let pairs = &mut pairs[island.pairs.clone()];
+            self.colors
+                .sort(pairs, island.movable, points_of, &mut self.batch_sizes);
+            island.batches = first..self.batch_sizes.len();
+        }
+        self.batches.clear();
+        self.batches.extend(self.batch_sizes.iter().copied().map(Batch::new));
+        let points: u32 = self.batch_sizes.iter().map(|size| size.points).sum();
+        self.lanes.resize(points as usize, PointLanes::default());
     }
 
     fn add_pairs(&mut self, manifolds: &Manifolds) {
@@ -176,6 +204,8 @@ impl Constraints {
             states: self.states.resize(self.islands.bodies.len()),
             pairs: &mut self.pairs,
             points: &mut self.points,
+            batches: &mut self.batches,
+            lanes: &mut self.lanes,
         };
         let bodies = &self.islands.bodies;
         all.for_each(&|island, data| f(&bodies[island.slots.clone()], data));
@@ -183,13 +213,35 @@ impl Constraints {
 }
 
 impl IslandsMut<'_> {
-    /// Calls `f` with every pair, its points and the states of all bodies, in order.
-    pub fn for_each_pair(&mut self, mut f: impl FnMut(&mut Pair, &mut [Point], &mut StatesMut)) {
+    /// Every pair and its points, in order.
+    pub fn pairs_with_points(&mut self) -> impl Iterator<Item = (&mut Pair, &mut [Point])> {
         let mut points = &mut self.points[..];
-        for pair in self.pairs.iter_mut() {
-            let (own, others) = points.split_at_mut(pair.count as usize);
+        self.pairs.iter_mut().map(move |pair| {
+            let (own, others) = std::mem::take(&mut points).split_at_mut(pair.count as usize);
             points = others;
-            f(pair, own, &mut self.states);
+            (pair, own)
+        })
+    }
+
+    /// Loads all pairs and points into the lanes of batches.
+    pub fn load_batches(&mut self) {
+        let (mut pairs, mut points) = (&*self.pairs, &*self.points);
+        for (batch, lanes) in Batches::new(self.batches, self.lanes) {
+            let (own_pairs, own_points);
+            (own_pairs, pairs) = pairs.split_at(batch.pairs);
+            (own_points, points) = points.split_at(batch.all_points);
+            batch.load(own_pairs, own_points, lanes, self.states.masses);
+        }
+    }
+
+    /// Stores what the substeps have changed in the points.
+    pub fn store_batches(&mut self) {
+        let (mut pairs, mut points) = (&*self.pairs, &mut self.points[..]);
+        for (batch, lanes) in Batches::new(self.batches, self.lanes) {
+            let (own_pairs, own_points);
+            (own_pairs, pairs) = pairs.split_at(batch.pairs);
+            (own_points, points) = points.split_at_mut(batch.all_points);
+            batch.store(own_pairs, own_points, lanes);
         }
     }
 
@@ -229,21 +281,29 @@ impl IslandsMut<'_> {
             .pairs
             .get(pairs)
             .map_or(self.points.len(), |pair| (pair.first - first_point) as usize);
+        let batches = first[middle - 1].batches.end - first[0].batches.start;
+        let lanes = self.batches[..batches].iter().map(|batch| batch.points).sum();
         let (states, more_states) = self.states.split_at(slots);
         let (pairs, more_pairs) = self.pairs.split_at_mut(pairs);
         let (points, more_points) = self.points.split_at_mut(points);
+        let (batches, more_batches) = self.batches.split_at_mut(batches);
+        let (lanes, more_lanes) = self.lanes.split_at_mut(lanes);
         (
             Self {
                 islands: first,
                 states,
                 pairs,
                 points,
+                batches,
+                lanes,
             },
             Self {
                 islands: second,
                 states: more_states,
                 pairs: more_pairs,
                 points: more_points,
+                batches: more_batches,
+                lanes: more_lanes,
             },
         )
     }

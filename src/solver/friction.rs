@@ -1,26 +1,32 @@
 //! Friction: tangential impulses within Coulomb's cone.
 
-use super::contact::Point;
-use super::solve::PairVelocities;
+use super::batch::PointLanes;
+use super::velocities::PairVelocities;
+use crate::simd::lanes::{Select, Simd, SimdBase, SimdFloat, bitmask, f32x8, load};
 
-/// The friction impulse that stops the sliding at a point, clamped to the length `limit`.
+/// The friction impulses that stop the sliding at a point, clamped to the length `limit`.
 ///
-/// If the point `keeps_place`, it is at rest in the mean of the substep: a body on a turntable moves straight on while
-/// what is below it moves along an arc. Otherwise it would creep out by 1 mm/s at 1 rad/s and 1 m/s.
-pub(super) fn friction_impulse(velocities: &PairVelocities, point: &Point, limit: f32, keeps_place: bool) -> [f32; 2] {
-    let [_, k] = point.inverse_effective_mass;
-    if k <= 0.0 {
-        return point.friction_impulse;
+/// In passes with bias velocity a point is at rest in the mean of the substep: its drift counts as sliding. A body on a
+/// turntable moves straight on while what is below it moves along an arc. Otherwise it would creep out by 1 mm/s at 1 rad/s
+/// and 1 m/s.
+#[inline(always)]
+pub(super) fn friction_impulse<S: Simd>(
+    simd: S,
+    velocities: &PairVelocities<S>,
+    point: &PointLanes,
+    limit: f32x8<S>,
+) -> [f32x8<S>; 2] {
+    let response = load(simd, &point.aim.friction_response);
+    let [along_t, along_u] = [velocities.along(&point.rows[1]), velocities.along(&point.rows[2])];
+    let [t, u] = &point.friction_impulse;
+    let [speed_t, speed_u] = &point.aim.surface_speed;
+    let t = load(simd, t) - (along_t + load(simd, speed_t)) * response;
+    let u = load(simd, u) - (along_u + load(simd, speed_u)) * response;
+    let square = t * t + u * u;
+    let slides = square.simd_gt(limit * limit);
+    if bitmask(slides) == 0 {
+        return [t, u];
     }
-    let unclamped = [0, 1].map(|d| {
-        let offset = if keeps_place { point.drift } else { point.surface_speed };
-        let sliding = velocities.along(&point.rows[d + 1]) + offset[d];
-        point.friction_impulse[d] - sliding / k
-    });
-    let square = unclamped[0] * unclamped[0] + unclamped[1] * unclamped[1];
-    if square > limit * limit {
-        unclamped.map(|impulse| impulse * (limit / square.sqrt()))
-    } else {
-        unclamped
-    }
+    let factor = limit / square.sqrt();
+    [slides.select(t * factor, t), slides.select(u * factor, u)]
 }

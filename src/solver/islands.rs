@@ -1,8 +1,5 @@
 //! Islands: sets of bodies that contacts connect. No two islands share a body that impulses move, so each is solved on
 //! its own.
-//!
-//! Pairs with a body that impulses do not move come last in an island: what is solved last is satisfied best, and nothing
-//! may be pressed through what is static.
 
 use super::pace::Pace;
 use crate::geometry::union_find::UnionFind;
@@ -10,8 +7,6 @@ use std::ops::Range;
 
 /// In place of an island, a slot or a pair that does not exist.
 const NONE: u32 = u32::MAX;
-/// Marks the pairs of an island that come last.
-const LAST: u32 = 1 << 31;
 /// Bodies without contacts per island.
 const FREE_BODIES: usize = 256;
 
@@ -19,7 +14,11 @@ const FREE_BODIES: usize = 256;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Island {
     pub slots: Range<usize>,
+    /// How many of the first slots have bodies that impulses move.
+    pub movable: u32,
     pub pairs: Range<usize>,
+    /// The batches of its pairs, once there are some.
+    pub batches: Range<usize>,
 }
 
 /// A pair of an island.
@@ -59,13 +58,12 @@ pub(super) struct Islands {
     pub bodies: Vec<u32>,
     /// The first slot of bodies without contacts. Every body that moves without impulses has one there.
     pub first_free: usize,
-    /// The pairs of all islands, in the order in which they are solved.
+    /// The pairs of all islands.
     pub pairs: Vec<IslandPair>,
     trees: Trees,
     /// The slot of each body, from the first slot of all.
     slots: Vec<u32>,
-    /// Bodies, and pairs, sorted by island: the island in the upper half. The highest bit of the lower half marks pairs
-    /// that come last.
+    /// Bodies, and pairs, sorted by island: the island in the upper half.
     sorted_bodies: Vec<u64>,
     sorted_pairs: Vec<u64>,
 }
@@ -85,9 +83,7 @@ impl Islands {
         self.sorted_pairs.clear();
         for (number, [a, b]) in numbered() {
             let island = self.trees.number(if is_movable(a) { a } else { b });
-            let last = if is_movable(a) && is_movable(b) { 0 } else { LAST };
-            self.sorted_pairs
-                .push(u64::from(island) << 32 | u64::from(number | last));
+            self.sorted_pairs.push(u64::from(island) << 32 | u64::from(number));
         }
         self.sorted_pairs.sort_unstable();
         self.sorted_bodies.clear();
@@ -107,13 +103,14 @@ impl Islands {
         let mut first = 0;
         while first < self.sorted_pairs.len() {
             let island = self.sorted_pairs[first] >> 32;
-            let start = self.start();
+            let mut start = self.start();
             while let Some(&body) = self.sorted_bodies.get(bodies).filter(|&body| body >> 32 == island) {
                 self.slot(body as u32, start.slots.start);
                 bodies += 1;
             }
+            start.movable = (self.bodies.len() - start.slots.start) as u32;
             while let Some(&member) = self.sorted_pairs.get(first).filter(|&pair| pair >> 32 == island) {
-                let number = member as u32 & !LAST;
+                let number = member as u32;
                 let pair = pairs[number as usize].expect("only pairs that exist are sorted");
                 let slots = pair.map(|body| self.slot(body, start.slots.start));
                 self.pairs.push(IslandPair { number, slots });
@@ -129,6 +126,7 @@ impl Islands {
         Island {
             slots: self.bodies.len()..self.bodies.len(),
             pairs: self.pairs.len()..self.pairs.len(),
+            ..Island::default()
         }
     }
 
@@ -166,6 +164,7 @@ impl Islands {
                 self.list.push(Island {
                     slots: end..end + bodies.len(),
                     pairs: self.pairs.len()..self.pairs.len(),
+                    ..Island::default()
                 });
                 end += bodies.len();
             }

@@ -3,9 +3,12 @@
 //! A contact gives way by a distance that is proportional to its load, and to the square of the length of a substep. A
 //! heavy body on a light one would press it flat; with shorter substeps the springs are stiffer.
 
+use super::batch::Batches;
 use super::constraints::IslandsMut;
 use super::pace::Pace;
 use super::prepare::Source;
+use crate::simd::lanes::lane_of;
+use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// A contact at rest may give way by this fraction of D: a little more than the gap that it keeps.
@@ -19,35 +22,39 @@ pub(super) const POINT_BUDGET: f32 = 2000.0;
 pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source, pace: Pace) -> u32 {
     let h = pace.h();
     let stiffness = (TAU * source.settings.frequency / h).powi(2);
-    let gravity = source.gravity.into();
+    let gravity = Vec3::from(source.gravity);
     let mut compression = 0.0f32;
-    island.for_each_pair(|pair, points, states| {
-        if pair.depenetrating {
-            return;
-        }
-        let inverse_masses = pair
-            .slots
-            .map(|slot| states.masses[slot as usize].inverse_mass.max_element());
-        for point in points.iter().filter(|point| point.valid) {
-            // Acceleration of the bodies by the load.
-            let load = if point.normal_impulse > 0.0 {
-                point.normal_impulse * point.inverse_effective_mass[0] / h
-            } else if !pair.known && point.separation <= pair.rest_offset {
-                // The load is not known yet. The upper body rests on the lower one with at least its own weight.
-                let down = -point.normal().dot(gravity);
-                let upper = usize::from(down > 0.0);
-                let weight = down.abs() / inverse_masses[upper];
-                if weight.is_finite() {
-                    weight * (inverse_masses[0] + inverse_masses[1])
+    let mut pairs = island.pairs.iter();
+    for (batch, points) in Batches::new(island.batches, island.lanes) {
+        for (lane, pair) in pairs.by_ref().take(batch.pairs).enumerate() {
+            if pair.depenetrating {
+                continue;
+            }
+            let inverse_masses = pair
+                .slots
+                .map(|slot| island.states.masses[slot as usize].inverse_mass.max_element());
+            for point in points.iter().filter(|point| point.valid >> lane & 1 == 1) {
+                // Acceleration of the bodies by the load.
+                let impulse = point.normal_impulse.0[lane];
+                let load = if impulse > 0.0 {
+                    impulse * point.inverse_effective_mass[0].0[lane] / h
+                } else if !pair.known && point.separation.0[lane] <= pair.rest_offset {
+                    // The load is not known yet. The upper body rests on the lower one with at least its own weight.
+                    let down = -lane_of(&point.rows[0].direction, lane).dot(gravity);
+                    let upper = usize::from(down > 0.0);
+                    let weight = down.abs() / inverse_masses[upper];
+                    if weight.is_finite() {
+                        weight * (inverse_masses[0] + inverse_masses[1])
+                    } else {
+                        0.0
+                    }
                 } else {
                     0.0
-                }
-            } else {
-                0.0
-            };
-            compression = compression.max(load / (stiffness * MAX_COMPRESSION * pair.diameter));
+                };
+                compression = compression.max(load / (stiffness * MAX_COMPRESSION * pair.diameter));
+            }
         }
-    });
+    }
     let most = (POINT_BUDGET / island.points.len() as f32).clamp(1.0, MAX_FACTOR);
     compression.sqrt().clamp(1.0, most).ceil() as u32
 }

@@ -5,13 +5,15 @@
 //! runs relax passes that remove the velocity the bias added, and resolves impacts.
 //!
 //! Bodies that contacts connect form an island. A pass is projected Gauss-Seidel over the pairs of an island with an
-//! extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent.
+//! extrapolation between passes, until the velocities have converged; see `substep`. Islands are independent. Pairs of an
+//! island are coloured, and pairs of one colour, which have no body in common that impulses move, are solved at once.
 //!
 //! On the CPU an island is solved by one thread: its passes are so short that threads would wait for each other longer
-//! than they compute. So the result has the same bits for any number of threads.
+//! than they compute. It solves up to eight pairs at once, one in each lane of vector instructions; see `batch`. The result
+//! has the same bits for any number of threads and any set of vector instructions.
 //!
-//! On the GPU an island is solved by one workgroup, in one dispatch. Its pairs are coloured, and pairs of one colour are
-//! solved at once. CPU and GPU visit pairs in another order, and so differ within the tolerance of convergence.
+//! On the GPU an island is solved by one workgroup, in one dispatch. CPU and GPU visit pairs in another order, and so differ
+//! within the tolerance of convergence.
 //!
 //! | file | contents |
 //! |---|---|
@@ -22,12 +24,17 @@
 //! | `motion` | velocities and poses of bodies during a collision substep, and their integration |
 //! | `body_constants` | properties of a body that are constant during a collision substep; free rotation |
 //! | `contact` | the contact constraint of one pair |
+//! | `colors` | which pairs of an island are solved at once |
+//! | `batch` | pairs and points in lanes |
 //! | `constraints` | all constraints, and the parallel loop over their islands |
 //! | `prepare` | how constraints are made from manifolds |
 //! | `patch` | where friction acts between flat surfaces |
 //! | `load` | how many substeps an island needs |
 //! | `substep` | a collision substep of one island |
-//! | `solve` | one pass over one pair |
+//! | `points` | how contact points move with their bodies |
+//! | `pass` | what passes aim at |
+//! | `solve` | the passes over one batch |
+//! | `velocities` | velocities of the bodies of a batch, and how impulses change them |
 //! | `friction` | friction impulses |
 //! | `restitution` | impacts |
 //! | `softness` | the contact spring |
@@ -39,8 +46,10 @@
 //! [`SolverSettings`] has the parameters. Half-spaces take part as static bodies.
 
 mod adapter;
+mod batch;
 pub mod bodies;
 mod body_constants;
+mod colors;
 mod constraints;
 mod contact;
 mod friction;
@@ -53,13 +62,16 @@ mod loaded;
 mod motion;
 mod overlap;
 mod pace;
+mod pass;
 mod patch;
+mod points;
 mod prepare;
 mod restitution;
 pub(crate) mod softness;
 mod solve;
 pub mod speeds;
 mod substep;
+mod velocities;
 pub mod warm_start;
 
 #[cfg(any(feature = "bevy", feature = "gpu"))]

@@ -31,10 +31,7 @@ pub(super) fn spread_friction(points: &mut [Point], diameter: f32) {
         let origin = points[first];
         let plane = |point: &Point| {
             let offset = point.anchors[0] - origin.anchors[0];
-            Vec2::new(
-                offset.dot(origin.rows[1].direction),
-                offset.dot(origin.rows[2].direction),
-            )
+            Vec2::new(offset.dot(origin.frame[1]), offset.dot(origin.frame[2]))
         };
         let mut members = 0u64;
         let mut positions = Outline::new();
@@ -49,7 +46,7 @@ pub(super) fn spread_friction(points: &mut [Point], diameter: f32) {
         let Some((center, scale)) = friction_circle(&outline) else {
             continue;
         };
-        let [t, u] = [origin.rows[1].direction, origin.rows[2].direction];
+        let [t, u] = [origin.frame[1], origin.frame[2]];
         for (i, point) in points.iter_mut().enumerate().take(count).skip(first) {
             if members >> i & 1 == 1 {
                 let position = plane(point);

@@ -1,7 +1,7 @@
 //! How contact constraints are made from manifolds and from the impulses of the last collision substep.
 
 use super::bodies::SolverBodies;
-use super::contact::{Pair, Point, Row};
+use super::contact::{Pair, Point, frame};
 use super::islands::Mobility;
 use super::motion::unit;
 use super::overlap::{self, Overlap};
@@ -100,7 +100,7 @@ impl Source<'_> {
                 point.touched = impulse > 0.0;
                 // This impulse belongs to the last collision substep, so it does not count in this one's total.
                 point.total_normal_impulse = -impulse;
-                point.friction_impulse = [1, 2].map(|i| point.rows[i].direction.dot(friction.into()));
+                point.friction_impulse = [1, 2].map(|i| point.frame[i].dot(friction.into()));
             }
         }
     }
@@ -121,9 +121,8 @@ fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, offsets: [Vec3;
         curvature_centers: manifold.curvature_centers(offsets).map(Vec3A::from),
         contact_fraction: contact_fraction(manifold.curvature_radii),
         anchor_offset: (center_offset + b.as_dvec3() - a.as_dvec3()).as_vec3a(),
-        initial_normal: manifold.normal.into(),
         normal_rotation: manifold.normal_rotation,
-        rows: Row::frame(manifold.normal),
+        frame: frame(manifold.normal),
         initial_separation: manifold.separation - rest_offset,
         valid: true,
         ..Point::NONE
@@ -133,7 +132,7 @@ fn contact_point(manifold: &ManifoldPoint, center_offset: DVec3, offsets: [Vec3;
 /// The only active point of a pair in deep penetration. Its impulses act at the centres of mass.
 fn depenetration_point(normal: Vec3, separation: f32) -> Point {
     Point {
-        rows: Row::frame(normal),
+        frame: frame(normal),
         initial_separation: separation,
         valid: true,
         ..Point::NONE

@@ -59,6 +59,15 @@ impl Game {
         self
     }
 
+    /// Bodies bounce however slowly they meet.
+    pub fn with_all_bounces(mut self) -> Self {
+        self.app.insert_resource(SolverSettings {
+            restitution_threshold: 0.0,
+            ..default()
+        });
+        self
+    }
+
     pub fn world(&mut self) -> &mut World {
         self.app.world_mut()
     }
