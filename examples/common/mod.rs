@@ -33,6 +33,10 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 #[derive(Component)]
 pub struct NotReady;
 
+/// The window gives this collider no visible mesh: the example draws it.
+#[derive(Component)]
+pub struct DrawnByExample;
+
 /// Where the window's camera is at the start, and the point that it looks at and turns about. In metres.
 ///
 /// An example inserts its own. Without a window it does nothing.
@@ -161,8 +165,11 @@ pub fn app_with(title: &str, steps: u32, step: StepPlugin) -> App {
 fn run_headless(mut app: App, steps: u32) -> AppExit {
     app.finish();
     app.cleanup();
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     loop {
+        // Where kernels are compiled in the background, only a step notices that they are there. Nothing moves before that.
+        let is_opening = matches!(app.world().resource(), ActiveBackend::Opening);
+        let time = if is_opening { STEP } else { Duration::ZERO };
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
         app.update();
         if let Some(exit) = app.should_exit() {
             return exit;

@@ -1,6 +1,6 @@
 //! The window of the examples: camera, lights, a visible mesh for every body and a ground for every plane below.
 
-use super::{Help, NotReady, Options, View, gif};
+use super::{DrawnByExample, Help, NotReady, Options, View, gif};
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::Hdr;
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -41,6 +41,10 @@ pub fn open(app: &mut App, title: &str, step: StepPlugin) {
         synchronous_pipeline_compilation: is_recorded || options.screenshot.is_some(),
         ..default()
     };
+    let interpolation = InterpolationPlugin {
+        // Components of bodies that stay on the GPU do not follow them.
+        interpolate_all: step.readback != Readback::Resident,
+    };
     app.add_plugins((
         DefaultPlugins.set(render).set(WindowPlugin {
             primary_window: Some(Window {
@@ -50,7 +54,7 @@ pub fn open(app: &mut App, title: &str, step: StepPlugin) {
             }),
             ..default()
         }),
-        FaceoffPlugins { step }.set(InterpolationPlugin::interpolate_all()),
+        FaceoffPlugins { step }.set(interpolation),
         FaceoffGizmosPlugin,
         FaceoffPanelPlugin {
             panel: FaceoffPanel::hidden(),
@@ -241,7 +245,7 @@ fn glass() -> StandardMaterial {
 fn dress(
     mut commands: Commands,
     mut wardrobe: Local<Wardrobe>,
-    bare: Query<(Entity, &MeshCollider, Has<Sensor>), Without<Mesh3d>>,
+    bare: Query<(Entity, &MeshCollider, Has<Sensor>), (Without<Mesh3d>, Without<DrawnByExample>)>,
     bodies: Query<&RigidBody>,
     parents: Query<&ChildOf>,
     baked: Res<Assets<CollisionMesh>>,
@@ -337,7 +341,15 @@ fn checkered(count: u32) -> Mesh {
 }
 
 /// What is not visible yet.
-pub type Waiting<'w, 's> = Query<'w, 's, (), Or<(With<NotReady>, (With<MeshCollider>, Without<Mesh3d>))>>;
+pub type Waiting<'w, 's> = Query<
+    'w,
+    's,
+    (),
+    Or<(
+        With<NotReady>,
+        (With<MeshCollider>, Without<Mesh3d>, Without<DrawnByExample>),
+    )>,
+>;
 
 /// Ends the app after `--frames` frames, counted from when all bodies are visible.
 fn count_frames(

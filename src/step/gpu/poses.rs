@@ -8,6 +8,10 @@ use wgpu::Buffer;
 /// smooth at any frame rate, up to one step behind, although components stay as they were. [`Poses::WGSL`] has the
 /// functions for that. A collider that was placed appears at its new place at once.
 ///
+/// The next step overwrites both buffers, and growing worlds replace them. With Bevy's pipelined rendering the next step
+/// may run before this frame is drawn: copy the buffers on the GPU when the frame is extracted, as the example `swarm`
+/// does.
+///
 /// ```
 /// use bevy_faceoff::plugin::Poses;
 ///
