@@ -31,6 +31,7 @@ use bevy_faceoff::step::gpu::results::Detail;
 use bevy_faceoff::step::gpu::upload::Carried;
 use bevy_faceoff::step::gpu::{GpuStep, StepError};
 use bevy_faceoff::types::gpu_work::{GpuList, GpuWork};
+use bevy_faceoff::types::kernel_cache::KernelCache;
 use bevy_faceoff::types::settings::Response;
 use bevy_faceoff::types::stage::Stage;
 use glam::{Quat, Vec3};
@@ -40,7 +41,7 @@ const RESPONSES: [Response; 3] = [Response::Impulse, Response::None, Response::C
 
 fn main() {
     let has = |option: &str| std::env::args().any(|argument| argument == option);
-    let opened = device::open(true);
+    let opened = device::open(true, &KernelCache::Off);
     let opened = if has("--kernels") {
         opened.and_then(Gpu::with_kernel_times)
     } else {

@@ -132,6 +132,7 @@ pub mod prelude {
         LockedAxes, RigidBody, Sleeping,
     };
     pub use crate::types::hooks::ActiveCollisionHooks;
+    pub use crate::types::kernel_cache::KernelCache;
     pub use crate::types::limits::StepLimits;
     pub use crate::types::material::{CombineRule, Friction, Restitution};
     pub use crate::types::settings::{Culling, Response};

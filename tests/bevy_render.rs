@@ -73,6 +73,7 @@ fn faceoff(backend: Backend, readback: Readback) -> FaceoffPlugins {
             backend,
             threads,
             readback,
+            ..default()
         },
     }
 }

@@ -2,7 +2,9 @@
 
 use super::kernel::Kernels;
 use super::kernel_timer::KernelTimer;
+use super::pipeline_cache::StoredKernels;
 use super::readback::{alive, wait};
+use crate::types::kernel_cache::KernelCache;
 use std::sync::Arc;
 use thiserror::Error;
 use wgpu::{Adapter, AdapterInfo, Backends, Device, DeviceType, Features, InstanceFlags, Limits, Queue};
@@ -23,6 +25,8 @@ pub struct Gpu {
     pub(super) validates_indirect: bool,
     /// Each is compiled once, by the first that needs it.
     pub(super) kernels: Kernels,
+    /// The same on disk.
+    pub(super) stored: Option<StoredKernels>,
     /// For benches.
     pub(super) kernel_timer: Option<Arc<KernelTimer>>,
 }
@@ -36,8 +40,14 @@ impl Gpu {
             info,
             validates_indirect: flags.contains(InstanceFlags::VALIDATION_INDIRECT_CALL),
             kernels: Kernels::default(),
+            stored: None,
             kernel_timer: None,
         }
+    }
+
+    /// The compiled kernels on disk, if the device keeps them.
+    pub fn stored_kernels(&self) -> Option<&StoredKernels> {
+        self.stored.as_ref()
     }
 }
 
@@ -92,11 +102,12 @@ pub enum NoGpu {
 }
 
 /// Opens the best adapter: discrete before integrated before virtual. If it cannot run the stages or gives no device, the
-/// next one is tried. Adapters that compute on the CPU are used only if `software` is true.
+/// next one is tried. Adapters that compute on the CPU are used only if `software` is true. Compiled kernels are kept where
+/// `kernels` says.
 ///
 /// # Errors
 /// If no adapter can run the stages: why the best one cannot.
-pub fn open(software: bool) -> Result<Gpu, NoGpu> {
+pub fn open(software: bool, kernels: &KernelCache) -> Result<Gpu, NoGpu> {
     if !software && !may_have_card() {
         return Err(NoGpu::NoCard);
     }
@@ -113,7 +124,9 @@ pub fn open(software: bool) -> Result<Gpu, NoGpu> {
     });
     first_that_opens(&adapters, |adapter| {
         suits(&adapter.get_info(), &adapter.limits(), software)?;
-        pollster::block_on(request(adapter, flags))
+        let mut gpu = pollster::block_on(request(adapter, flags))?;
+        gpu.stored = StoredKernels::open(&gpu, kernels);
+        Ok(gpu)
     })
 }
 
@@ -191,7 +204,7 @@ async fn request(adapter: &Adapter, flags: InstanceFlags) -> Result<Gpu, NoGpu> 
         .request_device(&wgpu::DeviceDescriptor {
             label: Some("faceoff"),
             required_features: adapter.features()
-                & (Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_PASSES),
+                & (Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_PASSES | Features::PIPELINE_CACHE),
             // The limits of the adapter instead of the defaults, for longer lists.
             required_limits: limits,
             ..Default::default()

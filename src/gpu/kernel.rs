@@ -114,7 +114,7 @@ impl Kernel {
                 zero_initialize_workgroup_memory: false,
                 ..Default::default()
             },
-            cache: None,
+            cache: gpu.stored.as_ref().map(|stored| &stored.cache),
         });
         Compiled {
             bindings: bindings.into(),
@@ -253,6 +253,9 @@ impl Gpu {
             ));
         }
         compiled.extend(self.compile_side_by_side(composed)?);
+        if let Some(stored) = &self.stored {
+            stored.store(self);
+        }
         Ok(())
     }
 

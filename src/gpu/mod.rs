@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`device`] | the device, and why there may be none |
 //! | [`kernel`] | declaration and compilation of kernels |
+//! | [`pipeline_cache`] | compiled kernels on disk |
 //! | [`shader`] | WGSL modules and shared constants |
 //! | [`program`] | lists of kernel calls |
 //! | [`commands`] | recording and submission, counted |
@@ -28,6 +29,7 @@ pub mod kernel_timer;
 pub mod known;
 pub mod layout;
 pub mod mesh_features;
+pub mod pipeline_cache;
 pub mod program;
 pub mod radix_sort;
 pub mod readback;

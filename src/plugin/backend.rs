@@ -17,6 +17,7 @@ use crate::state::StepInput;
 use crate::step::StepState;
 use crate::step::hooks::StepHooks;
 use crate::step::pool::step_pool;
+use crate::types::kernel_cache::KernelCache;
 use crate::types::stage::Stage;
 use bevy::prelude::*;
 use rayon::ThreadPool;
@@ -107,6 +108,8 @@ pub(crate) struct Engine {
     #[cfg(feature = "gpu")]
     readback: Readback,
     #[cfg(feature = "gpu")]
+    kernel_cache: KernelCache,
+    #[cfg(feature = "gpu")]
     source: Source,
     #[cfg(feature = "gpu")]
     gpu: Option<Box<GpuStep>>,
@@ -141,16 +144,23 @@ impl Engine {
     ///
     /// # Errors
     /// If the threads cannot be created.
-    pub fn new(backend: Backend, threads: usize, readback: Readback) -> Result<Self, String> {
+    pub fn new(
+        backend: Backend,
+        threads: usize,
+        readback: Readback,
+        kernel_cache: KernelCache,
+    ) -> Result<Self, String> {
         let pool = step_pool(threads).map_err(|e| format!("the threads of the step cannot be created: {e}"))?;
         #[cfg(not(feature = "gpu"))]
-        let _ = readback;
+        let _ = (readback, kernel_cache);
         Ok(Self {
             pool,
             parallel_stages: 0,
             backend,
             #[cfg(feature = "gpu")]
             readback,
+            #[cfg(feature = "gpu")]
+            kernel_cache,
             #[cfg(feature = "gpu")]
             source: Source::Unknown,
             #[cfg(feature = "gpu")]
@@ -192,19 +202,20 @@ impl Engine {
         self.active = ActiveBackend::Opening;
         self.announced = false;
         let (source, software) = (self.source.clone(), self.backend == Backend::Gpu);
+        let kernels = self.kernel_cache.clone();
         if self.backend == Backend::Cpu {
             self.fall_back("Backend::Cpu asks for it");
         } else if cfg!(target_family = "wasm") {
             self.opened(Err(NoGpu::Web));
         } else if self.readback() == Readback::Lockstep {
-            self.opened(source.open(software, false));
+            self.opened(source.open(software, false, &kernels));
         } else {
-            let (thread, to_open) = (std::thread::Builder::new(), source.clone());
+            let (thread, to_open) = (std::thread::Builder::new(), (source.clone(), kernels.clone()));
             let opening = thread.name("faceoff kernels".into());
             // With the kernels of contacts, whose compilation would delay the first step that needs them.
-            match opening.spawn(move || to_open.open(software, true)) {
+            match opening.spawn(move || to_open.0.open(software, true, &to_open.1)) {
                 Ok(opening) => self.opening = Some(opening),
-                Err(_) => self.opened(source.open(software, false)),
+                Err(_) => self.opened(source.open(software, false, &kernels)),
             }
         }
     }
@@ -476,7 +487,10 @@ impl Engine {
             if self.source.is_lost() {
                 return self.wait_for_renderer(&error.to_string());
             }
-            if let Ok(gpu) = self.source.open(self.backend == Backend::Gpu, false) {
+            if let Ok(gpu) = self
+                .source
+                .open(self.backend == Backend::Gpu, false, &self.kernel_cache)
+            {
                 self.opened(Ok(gpu));
                 self.failure = Some(format!("{name} failed and was opened again: {error}"));
                 return;

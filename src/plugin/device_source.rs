@@ -3,6 +3,7 @@
 use crate::gpu::device::{self, Gpu, NoGpu};
 use crate::gpu::readback::catch_lost;
 use crate::step::gpu::GpuStep;
+use crate::types::kernel_cache::KernelCache;
 
 /// The owner of the device.
 #[derive(Clone)]
@@ -18,11 +19,11 @@ pub(crate) enum Source {
 
 impl Source {
     /// Opens the source's device if it is suitable, and compiles the kernels. Those of contacts are compiled now with
-    /// `contacts`, else when a step needs them.
-    pub fn open(&self, software: bool, contacts: bool) -> Result<GpuStep, NoGpu> {
+    /// `contacts`, else when a step needs them. Those of our own device are kept where `kernels` says.
+    pub fn open(&self, software: bool, contacts: bool, kernels: &KernelCache) -> Result<GpuStep, NoGpu> {
         let gpu = match self {
             Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| gpu.clone()),
-            Self::Own | Self::Unknown => device::open(software),
+            Self::Own | Self::Unknown => device::open(software, kernels),
         };
         let gpu = gpu?;
         let adapter = gpu.info.name.clone();

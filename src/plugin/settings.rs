@@ -1,5 +1,6 @@
 //! Global settings: gravity, hysteresis of collision events, and where the step runs.
 
+pub use crate::types::kernel_cache::KernelCache;
 pub use crate::types::limits::StepLimits;
 pub use crate::types::solver_settings::SolverSettings;
 

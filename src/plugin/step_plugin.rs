@@ -16,6 +16,7 @@ use crate::plugin::sync::latent;
 use crate::plugin::sync::{Step, collect, hierarchy, publish};
 #[cfg(feature = "gpu")]
 use crate::step::gpu::Poses;
+use crate::types::kernel_cache::KernelCache;
 use crate::types::limits::StepLimits;
 use crate::types::settings::{Culling, Response};
 use crate::types::solver_settings::SolverSettings;
@@ -32,6 +33,8 @@ pub struct StepPlugin {
     pub threads: usize,
     /// When the results of a GPU are published. Default [`Readback::Auto`].
     pub readback: Readback,
+    /// Where compiled kernels of a device that the plugin opens itself are kept. Default [`KernelCache::User`].
+    pub kernel_cache: KernelCache,
 }
 
 impl Plugin for StepPlugin {
@@ -53,7 +56,7 @@ impl Plugin for StepPlugin {
             .add_message::<BackendFailed>();
         registration::register(app);
 
-        match Engine::new(self.backend, self.threads, self.readback) {
+        match Engine::new(self.backend, self.threads, self.readback, self.kernel_cache.clone()) {
             Ok(mut engine) => {
                 if !renderer::is_coming(app) {
                     engine.choose();

@@ -6,6 +6,7 @@ pub mod body;
 pub mod feature_id;
 pub mod gpu_work;
 pub mod hooks;
+pub mod kernel_cache;
 pub mod limits;
 pub mod material;
 pub mod settings;

@@ -10,6 +10,7 @@
 mod no_device;
 
 use bevy_faceoff::gpu::device::{self, Gpu, NoGpu};
+use bevy_faceoff::types::kernel_cache::KernelCache;
 use libtest_mimic::{Arguments, Completion, Trial};
 use no_device::ignored_or_failed;
 use std::cell::OnceCell;
@@ -58,7 +59,7 @@ pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
 }
 
 fn open() -> Result<Gpu, NoGpu> {
-    let gpu = device::open(true)?;
+    let gpu = device::open(true, &KernelCache::Off)?;
     println!("on {} ({:?})", gpu.info.name, gpu.info.device_type);
     Ok(gpu)
 }

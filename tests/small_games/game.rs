@@ -29,6 +29,7 @@ impl Game {
             backend,
             threads: 1,
             readback,
+            ..default()
         };
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }));
         app.finish();

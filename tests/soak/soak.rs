@@ -118,6 +118,7 @@ impl Soak {
             backend: plan.backend,
             threads: plan.threads,
             readback: plan.readback,
+            ..default()
         };
         app.add_plugins((MinimalPlugins, FaceoffHeadlessPlugins { step, ..default() }))
             .insert_resource(Time::<Fixed>::from_duration(STEP))

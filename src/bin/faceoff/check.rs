@@ -6,6 +6,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::gpu::device;
 use bevy_faceoff::queries::{Check, CheckError, CheckOptions, Placement, TouchingPair, check_on_gpu};
 use bevy_faceoff::step::gpu::GpuStep;
+use bevy_faceoff::types::kernel_cache::KernelCache;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use std::collections::HashMap;
@@ -66,7 +67,7 @@ pub fn run(options: &Options) -> Outcome {
         // To open a GPU takes longer than most checks.
         BackendChoice::Auto | BackendChoice::Cpu => on_cpu(&placements, &how, options.faces),
         BackendChoice::Gpu => {
-            let gpu = device::open(true).and_then(GpuStep::new);
+            let gpu = device::open(true, &KernelCache::User).and_then(GpuStep::new);
             let mut gpu = gpu.map_err(|error| format!("--backend gpu: {error}"))?;
             check_on_gpu(&placements, &how, &mut gpu).map(|pairs| reports(pairs, options.faces).collect())
         }

@@ -36,6 +36,7 @@ impl Headless {
                     backend,
                     readback: self.readback,
                     threads: self.threads,
+                    ..default()
                 },
                 ..default()
             },

@@ -22,6 +22,7 @@ fn app(backend: Backend) -> Sim {
         backend,
         threads: 1,
         readback: Readback::Lockstep,
+        ..default()
     });
     sim.world().insert_resource(Response::Impulse);
     sim

@@ -23,6 +23,7 @@ fn app(backend: Backend, readback: Readback) -> Sim {
         backend,
         threads: 2,
         readback,
+        ..default()
     });
     await_device(&mut sim);
     sim

@@ -47,6 +47,7 @@ pub fn opening(backend: Backend, readback: Readback) -> Sim {
         backend,
         threads: 1,
         readback,
+        ..default()
     });
     sim.world().insert_resource(Response::Impulse);
     sim

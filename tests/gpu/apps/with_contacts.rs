@@ -335,6 +335,7 @@ fn heap(readback: Readback) -> (Sim, Vec<Entity>) {
         backend: Backend::Gpu,
         threads: 1,
         readback,
+        ..default()
     });
     while sim.app.world().resource::<ActiveBackend>().name() == "opening" {
         std::thread::sleep(STEP);

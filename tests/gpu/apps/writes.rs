@@ -191,6 +191,7 @@ impl World {
             backend,
             threads: 1,
             readback,
+            ..default()
         });
         sim.app.insert_resource(response).insert_resource(Gravity::default());
         while sim.app.world().resource::<ActiveBackend>().name() == "opening" {

@@ -1,11 +1,17 @@
-//! Scan, sort and dispatches of any size, each against the plainest code that does the same.
+//! Scan, sort and dispatches of any size, each against the plainest code that does the same; and compiled kernels on disk.
 
 mod dispatch;
+mod kernel_cache;
 mod scan_sort;
 
 use crate::gpu::Test;
 
 pub const TESTS: &[Test] = &[
+    ("kernels_are_kept_on_disk", kernel_cache::kernels_are_kept_on_disk),
+    (
+        "a_folder_that_cannot_be_written_is_no_error",
+        kernel_cache::a_folder_that_cannot_be_written_is_no_error,
+    ),
     ("scan", scan_sort::scans),
     (
         "a_total_beyond_a_word_is_the_largest",
