@@ -122,7 +122,7 @@ pub mod prelude {
         CasterShape, PointHitData, QueryShape, RayCaster, RayHitData, RayHits, ShapeCaster, ShapeHitData, ShapeHits,
         SpatialQuery, SpatialQueryFilter,
     };
-    pub use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
+    pub use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
     pub use crate::plugin::snapshot::Snapshot;
     pub use crate::plugin::{FaceoffHeadlessPlugins, FaceoffPlugins, FaceoffStep, FaceoffSystems, StepPlugin};
     pub use crate::projection::BakeSettings;

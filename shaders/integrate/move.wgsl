@@ -15,7 +15,7 @@
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    let lacking = counters[t::HITS] > step.hit_capacity
+    let lacking = counters[t::HITS] > step.hit_limit
         || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity;
     if lacking && i == 0u {
         status[t::OVERFLOW] = 1u;

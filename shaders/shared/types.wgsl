@@ -29,6 +29,11 @@ struct Step {
     drift: vec3<f32>,
     // Not 0: continuous collision needs every pair that may meet until the next detection.
     has_fast_bodies: u32,
+    // With more hits a list is too short: `hit_capacity`, or no limit where they are only counted.
+    hit_limit: u32,
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 // Input and state of a body. Unused slots have a radius of zero.

@@ -17,7 +17,7 @@ fn main() {
     tally[t::COLLISION_SUBSTEPS] += 1u;
     tally[t::TOUCHING_NOW] = 0u;
     if contact_counters[t::CONTACTS_SKIPPED] != 0u
-        || counters[t::HITS] > step.hit_capacity
+        || counters[t::HITS] > step.hit_limit
         || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity {
         status[t::OVERFLOW] = 1u;
         counters[t::SKIPPED] = 1u;

@@ -71,6 +71,7 @@ layout! {
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
         contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, has_fast_bodies: u32,
+        hit_limit: u32, padding_a: u32, padding_b: u32, padding_c: u32,
     }
     /// Input and state of a body.
     Body {

@@ -58,7 +58,8 @@
 //! ```
 //!
 //! On a graphics card choose [`Readback::Resident`](crate::plugin::settings::Readback) if nothing but drawing needs the
-//! poses, and draw from `plugin::poses`. Then nothing is read back.
+//! poses, and draw from `plugin::poses`: the example `swarm` does. Then nothing but counts is read back. With the other
+//! readings leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
 //!
 //! # Servers, and games that must repeat
 //!

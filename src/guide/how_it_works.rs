@@ -128,8 +128,8 @@
 //! compared with the triangles. **Single precision may only reject or confirm what is clear; so nothing is missed.** A GPU
 //! has no fast double precision: there the rest counts as touching unless a separating plane is found.
 //!
-//! The result is what [`Collisions`](crate::plugin::collisions::Collisions) reports: pairs, their intersecting faces, and
-//! the segment in which each two cross. If no faces intersect, one body may still be inside the other: one vertex of each
+//! The result is what [`Collisions`](crate::plugin::collisions::Collisions) reports: pairs and, with
+//! [`FaceLists`](crate::plugin::settings::FaceLists), their intersecting faces and the segment in which each two cross. If no faces intersect, one body may still be inside the other: one vertex of each
 //! connected part of a mesh is tested against the closed mesh of the other body.
 //!
 //! ## Manifolds: contact points

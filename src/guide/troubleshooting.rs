@@ -58,6 +58,7 @@
 //! | the log says that steps run on the CPU | colliders or planes with `ActiveCollisionHooks`, which a GPU does not have | remove them, or accept it |
 //! | the log says that steps wait for the GPU in their midst | a body with `ContinuousCollision`, which the CPU stops | remove it when the body is slow, or accept it |
 //! | the log says that bodies overlap too many others | thousands of bodies in one place | spawn them apart |
+//! | `Collision::faces` is `None` | nobody asked for lists of faces | [`FaceLists(true)`](crate::plugin::settings::FaceLists) |
 //! | the first step takes seconds | kernels are compiled, or a table of faces is baked | `Readback::Latent`; bake ahead of time |
 //! | a debug build is slow | | `[profile.dev.package."*"] opt-level = 3` in your `Cargo.toml` |
 //!

@@ -58,9 +58,10 @@ pub struct Collision<'a> {
     pub contained: bool,
     /// The contact, reduced to one point in the world. The normal points from the first collider to the second.
     pub contact: Contact,
-    /// Pairs of intersecting faces with their common segments in the world. Faces are indices into the input meshes;
-    /// those of `collider1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
-    pub faces: &'a [FacePair],
+    /// Pairs of intersecting faces with their common segments in the world, if the step was asked for them by
+    /// [`FaceLists`](crate::plugin::settings::FaceLists); else `None`. Faces are indices into the input meshes; those of
+    /// `collider1` are `a`. Empty if the two are only near each other, like bodies at rest, and for planes.
+    pub faces: Option<&'a [FacePair]>,
     /// Contact points in the world, each with its normal impulse. The impulses add up to [`Collision::impulse`]. Points
     /// that did not push have impulse 0.
     ///
@@ -148,7 +149,7 @@ impl Collisions {
             body2,
             contained: pair.contained,
             contact: pair.contact,
-            faces: self.contacts.faces_of(pair),
+            faces: self.contacts.lists_faces.then(|| self.contacts.faces_of(pair)),
             points: self.contacts.points_of(pair),
             impulse: pair.impulse,
             passing: pair.passing,
@@ -167,7 +168,7 @@ impl Collisions {
                 point: contact.point,
                 normal: contact.normal,
             },
-            faces: &[],
+            faces: self.contacts.lists_faces.then_some(&[]),
             points: self.contacts.points_on(contact),
             impulse: contact.impulse,
             passing: false,

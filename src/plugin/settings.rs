@@ -1,4 +1,4 @@
-//! Global settings: gravity, hysteresis of collision events, and where the step runs.
+//! Global settings: gravity, hysteresis of collision events, lists of faces, and where the step runs.
 
 pub use crate::types::kernel_cache::KernelCache;
 pub use crate::types::limits::StepLimits;
@@ -43,6 +43,32 @@ impl Default for EventHysteresis {
         Self(0.1)
     }
 }
+
+/// Whether [`Collision::faces`](crate::plugin::collisions::Collision::faces) lists which faces of the two intersect. Default
+/// false: it is `None`. Takes effect in the next step.
+///
+/// On a GPU the lists are most of what a step with many touching bodies reads back. Without them faces are tested just
+/// as exactly, but only counted ([`StepReport::face_pairs`](crate::plugin::collisions::StepReport::face_pairs)). On the
+/// CPU they cost little.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy_faceoff::prelude::*;
+///
+/// # let mut app = App::new();
+/// app.insert_resource(FaceLists(true)).add_systems(Update, report);
+///
+/// fn report(collisions: Res<Collisions>) {
+///     for hit in collisions.iter() {
+///         for pair in hit.faces.into_iter().flatten() {
+///             println!("face {} meets {} from {} to {}", pair.a, pair.b, pair.start, pair.end);
+///         }
+///     }
+/// }
+/// ```
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, Deref, DerefMut, Serialize, Deserialize)]
+#[reflect(Resource, Default, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FaceLists(pub bool);
 
 /// Where the stages run. Read when the app starts; [`ActiveBackend`](crate::plugin::backend::ActiveBackend) holds the
 /// result.

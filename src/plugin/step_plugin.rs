@@ -10,7 +10,7 @@ use crate::plugin::hooks;
 use crate::plugin::registration;
 use crate::plugin::renderer;
 use crate::plugin::schedule::{FaceoffStep, FaceoffSystems};
-use crate::plugin::settings::{Backend, EventHysteresis, Gravity, Readback};
+use crate::plugin::settings::{Backend, EventHysteresis, FaceLists, Gravity, Readback};
 #[cfg(feature = "gpu")]
 use crate::plugin::sync::latent;
 use crate::plugin::sync::{Step, collect, hierarchy, publish};
@@ -42,6 +42,7 @@ impl Plugin for StepPlugin {
         app.insert_resource(self.backend)
             .init_resource::<Culling>()
             .init_resource::<EventHysteresis>()
+            .init_resource::<FaceLists>()
             .init_resource::<Gravity>()
             .init_resource::<Response>()
             .init_resource::<SolverSettings>()

@@ -18,6 +18,8 @@ pub struct StepConfig {
     pub solver: SolverSettings,
     /// Limits on the lists of a step on the CPU.
     pub limits: StepLimits,
+    /// Whether intersecting faces are listed. Without it a GPU only counts them.
+    pub face_lists: bool,
 }
 
 impl Default for StepConfig {
@@ -28,6 +30,7 @@ impl Default for StepConfig {
             response: Response::Impulse,
             solver: SolverSettings::default(),
             limits: StepLimits::default(),
+            face_lists: true,
         }
     }
 }

@@ -10,6 +10,10 @@ pub struct Contacts {
     pub pairs: Vec<PairContact>,
     /// Intersecting faces of all pairs, grouped by pair.
     pub faces: Vec<FacePair>,
+    /// Whether the step was asked for them. If not, a GPU lists none.
+    pub lists_faces: bool,
+    /// Their number, whether they are listed or not.
+    pub face_pairs: usize,
     /// Bodies that penetrate half-spaces, ascending by body, then plane.
     pub planes: Vec<PlaneContact>,
     /// Contact points, grouped by pair: first those of `pairs`, then those of `planes`.
@@ -118,6 +122,7 @@ impl Contacts {
         self.faces.clear();
         self.planes.clear();
         self.points.clear();
+        self.face_pairs = 0;
         self.triangle_tests = 0;
     }
 

@@ -91,7 +91,7 @@ impl StepResults {
             approximate_pairs: self.approximate_pairs,
             touching_pairs: self.contacts.pairs.len(),
             triangle_tests: self.contacts.triangle_tests,
-            face_pairs: self.contacts.faces.len(),
+            face_pairs: self.contacts.face_pairs,
             contact_points: self.manifolds.points.len(),
             asleep: self.asleep.iter().filter(|&&asleep| asleep).count(),
             crowded: self.crowd.bodies,

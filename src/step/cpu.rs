@@ -113,6 +113,7 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
         crowd,
         ..
     } = results;
+    contacts.lists_faces = input.config.face_lists;
     let mut test = |planes: &[Plane], near_pairs: &[NearPair], limit| {
         triangle_test::cpu::run(
             &input.bodies,
@@ -141,6 +142,7 @@ fn test_triangles(input: &StepInput, results: &mut StepResults, scratch: &mut St
         // All of them fit, or there is only one.
         let _ = test(&input.planes, near_pairs, usize::MAX);
     }
+    contacts.face_pairs = contacts.faces.len();
 }
 
 fn run_part(part: Part, number: u32, step: &mut StepState) {

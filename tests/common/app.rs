@@ -72,7 +72,9 @@ impl Sim {
     pub fn of(mut app: App) -> Self {
         app.insert_resource(Time::<Fixed>::from_duration(STEP))
             .insert_resource(TimeUpdateStrategy::ManualDuration(STEP))
-            .insert_resource(Gravity(Vec3::ZERO));
+            .insert_resource(Gravity(Vec3::ZERO))
+            // For the tests that look at them.
+            .insert_resource(FaceLists(true));
         app.finish();
         app.cleanup();
         // Bevy's first update has zero elapsed time and runs no step.

@@ -42,7 +42,7 @@ fn bits(sim: &Sim, bodies: &[Entity]) -> Vec<u32> {
     for c in sim.collisions().iter() {
         words.extend(c.contact.point.to_array());
         words.extend(c.contact.normal.to_array());
-        for f in c.faces {
+        for f in c.faces.unwrap() {
             words.extend([f32::from_bits(f.a), f32::from_bits(f.b)]);
             words.extend(f.start.to_array());
             words.extend(f.end.to_array());

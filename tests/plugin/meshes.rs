@@ -87,7 +87,15 @@ fn replacing_a_mesh_changes_collisions_in_the_next_step() {
     insert(&mut sim, &mesh, &shapes::cube(2.0));
     sim.step(1);
     assert!(sim.touch(one, other));
-    assert!(sim.collisions().get(one, other).unwrap().faces.iter().all(|f| f.a < 12));
+    assert!(
+        sim.collisions()
+            .get(one, other)
+            .unwrap()
+            .faces
+            .unwrap()
+            .iter()
+            .all(|f| f.a < 12)
+    );
     insert(&mut sim, &mesh, &shapes::cube(2.0));
     sim.step(1);
     assert!(sim.touch(one, other));

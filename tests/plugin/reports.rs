@@ -261,19 +261,40 @@ fn collisions_are_found_by_either_order_and_by_entity() {
     assert_eq!(there.contact, back.contact);
     let towards = sim.position(there.collider2) - sim.position(there.collider1);
     assert!(there.contact.normal.x * towards.x > 0.8, "from the first to the second");
-    assert!(!there.contained && !there.faces.is_empty());
-    assert!(there.faces.iter().all(|f| f.a < 12 && f.b < 12));
+    let listed = there.faces.unwrap();
+    assert!(!there.contained && !listed.is_empty());
+    assert!(listed.iter().all(|f| f.a < 12 && f.b < 12));
     assert!(collisions.get(two, three).is_none() && collisions.get(one, far).is_none());
     assert!(collisions.get(one, one).is_none());
     assert!(collisions.get(Entity::PLACEHOLDER, one).is_none());
     assert_eq!(collisions.of(one).count(), 2);
     assert_eq!(collisions.of(two).count(), 1);
     assert_eq!(collisions.of(far).count(), 0);
-    let faces: usize = collisions.iter().map(|c| c.faces.len()).sum();
+    let faces: usize = collisions.iter().map(|c| c.faces.unwrap().len()).sum();
     let report = sim.report();
     assert_eq!((report.touching_pairs, report.face_pairs), (2, faces));
     assert!(report.sphere_pairs >= 2 && report.triangle_tests as usize >= faces);
     assert_eq!(report.bodies, 4);
+}
+
+#[test]
+fn faces_are_listed_from_the_step_that_is_asked_for_them() {
+    let mut sim = Sim::new();
+    let cube = sim.mesh(&shapes::cube(1.0));
+    let one = sim.spawn((resting(&cube, Vec3::ZERO), Sensor));
+    let two = sim.spawn((resting(&cube, Vec3::splat(0.3)), Sensor));
+    sim.spawn(PlaneCollider::through(Vec3::Y * -0.4, Vec3::Y));
+    for asked in [false, true, false] {
+        sim.world().insert_resource(FaceLists(asked));
+        sim.step(1);
+        let counted = sim.report().face_pairs;
+        assert!(counted > 0);
+        let listed = sim.collisions().get(one, two).unwrap().faces.map(<[FacePair]>::len);
+        assert_eq!(listed, asked.then_some(counted));
+        assert!(sim.collisions().len() > 1, "one of them is in the half-space too");
+        assert!(sim.collisions().iter().all(|hit| hit.faces.is_some() == asked));
+    }
+    assert_eq!(FaceLists::default(), FaceLists(false));
 }
 
 #[test]
@@ -284,14 +305,14 @@ fn a_body_inside_a_closed_one_is_contained() {
     let inner = sim.spawn((resting(&small, Vec3::splat(0.1)), Sensor));
     sim.step(1);
     let collision = sim.collisions().get(outer, inner).unwrap();
-    assert!(collision.contained && collision.faces.is_empty());
+    assert!(collision.contained && collision.faces.unwrap().is_empty());
     sim.set(inner, Transform::from_xyz(3.0, 0.0, 0.0));
     sim.step(1);
     assert!(!sim.touch(outer, inner));
     sim.set(inner, Transform::from_xyz(1.0, 0.0, 0.0));
     sim.step(1);
     let collision = sim.collisions().get(outer, inner).unwrap();
-    assert!(!collision.contained && !collision.faces.is_empty());
+    assert!(!collision.contained && !collision.faces.unwrap().is_empty());
 }
 
 #[test]

@@ -49,7 +49,7 @@ pub fn a_sensor_keeps_what_falls_asleep_in_it() {
             assert!(sim.get::<CollidingEntities>(body).contains(&zone));
             let collision = sim.collisions().get(zone, body).unwrap();
             assert_eq!(collision.contained, at.x == 0.0);
-            assert_eq!(collision.faces.is_empty(), collision.contained);
+            assert_eq!(collision.faces.unwrap().is_empty(), collision.contained);
             // It wakes and goes on.
             sim.set(body, LinearVelocity(Vec3::X * 4.0));
             sim.step(100);

@@ -177,7 +177,7 @@ impl Named {
             names: [hit.collider1, hit.collider2, hit.body1, hit.body2].map(|entity| self.name_of[&entity]),
             contact: [hit.contact.point, hit.contact.normal],
             points: hit.points.iter().map(|point| format!("{point:?}")).collect(),
-            faces: hit.faces.len(),
+            faces: hit.faces.unwrap().len(),
             impulse: hit.impulse,
         });
         hits.collect()

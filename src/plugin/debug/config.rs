@@ -55,7 +55,8 @@ pub struct FaceoffGizmos {
     pub impulses: Option<Color>,
     /// Length of these lines, metres for each newton second. Default 1.
     pub impulse_scale: f32,
-    /// The segments along which faces intersect. Default yellow.
+    /// The segments along which faces intersect. While they are drawn they turn
+    /// [`FaceLists`](crate::plugin::settings::FaceLists) on. Default yellow.
     pub intersections: Option<Color>,
     /// The edges of the faces that [`ShowFacesTowards`](super::ShowFacesTowards) selects. Default green.
     pub faces: Option<Color>,

@@ -3,9 +3,14 @@
 use super::config::FaceoffGizmos;
 use super::outlines::Drawn;
 use crate::plugin::collisions::Collisions;
+use crate::plugin::settings::FaceLists;
 use bevy::prelude::*;
 
-pub(super) fn draw_contacts(mut gizmos: Drawn, collisions: Option<Res<Collisions>>) {
+pub(super) fn draw_contacts(
+    mut gizmos: Drawn,
+    collisions: Option<Res<Collisions>>,
+    face_lists: Option<ResMut<FaceLists>>,
+) {
     let &FaceoffGizmos {
         contacts,
         contact_length,
@@ -22,6 +27,9 @@ pub(super) fn draw_contacts(mut gizmos: Drawn, collisions: Option<Res<Collisions
     };
     if kinds.iter().all(Option::is_none) {
         return;
+    }
+    if let Some(mut face_lists) = face_lists.filter(|_| intersections.is_some()) {
+        face_lists.set_if_neq(FaceLists(true));
     }
     for hit in collisions.iter() {
         if let Some(color) = contacts {
@@ -40,7 +48,7 @@ pub(super) fn draw_contacts(mut gizmos: Drawn, collisions: Option<Res<Collisions
             }
         }
         if let Some(color) = intersections {
-            for pair in hit.faces {
+            for pair in hit.faces.into_iter().flatten() {
                 gizmos.line(pair.start, pair.end, color);
             }
         }

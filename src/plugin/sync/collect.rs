@@ -12,7 +12,7 @@ use crate::asset::CollisionMesh;
 use crate::plugin::clock::Physics;
 use crate::plugin::components::*;
 use crate::plugin::events::BodyRejected;
-use crate::plugin::settings::Gravity;
+use crate::plugin::settings::{FaceLists, Gravity};
 use crate::state::Body;
 use crate::state::bodies::check_body;
 use crate::state::fault::BodyFault;
@@ -47,6 +47,7 @@ pub(crate) struct Rules<'w> {
     culling: Res<'w, Culling>,
     solver: Res<'w, SolverSettings>,
     limits: Res<'w, StepLimits>,
+    face_lists: Res<'w, FaceLists>,
 }
 
 /// The hierarchy above colliders and bodies.
@@ -87,6 +88,7 @@ pub(crate) fn collect(
     step.state.input.config.gravity = rules.gravity();
     step.state.input.config.solver = rules.solver();
     step.state.input.config.limits = *rules.limits;
+    step.state.input.config.face_lists = rules.face_lists.0;
 
     step.new_faults.clear();
     step.candidates.clear();

@@ -66,7 +66,7 @@ impl GpuStep {
                 counter(SPHERE_PAIRS).max(raw.tally[MAX_SPHERE_PAIRS as usize]),
                 capacity.pairs,
             ),
-            face_pairs: of(counter(HITS), capacity.hits),
+            face_pairs: of(flight.input.listed_hits(counter(HITS)), capacity.hits),
             plane_contacts: of(counter(PLANE_CONTACTS), capacity.plane_contacts),
             ..GpuLists::default()
         };
@@ -123,7 +123,7 @@ impl GpuStep {
     fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
         let needed = Capacity {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),
-            hits: counters[HITS as usize],
+            hits: (self.flights.front()).map_or(0, |flight| flight.input.listed_hits(counters[HITS as usize])),
             plane_contacts: counters[PLANE_CONTACTS as usize],
             ..Capacity::default()
         };

@@ -102,7 +102,7 @@ impl Parts {
         let moved = part(lists(bodies + compounds), size_of::<Moved>());
         let sphere_pairs = part(lists(capacity.pairs), 8);
         let touching = part(lists(capacity.pairs), size_of::<Touching>());
-        let hits = part(lists(capacity.hits), size_of::<Hit>());
+        let hits = part(lists(input.listed_hits(capacity.hits)), size_of::<Hit>());
         let planes = part(lists(capacity.plane_contacts), size_of::<PlaneContact>());
         let contact_capacity = contacts.map(ContactPrograms::capacity);
         let [pairs, points, touched] = contact_capacity.map_or([0; 3], |capacity| {
@@ -247,6 +247,8 @@ impl Raw {
             ..Default::default()
         };
         output.contacts.triangle_tests = output.counts.triangle_tests;
+        output.contacts.lists_faces = input.face_lists;
+        output.contacts.face_pairs = output.counts.face_pairs;
         self.sphere_pairs.sort_unstable();
         output.sphere_pairs = self.sphere_pairs;
         put_contacts(&mut output.contacts, input, self.touching, &self.hits);
@@ -337,7 +339,7 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
             bodies: [t.a, t.b],
             contained: t.contained != 0,
             first_face,
-            face_count: t.hits,
+            face_count: input.listed_hits(t.hits),
             contact: Contact {
                 point: t.point.into(),
                 normal: t.normal.into(),
@@ -347,7 +349,7 @@ fn put_contacts(contacts: &mut Contacts, input: &Input, mut touching: Vec<Touchi
             impulse: 0.0,
             passing: false,
         });
-        first_face += t.hits;
+        first_face += contacts.pairs[rank].face_count;
     }
     let none = FacePair {
         a: 0,

@@ -111,6 +111,8 @@ pub struct Input {
     parts: Vec<layout::Part>,
     planes: Vec<layout::Plane>,
     meshes: Vec<Option<CollisionMesh>>,
+    /// Whether intersecting faces are listed.
+    pub(super) face_lists: bool,
     /// What happens to bodies that touch.
     pub(super) response: Response,
     /// With [`Response::Contacts`].
@@ -154,6 +156,7 @@ impl Input {
             meshes: (0..state.meshes.len() as u32)
                 .map(|slot| state.meshes.get(slot).map(|slot| slot.mesh.clone()))
                 .collect(),
+            face_lists: config.face_lists,
             response: config.response,
             solver: None,
             fast_bodies: None,
@@ -219,6 +222,11 @@ impl Input {
         }
     }
 
+    /// How many of these pairs of intersecting faces are listed.
+    pub(super) fn listed_hits(&self, hits: u32) -> u32 {
+        if self.face_lists { hits } else { 0 }
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.step.bodies == 0
@@ -281,7 +289,8 @@ impl Input {
             // By the number of bodies, not by the capacity: the order of pairs, and so of sums, depends on the buckets.
             bucket_mask: held.buckets() - 1,
             pair_capacity: capacity.pairs,
-            hit_capacity: capacity.hits,
+            hit_capacity: self.listed_hits(capacity.hits),
+            hit_limit: if self.face_lists { capacity.hits } else { u32::MAX },
             plane_contact_capacity: capacity.plane_contacts,
             touch_capacity: contacts.map_or(0, |contacts| contacts.capacity().touches),
             ..self.step

@@ -20,6 +20,10 @@ pub const TESTS: &[Test] = &[
     ("bits_do_not_depend_on_room", same_bits::again_and_with_other_room),
     ("growing_lists_change_nothing", overflow::growing_lists_change_nothing),
     ("lists_become_shorter", overflow::lists_become_shorter),
+    (
+        "faces_that_are_only_counted_need_no_room",
+        overflow::faces_that_are_only_counted_need_no_room,
+    ),
     ("fifty_steps_without_response", steps::fifty_steps_without_response),
     ("bodies_and_meshes_come_and_go", churn::bodies_and_meshes_come_and_go),
     ("meshes_of_any_size", inputs::meshes_of_any_size),

@@ -5,9 +5,11 @@ use super::same_bits::{AMPLE, Bits, TINY, falling};
 use super::scenes::{BALL, CUBE, Kit, TORUS, half_spaces};
 use crate::oracle::rng::Rng;
 use bevy_faceoff::geometry::shapes;
+use bevy_faceoff::gpu::buffers::Capacity;
 use bevy_faceoff::gpu::device::Gpu;
-use bevy_faceoff::state::Plane;
+use bevy_faceoff::state::{PairContact, Plane};
 use bevy_faceoff::step::gpu::{GpuStep, StepError};
+use bevy_faceoff::types::settings::Response;
 use glam::Vec3;
 
 /// A crowd that falls together, so that lists grow from step to step.
@@ -56,6 +58,32 @@ pub fn lists_become_shorter(gpu: &Gpu) {
     Bits::of(&few.on_gpu(&mut step)).require(&Bits::of(&before), "with shorter lists");
     let mut new = GpuStep::new(gpu.clone()).unwrap();
     Bits::of(&crowd.on_gpu(&mut step)).require(&Bits::of(&crowd.on_gpu(&mut new)), "the crowd again");
+}
+
+/// Faces that nobody asked for need no room: the step is not repeated, and bodies move as if they were listed.
+pub fn faces_that_are_only_counted_need_no_room(gpu: &Gpu) {
+    let mut listed = heap(&shapes::torus_240(), 12, 1.2);
+    let mut counted = listed.clone();
+    counted.config.face_lists = false;
+    for response in [Response::Impulse, Response::None] {
+        let steps = [&mut listed, &mut counted].map(|scene| {
+            scene.config.response = response;
+            let capacity = Capacity { hits: 1, ..AMPLE };
+            let mut step = GpuStep::with_capacity(gpu.clone(), capacity).unwrap();
+            let state = scene.on_gpu(&mut step);
+            (state, step.capacity().hits)
+        });
+        let [(with, room), (without, no_room)] = &steps;
+        assert!(*room > 1 && *no_room == 1, "{room}, {no_room}");
+        let (one, other) = (&with.results.contacts, &without.results.contacts);
+        assert!(one.faces.len() > 1 && other.faces.is_empty());
+        let key = |pair: &PairContact| (pair.bodies, pair.contained, pair.contact);
+        assert!(one.pairs.iter().map(key).eq(other.pairs.iter().map(key)));
+        for i in 0..with.input.bodies.len() {
+            let motions = [with, without].map(|state| state.input.bodies.motion(i));
+            assert_eq!(motions[0], motions[1], "{response:?}, body {i}");
+        }
+    }
 }
 
 /// Two meshes that touch in 100,000 places are a long loop. Mesa's llvmpipe leaves loops early; that must not go unnoticed.
