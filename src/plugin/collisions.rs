@@ -266,7 +266,7 @@ pub struct StepReport {
     /// [`Readback`](crate::plugin::settings::Readback).
     pub in_flight: usize,
     /// How many times a step has waited for the GPU since the device was opened: for the results of an earlier step, or in
-    /// each collision substep for what
+    /// each collision substep and at the end for what
     /// [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) needs.
     pub waits: u64,
     /// Number of bodies of which pairs were left out, because they overlap so many others that the step would have exceeded

@@ -116,7 +116,8 @@ impl Default for MaxAngularSpeed {
 ///   component has only this effect.
 /// * Planes do not need it: no body passes through them.
 /// * Steps with such bodies stay on the GPU, with the same guarantees: the CPU stops them in the midst of the step. For
-///   that each collision substep waits for the GPU once, or up to three times if something is near a path, also with
+///   that each collision substep waits for the GPU once, or up to three times if something is near a path, and the step
+///   once more at its end, also with
 ///   [`Readback::Latent`](crate::plugin::settings::Readback::Latent) and
 ///   [`Readback::Resident`](crate::plugin::settings::Readback::Resident), whose results come as late as ever.
 ///   [`StepReport::waits`](crate::plugin::collisions::StepReport::waits) counts it. On a GPU all bodies have the same number

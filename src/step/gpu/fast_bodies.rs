@@ -15,8 +15,7 @@ use crate::solver::gpu::layout::MotionState;
 use crate::solver::gpu::upload;
 use crate::solver::{SleepState, SolverBodies, SolverMotion};
 use crate::state::bodies::bounding_radius;
-use crate::state::mesh_arena::MeshArena;
-use crate::state::{Bodies, Contact, ManifoldPoint, Manifolds, Plane, StepConfig, StepInput};
+use crate::state::{Bodies, Contact, ManifoldPoint, Manifolds, StepInput};
 use bytemuck::{bytes_of, pod_collect_to_vec};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -24,12 +23,8 @@ use std::ops::Range;
 use wgpu::Buffer;
 
 /// What continuous collision needs to know of the input of a step. Poses and velocities are on the device.
-pub struct FastBodies {
-    config: StepConfig,
-    bodies: Bodies,
-    planes: Vec<Plane>,
-    meshes: MeshArena,
-}
+#[derive(Clone, Copy)]
+pub struct FastBodies<'s>(pub &'s StepInput);
 
 /// The impacts of a step.
 #[derive(Clone, Debug, Default)]
@@ -53,24 +48,7 @@ struct Excerpt {
     manifolds: Manifolds,
 }
 
-impl FastBodies {
-    /// Those of a step.
-    pub fn of(state: &StepInput) -> Self {
-        let StepInput {
-            config,
-            meshes,
-            bodies,
-            planes,
-            ..
-        } = state;
-        Self {
-            config: *config,
-            bodies: bodies.clone(),
-            planes: planes.clone(),
-            meshes: meshes.clone(),
-        }
-    }
-
+impl FastBodies<'_> {
     /// Stops fast bodies in a collision substep of `dt` seconds whose contacts are solved by the commands that are recorded
     /// so far.
     ///
@@ -96,15 +74,18 @@ impl FastBodies {
             pairs,
             manifolds,
         } = &mut excerpt;
+        let StepInput {
+            config, meshes, planes, ..
+        } = self.0;
         ccd.clear();
         ccd.run(
             solver_bodies,
             manifolds,
             bodies,
-            &self.meshes,
-            &self.planes,
+            meshes,
+            planes,
             pairs,
-            &self.config,
+            config,
             |pair, contact| {
                 let pair = pair.map(|i| colliders[i as usize]);
                 impacts.sensor_touches.push((pair, contact));
@@ -152,14 +133,14 @@ impl FastBodies {
         ])?;
         let (pairs, touching) = lists.split_at(pair_count as usize * size_of::<[u32; 2]>());
         let mut pairs: Vec<[u32; 2]> = pod_collect_to_vec(pairs);
-        let is_fast = |&i: &u32| self.bodies.params[i as usize].continuous;
+        let is_fast = |&i: &u32| self.0.bodies.params[i as usize].continuous;
         pairs.retain(|pair| pair.iter().any(is_fast));
         if pairs.is_empty() {
             return Ok(None);
         }
         pairs.sort_unstable();
         let mut colliders: Vec<u32> = pairs.iter().flatten().copied().collect();
-        colliders.extend(pairs.iter().flatten().map(|&i| self.bodies.body_of(i)));
+        colliders.extend(pairs.iter().flatten().map(|&i| self.0.bodies.body_of(i)));
         colliders.sort_unstable();
         colliders.dedup();
         let mut touching: Vec<ContactPair> = pod_collect_to_vec(touching);
@@ -213,7 +194,7 @@ impl FastBodies {
         before: &[MotionState],
         after: &[MotionState],
     ) -> (Bodies, SolverBodies) {
-        let mut bodies = self.bodies.excerpt(colliders);
+        let mut bodies = self.0.bodies.excerpt(colliders);
         bodies.travel_time.fill(dt);
         let mut solver_bodies = SolverBodies::default();
         let keys: Vec<u64> = (0..colliders.len() as u64).collect();
@@ -232,7 +213,7 @@ impl FastBodies {
             }
         };
         set(&mut solver_bodies, before);
-        solver_bodies.write(&mut bodies, &self.meshes);
+        solver_bodies.write(&mut bodies, &self.0.meshes);
         for &i in &moves {
             // Where the host believes a body to be may be some steps ago.
             bodies.radius[i] = bounding_radius(bodies.unpadded_radius[i], bodies.center[i]);

@@ -256,7 +256,7 @@ impl GpuStep {
         let result = match self.finished.pop_front() {
             Some(output) => Ok(output),
             None if self.flights.is_empty() => return None,
-            None => self.finish_oldest(),
+            None => self.finish_oldest(None),
         };
         match &result {
             // Here and not when the results are read, which depends on the speed of the device.

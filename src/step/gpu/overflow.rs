@@ -5,6 +5,7 @@
 //! change nothing.
 
 use super::buffers::StepCapacity;
+use super::fast_bodies::FastBodies;
 use super::flight::Flight;
 use super::results::{Output, Raw};
 use super::upload::Input;
@@ -22,15 +23,21 @@ use crate::types::settings::Response;
 impl GpuStep {
     /// Waits for all steps in flight.
     pub(super) fn finish_all(&mut self) -> Result<(), StepError> {
+        self.finish_all_with(None)
+    }
+
+    /// The same, with the fast bodies of the last of them. Those before it have none, because a step with fast bodies is
+    /// finished when it is submitted.
+    pub(super) fn finish_all_with(&mut self, fast_bodies: Option<FastBodies>) -> Result<(), StepError> {
         while !self.flights.is_empty() {
-            let output = self.finish_oldest()?;
+            let output = self.finish_oldest(fast_bodies)?;
             self.finished.push_back(output);
         }
         Ok(())
     }
 
     /// Waits for the oldest step in flight.
-    pub(super) fn finish_oldest(&mut self) -> Result<Output, StepError> {
+    pub(super) fn finish_oldest(&mut self, fast_bodies: Option<FastBodies>) -> Result<Output, StepError> {
         while let Some(flight) = self.flights.front_mut() {
             let results = scoped(&self.gpu, || flight.wait(&self.gpu));
             let (raw, waited) = results.and_then(|results| results).map_err(StepError::Device)?;
@@ -47,7 +54,7 @@ impl GpuStep {
                 let output = raw.sort(&flight.input, &flight.impacts, self.timer.as_ref());
                 return Ok(Output { work, ..output });
             }
-            if !self.repeat(&raw.counters, &raw.tally)? {
+            if !self.repeat(&raw.counters, &raw.tally, fast_bodies)? {
                 return Err(StepError::Device(DeviceError::failed(
                     "a list is too short, and none needs to be longer",
                 )));
@@ -120,7 +127,7 @@ impl GpuStep {
 
     /// Repeats all steps in flight with longer lists, and returns whether a list was too short. No body has moved since
     /// the first of them, because its overflow made the others do nothing.
-    fn repeat(&mut self, counters: &[u32], tally: &[u32]) -> Result<bool, StepError> {
+    fn repeat(&mut self, counters: &[u32], tally: &[u32], fast_bodies: Option<FastBodies>) -> Result<bool, StepError> {
         let needed = Capacity {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),
             hits: (self.flights.front()).map_or(0, |flight| flight.input.listed_hits(counters[HITS as usize])),
@@ -139,7 +146,7 @@ impl GpuStep {
         let mut between = std::mem::take(&mut self.between);
         for flight in std::mem::take(&mut self.flights) {
             let earlier = flight.work.after(&std::mem::take(&mut between));
-            self.launch(flight.input, flight.detail, earlier)?;
+            self.launch(flight.input, flight.detail, earlier, fast_bodies)?;
         }
         Ok(true)
     }

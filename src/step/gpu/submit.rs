@@ -46,7 +46,7 @@ impl GpuStep {
         if state.config.response == Response::Contacts {
             let mut remap = self.last_bodies.advance_to(state);
             self.read_velocities(&mut remap)?;
-            let fast_bodies = remap.has_fast_bodies.then(|| FastBodies::of(state));
+            let has_fast_bodies = remap.has_fast_bodies;
             // Changes of speed that the known results do not include: by the host, and by gravity.
             let max_change = self.host_speeds.iter().map(|host| host.max_change).sum();
             let fall = self.in_flight() as f32 * state.config.dt * state.config.gravity;
@@ -56,7 +56,7 @@ impl GpuStep {
                 .fold(self.speeds, |speeds, host| speeds.and(host.speeds));
             let solver = SolverInput::new(state, carried, known.after(max_change, fall), remap);
             self.host_speeds.push_back(solver.host_speeds);
-            input = input.with_solver(solver, fast_bodies);
+            input = input.with_solver(solver, has_fast_bodies);
         } else {
             self.last_bodies.forget();
             self.host_speeds.push_back(HostSpeeds::default());
@@ -86,7 +86,7 @@ impl GpuStep {
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
             bodies: input.old_bodies(),
             solves: input.response == Response::Contacts,
-            has_fast_bodies: input.fast_bodies.is_some(),
+            has_fast_bodies: input.has_fast_bodies(),
             ..contacts.capacity()
         });
         if self.needs_growth(needed, for_contacts) {
@@ -97,10 +97,11 @@ impl GpuStep {
         }
         self.population = input.population();
         let between = std::mem::take(&mut self.between);
-        self.launch(input, detail, between)?;
-        if self.flights.back().is_some_and(|flight| flight.impacts.skipped) {
-            // The next step must know the impacts of this one.
-            self.finish_all()?;
+        let fast_bodies = input.has_fast_bodies().then_some(FastBodies(state));
+        self.launch(input, detail, between, fast_bodies)?;
+        if fast_bodies.is_some() {
+            // If it has to be repeated, then now, while the input is at hand. The next step must know its impacts.
+            self.finish_all_with(fast_bodies)?;
         }
         Ok(())
     }
@@ -128,8 +129,16 @@ impl GpuStep {
         Ok(())
     }
 
-    /// `earlier` is the work of attempts whose lists were too short.
-    pub(super) fn launch(&mut self, input: Input, detail: Detail, earlier: GpuWork) -> Result<(), StepError> {
+    /// `earlier` is the work of attempts whose lists were too short. `fast_bodies` are given if the input has some.
+    pub(super) fn launch(
+        &mut self,
+        input: Input,
+        detail: Detail,
+        earlier: GpuWork,
+        fast_bodies: Option<FastBodies>,
+    ) -> Result<(), StepError> {
+        let fast_bodies = fast_bodies.filter(|_| input.has_fast_bodies());
+        debug_assert_eq!(fast_bodies.is_some(), input.has_fast_bodies());
         let Self {
             gpu,
             contacts,
@@ -162,7 +171,7 @@ impl GpuStep {
             }
             match (contacts, &input.solver) {
                 (Some(contacts), Some(solver)) => {
-                    let (fast, timer) = (input.fast_bodies.as_ref(), timer.as_ref());
+                    let (fast, timer) = (fast_bodies, timer.as_ref());
                     contacts.record_start(&mut commands, solver);
                     for number in 0..solver.collision_substeps {
                         contacts.record_solution(&mut commands, buffers, solver, number, fast.is_some(), timer);

@@ -1,7 +1,6 @@
 //! The input of a step, packed for the device.
 
 use super::contact_programs::ContactPrograms;
-use super::fast_bodies::FastBodies;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::buffers::{Buffers, Capacity};
@@ -117,8 +116,6 @@ pub struct Input {
     pub(super) response: Response,
     /// With [`Response::Contacts`].
     pub(super) solver: Option<SolverInput>,
-    /// With [`Response::Contacts`], if some body has continuous collision.
-    pub(super) fast_bodies: Option<FastBodies>,
 }
 
 impl Input {
@@ -159,14 +156,13 @@ impl Input {
             face_lists: config.face_lists,
             response: config.response,
             solver: None,
-            fast_bodies: None,
         }
     }
 
-    /// Adds the solver's input and that of continuous collision, with [`Response::Contacts`].
-    pub(super) fn with_solver(mut self, solver: SolverInput, fast_bodies: Option<FastBodies>) -> Self {
-        self.step.has_fast_bodies = fast_bodies.is_some().into();
-        self.fast_bodies = fast_bodies;
+    /// Adds the solver's input, with [`Response::Contacts`]. Continuous collision needs some pairs more if it
+    /// `has_fast_bodies`.
+    pub(super) fn with_solver(mut self, solver: SolverInput, has_fast_bodies: bool) -> Self {
+        self.step.has_fast_bodies = has_fast_bodies.into();
         for &i in solver.fast() {
             self.bodies[i as usize].flags |= FAST;
         }
@@ -196,6 +192,11 @@ impl Input {
     /// Number of collision substeps.
     pub(super) fn collision_substeps(&self) -> u32 {
         self.solver.as_ref().map_or(1, |solver| solver.collision_substeps)
+    }
+
+    /// Whether some body has continuous collision, with [`Response::Contacts`].
+    pub(super) fn has_fast_bodies(&self) -> bool {
+        self.step.has_fast_bodies != 0
     }
 
     /// Number of bodies and half-spaces in the last step.
