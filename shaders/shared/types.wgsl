@@ -31,9 +31,10 @@ struct Step {
     has_fast_bodies: u32,
     // With more hits a list is too short: `hit_capacity`, or no limit where they are only counted.
     hit_limit: u32,
+    // Not 0: bodies and half-spaces have the numbers that they had in the last step.
+    same_numbers: u32,
     padding_a: u32,
     padding_b: u32,
-    padding_c: u32,
 }
 
 // Input and state of a body. Unused slots have a radius of zero.

@@ -24,7 +24,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     let state = motion_states[i];
     let body = bodies[i];
-    if (body.flags & t::PART) != 0u {
+    let is_part = (body.flags & t::PART) != 0u;
+    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
+    if body.inactive == 0u || (state.asleep == 0u && !is_static && !is_part) {
+        atomicStore(&tally[t::AWAKE], 1u);
+    }
+    if is_part {
         return;
     }
     var after: t::Moved;
@@ -37,7 +42,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     after.linear_velocity = state.linear_velocity;
     after.angular_velocity = state.angular_velocity;
-    let is_static = (body.flags & t::KIND_MASK) == t::STATIC;
     after.asleep = select(state.asleep, 0u, is_static);
     moved[i] = after;
     atomicAdd(&tally[t::ASLEEP], u32(after.asleep != 0u));

@@ -49,6 +49,9 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     moved[step.bodies + number] = t::Moved(position, asleep, rotation, v, 0u, w, 0u);
     atomicAdd(&tally[t::ASLEEP], u32(asleep != 0u));
+    if asleep == 0u {
+        atomicStore(&tally[t::AWAKE], 1u);
+    }
     if (bodies[compound.collider].flags & t::FAST) != 0u {
         return;
     }

@@ -72,6 +72,11 @@ impl<'g> Commands<'g> {
         self.work.uploaded_bytes += bytes.len() as u64;
     }
 
+    /// Number of bytes written so far.
+    pub fn uploaded_bytes(&self) -> u64 {
+        self.work.uploaded_bytes
+    }
+
     /// Submits what is recorded so far, waits for it, and returns these ranges of buffers, one after the other. Commands
     /// can be recorded from then on as before.
     ///

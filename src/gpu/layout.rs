@@ -71,7 +71,7 @@ layout! {
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
         contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, has_fast_bodies: u32,
-        hit_limit: u32, padding_a: u32, padding_b: u32, padding_c: u32,
+        hit_limit: u32, same_numbers: u32, padding_a: u32, padding_b: u32,
     }
     /// Input and state of a body.
     Body {
@@ -385,5 +385,7 @@ constants! {
     u32 MAX_VELOCITY = 21;
     u32 MAX_NEGATED_VELOCITY = 24;
     u32 MAX_SPIN = 27;
+    /// Not 0: a collider was not inactive in the last collision substep, or a body that can move is awake after it.
+    u32 AWAKE = 28;
     u32 TALLIES = 32;
 }

@@ -220,7 +220,9 @@
 //! A step on a GPU is one submission, for any number of collision substeps. With
 //! [`ContinuousCollision`](crate::plugin::components::ContinuousCollision) the CPU takes part in each of them: when its
 //! contacts are solved, the CPU reads which bodies may meet the fast ones, stops these in double precision, and the GPU goes on. Bodies, the solver's memory and sleep states
-//! stay on the device. [`Readback`](crate::plugin::settings::Readback) tells when the results reach components.
+//! stay on the device. [`Readback`](crate::plugin::settings::Readback) tells when the results reach components. A step in
+//! which all bodies sleep, and whose input is that of the step before, is not submitted at all: its results are those of
+//! that step. A kinematic body never sleeps, so this needs a world without one.
 //!
 //! # A solver of your own
 //!

@@ -244,8 +244,9 @@ pub struct StepReport {
     /// Number of touching pairs of bodies.
     ///
     /// With [`Readback::Resident`](crate::plugin::settings::Readback::Resident) and
-    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) the larger one of two numbers: pairs whose
-    /// faces intersect, and pairs that push each other. The two lists are not compared on the device.
+    /// [`Response::Contacts`](crate::types::settings::Response::Contacts) those that push each other: nobody reads which
+    /// faces intersect, so faces are not tested, and [`triangle_tests`](Self::triangle_tests) and
+    /// [`face_pairs`](Self::face_pairs) are 0.
     pub touching_pairs: usize,
     /// Number of contact points within the contact margin, between bodies and between bodies and planes.
     pub contact_points: usize,

@@ -162,7 +162,8 @@ impl ContactPrograms {
     }
 
     /// Records a collision substep from the broad phase to the solution of its contacts. It keeps the states of bodies at
-    /// its start if continuous collision will ask for them.
+    /// its start if continuous collision will ask for them. The faces of pairs are tested only if somebody `reads_pairs`:
+    /// contacts do not depend on them.
     pub fn record_solution(
         &self,
         commands: &mut Commands,
@@ -170,8 +171,10 @@ impl ContactPrograms {
         input: &SolverInput,
         number: u32,
         keeps_states: bool,
+        reads_pairs: bool,
         timer: Option<&Timer>,
     ) {
+        let nothing = Program::default();
         let Self { step, solver, .. } = self;
         let is_first = number == 0;
         let (collision_substep, numbers, find) = if is_first {
@@ -186,6 +189,7 @@ impl ContactPrograms {
         for stage in Stage::ALL.into_iter().filter(|&stage| stage != Stage::Integrate) {
             let program = match stage {
                 Stage::ForceScan => &self.solve[usize::from(input.may_sleep())],
+                Stage::TriangleTest if !reads_pairs => &nothing,
                 _ => find,
             };
             let around = timer.map(|timer| timer.around(stage, number));

@@ -14,6 +14,7 @@
 //! | `submit` | submission of a step |
 //! | `fast_bodies` | continuous collision, by the CPU in the midst of a step |
 //! | `flight` | a step in flight |
+//! | `rest` | steps in which all bodies sleep |
 //! | `overflow` | repetition of steps whose lists overflowed |
 //! | `capacity`, `recent` | creation of buffers; lists that become shorter |
 //! | `results` | the results of a step |
@@ -32,6 +33,7 @@ mod poses;
 mod recent;
 pub mod record;
 pub mod remap;
+mod rest;
 pub mod results;
 mod solver_input;
 mod submit;
@@ -56,6 +58,7 @@ pub use poses::Poses;
 use recent::Recent;
 use record::{all_modules, impulse_kernels, impulse_program};
 use remap::LastBodies;
+use rest::Rest;
 use results::{Detail, Output};
 use solver_input::HostSpeeds;
 use std::collections::VecDeque;
@@ -101,6 +104,8 @@ pub struct GpuStep {
     ccd: Ccd,
     /// Submitted steps, oldest first.
     flights: VecDeque<Flight>,
+    /// The last finished step, if it was at rest.
+    rest: Option<Rest>,
     /// Results that were read before they were asked for; older than all steps in flight.
     finished: VecDeque<Output>,
     /// Staging buffers that are not in use.
@@ -176,6 +181,7 @@ impl GpuStep {
                 recent: Recent::default(),
                 ccd: Ccd::default(),
                 flights: VecDeque::new(),
+                rest: None,
                 finished: VecDeque::new(),
                 spare: Vec::new(),
                 population: Population::default(),
@@ -272,6 +278,7 @@ impl GpuStep {
     /// Gives up all steps in flight. Nothing carries over to the next one.
     pub fn forget(&mut self) {
         self.flights.clear();
+        self.rest = None;
         self.finished.clear();
         self.last_bodies.forget();
         self.host_speeds.clear();

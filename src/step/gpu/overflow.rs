@@ -7,6 +7,7 @@
 use super::buffers::StepCapacity;
 use super::fast_bodies::FastBodies;
 use super::flight::Flight;
+use super::rest::Rest;
 use super::results::{Output, Raw};
 use super::upload::Input;
 use super::{GpuStep, StepError};
@@ -52,7 +53,9 @@ impl GpuStep {
                 self.note_use(&flight.input, &work.lists, &raw.tally);
                 self.spare.push(flight.staging);
                 let output = raw.sort(&flight.input, &flight.impacts, self.timer.as_ref());
-                return Ok(Output { work, ..output });
+                let output = Output { work, ..output };
+                self.rest = Rest::of(&output, flight.detail);
+                return Ok(output);
             }
             if !self.repeat(&raw.counters, &raw.tally, fast_bodies)? {
                 return Err(StepError::Device(DeviceError::failed(

@@ -7,9 +7,9 @@ use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
-    APPROXIMATE, ASLEEP, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint, HITS,
-    Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact, SKIPPED,
-    SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, ASLEEP, AWAKE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint,
+    HITS, Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, NEAR_TRIANGLES, PLANE_CONTACTS, PlaneContact,
+    SKIPPED, SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::program::Population;
 use crate::gpu::timer::{self, Timer};
@@ -59,6 +59,8 @@ pub struct Output {
     pub collision_substeps: u32,
     /// Speeds of bodies after the step, with [`Response::Contacts`].
     pub speeds: Speeds,
+    /// With [`Response::Contacts`], whether all bodies slept from the beginning of the step to its end.
+    pub rests: bool,
     /// Sizes of the results.
     pub counts: Counts,
     /// Time of each stage on the device; zero if it has no time stamps.
@@ -244,6 +246,12 @@ impl Raw {
             near_triangles: self.tally[NEAR_TRIANGLES as usize] as usize,
             collision_substeps: input.collision_substeps(),
             speeds: speeds(&self.tally),
+            // Of several collision substeps the tally knows the last one.
+            rests: input.response == Response::Contacts
+                && input.collision_substeps() == 1
+                && self.tally[AWAKE as usize] == 0
+                && impacts.velocities.is_empty()
+                && impacts.sensor_touches.is_empty(),
             ..Default::default()
         };
         output.contacts.triangle_tests = output.counts.triangle_tests;
@@ -269,9 +277,8 @@ impl Raw {
         }
         if input.response == Response::Contacts {
             if output.motions.is_empty() {
-                // Touching pairs were not read.
-                let now = self.tally[TOUCHING_NOW as usize] as usize;
-                output.counts.touching_pairs = output.counts.touching_pairs.max(now);
+                // Faces were not tested.
+                output.counts.touching_pairs = self.tally[TOUCHING_NOW as usize] as usize;
             } else {
                 let mut touches = Touches::from_device(self.touches);
                 for &(pair, contact) in &impacts.sensor_touches {

@@ -197,6 +197,11 @@ impl SolverInput {
         self.remap.planes_changed
     }
 
+    /// Whether bodies and half-spaces have the numbers that they had in the last step.
+    pub fn same_numbers(&self) -> bool {
+        self.remap.new_numbers.iter().copied().eq(0..self.body_count())
+    }
+
     /// Number of bodies and half-spaces in the last step.
     pub fn old_bodies(&self) -> u32 {
         self.remap.new_numbers.len() as u32

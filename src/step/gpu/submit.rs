@@ -4,6 +4,7 @@ use super::buffers::StepCapacity;
 use super::fast_bodies::{FastBodies, Impacts};
 use super::flight::Flight;
 use super::remap::BodyRemap;
+use super::rest::Rest;
 use super::results::{Detail, Parts};
 use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
@@ -95,6 +96,10 @@ impl GpuStep {
         if !self.reserve(needed, for_contacts)? {
             self.write(changes)?;
         }
+        if self.rest.is_some() {
+            // This step may be at rest too, if those in flight are.
+            self.finish_all()?;
+        }
         self.population = input.population();
         let between = std::mem::take(&mut self.between);
         let fast_bodies = input.has_fast_bodies().then_some(FastBodies(state));
@@ -151,6 +156,7 @@ impl GpuStep {
             flights,
             spare,
             waits,
+            rest,
             ..
         } = self;
         let wanted = input.response != Response::Impulse;
@@ -160,6 +166,11 @@ impl GpuStep {
             let parts = Parts::new(&buffers.capacity, contacts, &input, detail);
             let mut commands = Commands::new(gpu, "faceoff step");
             input.write(&mut commands, known, buffers, contacts);
+            let goes_on = |rest: &Rest| rest.goes_on(&input, detail, &commands, &earlier);
+            if flights.is_empty() && rest.as_ref().is_some_and(goes_on) {
+                return Ok(None);
+            }
+            input.write_counters(&mut commands, buffers);
             if flights.is_empty() {
                 // No list is known to be too short.
                 commands.write(&buffers.status, &[0; 16]);
@@ -174,7 +185,16 @@ impl GpuStep {
                     let (fast, timer) = (fast_bodies, timer.as_ref());
                     contacts.record_start(&mut commands, solver);
                     for number in 0..solver.collision_substeps {
-                        contacts.record_solution(&mut commands, buffers, solver, number, fast.is_some(), timer);
+                        let reads_pairs = detail == Detail::All;
+                        contacts.record_solution(
+                            &mut commands,
+                            buffers,
+                            solver,
+                            number,
+                            fast.is_some(),
+                            reads_pairs,
+                            timer,
+                        );
                         if let Some(fast) = fast {
                             *waits += 1;
                             fast.stop(solver.dt(), ccd, &mut commands, buffers, contacts, &mut impacts)?;
@@ -201,9 +221,14 @@ impl GpuStep {
             parts.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
             let (submission, work) = commands.submit();
             let work = work.after(&earlier);
-            Ok(Flight::new(input, detail, parts, staging, submission, work, impacts))
+            Ok(Some(Flight::new(
+                input, detail, parts, staging, submission, work, impacts,
+            )))
         });
-        let flight = flight.and_then(|flight| flight).map_err(StepError::Device)?;
+        let Some(flight) = flight.and_then(|flight| flight).map_err(StepError::Device)? else {
+            self.finished.extend(self.at_rest(earlier));
+            return Ok(());
+        };
         last_bodies.impacts.clone_from(&flight.impacts.velocities);
         flights.push_back(flight);
         Ok(())

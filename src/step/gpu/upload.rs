@@ -170,6 +170,7 @@ impl Input {
         self.step.speculative_time = solver.speculative_time();
         self.step.drift = solver.drift.to_array();
         self.step.planes_changed = solver.planes_changed().into();
+        self.step.same_numbers = solver.same_numbers().into();
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let (source, carried) = solver.source(i);
             // What the host says to carry over may be the state of a compound that is one no more.
@@ -273,7 +274,14 @@ impl Input {
         now - self.step.dt * after.linear_velocity
     }
 
-    /// Writes all buffers.
+    /// Resets the counters.
+    pub(super) fn write_counters(&self, commands: &mut Commands, buffers: &Buffers) {
+        let mut counters = [0u32; COUNTERS as usize];
+        counters[BODIES as usize] = self.step.bodies;
+        commands.write(&buffers.counters, cast_slice(&counters));
+    }
+
+    /// Writes what has changed in all other buffers.
     pub(super) fn write(
         &self,
         commands: &mut Commands,
@@ -296,9 +304,6 @@ impl Input {
             touch_capacity: contacts.map_or(0, |contacts| contacts.capacity().touches),
             ..self.step
         };
-        let mut counters = [0u32; COUNTERS as usize];
-        counters[BODIES as usize] = step.bodies;
-        commands.write(&buffers.counters, cast_slice(&counters));
         commands.write_changes(known, &buffers.step, bytemuck::bytes_of(&step));
         commands.write_changes(known, &buffers.parts, cast_slice(&self.parts));
         commands.write_changes(known, &buffers.planes, cast_slice(&self.planes));

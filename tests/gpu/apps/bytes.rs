@@ -11,6 +11,8 @@ use bevy_faceoff::types::gpu_work::GpuWork;
 pub const TESTS: &[Test] = &[
     ("who_moves_by_physics_alone_is_not_uploaded", physics_alone),
     ("who_is_written_is_uploaded", written),
+    ("nothing_runs_while_all_sleep", all_asleep),
+    ("faces_are_read_back_only_where_asked_for", face_lists),
 ];
 
 const COUNT: usize = 400;
@@ -58,6 +60,86 @@ fn physics_alone(_: &Gpu) {
             let snapshot = Snapshot::take(sim.world());
             let (_, motion) = snapshot.bodies().find(|(entity, _)| *entity == bodies[7]).unwrap();
             assert!(motion.position.y.abs() > 0.05, "{}", motion.position);
+        }
+    }
+}
+
+/// Cubes on a floor fall asleep. Then nothing is asked of the GPU, until a system wakes one.
+fn all_asleep(_: &Gpu) {
+    for readback in [Readback::Lockstep, Readback::Latent, Readback::Resident] {
+        let mut sim = super::readback::app(Backend::Gpu, readback);
+        sim.world().insert_resource(Response::Contacts);
+        sim.world().insert_resource(Gravity(Vec3::NEG_Y * 9.81));
+        let cube = sim.mesh(&shapes::cube(1.0));
+        sim.spawn((cube.clone(), Transform::from_scale(Vec3::new(20.0, 1.0, 20.0))));
+        let bodies = [-3.0, 0.0, 3.0].map(|x| {
+            let at = Transform::from_xyz(x, 1.001, 0.0);
+            sim.spawn((RigidBody::Dynamic, cube.clone(), at))
+        });
+        let mut idle = 0;
+        for _ in 0..100 {
+            sim.step(1);
+            let Some(work) = sim.report().gpu else { continue };
+            if (work.dispatches, work.read_back_bytes, work.uploaded_bytes) == (0, 0, 0) {
+                assert_eq!(sim.report().sleeping, 3);
+                idle += 1;
+            }
+        }
+        assert!(idle > 20, "{readback:?}: {idle}, {:?}", work(&sim));
+        if readback != Readback::Resident {
+            assert_eq!(sim.collisions().len(), 3, "those asleep touch as before");
+        }
+        sim.set(bodies[0], LinearVelocity(Vec3::Y * 3.0));
+        sim.step(8);
+        assert!(work(&sim).dispatches > 0);
+        let snapshot = Snapshot::take(sim.world());
+        let height = |body| {
+            let (_, motion) = snapshot.bodies().find(|(entity, _)| *entity == body).unwrap();
+            motion.position.y
+        };
+        assert!(height(bodies[0]) > 1.1, "{readback:?}: {}", height(bodies[0]));
+        assert!((height(bodies[1]) - 1.0).abs() < 0.01);
+    }
+}
+
+/// Overlapping bodies that do not react, with lists of faces from the fifth step on.
+fn face_lists(_: &Gpu) {
+    for response in [Response::Impulse, Response::None, Response::Contacts] {
+        for readback in [Readback::Lockstep, Readback::Latent] {
+            let mut sim = super::readback::app(Backend::Gpu, readback);
+            sim.world().insert_resource(response);
+            sim.world().insert_resource(FaceLists(false));
+            let torus = sim.mesh(&shapes::torus_240());
+            let [one, two] = [0.0, 0.4].map(|x| {
+                let body = sim.spawn(ball_like(&torus, Vec3::X * x, Vec3::ZERO));
+                sim.set(body, Sensor);
+                body
+            });
+            let mut seen = Vec::new();
+            for step in 0..12 {
+                if step == 5 {
+                    sim.world().insert_resource(FaceLists(true));
+                }
+                sim.step(1);
+                if let Some(hit) = sim.collisions().get(one, two) {
+                    let (listed, counted) = (hit.faces.map(<[FacePair]>::len), sim.report().face_pairs);
+                    assert!(counted > 0);
+                    assert_eq!(listed.unwrap_or(counted), counted);
+                    let work = work(&sim);
+                    assert_eq!(work.lists.face_pairs.length as usize, listed.unwrap_or(0));
+                    seen.push((listed.is_some(), hit.contact, counted, work.read_back_bytes));
+                }
+            }
+            let (without, with) = seen.split_at(seen.partition_point(|&(listed, ..)| !listed));
+            assert!(
+                without.len() >= 5 && with.len() >= 4,
+                "{response:?} {readback:?}: {seen:?}"
+            );
+            assert!(with.iter().all(|&(listed, ..)| listed), "{seen:?}");
+            let (last, first) = (without.last().unwrap(), with.last().unwrap());
+            assert_eq!((last.1, last.2), (first.1, first.2), "the same is found");
+            // Room for 4096 faces of 40 bytes at least.
+            assert!(last.3 + 4096 * 40 <= first.3, "{response:?} {readback:?}: {seen:?}");
         }
     }
 }

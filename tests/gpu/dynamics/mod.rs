@@ -49,6 +49,7 @@ pub const TESTS: &[Test] = &tests! {
     the_same_pairs_points_and_touches_are_told: parity::reports();
     a_pile_moves_by_the_same_bits: assert!(same_bits::bits(1, 90, 10) == same_bits::bits(1, 90, 10));
     a_pile_falls_asleep_and_wakes: sleep::falls_asleep_and_wakes();
+    nothing_runs_while_all_sleep: sleep::nothing_runs_while_all_sleep();
     what_sleeps_sleeps_on_while_steps_move_to_the_cpu_and_back: sleep::moves_to_the_cpu_and_back();
     what_lies_on_others_wakes_when_they_go: sleep::wakes_when_ground_goes();
     no_bullet_passes_a_thin_plate: fast_bodies::pass_no_plate();

@@ -4,7 +4,7 @@ use crate::world::{GAP, World};
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::state::Body;
 use bevy_faceoff::step::gpu::memory::DeviceMemory;
-use bevy_faceoff::step::gpu::results::Detail;
+use bevy_faceoff::step::gpu::results::{Detail, Output};
 use bevy_faceoff::types::body::RigidBody;
 use glam::{Quat, Vec3};
 
@@ -74,6 +74,61 @@ pub fn falls_asleep_and_wakes() {
     world.state.input.config.gravity = Vec3::NEG_Y * 5.0;
     world.step();
     assert_eq!(asleep(&world), 0, "another gravity wakes all");
+}
+
+/// Steps at rest are not submitted, and have the results of those that are.
+pub fn nothing_runs_while_all_sleep() {
+    let mut world = stack();
+    world.step();
+    println!("awake: {} dispatches", world.state.results.gpu.unwrap().dispatches);
+    fall_asleep(&mut world);
+    // Speeds may have asked for several collision substeps, and the step before was not at rest from its beginning.
+    (0..3).for_each(|_| world.step());
+    let idle = |world: &World| {
+        let work = world.state.results.gpu.unwrap();
+        (
+            work.dispatches,
+            work.submissions,
+            work.read_back_bytes,
+            work.uploaded_bytes,
+        ) == (0, 0, 0, 0)
+    };
+    for _ in 0..5 {
+        world.step();
+        assert!(idle(&world), "{:?}", world.state.results.gpu);
+        assert_eq!(asleep(&world), 3);
+    }
+    let (device, input) = (world.device.as_mut().unwrap(), &world.state.input);
+    let mut submit = |detail| {
+        device.submit(input, &[], detail).unwrap();
+        device.take().unwrap().unwrap()
+    };
+    // Counts are other results than were read last, so this step runs, and so does the one after it.
+    let (at_rest, counted, run) = (submit(Detail::All), submit(Detail::Counts), submit(Detail::All));
+    assert_eq!(at_rest.work.dispatches, 0);
+    assert!(counted.work.dispatches > 20 && run.work.dispatches > 20);
+    let all = |output: &Output| {
+        format!(
+            "{:?} {:?} {:?} {:?} {:?}",
+            output.motions, output.sphere_pairs, output.contacts, output.manifolds, output.asleep
+        )
+    };
+    assert!(at_rest.contacts.pairs.len() == 3 && at_rest.manifolds.points.len() >= 12);
+    assert_eq!(all(&at_rest), all(&run));
+
+    // Whatever the host changes is seen.
+    world.step();
+    assert!(idle(&world));
+    world.state.input.bodies.params[1].woken = true;
+    world.step();
+    world.state.input.bodies.params[1].woken = false;
+    assert!(!idle(&world) && asleep(&world) == 0);
+    fall_asleep(&mut world);
+    (0..3).for_each(|_| world.step());
+    assert!(idle(&world));
+    world.state.input.config.solver.sleeping = false;
+    world.step();
+    assert!(!idle(&world) && asleep(&world) == 0, "bodies may sleep no more");
 }
 
 /// The memory of the device goes to the CPU and back. What sleeps sleeps on, on either side.
