@@ -176,6 +176,7 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
         bodies: MANY,
         pairs: many(lists.sphere_pairs),
         hits: many(lists.face_pairs),
+        pieces: many(lists.pair_pieces),
         meshes: 1,
         words: step.capacity().words,
         ..Capacity::default()
@@ -190,6 +191,7 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
     let for_contacts = none.grown(StepCapacity {
         contacts: ContactCapacity {
             near_triangles: many(lists.near_triangles),
+            pieces: many(lists.near_pieces),
             features: many(lists.features),
             segments: many(lists.segments),
             staged_points: many(lists.staged_points),

@@ -8,6 +8,7 @@
 @group(0) @binding(1) var<storage, read_write> status: array<u32>;
 @group(0) @binding(2) var<storage, read_write> counters: array<u32>;
 @group(0) @binding(3) var<storage, read_write> arguments: array<u32>;
+@group(0) @binding(4) var<storage, read_write> piece_arguments: array<u32>;
 
 @compute @workgroup_size(1)
 fn main() {
@@ -24,6 +25,10 @@ fn main() {
     put(t::GROUPS_PER_PAIR, pairs);
     put(t::GROUPS_PER_SORT_BLOCK, blocks);
     put(t::GROUPS_PER_DIGIT_BLOCK, divide_up(DIGITS * blocks, SCAN_BLOCK));
+    // Pairs of large meshes raise these.
+    piece_arguments[0] = 0u;
+    piece_arguments[1] = 0u;
+    piece_arguments[2] = 1u;
 }
 
 fn put(slot: u32, groups: u32) {

@@ -16,7 +16,8 @@
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
     let lacking = counters[t::HITS] > step.hit_limit
-        || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity;
+        || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity
+        || counters[t::PIECES] > step.piece_capacity;
     if lacking && i == 0u {
         status[t::OVERFLOW] = 1u;
         counters[t::SKIPPED] = 1u;

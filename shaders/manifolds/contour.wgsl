@@ -3,17 +3,18 @@
 #import faceoff::agree::agree
 #import faceoff::constants::manifolds::{MAX_DEPTH, MIN_ENCLOSED_AREA, REACH_FACTOR}
 #import faceoff::dispatch::group_index
+#import faceoff::near_patches::{build_level, patches}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<storage, read_write> contact_counters: array<atomic<u32>>;
 @group(0) @binding(1) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(2) var<storage, read> segments: array<t::Segment>;
 // Eight words per segment. A pair with n segments has: 4 n slots of a hash table of segment ends, by the crossing that
-// an end shares with the next segment (later the list of loose ends); 2 n words, for each end its partner; n words, for
-// each segment its label, the number of the first segment known to belong to the same contour; n words, for each first
-// segment the number of segments in its contour.
+// an end shares with the next segment (then the list of loose ends; then n segments in the order of contours, n ends of
+// contours in that order, and the first segments of contours); 2 n words, for each end its partner; n words, for each
+// segment its label, the number of the first segment known to belong to the same contour; n words, for each first segment
+// the number of segments in its contour.
 @group(0) @binding(3) var<storage, read_write> contour_links: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read_write> patches: array<t::Patch>;
 
 // Loose ends closer than this are the same point, in units of the rounding of heights.
 const TIE_ROUNDINGS: f32 = 4.0;
@@ -22,7 +23,9 @@ const MAX_LOOSE_ENDS: u32 = 1024u;
 
 var<workgroup> loose: atomic<u32>;
 var<workgroup> changed: array<atomic<u32>, 3>;
-var<workgroup> lowest: atomic<u32>;
+// Of 64 segments: numbers of segments and of contours before; then labels.
+var<workgroup> scanned: array<vec2<u32>, 64>;
+var<workgroup> labels: array<u32, 64>;
 var<workgroup> sums: array<vec4<f32>, 64>;
 var<workgroup> best_reach: array<vec4<f32>, 64>;
 var<workgroup> best_end: array<vec4<u32>, 64>;
@@ -46,7 +49,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     join(thread);
     tie_loose_ends(thread, TIE_ROUNDINGS * setup.rounding);
     label(thread);
-    find_patches(index, setup, thread);
+    let contours = agree(thread, group_by_contour(thread));
+    find_patches(index, setup, contours, thread);
 }
 
 fn slot(i: u32) -> u32 {
@@ -220,33 +224,93 @@ fn label(thread: u32) {
     sync();
 }
 
-fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
+// The i-th segment in the order of contours.
+fn ordered(i: u32) -> u32 {
+    return slot(i);
+}
+
+// Where the segments of a contour end in that order.
+fn end_of(root: u32) -> u32 {
+    return slot(count + root);
+}
+
+// The first segment of a contour of more than one segment.
+fn root_of(contour: u32) -> u32 {
+    return slot(2u * count + contour);
+}
+
+// Orders the segments by contour. Contours come in the order of their first segments, and the segments of each in their own
+// order. Returns the number of contours of more than one segment.
+fn group_by_contour(thread: u32) -> u32 {
+    var before = vec2(0u);
+    for (var round = 0u; round < count; round += 64u) {
+        let i = round + thread;
+        var own = vec2(0u);
+        if i < count {
+            own.x = atomicLoad(&contour_links[size_of(i)]);
+            own.y = u32(own.x > 1u);
+        }
+        let earlier = before + exclusive_sum(own, thread);
+        if i < count {
+            // It grows to the end while segments are placed.
+            atomicStore(&contour_links[end_of(i)], earlier.x);
+        }
+        if own.y == 1u {
+            atomicStore(&contour_links[root_of(earlier.y)], i);
+        }
+        before += scanned[63];
+        workgroupBarrier();
+    }
+    sync();
+    for (var round = 0u; round < count; round += 64u) {
+        let i = round + thread;
+        var root = t::NOTHING;
+        if i < count {
+            root = atomicLoad(&contour_links[label_of(i)]);
+        }
+        labels[thread] = root;
+        workgroupBarrier();
+        if i < count {
+            var at = atomicLoad(&contour_links[end_of(root)]);
+            for (var other = 0u; other < thread; other += 1u) {
+                at += u32(labels[other] == root);
+            }
+            atomicStore(&contour_links[ordered(at)], i);
+        }
+        sync();
+        if i < count {
+            atomicAdd(&contour_links[end_of(root)], 1u);
+        }
+        sync();
+    }
+    return before.y;
+}
+
+// The total is in `scanned[63]`.
+fn exclusive_sum(own: vec2<u32>, thread: u32) -> vec2<u32> {
+    var inclusive = own;
+    for (var reach = 1u; reach < 64u; reach *= 2u) {
+        scanned[thread] = inclusive;
+        workgroupBarrier();
+        if thread >= reach {
+            inclusive += scanned[thread - reach];
+        }
+        workgroupBarrier();
+    }
+    scanned[thread] = inclusive;
+    workgroupBarrier();
+    return inclusive - own;
+}
+
+fn find_patches(index: u32, setup: t::PairSetup, contours: u32, thread: u32) {
     var low = vec3(3.0e38);
     var high = vec3(-3.0e38);
     var direction = vec3(0.0);
     var number = 0u;
-    var next = 0u;
-    var finished = false;
-    loop {
-        // Finds the next contour of more than one segment.
-        if thread == 0u {
-            atomicStore(&lowest, t::NOTHING);
-        }
-        workgroupBarrier();
-        for (var i = thread; i < count; i += 64u) {
-            if i >= next && atomicLoad(&contour_links[size_of(i)]) > 1u {
-                atomicMin(&lowest, i);
-                break;
-            }
-        }
-        workgroupBarrier();
-        let root = agree(thread, atomicLoad(&lowest));
-        if root == t::NOTHING {
-            finished = true;
-            break;
-        }
-        next = root + 1u;
-        let found = patch_of(setup, root, thread);
+    var contour = 0u;
+    while contour < contours {
+        let found = patch_of(setup, atomicLoad(&contour_links[root_of(contour)]), thread);
+        contour += 1u;
         if found.reach > 0.0 {
             let half = vec3(found.reach + 0.5 * MAX_DEPTH * setup.size);
             low = min(low, found.center - half);
@@ -260,12 +324,20 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
             number += 1u;
         }
     }
-    check(finished);
+    check(contour >= contours);
+    sync();
+    let patch_count = agree(thread, number);
+    var level = 1u;
+    while patch_count > 1u << (3u * (level - 1u)) && level <= 10u {
+        build_level(first / 2u, patch_count, level, thread);
+        level += 1u;
+        sync();
+    }
     if thread == 0u {
         pair_setups[index].window_min = low;
         pair_setups[index].window_max = high;
         pair_setups[index].window_direction = direction;
-        pair_setups[index].patch_count = number;
+        pair_setups[index].patch_count = patch_count;
     }
 }
 
@@ -273,16 +345,16 @@ fn find_patches(index: u32, setup: t::PairSetup, thread: u32) {
 fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     var result: t::Patch;
     result.reach = 0.0;
+    let end = atomicLoad(&contour_links[end_of(root)]);
+    let range = vec2(end - atomicLoad(&contour_links[size_of(root)]), end);
     // Sums are relative to the first point, for precision.
     let origin = segments[first + root].start;
     var sum = vec4(0.0);
-    for (var i = thread; i < count; i += 64u) {
-        if atomicLoad(&contour_links[label_of(i)]) == root {
-            let segment = segments[first + i];
-            let along = segment.end - segment.start;
-            let length = sqrt(dot(along, along));
-            sum += vec4(((segment.start - origin) + (segment.end - origin)) * (0.5 * length), length);
-        }
+    for (var i = range.x + thread; i < range.y; i += 64u) {
+        let segment = segments[first + atomicLoad(&contour_links[ordered(i)])];
+        let along = segment.end - segment.start;
+        let length = sqrt(dot(along, along));
+        sum += vec4(((segment.start - origin) + (segment.end - origin)) * (0.5 * length), length);
     }
     sum = total(sum, thread);
     let length = sum.w;
@@ -292,14 +364,12 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     let center = origin + sum.xyz / length;
     var area = vec3(0.0);
     var square = 0.0;
-    for (var i = thread; i < count; i += 64u) {
-        if atomicLoad(&contour_links[label_of(i)]) == root {
-            let segment = segments[first + i];
-            let anchor = segment.start - center;
-            let other = segment.end - center;
-            area += 0.5 * cross(anchor, segment.end - segment.start);
-            square = max(square, max(dot(anchor, anchor), dot(other, other)));
-        }
+    for (var i = range.x + thread; i < range.y; i += 64u) {
+        let segment = segments[first + atomicLoad(&contour_links[ordered(i)])];
+        let anchor = segment.start - center;
+        let other = segment.end - center;
+        area += 0.5 * cross(anchor, segment.end - segment.start);
+        square = max(square, max(dot(anchor, anchor), dot(other, other)));
     }
     area = total(vec4(area, 0.0), thread).xyz;
     let radius = sqrt(maximum(square, thread));
@@ -314,39 +384,31 @@ fn patch_of(setup: t::PairSetup, root: u32, thread: u32) -> t::Patch {
     result.area = size;
     result.length = length;
     result.reach = REACH_FACTOR * radius + setup.margin;
-    result.kept = 0u;
     result.a = segments[first + root].a;
     result.b = segments[first + root].b;
 
     // The first extreme is the farthest from the centre, so the order of the bodies does not matter.
     let n = result.normal;
-    let to_first = farthest(thread, root, center, mat3x3(vec3(0.0), vec3(0.0), vec3(0.0)), n);
-    result.extreme_a = extreme_of(to_first.x, center);
-    let across = cross(n, result.extreme_a);
-    let others = farthest(thread, root, center, mat3x3(-result.extreme_a, across, -across), n);
-    result.extreme_b = extreme_of(others.y, center);
-    result.extreme_c = extreme_of(others.z, center);
-    result.extreme_d = extreme_of(others.w, center);
+    let to_first = farthest(thread, range, center, mat3x3(vec3(0.0), vec3(0.0), vec3(0.0)), n).x;
+    let out = segments[first + to_first].start - center;
+    let across = cross(n, out);
+    let others = farthest(thread, range, center, mat3x3(-out, across, -across), n).yzw;
+    result.extremes = vec4(first) + vec4(to_first, others);
     return result;
-}
-
-fn extreme_of(i: u32, center: vec3<f32>) -> vec3<f32> {
-    return segments[first + i].start - center;
 }
 
 // The segments of a contour whose starts are farthest from the centre: perpendicular to the normal, and along each of
 // three directions.
-fn farthest(thread: u32, root: u32, center: vec3<f32>, ways: mat3x3<f32>, normal: vec3<f32>) -> vec4<u32> {
+fn farthest(thread: u32, range: vec2<u32>, center: vec3<f32>, ways: mat3x3<f32>, normal: vec3<f32>) -> vec4<u32> {
     var best = vec4(-3.0e38);
-    var number = vec4(root);
-    for (var i = thread; i < count; i += 64u) {
-        if atomicLoad(&contour_links[label_of(i)]) == root {
-            let anchor = segments[first + i].start - center;
-            let lateral = anchor - normal * dot(anchor, normal);
-            let reach = vec4(dot(lateral, lateral), anchor * ways);
-            number = select(number, vec4(i), reach > best);
-            best = max(best, reach);
-        }
+    var number = vec4(0u);
+    for (var i = range.x + thread; i < range.y; i += 64u) {
+        let segment = atomicLoad(&contour_links[ordered(i)]);
+        let anchor = segments[first + segment].start - center;
+        let lateral = anchor - normal * dot(anchor, normal);
+        let reach = vec4(dot(lateral, lateral), anchor * ways);
+        number = select(number, vec4(segment), reach > best);
+        best = max(best, reach);
     }
     best_reach[thread] = best;
     best_end[thread] = number;

@@ -35,6 +35,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 // Whether a list overflowed or a loop was aborted.
 fn is_worthless() -> bool {
     return contact_counters[t::NEAR_TRIANGLES] > limits.near_triangles
+        || contact_counters[t::NEAR_PIECES] + contact_counters[t::DEEP_PIECES] > limits.pieces
         || contact_counters[t::FEATURES] > limits.features
         || contact_counters[t::SEGMENTS] > limits.segments
         || contact_counters[t::STAGED_POINTS] > limits.staged_points

@@ -29,15 +29,17 @@ fn none() -> t::Feature {
     return feature;
 }
 
-// The feature of corner k of `own` over the triangle `over`.
+// The feature of corner k of the triangle `own` over the triangle `over` of the other side.
 fn vertex_feature(
-    side: sides::Side, own: sides::Triangle, over: sides::Triangle, height: f32, k: u32, rounding: f32
+    side: sides::Side, own: u32, other: sides::Side, over: sides::Triangle, height: f32, k: u32, rounding: f32
 ) -> t::Feature {
-    let p = own.corners[k];
+    let p = sides::corner(side, own, k);
     let foot = p - over.normal * height;
+    var next = sides::corner(other, over.number, 0u);
     for (var i = 0u; i < 3u; i += 1u) {
-        let start = over.corners[i];
-        let edge = over.corners[(i + 1u) % 3u] - start;
+        let start = next;
+        next = sides::corner(other, over.number, (i + 1u) % 3u);
+        let edge = next - start;
         let inside = dot(cross(edge, foot - start), over.normal) * over.winding_sign;
         let square = dot(edge, edge);
         // Degenerate triangles have no features.
@@ -45,7 +47,7 @@ fn vertex_feature(
             return none();
         }
     }
-    let vertex = sides::vertices(side, own.number)[k];
+    let vertex = sides::vertices(side, own)[k];
     let range = sides::neighbors(side, vertex);
     for (var n = range.x; n < range.y; n += 1u) {
         let edge = sides::vertex(side, words[n]) - p;
@@ -61,17 +63,17 @@ fn vertex_feature(
     feature.normal = select(-over.normal, over.normal, of_second);
     feature.separation = height;
     feature.vertex = vertex | side.mark;
-    feature.a = select(own.number, over.number, of_second);
-    feature.b = select(over.number, own.number, of_second);
+    feature.a = select(own, over.number, of_second);
+    feature.b = select(over.number, own, of_second);
     return feature;
 }
 
 // The feature of edge k of the first triangle and edge l of the second.
 fn edge_feature(sa: sides::Side, sb: sides::Side, pair: TrianglePair, k: u32, l: u32) -> t::Feature {
-    let start_a = pair.a.corners[k];
-    let start_b = pair.b.corners[l];
-    let along_a = pair.a.corners[(k + 1u) % 3u] - start_a;
-    let along_b = pair.b.corners[(l + 1u) % 3u] - start_b;
+    let start_a = sides::corner(sa, pair.a.number, k);
+    let start_b = sides::corner(sb, pair.b.number, l);
+    let along_a = sides::corner(sa, pair.a.number, (k + 1u) % 3u) - start_a;
+    let along_b = sides::corner(sb, pair.b.number, (l + 1u) % 3u) - start_b;
     let normal_of_both = cross(along_a, along_b);
     let square = dot(normal_of_both, normal_of_both);
     // The distance of the lines is tested first, because it rejects most pairs.
@@ -236,7 +238,8 @@ fn chord(side: sides::Side, own: sides::Triangle, heights: vec3<f32>, bits: u32,
         if fall != 0.0 {
             at = clamp(heights[i] / fall, 0.0, 1.0);
         }
-        let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
+        let start = sides::corner(side, own.number, i);
+        let point = start + (sides::corner(side, own.number, j) - start) * at;
         let crossing = Crossing(point, dot(line, point), sides::edge_number(side, own.number, k) | side.mark);
         if count == 0u {
             result.start = crossing;

@@ -2,11 +2,14 @@
 // bounding-volume trees, eight children of one node against eight of another at a time, one thread each. It counts the
 // pairs and remembers where they are, and writes them once it knows their place in the list. If there are more than it
 // can remember, it traverses the trees again to write them. The order is that of the trees, whatever the order of threads.
+//
+// A pair of large meshes may be split (`split.wgsl`). With `PIECES` there is one workgroup per piece of such a pair.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words, vector}
-#import faceoff::constants::manifolds::{AROUND_ERROR, MAX_DEPTH, DIRECTION_ERROR, ERROR}
+#import faceoff::constants::manifolds::{AROUND_ERROR, DIRECTION_ERROR, ERROR}
 #import faceoff::dispatch::group_index
-#import faceoff::math::{absolute, norm1}
+#import faceoff::math::norm1
+#import faceoff::near_boxes::{boxes_near, is_done, pad, reach, set_reach, windowed}
 #import faceoff::sides
 #import faceoff::tree
 #import faceoff::types as t
@@ -18,6 +21,9 @@
 @group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
 // The two triangles; `features.wgsl` uses the rest.
 @group(0) @binding(6) var<storage, read_write> near_triangles: array<vec4<u32>>;
+#ifdef PIECES
+@group(0) @binding(7) var<storage, read_write> near_pieces: array<t::NearPiece>;
+#endif
 
 // Pairs of nodes. Of at most 8 levels, no more than 63 pairs wait while the 64th is opened.
 var<workgroup> stack: array<vec2<u32>, 512>;
@@ -30,31 +36,40 @@ var<workgroup> base: u32;
 const MAX_LEAVES: u32 = 128u;
 var<workgroup> near_leaves: array<vec4<u32>, MAX_LEAVES>;
 
-var<private> reach: f32;
-// Rounding allowance.
-var<private> pad: f32;
-var<private> windowed: bool;
+// The pair of nodes at which the search starts.
+var<private> roots: vec2<u32>;
 // Number of pairs of leaves with triangles that are near; the same in all threads.
 var<private> leaf_count: u32;
 
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
-    let index = group_index(group);
-    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
+    let deep = constants.x == 1u;
+#ifdef PIECES
+    let before = select(0u, atomicLoad(&contact_counters[t::NEAR_PIECES]), deep);
+    let end = before + atomicLoad(&contact_counters[select(t::NEAR_PIECES, t::DEEP_PIECES, deep)]);
+    let number = before + group_index(group);
+    if agree(thread, u32(number >= end || end > limits.pieces)) == 1u {
         return;
     }
-    let setup = pair_setups[index];
-    windowed = constants.x == 1u;
-    let max_depth = MAX_DEPTH * setup.size;
-    // A margin wider than the largest overlap has found all pairs already.
-    let is_done = windowed && (setup.patch_count == 0u || max_depth <= setup.margin);
-    if agree(thread, u32(setup.valid == 0u || is_done)) == 1u {
+    let setup = pair_setups[near_pieces[number].pair];
+#else
+    let number = group_index(group);
+    if number >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
         return;
     }
-    pad = 2.0 * setup.rounding;
-    reach = select(setup.margin + setup.touch, max_depth, windowed) + pad;
+    let setup = pair_setups[number];
+    if agree(thread, u32(is_done(setup, deep) || setup.is_split != 0u)) == 1u {
+        return;
+    }
+#endif
+    set_reach(setup, deep);
     let a = sides::first(setup);
     let b = sides::second(setup);
+#ifdef PIECES
+    roots = vec2(near_pieces[number].node_a, near_pieces[number].node_b);
+#else
+    roots = vec2(tree::node(meshes[a.mesh].levels - 1u, 0u), tree::node(meshes[b.mesh].levels - 1u, 0u));
+#endif
     if thread < 6u {
         atomicStore(&found[thread], 0u);
     }
@@ -66,9 +81,16 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread == 0u {
         base = atomicAdd(&contact_counters[t::NEAR_TRIANGLES], count);
         let fits = base <= limits.near_triangles && count <= limits.near_triangles - base;
-        pair_setups[index].first_near = select(t::NOTHING, base, fits);
-        pair_setups[index].near_count = select(0u, count, fits);
-        base = select(t::NOTHING, base, fits && count > 0u);
+        let first = select(t::NOTHING, base, fits);
+        let held = select(0u, count, fits);
+#ifdef PIECES
+        near_pieces[number].first_near = first;
+        near_pieces[number].near_count = held;
+#else
+        pair_setups[number].first_near = first;
+        pair_setups[number].near_count = held;
+#endif
+        base = select(t::NOTHING, first, held > 0u);
     }
     let first = workgroupUniformLoad(&base);
     if first == t::NOTHING {
@@ -98,9 +120,7 @@ fn write_leaves(thread: u32, first: u32) {
 fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, first: u32) -> u32 {
     workgroupBarrier();
     if thread == 0u {
-        stack[0] = vec2(
-            tree::node(meshes[a.mesh].levels - 1u, 0u), tree::node(meshes[b.mesh].levels - 1u, 0u)
-        );
+        stack[0] = roots;
     }
     workgroupBarrier();
     let bit = 1u << (thread % 32u);
@@ -162,36 +182,6 @@ fn descend(setup: t::PairSetup, a: sides::Side, b: sides::Side, thread: u32, fir
     }
     workgroupBarrier();
     return count;
-}
-
-// Whether both nodes exist, are in the window, and their boxes are near along the axes of both.
-fn boxes_near(setup: t::PairSetup, a: sides::Side, b: sides::Side, nodes: vec2<u32>) -> bool {
-    let at_a = tree::box_of(0u, nodes.x);
-    let at_b = tree::box_of(1u, nodes.y);
-    if at_a == 0u || at_b == 0u {
-        return false;
-    }
-    let center_a = sides::place(a, vector(at_a));
-    let half_a = abs(a.scale) * vector(at_a + 3u) + pad;
-    let center_b = sides::place(b, vector(at_b));
-    let half_b = abs(b.scale) * vector(at_b + 3u) + pad;
-    let spread = absolute(b.rotation);
-    let around_b = spread * half_b;
-    if any(abs(center_b - center_a) > half_a + around_b + reach) {
-        return false;
-    }
-    if windowed {
-        if any(center_a + half_a < setup.window_min) || any(center_a - half_a > setup.window_max)
-            || any(center_b + around_b < setup.window_min) || any(center_b - around_b > setup.window_max) {
-            return false;
-        }
-        let last = dot(center_a, setup.window_direction) + dot(half_a, abs(setup.window_direction));
-        if dot(center_b, setup.window_direction) - dot(around_b, abs(setup.window_direction)) > last {
-            return false;
-        }
-    }
-    let apart = (center_a - center_b) * b.rotation;
-    return all(abs(apart) <= half_b + half_a * spread + reach);
 }
 
 // Whether both triangles exist, are in the window, and neither their boxes nor one of their planes separates them by

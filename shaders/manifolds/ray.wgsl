@@ -5,6 +5,7 @@
 #import faceoff::arena::{meshes, words, vector}
 #import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, RAY_LENGTH, SHALLOW}
 #import faceoff::dispatch::group_index
+#import faceoff::empty_patches::{HAS_FEATURE, count_at, list_at}
 #import faceoff::sides
 #import faceoff::tree
 #import faceoff::types as t
@@ -14,6 +15,9 @@
 @group(0) @binding(4) var<storage, read_write> pair_setups: array<t::PairSetup>;
 @group(0) @binding(5) var<storage, read> patches: array<t::Patch>;
 @group(0) @binding(6) var<storage, read_write> features: array<t::Feature>;
+@group(0) @binding(7) var<storage, read> segments: array<t::Segment>;
+// The list of patches without an overlapping feature.
+@group(0) @binding(8) var<storage, read> contour_links: array<u32>;
 
 // Tolerance of a hit in barycentric coordinates, so that no ray slips through an edge.
 const SLACK_SINGLE: f32 = 1.0e-5;
@@ -29,11 +33,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let setup = pair_setups[index];
-    var empty_patches = 0u;
-    for (var k = 0u; setup.valid != 0u && k < setup.patch_count; k += 1u) {
-        empty_patches += 1u - patches[setup.first_segment / 2u + k].kept;
+    var listed = 0u;
+    if setup.valid != 0u && setup.patch_count > 0u {
+        listed = contour_links[count_at(setup)];
     }
-    let empty_count = agree(thread, empty_patches);
+    let empty_count = agree(thread, listed);
     if empty_count == 0u {
         return;
     }
@@ -54,8 +58,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     for (var i = thread; i < PLACES * empty_count; i += 64u) {
-        let empty_patch = patches[nth_empty_patch(setup, i / PLACES)];
-        features[base + i] = probe(a, b, empty_patch, place_of(empty_patch, i % PLACES), setup);
+        let at = empty_patch_at(setup, contour_links[list_at(setup, i / PLACES)]);
+        features[base + i] = probe(a, b, patches[at].normal, place_of(at, i % PLACES), setup);
     }
     storageBarrier();
     workgroupBarrier();
@@ -66,12 +70,13 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         for (var k = 0u; k < PLACES; k += 1u) {
             deepest = min(deepest, features[first + k].separation);
         }
-        let empty_patch = patches[nth_empty_patch(setup, n)];
+        let entry = contour_links[list_at(setup, n)];
+        let empty_patch = patches[empty_patch_at(setup, entry)];
         if deepest == t::DROPPED {
             if empty_patch.area > MIN_PROBED_AREA * setup.size * setup.size {
                 features[first] = shallow(empty_patch, setup.size);
             }
-        } else if deepest >= -setup.touch && has_feature(setup, empty_patch) {
+        } else if deepest >= -setup.touch && (entry & HAS_FEATURE) != 0u {
             // Where the bodies only touch, their other features suffice.
             for (var k = 0u; k < PLACES; k += 1u) {
                 features[first + k].separation = t::DROPPED;
@@ -80,52 +85,25 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
-// Whether a patch has a feature nearby that touches or is apart.
-fn has_feature(setup: t::PairSetup, empty_patch: t::Patch) -> bool {
-    for (var i = setup.first_feature; i < setup.first_feature + setup.feature_count; i += 1u) {
-        let offset = 0.5 * (features[i].point_a + features[i].point_b) - empty_patch.center;
-        if features[i].separation != t::DROPPED && dot(offset, offset) < empty_patch.reach * empty_patch.reach {
-            return true;
-        }
-    }
-    return false;
+// Index of the patch of an entry of the list.
+fn empty_patch_at(setup: t::PairSetup, entry: u32) -> u32 {
+    return setup.first_segment / 2u + (entry & ~HAS_FEATURE);
 }
 
-// Index of the n-th patch without an overlapping feature.
-fn nth_empty_patch(setup: t::PairSetup, n: u32) -> u32 {
-    var remaining = n;
-    var at = setup.first_segment / 2u;
-    for (var k = 0u; k < setup.patch_count; k += 1u) {
-        at = setup.first_segment / 2u + k;
-        if patches[at].kept == 0u {
-            if remaining == 0u {
-                break;
-            }
-            remaining -= 1u;
-        }
+// The centre of the patch at an index, or an extreme of its contour moved inward by a quarter.
+fn place_of(at: u32, k: u32) -> vec3<f32> {
+    let center = patches[at].center;
+    if k == 0u {
+        return center;
     }
-    return at;
-}
-
-// The patch's centre, or an extreme of its contour moved inward by a quarter.
-fn place_of(empty_patch: t::Patch, k: u32) -> vec3<f32> {
-    var extreme = vec3(0.0);
-    switch k {
-        case 1u: { extreme = empty_patch.extreme_a; }
-        case 2u: { extreme = empty_patch.extreme_b; }
-        case 3u: { extreme = empty_patch.extreme_c; }
-        case 4u: { extreme = empty_patch.extreme_d; }
-        default: {}
-    }
-    return empty_patch.center + PROBE_FRACTION * extreme;
+    return center + PROBE_FRACTION * (segments[patches[at].extremes[k - 1u]].start - center);
 }
 
 // The contact point of a patch from two rays through p, if both leave a body. The rays start slightly before p, because
 // rounding may put p outside where the bodies only touch.
-fn probe(a: sides::Side, b: sides::Side, empty_patch: t::Patch, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
+fn probe(a: sides::Side, b: sides::Side, n: vec3<f32>, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
     var feature: t::Feature;
     feature.separation = t::DROPPED;
-    let n = empty_patch.normal;
     let back = setup.touch;
     let max_distance = RAY_LENGTH * setup.size + back;
     let up = exit(a, 0u, p - n * back, n, max_distance);
@@ -178,35 +156,49 @@ fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max
     let whole = abs(side.scale) * meshes[side.mesh].box_half;
     let pad = 4.0e-6 * (whole.x + whole.y + whole.z);
     var nearest = Exit(max_distance, t::NOTHING);
-    // At most eight nodes of each level wait, minus the one that is opened.
-    var waiting: array<u32, 64>;
-    waiting[0] = tree::node(meshes[side.mesh].levels - 1u, 0u);
-    var depth = 1u;
-    while depth > 0u {
-        depth -= 1u;
-        let node = waiting[depth];
-        let level = tree::level_of(node);
-        let number = node & tree::NUMBER;
-        for (var k = 0u; k < 8u; k += 1u) {
-            let child = 8u * number + k;
-            if level == 0u {
-                if child < side.triangle_count {
-                    let distance = meets(side, child, origin, along);
-                    if distance < nearest.distance {
-                        nearest = Exit(distance, child);
+    // The node at hand. Of it and its ancestors, the children that are still to be opened: eight bits per level, the
+    // lowest level first.
+    var level = meshes[side.mesh].levels - 1u;
+    var number = 0u;
+    var waiting = vec2(0u);
+    var is_new = true;
+    var done = false;
+    while !done {
+        var mask = 0u;
+        if is_new {
+            for (var k = 0u; k < 8u; k += 1u) {
+                let child = 8u * number + k;
+                if level == 0u {
+                    if child < side.triangle_count {
+                        let distance = meets(side, child, origin, along);
+                        if distance < nearest.distance {
+                            nearest = Exit(distance, child);
+                        }
+                    }
+                } else {
+                    let at = tree::box_of(end, tree::node(level - 1u, child));
+                    if at != 0u && passes(side, at, origin, inverse, pad, nearest.distance) {
+                        mask |= 1u << k;
                     }
                 }
-            } else {
-                let at = tree::box_of(end, tree::node(level - 1u, child));
-                if at != 0u && passes(side, at, origin, inverse, pad, nearest.distance) {
-                    waiting[depth] = tree::node(level - 1u, child);
-                    depth += 1u;
-                }
             }
+        } else {
+            mask = extractBits(waiting[level / 4u], 8u * (level % 4u), 8u);
+        }
+        is_new = mask != 0u;
+        if is_new {
+            let k = firstLeadingBit(mask);
+            waiting[level / 4u] = insertBits(waiting[level / 4u], mask & ~(1u << k), 8u * (level % 4u), 8u);
+            level -= 1u;
+            number = 8u * number + k;
+        } else {
+            level += 1u;
+            number /= 8u;
+            done = level == meshes[side.mesh].levels;
         }
     }
     // Some devices abort long loops.
-    if depth > 0u {
+    if !done {
         atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
     if nearest.triangle != t::NOTHING && dot(direction, sides::baked_normal(side, nearest.triangle)) <= 0.0 {

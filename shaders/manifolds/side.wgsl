@@ -34,7 +34,6 @@ struct Triangle {
     number: u32,
     // 1 if the corners are counter-clockwise about the normal, else -1.
     winding_sign: f32,
-    corners: array<vec3<f32>, 3>,
     // Unit vector, outward. Normals of two-sided triangles point to the other body.
     normal: vec3<f32>,
 }
@@ -180,17 +179,20 @@ fn face(side: Side, number: u32) -> u32 {
     return words[record(side, number) + 14u];
 }
 
+// The placed k-th corner of a triangle. It is placed again wherever it is needed: corners of two triangles would take too
+// many registers.
+fn corner(side: Side, number: u32, k: u32) -> vec3<f32> {
+    return place(side, vector(side.triangles + 9u * number + 3u * k));
+}
+
 // A placed triangle. Its normal is computed from the placed corners, so corners in its plane have a height of nearly
 // zero.
 fn triangle(side: Side, number: u32) -> Triangle {
-    let at = side.triangles + 9u * number;
     var result: Triangle;
     result.number = number;
-    result.corners[0] = place(side, vector(at));
-    result.corners[1] = place(side, vector(at + 3u));
-    result.corners[2] = place(side, vector(at + 6u));
-    let along = direction(result.corners[1] - result.corners[0]);
-    let normal = cross(along, direction(result.corners[2] - result.corners[0])) * side.mirror;
+    let start = corner(side, number, 0u);
+    let along = direction(corner(side, number, 1u) - start);
+    let normal = cross(along, direction(corner(side, number, 2u) - start)) * side.mirror;
     let square = dot(normal, normal);
     // A triangle too thin for that has the transformed normal of its mesh.
     if square > 1.0e-12 {
@@ -199,7 +201,7 @@ fn triangle(side: Side, number: u32) -> Triangle {
         result.normal = baked_normal(side, number);
     }
     result.winding_sign = side.mirror;
-    if faces_away(side, number, result.normal, result.corners[0]) {
+    if faces_away(side, number, result.normal, start) {
         result.normal = -result.normal;
         result.winding_sign = -side.mirror;
     }
@@ -217,19 +219,19 @@ fn normal_of(side: Side, number: u32) -> vec3<f32> {
     if !side.some_two_sided {
         return normal;
     }
-    let corner = place(side, vector(side.triangles + 9u * number));
-    return select(normal, -normal, faces_away(side, number, normal, corner));
+    return select(normal, -normal, faces_away(side, number, normal, corner(side, number, 0u)));
 }
 
 fn faces_away(side: Side, number: u32, normal: vec3<f32>, corner: vec3<f32>) -> bool {
     return !is_one_sided(side, number) && dot(normal, side.other_center - corner) < 0.0;
 }
 
-// Heights of a triangle's corners over another's plane.
-fn heights(of_triangle: Triangle, over: Triangle) -> vec3<f32> {
+// Heights of a triangle's corners over the plane of another one, of the other side.
+fn heights(side: Side, number: u32, other: Side, over: Triangle) -> vec3<f32> {
+    let start = corner(other, over.number, 0u);
     return vec3(
-        dot(over.normal, of_triangle.corners[0] - over.corners[0]),
-        dot(over.normal, of_triangle.corners[1] - over.corners[0]),
-        dot(over.normal, of_triangle.corners[2] - over.corners[0]),
+        dot(over.normal, corner(side, number, 0u) - start),
+        dot(over.normal, corner(side, number, 1u) - start),
+        dot(over.normal, corner(side, number, 2u) - start),
     );
 }

@@ -33,8 +33,9 @@ struct Step {
     hit_limit: u32,
     // Not 0: bodies and half-spaces have the numbers that they had in the last step.
     same_numbers: u32,
-    padding_a: u32,
-    padding_b: u32,
+    // The length of a further list.
+    piece_capacity: u32,
+    padding: u32,
 }
 
 // Input and state of a body. Unused slots have a radius of zero.
@@ -214,10 +215,33 @@ struct PairResult {
     touching: u32,
     // Unit vector from a to b.
     normal: vec3<f32>,
-    padding_a: u32,
+    padding: u32,
     a: u32,
     b: u32,
-    padding: vec2<u32>,
+    // Of a pair of large meshes: its range among the pieces. It is empty if the pair is not split, and starts at `NOTHING`
+    // if the pieces do not fit.
+    first_piece: u32,
+    pieces: u32,
+}
+
+// A piece of a pair of large meshes: the parts below two nodes, and what TriangleTest finds there. Sums over the contour are
+// relative to `origin`, in the pair's unit.
+struct Piece {
+    // Midpoints of segments weighted by their length.
+    middle: vec3<f32>,
+    length: f32,
+    area: vec3<f32>,
+    pair: u32,
+    // Offset from each start to its end.
+    closing: vec3<f32>,
+    // Number of intersecting triangles, and the number of the first within the pair.
+    hits: u32,
+    origin: vec3<f32>,
+    first_hit: u32,
+    node_a: u32,
+    node_b: u32,
+    padding_a: u32,
+    padding_b: u32,
 }
 
 // The result for the host, for pairs that touch. The point is in the world.
@@ -312,6 +336,8 @@ struct ContactLimits {
     points: u32,
     bodies: u32,
     planes: u32,
+    padding: vec3<u32>,
+    pieces: u32,
 }
 
 // A pair of bodies whose contact points are requested.
@@ -368,6 +394,21 @@ struct PairSetup {
     // Points from rays, or from containment.
     first_probe: u32,
     probe_count: u32,
+    // Not 0: the pair is split, and `first_near` and `near_count` are its range among the pieces.
+    is_split: u32,
+}
+
+// A piece of a pair of large meshes: the parts below two nodes, and what is found there.
+struct NearPiece {
+    pair: u32,
+    node_a: u32,
+    node_b: u32,
+    // Its range among the pairs of triangles.
+    first_near: u32,
+    near_count: u32,
+    // Numbers of features and segments; then the places of the first.
+    first_feature: u32,
+    first_segment: u32,
     padding: u32,
 }
 
@@ -410,18 +451,17 @@ struct Patch {
     // Unit vector from the first body to the second.
     normal: vec3<f32>,
     area: f32,
-    // From the centre to the extremes of the contour in four directions.
-    extreme_a: vec3<f32>,
+    // A node of the tree over the pair's patches: see `near_patches.wgsl`.
+    node_center: vec3<f32>,
+    node_radius: f32,
+    // The segments that start at the extremes of the contour in four directions.
+    extremes: vec4<u32>,
     // Of the contour.
     length: f32,
-    extreme_b: vec3<f32>,
-    // Not 0: an overlapping feature of it is kept.
-    kept: u32,
-    extreme_c: vec3<f32>,
     // Triangles of its first segment.
     a: u32,
-    extreme_d: vec3<f32>,
     b: u32,
+    padding: u32,
 }
 
 const DROPPED: f32 = 3.0e38;

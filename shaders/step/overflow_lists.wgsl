@@ -18,7 +18,8 @@ fn main() {
     tally[t::TOUCHING_NOW] = 0u;
     if contact_counters[t::CONTACTS_SKIPPED] != 0u
         || counters[t::HITS] > step.hit_limit
-        || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity {
+        || counters[t::PLANE_CONTACTS] > step.plane_contact_capacity
+        || counters[t::PIECES] > step.piece_capacity {
         status[t::OVERFLOW] = 1u;
         counters[t::SKIPPED] = 1u;
     }

@@ -29,6 +29,19 @@ struct Resident {
 /// Maximum number of levels of a mesh's bounding-volume tree. Each box has eight children.
 pub const TREE_LEVELS: u32 = 8;
 
+/// A pair of meshes is large, and may be split into pieces, if the product of their numbers of triangles is larger than this:
+/// that of two meshes of 2,048.
+pub const LARGE_PAIR: u32 = 1 << 22;
+
+/// Pieces of pairs with a mesh of so many levels, which has more than 262,144 triangles, are larger than those of others.
+pub const VAST_LEVELS: u32 = 7;
+
+/// Whether some mesh is so large that there may be large pairs.
+pub fn has_large_meshes(meshes: &MeshArena) -> bool {
+    let is_large = |slot: &MeshSlot| (slot.mesh.mesh.triangles().len() as u64).pow(2) > u64::from(LARGE_PAIR);
+    (0..meshes.len() as u32).any(|number| meshes.get(number).is_some_and(is_large))
+}
+
 /// Capacity of such a tree.
 const MAX_TRIANGLES: u64 = 1 << (3 * TREE_LEVELS);
 

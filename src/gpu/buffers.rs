@@ -23,6 +23,8 @@ pub struct Capacity {
     pub hits: u32,
     /// Contacts with half-spaces.
     pub plane_contacts: u32,
+    /// Pieces of pairs of large meshes.
+    pub pieces: u32,
     /// Mesh slots.
     pub meshes: u32,
     /// Words of all meshes.
@@ -63,6 +65,7 @@ impl Capacity {
             pairs: grow(self.pairs, needed.pairs),
             hits: grow(self.hits, needed.hits),
             plane_contacts: grow(self.plane_contacts, needed.plane_contacts),
+            pieces: grow(self.pieces, needed.pieces),
             meshes: grow(self.meshes, needed.meshes),
             words: grow(self.words, needed.words),
         }
@@ -78,6 +81,7 @@ impl Capacity {
             pairs: self.pairs.max(other.pairs),
             hits: self.hits.max(other.hits),
             plane_contacts: self.plane_contacts.max(other.plane_contacts),
+            pieces: self.pieces.max(other.pieces),
             meshes: self.meshes.max(other.meshes),
             words: self.words.max(other.words),
         }
@@ -193,6 +197,8 @@ buffers! {
         counters: ARRAY u32, COUNTERS, "counters";
         status: ARRAY u32, 4u32, "status";
         arguments: INDIRECT u32, 16u32, "arguments";
+        /// Kernels that `arguments` dispatches write these.
+        piece_arguments: INDIRECT u32, 4u32, "arguments for pieces";
         /// Two pairs of arrays, between which sorts move keys and values.
         keys: ARRAY u32, capacity.keys(), "sort keys";
         values: ARRAY u32, capacity.keys(), "sort values";
@@ -207,6 +213,7 @@ buffers! {
         near_pairs: ARRAY NearPair, capacity.pairs, "near pairs";
         results: ARRAY PairResult, capacity.pairs, "pair results";
         touching: ARRAY Touching, capacity.pairs, "touching pairs";
+        pieces: ARRAY Piece, capacity.pieces, "pieces of pairs";
         hits: ARRAY Hit, capacity.hits, "intersecting faces";
         plane_contacts: ARRAY PlaneContact, capacity.plane_contacts, "contacts with half-spaces";
         body_contacts: ARRAY BodyContacts, capacity.bodies, "contacts by body";

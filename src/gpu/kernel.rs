@@ -19,7 +19,8 @@ pub struct Kernel {
     /// The WGSL source.
     pub source: &'static str,
     /// What is defined for the preprocessor. Lists of unknown length are counted by a kernel, and written by the same
-    /// kernel with `EMIT`. With `LARGE` it has large workgroups.
+    /// kernel with `EMIT`. With `LARGE` it has large workgroups, and with `PIECES` one for each piece of a pair of large
+    /// meshes. Several names are separated by spaces.
     pub define: Option<&'static str>,
 }
 
@@ -76,7 +77,8 @@ impl Kernel {
     /// If the WGSL is invalid.
     pub fn compose(&self, composer: &mut Composer) -> Result<naga::Module, Box<ComposerError>> {
         let define = |name: &str| (name.to_string(), ShaderDefValue::Bool(true));
-        let shader_defs = self.define.into_iter().map(define).collect();
+        let names = self.define.into_iter().flat_map(str::split_whitespace);
+        let shader_defs = names.map(define).collect();
         composer
             .make_naga_module(NagaModuleDescriptor {
                 source: self.source,

@@ -71,7 +71,7 @@ layout! {
         pair_capacity: u32, hit_capacity: u32, plane_contact_capacity: u32, touch_capacity: u32,
         contact_margin: f32, speculative_time: f32, planes_changed: u32, compounds: u32,
         drift: Vec3, has_fast_bodies: u32,
-        hit_limit: u32, same_numbers: u32, padding_a: u32, padding_b: u32,
+        hit_limit: u32, same_numbers: u32, piece_capacity: u32, padding: u32,
     }
     /// Input and state of a body.
     Body {
@@ -132,8 +132,16 @@ layout! {
     /// The result of TriangleTest for a pair.
     PairResult {
         point: Vec3, touching: u32,
-        normal: Vec3, padding_a: u32,
-        a: u32, b: u32, padding: [u32; 2],
+        normal: Vec3, padding: u32,
+        a: u32, b: u32, first_piece: u32, pieces: u32,
+    }
+    /// A piece of a pair of large meshes, and what TriangleTest finds there.
+    Piece {
+        middle: Vec3, length: f32,
+        area: Vec3, pair: u32,
+        closing: Vec3, hits: u32,
+        origin: Vec3, first_hit: u32,
+        node_a: u32, node_b: u32, padding_a: u32, padding_b: u32,
     }
     /// The result for the host, for pairs that touch.
     Touching {
@@ -174,6 +182,7 @@ layout! {
     ContactLimits {
         near_triangles: u32, features: u32, segments: u32, staged_points: u32,
         pairs: u32, points: u32, bodies: u32, planes: u32,
+        padding: [u32; 3], pieces: u32,
     }
     /// A pair of bodies whose contact points are requested.
     MarginPair {
@@ -194,7 +203,12 @@ layout! {
         window_max: Vec3, near_count: u32,
         window_direction: Vec3, first_segment: u32,
         segment_count: u32, first_feature: u32, feature_count: u32, first_deep: u32,
-        deep_count: u32, first_probe: u32, probe_count: u32, padding: u32,
+        deep_count: u32, first_probe: u32, probe_count: u32, is_split: u32,
+    }
+    /// A piece of a pair of large meshes, and what contact generation finds there.
+    NearPiece {
+        pair: u32, node_a: u32, node_b: u32, first_near: u32,
+        near_count: u32, first_feature: u32, first_segment: u32, padding: u32,
     }
     /// A contact feature.
     Feature {
@@ -213,10 +227,9 @@ layout! {
     Patch {
         center: Vec3, reach: f32,
         normal: Vec3, area: f32,
-        extreme_a: Vec3, length: f32,
-        extreme_b: Vec3, kept: u32,
-        extreme_c: Vec3, a: u32,
-        extreme_d: Vec3, b: u32,
+        node_center: Vec3, node_radius: f32,
+        extremes: [u32; 4],
+        length: f32, a: u32, b: u32, padding: u32,
     }
     /// A contact point, in world axes and metres.
     ContactPoint {
@@ -325,6 +338,8 @@ constants! {
     u32 CUT_SHORT = 12;
     /// Number of pairs whose contact points are requested.
     u32 SELECTED = 13;
+    /// Pieces of pairs of large meshes.
+    u32 PIECES = 14;
     u32 COUNTERS = 16;
 
     // Slots of `arguments`: a workgroup per 64 pairs, per pair, per block of a sort of two entries per pair, per block
@@ -338,6 +353,8 @@ constants! {
     /// yet.
     u32 OVERFLOW = 0;
 
+    /// This bit of `Hit::pair` marks the number of a piece.
+    u32 OF_PIECE = 0x8000_0000;
     /// This bit of a vertex or edge number marks those of the second body of a pair.
     u32 OF_SECOND = 0x8000_0000;
     /// In place of a vertex or triangle number: there is none.
@@ -359,6 +376,9 @@ constants! {
     u32 CONTACTS_CUT_SHORT = 8;
     /// Not 0: a list was too short or a loop was aborted, and the results are invalid.
     u32 CONTACTS_SKIPPED = 9;
+    /// Pieces of pairs of large meshes, in the search for all features, and in that for features that overlap.
+    u32 NEAR_PIECES = 10;
+    u32 DEEP_PIECES = 11;
     u32 CONTACT_COUNTERS = 16;
 
     // Slots of `contact_arguments`: a workgroup per pair, per 64 pairs, per 64 slots, per block of the scan of slots.

@@ -51,6 +51,8 @@ const CONSTANTS: Module = shared_constants!("faceoff::constants::shared", {
     u32 SORT_BLOCK = radix_sort::BLOCK;
     u32 DIGITS = radix_sort::DIGITS;
     u32 TREE_LEVELS = arena::TREE_LEVELS;
+    u32 LARGE_PAIR = arena::LARGE_PAIR;
+    u32 VAST_LEVELS = arena::VAST_LEVELS;
     u32 HEIGHT_STEPS = heights::STEPS;
     u32 MESH_HEADER = mesh_features::HEADER;
     u32 MESH_RECORD = mesh_features::RECORD;
@@ -74,6 +76,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("shared/arena"),
         module!("shared/margins"),
         module!("shared/tree"),
+        module!("shared/split"),
         module!("shared/tensor"),
         module!("shared/carried"),
         module!("shared/compound"),

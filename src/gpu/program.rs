@@ -62,6 +62,7 @@ enum Steps {
     All,
     WithCompounds,
     WithPlanes,
+    WithLargeMeshes,
 }
 
 /// The numbers on which calls and their workgroups depend.
@@ -73,6 +74,8 @@ pub struct Population {
     pub compounds: u32,
     /// Number of half-spaces.
     pub planes: u32,
+    /// Whether some mesh is so large that its pairs may be split.
+    pub large_meshes: bool,
 }
 
 impl From<u32> for Population {
@@ -129,6 +132,12 @@ impl Call {
     /// Leaves it out of steps without half-spaces.
     pub fn for_planes(&mut self) -> &mut Self {
         self.steps = Steps::WithPlanes;
+        self
+    }
+
+    /// Leaves it out of steps without large meshes.
+    pub fn for_large_meshes(&mut self) -> &mut Self {
+        self.steps = Steps::WithLargeMeshes;
         self
     }
 
@@ -258,11 +267,13 @@ impl Program {
             bodies,
             compounds,
             planes,
+            large_meshes,
         } = population;
         let takes_part = |call: &&BoundCall| match call.steps {
             Steps::All => true,
             Steps::WithCompounds => compounds > 0,
             Steps::WithPlanes => planes > 0,
+            Steps::WithLargeMeshes => large_meshes,
         };
         for call in calls.filter(takes_part) {
             pass.pass.set_pipeline(&call.pipeline);

@@ -36,6 +36,7 @@ const START: ContactCapacity = ContactCapacity {
     margin_pairs: 256,
     slots: 1024,
     near_triangles: 1 << 16,
+    pieces: 256,
     features: 1 << 14,
     segments: 1 << 13,
     staged_points: 4096,
@@ -100,7 +101,8 @@ impl GpuManifolds {
         };
         let pairs: Vec<layout::MarginPair> = pairs.iter().map(own).collect();
         let count = pairs.len() as u32;
-        let slots = scene.bodies.saturating_mul(scene.planes).saturating_add(count);
+        let Population { bodies, planes, .. } = scene.population;
+        let slots = bodies.saturating_mul(planes).saturating_add(count);
         self.capacity = self.capacity.grown(ContactCapacity {
             margin_pairs: count,
             slots,
@@ -156,8 +158,7 @@ impl GpuManifolds {
             planes_at: self.buffer(input.planes(), BufferUsages::STORAGE),
             meshes: self.buffer(&headers, BufferUsages::STORAGE),
             words: self.buffer(&words, BufferUsages::STORAGE),
-            bodies: input.len(),
-            planes: state.planes.len() as u32,
+            population: input.population(),
         })
     }
 
@@ -180,7 +181,9 @@ impl GpuManifolds {
         pairs: &[layout::MarginPair],
     ) -> Result<Vec<u32>, StepError> {
         self.scoped(|gpu| {
-            let limits = buffers.capacity.limits(scene.bodies, scene.planes);
+            let limits = buffers
+                .capacity
+                .limits(scene.population.bodies, scene.population.planes);
             let mut counters = [0u32; CONTACT_COUNTERS as usize];
             counters[MARGIN_PAIRS as usize] = pairs.len() as u32;
             gpu.queue.write_buffer(&buffers.limits, 0, bytes_of(&limits));
@@ -189,7 +192,7 @@ impl GpuManifolds {
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
             let program = self.program(scene, buffers);
             let mut commands = Commands::new(gpu, "test");
-            program.record(Stage::Manifolds, &mut commands, scene.population(), None);
+            program.record(Stage::Manifolds, &mut commands, scene.population, None);
             commands.submit();
         })?;
         self.words(&buffers.contact_counters, CONTACT_COUNTERS as usize)
@@ -236,18 +239,7 @@ struct Scene {
     planes_at: Buffer,
     meshes: Buffer,
     words: Buffer,
-    bodies: u32,
-    planes: u32,
-}
-
-impl Scene {
-    fn population(&self) -> Population {
-        Population {
-            bodies: self.bodies,
-            planes: self.planes,
-            ..Population::default()
-        }
-    }
+    population: Population,
 }
 
 impl From<&ContactPair> for Manifold {

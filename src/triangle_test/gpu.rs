@@ -1,10 +1,24 @@
 //! TriangleTest on the GPU: one workgroup per pair, and one per body for the half-spaces.
 //!
+//! Large pairs, such as two meshes of more than 2,048 triangles, are split into pieces, which run side by side:
+//!
+//! | kernel | one workgroup (or thread) per | task |
+//! |---|---|---|
+//! | split | pair | the pieces of large pairs: pairs of nodes of 64 triangles each, or 512 in meshes beyond 262,144 |
+//! | pairs, pieces | piece | its triangles |
+//! | pairs | pair | the triangles of all other pairs |
+//! | join | pair | the contacts of large pairs |
+//! | number hits | (pair of faces) | their numbers within their pair |
+//!
+//! In a round a workgroup opens a pair of nodes or tests 64 pairs of triangles. A piece takes at most 129 rounds, or 8,321 with
+//! the larger nodes; a pair that is not split at most 133,200. BENCHMARKS.md says how long that is.
+//!
 //! Tests have error bounds, as on the CPU. Where single precision cannot decide, the triangles count as touching unless
 //! a separating plane is found, because graphics cards lack fast double precision. So no contact is missed, but faces
 //! closer than some millionths of the bodies' size may be reported although they do not touch.
 
 use super::cpu::{contact, interval_test};
+use crate::gpu::buffers::Capacity;
 use crate::gpu::kernel::{Kernel, kernel};
 use crate::gpu::layout::GROUPS_PER_PAIR;
 use crate::gpu::program::{Calls, Groups};
@@ -12,6 +26,14 @@ use crate::gpu::shader::{Module, Shaders, module, shared_constants};
 
 /// Tests the triangles of pairs.
 const PAIRS: Kernel = kernel!("triangle_test/pairs");
+/// The same for pieces of large pairs.
+const PIECES: Kernel = kernel!("triangle_test/pairs", "PIECES");
+/// Splits large pairs into pieces.
+const SPLIT: Kernel = kernel!("triangle_test/split");
+/// Puts together what pieces have found.
+const JOIN: Kernel = kernel!("triangle_test/join");
+/// Numbers the intersecting faces of pieces.
+const NUMBER_HITS: Kernel = kernel!("triangle_test/number_hits");
 /// Finds the vertices inside half-spaces.
 const PLANES: Kernel = kernel!("triangle_test/planes");
 
@@ -26,12 +48,24 @@ pub const SHADERS: Shaders = Shaders {
         CONSTANTS,
         module!("triangle_test/containment"),
         module!("triangle_test/triangles"),
+        module!("triangle_test/placed_pair"),
+        module!("triangle_test/pair_contact"),
     ],
-    kernels: &[&PAIRS, &PLANES],
+    kernels: &[&SPLIT, &PIECES, &PAIRS, &JOIN, &NUMBER_HITS, &PLANES],
 };
 
 /// Adds this stage's calls.
-pub fn record(calls: &mut Calls) {
-    calls.call(&PAIRS, Groups::Indirect("arguments", GROUPS_PER_PAIR));
+pub fn record(calls: &mut Calls, capacity: &Capacity) {
+    let per_pair = Groups::Indirect("arguments", GROUPS_PER_PAIR);
+    calls.call(&SPLIT, per_pair).for_large_meshes();
+    calls
+        .call(&PIECES, Groups::Indirect("piece_arguments", 0))
+        .for_large_meshes();
+    calls.call(&PAIRS, per_pair);
+    calls.call(&JOIN, per_pair).for_large_meshes();
+    // Superfluous workgroups return at once.
+    calls
+        .call(&NUMBER_HITS, Groups::Exactly(capacity.hits.div_ceil(64)))
+        .for_large_meshes();
     calls.call(&PLANES, Groups::PerBodies(1)).for_planes();
 }

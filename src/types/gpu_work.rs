@@ -57,8 +57,12 @@ pub struct GpuLists {
     pub face_pairs: GpuList,
     /// Contacts with half-spaces.
     pub plane_contacts: GpuList,
+    /// Pieces of large pairs, such as two meshes of more than 2,048 triangles. Each has a workgroup of its own.
+    pub pair_pieces: GpuList,
     /// Pairs of triangles near each other.
     pub near_triangles: GpuList,
+    /// The same in the search for pairs of triangles near each other.
+    pub near_pieces: GpuList,
     /// Features from which contact points are made.
     pub features: GpuList,
     /// Segments in which faces intersect.
@@ -90,7 +94,9 @@ impl GpuLists {
             sphere_pairs,
             face_pairs,
             plane_contacts,
+            pair_pieces,
             near_triangles,
+            near_pieces,
             features,
             segments,
             staged_points,
@@ -102,7 +108,9 @@ impl GpuLists {
             ("sphere_pairs", sphere_pairs),
             ("face_pairs", face_pairs),
             ("plane_contacts", plane_contacts),
+            ("pair_pieces", pair_pieces),
             ("near_triangles", near_triangles),
+            ("near_pieces", near_pieces),
             ("features", features),
             ("segments", segments),
             ("staged_points", staged_points),

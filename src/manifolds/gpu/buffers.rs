@@ -2,8 +2,9 @@
 
 use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::layout::{
-    CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint, FEATURES,
-    Feature, MarginPair, NEAR_TRIANGLES, PairSetup, Patch, SEGMENTS, STAGED_POINTS, Segment,
+    CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint,
+    DEEP_PIECES, FEATURES, Feature, MarginPair, NEAR_PIECES, NEAR_TRIANGLES, NearPiece, PairSetup, Patch, SEGMENTS,
+    STAGED_POINTS, Segment,
 };
 use crate::gpu::scan;
 
@@ -16,6 +17,8 @@ pub struct ContactCapacity {
     pub slots: u32,
     /// Pairs of triangles that are near each other.
     pub near_triangles: u32,
+    /// Pieces of pairs of large meshes.
+    pub pieces: u32,
     /// Features before the reduction.
     pub features: u32,
     /// Segments in which triangles cross.
@@ -35,6 +38,7 @@ impl ContactCapacity {
             margin_pairs: grow(self.margin_pairs, needed.margin_pairs),
             slots: grow(self.slots, needed.slots),
             near_triangles: grow(self.near_triangles, needed.near_triangles),
+            pieces: grow(self.pieces, needed.pieces),
             features: grow(self.features, needed.features),
             segments: grow(self.segments, needed.segments),
             staged_points: grow(self.staged_points, needed.staged_points),
@@ -49,6 +53,7 @@ impl ContactCapacity {
             margin_pairs: self.margin_pairs.max(other.margin_pairs),
             slots: self.slots.max(other.slots),
             near_triangles: self.near_triangles.max(other.near_triangles),
+            pieces: self.pieces.max(other.pieces),
             features: self.features.max(other.features),
             segments: self.segments.max(other.segments),
             staged_points: self.staged_points.max(other.staged_points),
@@ -64,6 +69,7 @@ impl ContactCapacity {
             margin_pairs: 0,
             slots: of(CONTACT_SLOTS),
             near_triangles: of(NEAR_TRIANGLES),
+            pieces: of(NEAR_PIECES).saturating_add(of(DEEP_PIECES)),
             features: of(FEATURES),
             segments: of(SEGMENTS),
             staged_points: of(STAGED_POINTS),
@@ -83,6 +89,8 @@ impl ContactCapacity {
             points: self.points,
             bodies,
             planes,
+            padding: [0; 3],
+            pieces: self.pieces,
         }
     }
 }
@@ -96,12 +104,16 @@ buffers! {
         contact_counters: ARRAY u32, CONTACT_COUNTERS, "contact counters";
         /// Arguments of indirect dispatches.
         contact_arguments: INDIRECT u32, 16u32, "contact arguments";
+        /// The same for pieces of pairs: three words for each of two searches.
+        near_arguments: INDIRECT u32, 6u32, "contact arguments for pieces";
         /// Pairs of bodies, ascending.
         margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";
         /// Their relative poses.
         pair_setups: ARRAY PairSetup, capacity.margin_pairs, "setups of pairs";
         /// Pairs of triangles that are near each other.
         near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
+        /// Pieces of pairs of large meshes, for both searches.
+        near_pieces: ARRAY NearPiece, capacity.pieces, "pieces of pairs with margins";
         /// Their features.
         features: ARRAY Feature, capacity.features, "contact features";
         /// The segments in which they cross.

@@ -5,11 +5,12 @@
 //! | select | (pair) | the pairs of a step in ascending order |
 //! | arguments | all | workgroup counts |
 //! | place | (pair of bodies) | relative poses |
-//! | near | pair | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
-//! | features | pair | vertex-face and edge-edge features, segments in which triangles cross |
+//! | split | pair | the pieces of large pairs, as in TriangleTest |
+//! | near | pair, or piece | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
+//! | features | pair, or piece | vertex-face and edge-edge features, segments in which triangles cross |
 //! | contour | pair | contours and patches |
-//! | near, features | pair | a second search around patches, for features that overlap |
-//! | admit | pair | features that agree with the patches |
+//! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
+//! | admit | pair | features that agree with the patches; the patches without an overlapping feature |
 //! | ray | pair | rays out of patches without an overlapping feature |
 //! | inside | pair | containment |
 //! | reduce | pair | contact reduction, to at most 16 points |
@@ -24,6 +25,9 @@
 //!
 //! The range of a pair in the intermediate lists depends on the order of workgroups. The order within the range is that
 //! of the trees, and the order of the results follows from a scan. So a device always gives the same bits.
+//!
+//! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
+//! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.
 //!
 //! Differences by single precision: bodies that overlap by less than some millionths of their size have no contours and
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
@@ -51,8 +55,17 @@ const ARGUMENTS: Kernel = kernel!("manifolds/arguments");
 const PLACE: Kernel = kernel!("manifolds/place");
 /// Finds pairs of triangles that are near each other.
 const NEAR: Kernel = kernel!("manifolds/near");
-/// Finds features and segments.
-const FEATURES: Kernel = kernel!("manifolds/features");
+/// The same in pieces of large pairs.
+const NEAR_PIECES: Kernel = kernel!("manifolds/near", "PIECES");
+/// Splits large pairs into pieces.
+const SPLIT: Kernel = kernel!("manifolds/split");
+/// Finds features and segments, and features that overlap.
+const FEATURES: [Kernel; 2] = [kernel!("manifolds/features"), kernel!("manifolds/features", "DEEP")];
+/// The same in pieces of large pairs.
+const FEATURES_OF_PIECES: [Kernel; 2] = [
+    kernel!("manifolds/features", "PIECES"),
+    kernel!("manifolds/features", "DEEP PIECES"),
+];
 /// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");
 /// Drops features that disagree with patches.
@@ -105,6 +118,9 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/side"),
         module!("manifolds/feature"),
         module!("manifolds/smooth"),
+        module!("manifolds/near_boxes"),
+        module!("manifolds/near_patches"),
+        module!("manifolds/empty_patches"),
     ],
     kernels: &[
         &SELECT_KEYS,
@@ -112,8 +128,13 @@ pub const SHADERS: Shaders = Shaders {
         &SELECT_PAIRS,
         &ARGUMENTS,
         &PLACE,
+        &SPLIT,
         &NEAR,
-        &FEATURES,
+        &NEAR_PIECES,
+        &FEATURES[0],
+        &FEATURES_OF_PIECES[0],
+        &FEATURES[1],
+        &FEATURES_OF_PIECES[1],
         &CONTOUR,
         &ADMIT,
         &RAY,

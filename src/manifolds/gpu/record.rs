@@ -45,19 +45,32 @@ pub fn record_points(calls: &mut Calls, capacity: &ContactCapacity) {
     calls.call(&ARGUMENTS, Groups::Exactly(1));
     let counted = per(GROUPS_PER_64_MARGIN_PAIRS);
     calls.call(&PLACE, Groups::per_64(capacity.margin_pairs, counted));
-    for search in 0..2 {
-        let constants = [search, 0, 0, 0];
-        calls.call(&NEAR, per_pair).constants(constants);
-        calls.call(&FEATURES, per_pair).constants(constants);
-        if search == 0 {
-            calls.call(&CONTOUR, per_pair);
-        }
-    }
-    for kernel in [&ADMIT, &RAY, &INSIDE] {
-        calls.call(kernel, per_pair);
-    }
+    record_search(calls, 0);
+    calls.call(&CONTOUR, per_pair);
+    record_search(calls, 1);
+    calls.call(&ADMIT, per_pair).bind_words("feature_words", "features");
+    calls.call(&RAY, per_pair);
+    calls.call(&INSIDE, per_pair);
     reduce::record(calls);
     calls.call(&PLANES, Groups::PerBodies(1)).for_planes();
+}
+
+/// Adds the calls that find all features, or in the second search those that overlap.
+fn record_search(calls: &mut Calls, search: u32) {
+    let per_pair = per(GROUPS_PER_MARGIN_PAIR);
+    let per_piece = Groups::Indirect("near_arguments", search);
+    let [count, write] = [0, 1].map(|phase| [phase, 0, 0, 0]);
+    let constants = [search, 0, 0, 0];
+    let [of_pairs, of_pieces] = [&FEATURES, &FEATURES_OF_PIECES].map(|kernels| &kernels[search as usize]);
+    calls.call(&SPLIT, per_pair).constants(constants).for_large_meshes();
+    calls
+        .call(&NEAR_PIECES, per_piece)
+        .constants(constants)
+        .for_large_meshes();
+    calls.call(&NEAR, per_pair).constants(constants);
+    calls.call(of_pieces, per_piece).constants(count).for_large_meshes();
+    calls.call(of_pairs, per_pair);
+    calls.call(of_pieces, per_piece).constants(write).for_large_meshes();
 }
 
 /// Adds the call that measures anchors from the centres of mass of bodies.

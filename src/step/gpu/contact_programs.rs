@@ -25,6 +25,7 @@ pub const START: StepCapacity = StepCapacity {
         margin_pairs: 0,
         slots: 0,
         near_triangles: 1 << 15,
+        pieces: 256,
         features: 1 << 13,
         segments: 1 << 12,
         staged_points: 2048,

@@ -139,6 +139,7 @@ const START: Capacity = Capacity {
     pairs: 1024,
     hits: 4096,
     plane_contacts: 256,
+    pieces: 256,
     meshes: 8,
     words: 1 << 16,
 };

@@ -13,7 +13,7 @@ use super::upload::Input;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
 use crate::gpu::layout::{
-    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
+    CONTACTS_CUT_SHORT, CUT_SHORT, HITS, MAX_SPHERE_PAIRS, PIECES, PLANE_CONTACTS, SKIPPED, SPHERE_PAIRS, TOUCHES,
 };
 use crate::gpu::program::Population;
 use crate::gpu::readback::{DeviceError, scoped};
@@ -78,6 +78,7 @@ impl GpuStep {
             ),
             face_pairs: of(flight.input.listed_hits(counter(HITS)), capacity.hits),
             plane_contacts: of(counter(PLANE_CONTACTS), capacity.plane_contacts),
+            pair_pieces: of(counter(PIECES), capacity.pieces),
             ..GpuLists::default()
         };
         let with_points = flight.input.response != Response::Impulse;
@@ -85,6 +86,7 @@ impl GpuStep {
             let StepCapacity { contacts, touches, .. } = contacts.capacity();
             let needed = ContactCapacity::needed(&raw.tally);
             lists.near_triangles = of(needed.near_triangles, contacts.near_triangles);
+            lists.near_pieces = of(needed.pieces, contacts.pieces);
             lists.features = of(needed.features, contacts.features);
             lists.segments = of(needed.segments, contacts.segments);
             lists.staged_points = of(needed.staged_points, contacts.staged_points);
@@ -105,6 +107,7 @@ impl GpuStep {
             bodies,
             compounds,
             planes,
+            ..
         } = input.population();
         let used = Capacity {
             bodies,
@@ -114,6 +117,7 @@ impl GpuStep {
             pairs: lists.sphere_pairs.length,
             hits: lists.face_pairs.length,
             plane_contacts: lists.plane_contacts.length,
+            pieces: lists.pair_pieces.length,
             ..Capacity::default()
         };
         let with_points = input.response != Response::Impulse;
@@ -135,6 +139,7 @@ impl GpuStep {
             pairs: counters[SPHERE_PAIRS as usize].max(tally[MAX_SPHERE_PAIRS as usize]),
             hits: (self.flights.front()).map_or(0, |flight| flight.input.listed_hits(counters[HITS as usize])),
             plane_contacts: counters[PLANE_CONTACTS as usize],
+            pieces: counters[PIECES as usize],
             ..Capacity::default()
         };
         let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {

@@ -59,6 +59,7 @@ impl Recent {
             pairs: shorter(capacity.pairs, most.pairs, least.pairs),
             hits: shorter(capacity.hits, most.hits, least.hits),
             plane_contacts: shorter(capacity.plane_contacts, most.plane_contacts, least.plane_contacts),
+            pieces: shorter(capacity.pieces, most.pieces, least.pieces),
             // The arena has given its places to meshes.
             meshes: capacity.meshes,
             words: capacity.words,
@@ -89,6 +90,7 @@ fn shorter_for_contacts(capacity: StepCapacity, most: StepCapacity) -> StepCapac
             margin_pairs: has.margin_pairs,
             slots: has.slots,
             near_triangles: shorter(has.near_triangles, used.near_triangles, least.near_triangles),
+            pieces: shorter(has.pieces, used.pieces, least.pieces),
             features: shorter(has.features, used.features, least.features),
             segments: shorter(has.segments, used.segments, least.segments),
             staged_points: shorter(has.staged_points, used.staged_points, least.staged_points),

@@ -112,7 +112,7 @@ impl Recorder<'_> {
             Part::Begin => broad_phase::gpu::record_place(calls),
             Part::FindSpherePairs => broad_phase::gpu::record_search(calls, self.capacity),
             Part::FindNearPairs => angles::gpu::record(calls, self.capacity),
-            Part::TestTriangles => triangle_test::gpu::record(calls),
+            Part::TestTriangles => triangle_test::gpu::record(calls, self.capacity),
             Part::FindContactPoints => {
                 manifolds::gpu::record::record_select(calls, self.capacity);
                 if let Some(StepCapacity { contacts, .. }) = self.contact_capacity {

@@ -2,6 +2,7 @@
 
 use super::buffers::StepBuffers;
 use super::remap::{BodyRemap, CompoundRemap};
+use crate::gpu::arena::has_large_meshes;
 use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
 use crate::gpu::program::Population;
@@ -26,6 +27,7 @@ pub struct SolverInput {
     bodies: Vec<layout::SolverBody>,
     /// Number of half-spaces, which are the last of them.
     planes: u32,
+    large_meshes: bool,
     host_states: Vec<layout::MotionState>,
     forces: Vec<layout::BodyForces>,
     remap: BodyRemap,
@@ -137,6 +139,7 @@ impl SolverInput {
             collision_substeps,
             bodies: upload::bodies(&bodies),
             planes: planes.len() as u32,
+            large_meshes: has_large_meshes(&state.meshes),
             host_states,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             remap,
@@ -174,6 +177,7 @@ impl SolverInput {
             bodies: self.body_count(),
             compounds: self.remap.compounds.len() as u32,
             planes: self.planes,
+            large_meshes: self.large_meshes,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::contact_programs::ContactPrograms;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
+use crate::gpu::arena::has_large_meshes;
 use crate::gpu::buffers::{Buffers, Capacity};
 use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
@@ -112,6 +113,8 @@ pub struct Input {
     meshes: Vec<Option<CollisionMesh>>,
     /// Whether intersecting faces are listed.
     pub(super) face_lists: bool,
+    /// Whether pairs may be split into pieces.
+    large_meshes: bool,
     /// What happens to bodies that touch.
     pub(super) response: Response,
     /// With [`Response::Contacts`].
@@ -154,6 +157,7 @@ impl Input {
                 .map(|slot| state.meshes.get(slot).map(|slot| slot.mesh.clone()))
                 .collect(),
             face_lists: config.face_lists,
+            large_meshes: has_large_meshes(&state.meshes),
             response: config.response,
             solver: None,
         }
@@ -221,6 +225,7 @@ impl Input {
             bodies: self.step.bodies,
             compounds: self.step.compounds,
             planes: self.step.planes,
+            large_meshes: self.large_meshes,
         }
     }
 
@@ -301,6 +306,7 @@ impl Input {
             hit_capacity: self.listed_hits(capacity.hits),
             hit_limit: if self.face_lists { capacity.hits } else { u32::MAX },
             plane_contact_capacity: capacity.plane_contacts,
+            piece_capacity: capacity.pieces,
             touch_capacity: contacts.map_or(0, |contacts| contacts.capacity().touches),
             ..self.step
         };

@@ -94,6 +94,69 @@ pub fn fine_meshes(gpu: &Gpu) {
     require("fine balls", gpu, &state, &pairs, 0, 0.02);
 }
 
+/// A slab with a field of so many by so many pyramids on its top, of different heights.
+fn pyramids(side: u32) -> TriMesh {
+    let mut rng = Rng::new(24, 0);
+    let at = |i: u32| i as f32 / side as f32 - 0.5;
+    let top = |i: u32, k: u32| i * (side + 1) + k;
+    let rows = || 0..=side;
+    let mut vertices: Vec<Vec3> = rows()
+        .flat_map(|i| rows().map(move |k| Vec3::new(at(i), at(k), 0.0)))
+        .collect();
+    let mut faces = Vec::new();
+    for (i, k) in (0..side).flat_map(|i| (0..side).map(move |k| (i, k))) {
+        let apex = vertices.len() as u32;
+        let height = rng.range(0.4, 0.6) as f32 / side as f32;
+        vertices.push(Vec3::new(at(i) + 0.5 / side as f32, at(k) + 0.5 / side as f32, height));
+        let ring = [top(i, k), top(i + 1, k), top(i + 1, k + 1), top(i, k + 1)];
+        faces.extend((0..4).map(|edge| [ring[edge], ring[(edge + 1) % 4], apex]));
+    }
+    // Counter-clockwise seen from above.
+    let border: Vec<u32> = (0..4 * side)
+        .map(|i| match (i / side, i % side) {
+            (0, at) => top(at, 0),
+            (1, at) => top(side, at),
+            (2, at) => top(side - at, side),
+            (_, at) => top(0, side - at),
+        })
+        .collect();
+    let below = vertices.len() as u32;
+    let bottom: Vec<Vec3> = border.iter().map(|&v| vertices[v as usize] - 0.3 * Vec3::Z).collect();
+    vertices.extend(bottom);
+    let center = vertices.len() as u32;
+    vertices.push(-0.3 * Vec3::Z);
+    for (i, &v) in (0..).zip(&border) {
+        let next = (i + 1) % border.len() as u32;
+        faces.extend([
+            [border[next as usize], v, below + i],
+            [border[next as usize], below + i, below + next],
+            [below + next, below + i, center],
+        ]);
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+/// Hundreds of contours in one pair, each with features of its own.
+pub fn hundreds_of_patches(gpu: &Gpu) {
+    let product = Product::default();
+    let side = 24;
+    let (field, cube) = (
+        oracle_mesh("pyramids", &pyramids(side)),
+        oracle_mesh("cube", &shapes::cube(1.2)),
+    );
+    let slab = body(&field, DVec3::ZERO, Quat::IDENTITY);
+    let lid = body(
+        &cube,
+        DVec3::Z * (0.6 + 0.3 / f64::from(side)),
+        Quat::from_rotation_z(0.1),
+    );
+    let (state, pairs) = scene(&product, &[([slab, lid], 0.001)]);
+    let result = agreement("pyramids", gpu, &state, &pairs);
+    assert_eq!((result.pairs, result.missed, result.shifted), (1, 0, 0), "{result:?}");
+    // Where a feature does not find its patch, a ray stands in for it, and hits another face of the same apex.
+    assert!(result.named * 10 >= 9 * result.points, "{result:?}");
+}
+
 /// From what single precision hardly sees to a tenth.
 pub fn overlaps_of_any_size(gpu: &Gpu) {
     let (product, shapes) = (Product::default(), Shapes::new());

@@ -30,6 +30,7 @@ pub const TESTS: &[Test] = &[
     ("any_shapes_of_any_scale", concave::any_shapes_of_any_scale),
     ("heaps", concave::heaps),
     ("fine_meshes", concave::fine_meshes),
+    ("hundreds_of_patches", concave::hundreds_of_patches),
     ("overlaps_of_any_size", concave::overlaps_of_any_size),
     ("far_from_the_origin", convex::far_from_the_origin),
     ("one_inside_the_other", inside::one_inside_the_other),

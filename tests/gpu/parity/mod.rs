@@ -5,6 +5,7 @@ mod churn;
 mod compare;
 mod contacts;
 mod inputs;
+mod large;
 mod overflow;
 mod pairs;
 mod same_bits;
@@ -28,6 +29,15 @@ pub const TESTS: &[Test] = &[
     ("bodies_and_meshes_come_and_go", churn::bodies_and_meshes_come_and_go),
     ("meshes_of_any_size", inputs::meshes_of_any_size),
     ("none_and_one_of_everything", inputs::none_and_one_of_everything),
+    (
+        "hundreds_of_thousands_of_triangles",
+        large::hundreds_of_thousands_of_triangles,
+    ),
+    (
+        "one_pair_is_shared_by_many_workgroups",
+        large::one_pair_is_shared_by_many_workgroups,
+    ),
+    ("large_and_small", large::large_and_small),
     (
         "too_many_places_are_found_or_an_error",
         overflow::too_many_places_are_found_or_an_error,

@@ -20,6 +20,7 @@ pub const TINY: Capacity = Capacity {
     pairs: 1,
     hits: 1,
     plane_contacts: 1,
+    pieces: 1,
     meshes: 1,
     words: 1,
 };
@@ -33,6 +34,7 @@ pub const AMPLE: Capacity = Capacity {
     pairs: 50_000,
     hits: 200_000,
     plane_contacts: 5000,
+    pieces: 20_000,
     meshes: 64,
     words: 1 << 20,
 };

@@ -1,0 +1,87 @@
+// Contact generation: splits pairs of large meshes into pieces. One workgroup per pair of bodies. Only for steps with a large
+// mesh.
+#import faceoff::agree::agree
+#import faceoff::dispatch::{group_index, rows}
+#import faceoff::near_boxes::{boxes_near, is_done, set_reach}
+#import faceoff::sides
+#import faceoff::split
+#import faceoff::tree
+#import faceoff::types as t
+
+// x = 0: the search for all features. x = 1: for features that overlap, near patches.
+@group(0) @binding(2) var<uniform> constants: vec4<u32>;
+@group(0) @binding(3) var<uniform> limits: t::ContactLimits;
+@group(0) @binding(4) var<storage, read_write> contact_counters: array<atomic<u32>>;
+@group(0) @binding(5) var<storage, read_write> pair_setups: array<t::PairSetup>;
+@group(0) @binding(6) var<storage, read_write> near_pieces: array<t::NearPiece>;
+@group(0) @binding(7) var<storage, read_write> near_arguments: array<atomic<u32>>;
+
+var<workgroup> base: u32;
+
+@compute @workgroup_size(64)
+fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
+    let index = group_index(group);
+    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
+        return;
+    }
+    let setup = pair_setups[index];
+    let deep = constants.x == 1u;
+    // A split pair is searched again in any case: the kernels of the second search know its own pieces only.
+    let was_split = deep && setup.is_split != 0u && setup.patch_count > 0u;
+    let wanted = was_split || (!is_done(setup, deep) && split::is_large(setup.mesh_a, setup.mesh_b));
+    if agree(thread, u32(wanted)) == 0u {
+        return;
+    }
+    set_reach(setup, deep);
+    let a = sides::first(setup);
+    let b = sides::second(setup);
+    if thread < 2u {
+        tree::survey(thread, select(a.mesh, b.mesh, thread == 1u));
+    }
+    let found = descend(setup, index, a, b, thread, t::NOTHING);
+    let count = select(0u, found, was_split || found > split::FEW);
+    if thread == 0u {
+        base = t::NOTHING;
+        if count > 0u {
+            let before = select(0u, atomicLoad(&contact_counters[t::NEAR_PIECES]), deep);
+            let own = atomicAdd(&contact_counters[select(t::NEAR_PIECES, t::DEEP_PIECES, deep)], count);
+            let first = before + own;
+            if first <= limits.pieces && count <= limits.pieces - first {
+                base = first;
+                let groups = rows(own + count);
+                atomicMax(&near_arguments[3u * constants.x], groups.x);
+                atomicMax(&near_arguments[3u * constants.x + 1u], groups.y);
+            }
+        }
+        pair_setups[index].is_split = u32(count > 0u);
+        pair_setups[index].first_near = base;
+        pair_setups[index].near_count = select(count, 0u, base == t::NOTHING);
+    }
+    let first = workgroupUniformLoad(&base);
+    if first != t::NOTHING {
+        descend(setup, index, a, b, thread, first);
+    }
+}
+
+// Counts the pieces and, unless `first` is `NOTHING`, writes them from there on.
+fn descend(setup: t::PairSetup, index: u32, a: sides::Side, b: sides::Side, thread: u32, first: u32) -> u32 {
+    split::begin(a.mesh, b.mesh, thread);
+    loop {
+        if split::depth == 0u {
+            break;
+        }
+        let opened = split::open(thread);
+        let nodes = opened.pair;
+        let own = split::keep(nodes, opened.wanted && boxes_near(setup, a, b, nodes), thread);
+        if own != t::NOTHING && first != t::NOTHING {
+            near_pieces[first + own].pair = index;
+            near_pieces[first + own].node_a = nodes.x;
+            near_pieces[first + own].node_b = nodes.y;
+        }
+    }
+    // Some devices abort long loops.
+    if split::depth != 0u {
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
+    }
+    return split::pieces;
+}
