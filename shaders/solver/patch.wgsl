@@ -9,9 +9,8 @@
 @group(0) @binding(7) var<storage, read_write> point_constants: array<s::PointConstants>;
 @group(0) @binding(8) var<storage, read_write> point_states: array<s::PointState>;
 
-// Positions of the points of a patch in its plane, and its outline, counter-clockwise.
-var<private> positions: array<vec2<f32>, MAX_PATCH_POINTS>;
-var<private> outline: array<vec2<f32>, MAX_PATCH_POINTS>;
+// While a patch is examined, the friction offset of each of its points holds its position in the patch's plane and, for the
+// corners of the outline, the number of the next corner. So no thread needs memory of its own for 64 points.
 
 // Spreads the friction of the flat patches of a pair over their areas. Removes the points inside a patch: the corners
 // hold the same load, and how the solver shares it out is arbitrary.
@@ -24,35 +23,38 @@ fn spread_friction(pair: s::SolverPair) {
             continue;
         }
         var members = vec2(0u);
-        var size = 0u;
         for (var k = first; k < end; k += 1u) {
             if is_flat(k) && in_plane(first, k, FLATNESS * pair.diameter) {
                 members |= bit(k - pair.first);
-                positions[size] = position_of(first, k);
-                size += 1u;
+                point_states[k].friction_offset = vec3(position_of(first, k), 0.0);
             }
         }
         done |= members;
-        let corners = find_outline(size);
-        let circle = friction_circle(corners);
-        if circle.scale < 0.0 {
-            continue;
-        }
+        let outline = find_outline(pair.first, members);
+        let circle = friction_circle(pair.first, outline);
         let normal = point_states[first].normal;
         let first_tangent = tangent(normal);
         let second_tangent = cross(normal, first_tangent);
-        for (var k = first; k < end; k += 1u) {
-            if !has_bit(members, k - pair.first) {
-                continue;
+        if circle.scale >= 0.0 {
+            for (var rest = members; any(rest != vec2(0u)); rest = without_lowest(rest)) {
+                let k = pair.first + lowest(rest);
+                if is_inside(pair.first, outline, planar(k), INSIDE * pair.diameter) {
+                    point_states[k].flags &= ~s::POINT_VALID;
+                }
             }
-            let position = position_of(first, k);
-            if is_inside(corners, position, INSIDE * pair.diameter) {
-                point_states[k].flags &= ~s::POINT_VALID;
-            }
-            let offset = (circle.scale - 1.0) * (position - circle.center);
-            point_states[k].friction_offset = offset.x * first_tangent + offset.y * second_tangent;
+        }
+        for (var rest = members; any(rest != vec2(0u)); rest = without_lowest(rest)) {
+            let k = pair.first + lowest(rest);
+            let offset = (max(circle.scale, 0.0) - 1.0) * (planar(k) - circle.center);
+            let spread = offset.x * first_tangent + offset.y * second_tangent;
+            point_states[k].friction_offset = select(vec3(0.0), spread, circle.scale >= 0.0);
         }
     }
+}
+
+// The position of a point in the plane of the patch.
+fn planar(k: u32) -> vec2<f32> {
+    return point_states[k].friction_offset.xy;
 }
 
 fn bit(number: u32) -> vec2<u32> {
@@ -62,6 +64,15 @@ fn bit(number: u32) -> vec2<u32> {
 
 fn has_bit(bits: vec2<u32>, number: u32) -> bool {
     return any((bits & bit(number)) != vec2(0u));
+}
+
+// The number of the lowest bit of a set that is not empty.
+fn lowest(bits: vec2<u32>) -> u32 {
+    return select(32u + countTrailingZeros(bits.y), countTrailingZeros(bits.x), bits.x != 0u);
+}
+
+fn without_lowest(bits: vec2<u32>) -> vec2<u32> {
+    return bits & ~bit(lowest(bits));
 }
 
 // Whether both surfaces are flat.
@@ -92,33 +103,49 @@ fn cross_product(a: vec2<f32>, b: vec2<f32>) -> f32 {
     return a.x * b.y - a.y * b.x;
 }
 
-// Writes the convex hull of the first `size` positions to `outline`, and returns its number of corners (gift wrapping).
-fn find_outline(size: u32) -> u32 {
-    var start = positions[0];
-    for (var i = 1u; i < size; i += 1u) {
-        let p = positions[i];
-        if p.x < start.x || (p.x == start.x && p.y < start.y) {
-            start = p;
+// The outline of a patch, counter-clockwise: its first corner, a number within the pair, and its number of corners.
+struct Outline {
+    start: u32,
+    corners: u32,
+}
+
+// Links the corners of the convex hull of the points in a set (gift wrapping). `base` is the pair's first point.
+fn find_outline(base: u32, members: vec2<u32>) -> Outline {
+    var start = lowest(members);
+    for (var rest = without_lowest(members); any(rest != vec2(0u)); rest = without_lowest(rest)) {
+        let p = planar(base + lowest(rest));
+        let q = planar(base + start);
+        if p.x < q.x || (p.x == q.x && p.y < q.y) {
+            start = lowest(rest);
         }
     }
+    let size = countOneBits(members.x) + countOneBits(members.y);
     var corner = start;
     for (var corners = 0u; corners < size; corners += 1u) {
-        outline[corners] = corner;
+        let at = planar(base + corner);
         var next = corner;
-        for (var i = 0u; i < size; i += 1u) {
-            let p = positions[i] - corner;
-            let q = next - corner;
+        var q = vec2(0.0);
+        for (var rest = members; any(rest != vec2(0u)); rest = without_lowest(rest)) {
+            let p = planar(base + lowest(rest)) - at;
             let side = cross_product(q, p);
             if all(q == vec2(0.0)) || side < 0.0 || (side == 0.0 && dot(p, p) > dot(q, q)) {
-                next = positions[i];
+                next = lowest(rest);
+                q = p;
             }
         }
-        if all(next == start) {
-            return corners + 1u;
+        point_states[base + corner].friction_offset.z = f32(next);
+        if all(planar(base + next) == planar(base + start)) {
+            point_states[base + corner].friction_offset.z = f32(start);
+            return Outline(start, corners + 1u);
         }
         corner = next;
     }
-    return size;
+    return Outline(start, size);
+}
+
+// The corner after another one.
+fn corner_after(base: u32, corner: u32) -> u32 {
+    return u32(point_states[base + corner].friction_offset.z);
 }
 
 struct FrictionCircle {
@@ -127,19 +154,24 @@ struct FrictionCircle {
     scale: f32,
 }
 
-fn friction_circle(corners: u32) -> FrictionCircle {
+fn friction_circle(base: u32, outline: Outline) -> FrictionCircle {
+    let corners = outline.corners;
     if corners < 2u {
         return FrictionCircle(vec2(0.0), -1.0);
     }
     var mean = vec2(0.0);
+    var corner = outline.start;
     for (var i = 0u; i < corners; i += 1u) {
-        mean += outline[i] / f32(corners);
+        mean += planar(base + corner) / f32(corners);
+        corner = corner_after(base, corner);
     }
     var area = 0.0;
     var moment = vec2(0.0);
+    corner = outline.start;
     for (var i = 0u; i < corners; i += 1u) {
-        let a = outline[i];
-        let b = outline[(i + 1u) % corners];
+        let a = planar(base + corner);
+        corner = corner_after(base, corner);
+        let b = planar(base + corner);
         let double_area = cross_product(a - mean, b - mean);
         area += double_area;
         moment += double_area * (a + b + mean) / 3.0;
@@ -153,9 +185,11 @@ fn friction_circle(corners: u32) -> FrictionCircle {
     // Simpson's rule.
     var corner_distance = 0.0;
     var distance = 0.0;
+    corner = outline.start;
     for (var i = 0u; i < corners; i += 1u) {
-        let a = outline[i] - center;
-        let b = outline[(i + 1u) % corners] - center;
+        let a = planar(base + corner) - center;
+        corner = corner_after(base, corner);
+        let b = planar(base + corner) - center;
         corner_distance += length(a) / f32(corners);
         let side = (length(a) + 4.0 * length(0.5 * (a + b)) + length(b)) / 6.0;
         distance += cross_product(a, b) * side * 2.0 / 3.0;
@@ -165,13 +199,16 @@ fn friction_circle(corners: u32) -> FrictionCircle {
 }
 
 // Whether a point is farther inside the outline than `distance`.
-fn is_inside(corners: u32, position: vec2<f32>, distance: f32) -> bool {
-    if corners <= 2u {
+fn is_inside(base: u32, outline: Outline, position: vec2<f32>, distance: f32) -> bool {
+    if outline.corners <= 2u {
         return false;
     }
-    for (var i = 0u; i < corners; i += 1u) {
-        let side = outline[(i + 1u) % corners] - outline[i];
-        if !(cross_product(side, position - outline[i]) > distance * length(side)) {
+    var corner = outline.start;
+    for (var i = 0u; i < outline.corners; i += 1u) {
+        let start = planar(base + corner);
+        corner = corner_after(base, corner);
+        let side = planar(base + corner) - start;
+        if !(cross_product(side, position - start) > distance * length(side)) {
             return false;
         }
     }

@@ -161,20 +161,28 @@ fn unsure(a: Triangle, b: Triangle, error: f32) -> Verdict {
     if apart(a, b, nearest.b - nearest.a, error) || apart(a, b, a.normal, error) || apart(a, b, b.normal, error) {
         return verdict;
     }
-    var ea = array(a.q - a.p, a.r - a.q, a.p - a.r);
-    var eb = array(b.q - b.p, b.r - b.q, b.p - b.r);
-    for (var i = 0; i < 3; i += 1) {
-        if apart(a, b, cross(a.normal, ea[i]), error) || apart(a, b, cross(b.normal, eb[i]), error) {
-            return verdict;
-        }
-        for (var j = 0; j < 3; j += 1) {
-            if apart(a, b, cross(ea[i], eb[j]), error) {
-                return verdict;
-            }
-        }
+    // One loop over all axes: unrolled, each would hold registers for the threads that it has left.
+    var axis = 0u;
+    while axis < 15u && !apart(a, b, edge_axis(a, b, axis / 5u, axis % 5u), error) {
+        axis += 1u;
     }
-    verdict.hit = true;
+    verdict.hit = axis == 15u;
     return verdict;
+}
+
+// The i-th edge times one of five vectors: the normal of its triangle, an edge of the other one, or the same for the second
+// triangle.
+fn edge_axis(a: Triangle, b: Triangle, i: u32, k: u32) -> vec3<f32> {
+    let of_a = edge(a, i);
+    if k == 0u {
+        return cross(a.normal, of_a);
+    }
+    let of_b = edge(b, select(k - 2u, i, k == 1u));
+    return cross(select(of_a, b.normal, k == 1u), of_b);
+}
+
+fn edge(t: Triangle, i: u32) -> vec3<f32> {
+    return select(select(t.p - t.r, t.r - t.q, i == 1u), t.q - t.p, i == 0u);
 }
 
 // Whether the axis, of any length, certainly separates the triangles.
