@@ -4,7 +4,7 @@ use super::MarginPair;
 use super::cpu::{self, Reuse, Wanted, planes};
 use crate::state::inactive::InactiveBodies;
 use crate::state::manifolds::pair_order;
-use crate::state::margins::SpeculativeMargins;
+use crate::state::margins::{SAFETY, SpeculativeMargins};
 use crate::state::mesh_arena::MeshArena;
 use crate::state::{Bodies, Manifolds, NearPair, Plane, StepConfig};
 
@@ -88,15 +88,17 @@ fn wanted_points(number: u32, step: u64, config: &StepConfig, bodies: &Bodies, n
     let count = config.dt / bodies.travel_time[a].max(bodies.travel_time[b]);
     let left = count.round() - number as f32;
     let at_rest = SpeculativeMargins::AtRest.of_pair(bodies, config, pair);
+    // In each collision substep surfaces move by less than this, and by about the part without the safety factor.
     let travel = margin - at_rest;
     let most = config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
-    let reuse = (count.is_finite() && count > 1.5 && travel < most).then(|| Reuse {
+    let travel_until = |later: f32| travel * (1.0 + later / SAFETY);
+    let reuse = (count.is_finite() && count > 1.5 && travel_until(1.0) < most).then(|| Reuse {
         step,
         margin,
         travel: most - travel,
     });
     let margin = if reuse.is_some() && left > 1.5 {
-        at_rest + (left * travel).min(most)
+        at_rest + travel_until(left - 1.0).min(most)
     } else {
         margin
     };

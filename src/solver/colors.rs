@@ -127,7 +127,7 @@ mod tests {
             assert!((1..=LANES).contains(&batch.len()));
             let points = || batch.iter().map(|pair| pair.number % 5 + 1);
             assert_eq!(Some(size.points), points().max());
-            assert_eq!(size.all_points, points().sum());
+            assert_eq!(size.all_points, points().sum::<u32>());
             let mut moved: Vec<u32> = batch
                 .iter()
                 .flat_map(|pair| pair.slots)

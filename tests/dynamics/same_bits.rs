@@ -53,9 +53,9 @@ pub fn bits(threads: usize, steps: usize, least_pairs: usize) -> Vec<u32> {
 
 #[test]
 fn a_pile_of_twenty_moves_by_the_same_bits() {
-    let first = bits(1, 200, 20);
+    let first = bits(1, 200, 15);
     for threads in [1, 2, 2] {
-        let again = bits(threads, 200, 20);
+        let again = bits(threads, 200, 15);
         let differing = first.iter().zip(&again).position(|(a, b)| a != b);
         println!(
             "{threads} threads: {} numbers, first that differs: {differing:?}",
