@@ -124,14 +124,17 @@ fn broad_phase_arguments(gpu: &Gpu, pairs: u32, capacity: u32) -> [Buffer; 2] {
     start[SPHERE_PAIRS as usize] = pairs;
     let counters = buffer(gpu, &start, BufferUsages::empty());
     // What an earlier step left there must not matter.
-    let arguments = buffer(gpu, &[77; 16], BufferUsages::INDIRECT);
+    let [arguments, piece_arguments] = [16, 4].map(|words| buffer(gpu, &vec![77; words], BufferUsages::INDIRECT));
     let buffers = [
         ("step", &step),
         ("status", &status),
         ("counters", &counters),
         ("arguments", &arguments),
+        ("piece_arguments", &piece_arguments),
     ];
     run(gpu, &buffers, &ARGUMENTS, Groups::Exactly(1));
+    // No pair is split yet.
+    assert_eq!(read_words(gpu, &piece_arguments, 3).unwrap(), [0, 0, 1]);
     [counters, arguments]
 }
 
