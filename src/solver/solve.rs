@@ -88,9 +88,7 @@ pub(super) fn apply_impulses<S: Simd>(
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Residual<S: Simd> {
     /// The largest change of a normal velocity, over that below which its pair has converged.
-    normal: f32x8<S>,
-    /// The same of velocities along tangents.
-    tangent: f32x8<S>,
+    velocity: f32x8<S>,
     /// The sum of the squared changes of impulses, each over its effective mass, joules.
     energy: f32x8<S>,
 }
@@ -99,22 +97,14 @@ impl<S: Simd> Residual<S> {
     #[inline(always)]
     pub fn new(simd: S) -> Self {
         Self {
-            normal: splat(simd, 0.0),
-            tangent: splat(simd, 0.0),
+            velocity: splat(simd, 0.0),
             energy: splat(simd, 0.0),
         }
     }
 
     #[inline(always)]
     pub fn has_converged(&self) -> bool {
-        bitmask(self.normal.simd_gt(splat(self.normal.simd, 1.0))) == 0
-    }
-
-    /// Whether no velocity has changed by more than this part of what convergence allows.
-    #[inline(always)]
-    pub fn is_below(&self, part: f32) -> bool {
-        let part = splat(self.normal.simd, part);
-        bitmask(self.normal.simd_gt(part) | self.tangent.simd_gt(part)) == 0
+        bitmask(self.velocity.simd_gt(splat(self.velocity.simd, 1.0))) == 0
     }
 
     #[inline(always)]
@@ -138,7 +128,7 @@ pub(super) fn solve<S: Simd>(
     }
     let zero = splat(simd, 0.0);
     let mut changed = PairVelocities::load(simd, batch, velocities);
-    let [mut normal_change, mut tangent_change] = [zero; 2];
+    let mut largest_change = zero;
     for point in points.iter_mut().filter(|point| point.active != 0) {
         let before = load(simd, &point.normal_impulse);
         let velocity_error = changed.along(&point.rows[0]) + load(simd, &point.aim.bias);
@@ -148,7 +138,7 @@ pub(super) fn solve<S: Simd>(
         let change = impulse - before;
         changed.apply(batch, &point.rows[0], change);
         let velocity_change = change * load(simd, &point.inverse_effective_mass[0]);
-        normal_change = velocity_change.abs().max(normal_change);
+        largest_change = velocity_change.abs().max(largest_change);
         residual.energy = residual.energy + change * velocity_change;
         point.change[0] = store(change);
         point.normal_impulse = store(impulse);
@@ -162,9 +152,7 @@ pub(super) fn solve<S: Simd>(
         for i in 0..2 {
             let change = impulses[i] - load(simd, &point.friction_impulse[i]);
             changed.apply(batch, &point.rows[i + 1], change);
-            let velocity_change = change * inverse_effective_mass;
-            tangent_change = velocity_change.abs().max(tangent_change);
-            residual.energy = residual.energy + change * velocity_change;
+            residual.energy = residual.energy + change * change * inverse_effective_mass;
             point.change[i + 1] = store(change);
             point.friction_impulse[i] = store(impulses[i]);
         }
@@ -172,8 +160,7 @@ pub(super) fn solve<S: Simd>(
     // A light body passes on only a small part of what a heavy one needs, so it must be more exact.
     let step_error = splat(simd, MAX_STEP_ERROR) * load(simd, &batch.diameter) / splat(simd, pass.h);
     let converged = splat(simd, pass.convergence_speed).min(step_error) / load(simd, &batch.mass_ratio);
-    residual.normal = (normal_change / converged).max(residual.normal);
-    residual.tangent = (tangent_change / converged).max(residual.tangent);
+    residual.velocity = (largest_change / converged).max(residual.velocity);
     changed.store(batch, velocities);
 }
 

@@ -22,10 +22,6 @@ use crate::types::solver_settings::SolverSettings;
 /// gets fewer passes: a pile needs less than a tower, and must not stop the game.
 pub(super) const PASS_BUDGET: usize = 2000;
 
-/// A pass that changes no velocity by more than this part of what convergence allows is the last, even if it is the first:
-/// where bodies rest, the saved impulses hold.
-const NEXT_TO_NOTHING: f32 = 0.003;
-
 impl IslandsMut<'_> {
     /// Makes the constraints of an island and moves its bodies over the collision substep. `members` are the bodies of
     /// its slots.
@@ -123,7 +119,7 @@ impl IslandsMut<'_> {
         self.apply_restitution(simd, &pass, settings);
     }
 
-    /// Passes over all pairs until they have converged: at least so many, unless one changes next to nothing.
+    /// Passes over all pairs, at least so many, until they have converged.
     #[inline(always)]
     fn solve<S: Simd>(&mut self, simd: S, pass: &Pass, least: u32, settings: &SolverSettings) {
         let most = settings
@@ -136,12 +132,7 @@ impl IslandsMut<'_> {
             for (batch, points) in Batches::new(self.batches, self.lanes) {
                 solve::solve(simd, batch, points, self.states.velocities, pass, &mut residual);
             }
-            let is_last = if iteration < least {
-                residual.is_below(NEXT_TO_NOTHING)
-            } else {
-                iteration == most || residual.has_converged()
-            };
-            if is_last {
+            if iteration == most || (iteration >= least && residual.has_converged()) {
                 break;
             }
             // The first direction has no predecessor, and one that leads away is dropped.

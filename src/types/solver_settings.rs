@@ -31,10 +31,10 @@ pub struct SolverSettings {
     /// (Macklin et al., "Small Steps in Physics Simulation", 2019).
     pub substeps: u32,
     /// Passes over all pairs per substep with a bias velocity that pushes overlapping bodies apart. Default 2:
-    /// at least so many, unless one changes next to nothing.
+    /// at least so many.
     pub bias_iterations: u32,
     /// Passes per substep without bias velocity, after the bodies have moved. They remove the velocity that the bias
-    /// added. Default 2: at least so many, unless one changes next to nothing. Without them chains break.
+    /// added. Default 2: at least so many. Without them chains break.
     pub relax_iterations: u32,
     /// Most passes of either kind. Default 64. Small islands get as many as they need to converge, large
     /// ones fewer.
