@@ -14,8 +14,10 @@
 //! `--memory` prints the sizes of all buffers for a million tori, from the lists of 2,200 at the same density.
 //!
 //! `--quick` omits scenes that take minutes on a software driver. `--counts` counts 2,200 tori without measuring times,
-//! contacts at two speeds, and so with one and with
-//! several collision substeps.
+//! contacts at two speeds, and so with one and with several collision substeps. `--counts --strewn` counts 100,000 tori
+//! so far apart that fewer than a thousand pairs touch.
+//!
+//! Faces are counted, and listed only with `--faces`.
 
 use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
@@ -106,24 +108,32 @@ fn main() {
         }
     }
     println!(
-        "\n| scene | response | reading | dispatches | indirect | added by wgpu | passes | copies | uploaded, bytes | read back, bytes | memory, bytes |"
+        "\n| scene | response | reading | touching | dispatches | indirect | added by wgpu | passes | copies | uploaded, bytes | read back, bytes | memory, bytes |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    let counted: &[(&str, &TriMesh, usize)] = if scenes.is_empty() {
-        &[("2200 tori", &torus, 2200)]
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    // With their distance, as a multiple of that in the paper.
+    let counted: Vec<(&str, &TriMesh, usize, f32)> = if has("--strewn") {
+        vec![("100,000 tori, strewn", &torus, 100_000, 4.0)]
+    } else if scenes.is_empty() {
+        vec![("2200 tori", &torus, 2200, 1.0)]
     } else {
         scenes
+            .iter()
+            .map(|&(name, mesh, count)| (name, mesh, count, 1.0))
+            .collect()
     };
-    for (name, mesh, count) in counted {
+    for (name, mesh, count, spread) in counted {
         for response in RESPONSES {
             // The number of collision substeps is that of the fastest body.
-            let speeds: &[f32] = if response == Response::Contacts {
+            let speeds: &[f32] = if response == Response::Contacts && has("--strewn") {
+                &[0.1 * SPEED]
+            } else if response == Response::Contacts {
                 &[0.1 * SPEED, 1.4 * SPEED]
             } else {
                 &[SPEED]
             };
             for &speed in speeds {
-                if let Err(error) = tally(&mut step, name, mesh, (*count, response, speed)) {
+                if let Err(error) = tally(&mut step, name, mesh, (count, response, speed), spread) {
                     println!("| {name} | {response:?} | {error} |");
                 }
             }
@@ -227,6 +237,7 @@ fn tally(
     name: &str,
     mesh: &TriMesh,
     (count, response, speed): (usize, Response, f32),
+    spread: f32,
 ) -> Result<(), StepError> {
     let mesh = CollisionMesh::new(mesh);
     for (reading, detail, latency) in [
@@ -235,16 +246,20 @@ fn tally(
         ("resident", Detail::Counts, LATENCY),
     ] {
         // Deep overlaps take a software driver minutes, and bodies far apart need as many dispatches.
-        let spread = if response == Response::Contacts { 2.0 } else { 1.0 };
+        let spread = if response == Response::Contacts {
+            spread.max(2.0)
+        } else {
+            spread
+        };
         let state = scene(&mesh, count, response, speed, spread);
-        let (work, substeps) = in_flight(step, &state, detail, latency, 2 + latency)?.1;
+        let (work, substeps, touching) = in_flight(step, &state, detail, latency, 2 + latency)?.1;
         let substeps = if response == Response::Contacts {
             format!(", {substeps} collision substeps")
         } else {
             String::new()
         };
         println!(
-            "| {name} | {response:?}{substeps} | {reading} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            "| {name} | {response:?}{substeps} | {reading} | {touching} | {} | {} | {} | {} | {} | {} | {} | {} |",
             work.dispatches,
             work.indirect,
             work.validations,
@@ -304,7 +319,7 @@ fn measure(
     Ok(())
 }
 
-/// Milliseconds per step, the work of the last one, and its number of collision substeps. Each step continues from the
+/// Milliseconds per step, the work of the last one, and its numbers of collision substeps and touching pairs. Each step continues from the
 /// one before, and results are read back `latency` steps later.
 fn in_flight(
     step: &mut GpuStep,
@@ -312,12 +327,12 @@ fn in_flight(
     detail: Detail,
     latency: usize,
     rounds: usize,
-) -> Result<(f64, (GpuWork, u32)), StepError> {
+) -> Result<(f64, (GpuWork, u32, usize)), StepError> {
     let carried: Vec<_> = (0..state.input.bodies.len() as u32)
         .map(|source| Some(Carried::all(source)))
         .collect();
     step.forget();
-    let mut last = (GpuWork::default(), 0);
+    let mut last = (GpuWork::default(), 0, 0);
     let start = Instant::now();
     for round in 0..rounds {
         step.submit(&state.input, if round == 0 { &[] } else { &carried }, detail)?;
@@ -325,12 +340,12 @@ fn in_flight(
             && let Some(output) = step.take()
         {
             let output = output?;
-            last = (output.work, output.collision_substeps);
+            last = (output.work, output.collision_substeps, output.counts.touching_pairs);
         }
     }
     while let Some(output) = step.take() {
         let output = output?;
-        last = (output.work, output.collision_substeps);
+        last = (output.work, output.collision_substeps, output.counts.touching_pairs);
     }
     Ok((start.elapsed().as_secs_f64() * 1.0e3 / rounds as f64, last))
 }
@@ -352,6 +367,7 @@ fn scene(mesh: &CollisionMesh, count: usize, response: Response, speed: f32, spr
     let side = spread * 22.5 * (count as f32 / 2200.0).cbrt();
     let mut state = StepState::default();
     state.input.config.response = response;
+    state.input.config.face_lists = std::env::args().any(|argument| argument == "--faces");
     let slot = state.input.meshes.add(mesh.clone());
     for _ in 0..count {
         let scale = between(0.25, 2.0) / (2.0 * mesh.radius);
