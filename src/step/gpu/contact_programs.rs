@@ -6,6 +6,7 @@
 
 use super::buffers::{StepBuffers, StepCapacity};
 use super::record::Recorder;
+use super::room::Room;
 use super::solver_input::SolverInput;
 use crate::gpu::buffers::{Buffers, TooLarge};
 use crate::gpu::commands::Commands;
@@ -128,8 +129,13 @@ impl ContactPrograms {
     }
 
     /// Writes the lengths of the lists, and the numbers of bodies and half-spaces.
-    pub fn write_limits(&self, commands: &mut Commands, known: &mut Known, bodies: u32, planes: u32) {
-        let limits = self.contacts.capacity.limits(bodies, planes);
+    pub fn write_limits(&self, commands: &mut Commands, known: &mut Known, bodies: u32, planes: u32, room: &Room) {
+        let capacity = ContactCapacity {
+            pairs: room.contact_pairs,
+            points: room.contact_points,
+            ..self.contacts.capacity
+        };
+        let limits = capacity.limits(bodies, planes);
         commands.write_changes(known, &self.contacts.limits, bytemuck::bytes_of(&limits));
     }
 

@@ -2,6 +2,7 @@
 
 use super::fast_bodies::Impacts;
 use super::results::{Detail, Parts, Raw};
+use super::room::Room;
 use super::upload::Input;
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::{DeviceError, poll, request, view};
@@ -22,6 +23,8 @@ pub(super) struct Flight {
     pub impacts: Impacts,
     /// Receives the results.
     pub staging: Buffer,
+    /// How much of each list is read.
+    pub room: Room,
     parts: Parts,
     submission: SubmissionIndex,
     /// A receiver is not `Sync`, but steps are shared with systems. Only [`Flight::wait`] locks it.
@@ -33,6 +36,7 @@ impl Flight {
     pub fn new(
         input: Input,
         detail: Detail,
+        room: Room,
         parts: Parts,
         staging: Buffer,
         submission: SubmissionIndex,
@@ -46,6 +50,7 @@ impl Flight {
             work,
             impacts,
             staging,
+            room,
             parts,
             submission,
             mapped: Mutex::new(mapped),

@@ -17,7 +17,7 @@
 //! | `rest` | steps in which all bodies sleep |
 //! | `overflow` | repetition of steps whose lists overflowed |
 //! | `capacity`, `recent` | creation of buffers; lists that become shorter |
-//! | `results` | the results of a step |
+//! | `results`, `room` | the results of a step, and how much of them is read back |
 //! | `memory` | the memory between steps, for snapshots |
 //! | `hand_over` | the same memory on the CPU |
 
@@ -35,6 +35,7 @@ pub mod record;
 pub mod remap;
 mod rest;
 pub mod results;
+mod room;
 mod solver_input;
 mod submit;
 pub mod upload;
@@ -60,6 +61,7 @@ use record::{all_modules, impulse_kernels, impulse_program};
 use remap::LastBodies;
 use rest::Rest;
 use results::{Detail, Output};
+use room::RecentRoom;
 use solver_input::HostSpeeds;
 use std::collections::VecDeque;
 use thiserror::Error;
@@ -100,6 +102,8 @@ pub struct GpuStep {
     known: Known,
     /// The use of lists.
     recent: Recent,
+    /// The use of those that are read back.
+    room: RecentRoom,
     /// Continuous collision.
     ccd: Ccd,
     /// Submitted steps, oldest first.
@@ -180,6 +184,7 @@ impl GpuStep {
                 timer,
                 known: Known::default(),
                 recent: Recent::default(),
+                room: RecentRoom::default(),
                 ccd: Ccd::default(),
                 flights: VecDeque::new(),
                 rest: None,

@@ -9,6 +9,7 @@ use super::fast_bodies::FastBodies;
 use super::flight::Flight;
 use super::rest::Rest;
 use super::results::{Output, Raw};
+use super::room::Room;
 use super::upload::Input;
 use super::{GpuStep, StepError};
 use crate::gpu::buffers::Capacity;
@@ -55,6 +56,7 @@ impl GpuStep {
                 let output = raw.sort(&flight.input, &flight.impacts, self.timer.as_ref());
                 let output = Output { work, ..output };
                 self.rest = Rest::of(&output, flight.detail);
+                self.room.add(Room::used(&work.lists));
                 return Ok(output);
             }
             if !self.repeat(&raw.counters, &raw.tally, fast_bodies)? {
@@ -147,9 +149,12 @@ impl GpuStep {
             touches: tally[TOUCHES as usize],
             ..contacts.capacity()
         });
-        if !self.needs_growth(needed, for_contacts) {
+        let room = Room::in_buffers(&needed, for_contacts);
+        let lacks_room = self.flights.front().is_some_and(|flight| flight.room.lacks(room));
+        if !lacks_room && !self.needs_growth(needed, for_contacts) {
             return Ok(false);
         }
+        self.room.raise(room);
         self.reserve(needed, for_contacts)?;
         let mut between = std::mem::take(&mut self.between);
         for flight in std::mem::take(&mut self.flights) {

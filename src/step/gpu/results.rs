@@ -2,9 +2,10 @@
 
 use super::contact_programs::ContactPrograms;
 use super::fast_bodies::Impacts;
+use super::room::Room;
 use super::upload::Input;
 use crate::force_scan::touches::Touches;
-use crate::gpu::buffers::{Buffers, Capacity};
+use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
     APPROXIMATE, ASLEEP, AWAKE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint,
@@ -88,8 +89,8 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// Ranges for full lists, because the numbers of elements are unknown when the copy is recorded.
-    pub fn new(capacity: &Capacity, contacts: Option<&ContactPrograms>, input: &Input, detail: Detail) -> Self {
+    /// Ranges for lists of these lengths. `has_points` tells whether there are contact points.
+    pub fn new(room: &Room, has_points: bool, input: &Input, detail: Detail) -> Self {
         let mut total = 0;
         let mut part = |count: u32, size: usize| {
             let start = total;
@@ -102,26 +103,16 @@ impl Parts {
         let lists = |count: u32| if detail == Detail::All { count } else { 0 };
         let Population { bodies, compounds, .. } = input.population();
         let moved = part(lists(bodies + compounds), size_of::<Moved>());
-        let sphere_pairs = part(lists(capacity.pairs), 8);
-        let touching = part(lists(capacity.pairs), size_of::<Touching>());
-        let hits = part(lists(input.listed_hits(capacity.hits)), size_of::<Hit>());
-        let planes = part(lists(capacity.plane_contacts), size_of::<PlaneContact>());
-        let contact_capacity = contacts.map(ContactPrograms::capacity);
-        let [pairs, points, touched] = contact_capacity.map_or([0; 3], |capacity| {
-            [capacity.contacts.pairs, capacity.contacts.points, capacity.touches]
-        });
-        let tally = part(if contact_capacity.is_some() { TALLIES } else { 0 }, 4);
-        let found = part(
-            if contact_capacity.is_some() {
-                CONTACT_COUNTERS
-            } else {
-                0
-            },
-            4,
-        );
-        let contact_pairs = part(lists(pairs), size_of::<ContactPair>());
-        let contact_points = part(lists(points), size_of::<ContactPoint>());
-        let touches = part(lists(touched), size_of::<Touch>());
+        let sphere_pairs = part(lists(room.pairs), 8);
+        let touching = part(lists(room.pairs), size_of::<Touching>());
+        let hits = part(lists(input.listed_hits(room.hits)), size_of::<Hit>());
+        let planes = part(lists(room.plane_contacts), size_of::<PlaneContact>());
+        let of_points = |count: u32| if has_points { count } else { 0 };
+        let tally = part(of_points(TALLIES), 4);
+        let found = part(of_points(CONTACT_COUNTERS), 4);
+        let contact_pairs = part(lists(of_points(room.contact_pairs)), size_of::<ContactPair>());
+        let contact_points = part(lists(of_points(room.contact_points)), size_of::<ContactPoint>());
+        let touches = part(lists(of_points(room.touches)), size_of::<Touch>());
         Self {
             counters,
             times,

@@ -1,11 +1,13 @@
 //! Submission of a step.
 
 use super::buffers::StepCapacity;
+use super::contact_programs::ContactPrograms;
 use super::fast_bodies::{FastBodies, Impacts};
 use super::flight::Flight;
 use super::remap::BodyRemap;
 use super::rest::Rest;
 use super::results::{Detail, Parts};
+use super::room::Room;
 use super::solver_input::{HostSpeeds, SolverInput};
 use super::upload::{Carried, Input};
 use super::{GpuStep, StepError};
@@ -157,15 +159,22 @@ impl GpuStep {
             spare,
             waits,
             rest,
+            room,
             ..
         } = self;
         let wanted = input.response != Response::Impulse;
         let contacts = contacts.as_ref().filter(|_| wanted);
+        let all = Room::in_buffers(&buffers.capacity, contacts.map(ContactPrograms::capacity));
+        let room = match detail {
+            Detail::All => room.for_next().min(all),
+            // Nothing is read.
+            Detail::Counts => all,
+        };
         let flight = scoped(gpu, || {
             let mut impacts = Impacts::default();
-            let parts = Parts::new(&buffers.capacity, contacts, &input, detail);
+            let parts = Parts::new(&room, contacts.is_some(), &input, detail);
             let mut commands = Commands::new(gpu, "faceoff step");
-            input.write(&mut commands, known, buffers, contacts);
+            input.write(&mut commands, known, buffers, contacts, &room);
             let goes_on = |rest: &Rest| rest.goes_on(&input, detail, &commands, &earlier);
             if flights.is_empty() && rest.as_ref().is_some_and(goes_on) {
                 return Ok(None);
@@ -222,7 +231,7 @@ impl GpuStep {
             let (submission, work) = commands.submit();
             let work = work.after(&earlier);
             Ok(Some(Flight::new(
-                input, detail, parts, staging, submission, work, impacts,
+                input, detail, room, parts, staging, submission, work, impacts,
             )))
         });
         let Some(flight) = flight.and_then(|flight| flight).map_err(StepError::Device)? else {

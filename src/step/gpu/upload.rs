@@ -1,6 +1,7 @@
 //! The input of a step, packed for the device.
 
 use super::contact_programs::ContactPrograms;
+use super::room::Room;
 use super::solver_input::SolverInput;
 use crate::asset::CollisionMesh;
 use crate::gpu::arena::has_large_meshes;
@@ -286,28 +287,28 @@ impl Input {
         commands.write(&buffers.counters, cast_slice(&counters));
     }
 
-    /// Writes what has changed in all other buffers.
+    /// Writes what has changed in all other buffers. Lists have this much `room`.
     pub(super) fn write(
         &self,
         commands: &mut Commands,
         known: &mut Known,
         buffers: &Buffers,
         contacts: Option<&ContactPrograms>,
+        room: &Room,
     ) {
-        let capacity = &buffers.capacity;
         let held = Capacity {
             bodies: self.step.bodies,
-            ..*capacity
+            ..buffers.capacity
         };
         let step = layout::Step {
             // By the number of bodies, not by the capacity: the order of pairs, and so of sums, depends on the buckets.
             bucket_mask: held.buckets() - 1,
-            pair_capacity: capacity.pairs,
-            hit_capacity: self.listed_hits(capacity.hits),
-            hit_limit: if self.face_lists { capacity.hits } else { u32::MAX },
-            plane_contact_capacity: capacity.plane_contacts,
+            pair_capacity: room.pairs,
+            hit_capacity: self.listed_hits(room.hits),
+            hit_limit: if self.face_lists { room.hits } else { u32::MAX },
+            plane_contact_capacity: room.plane_contacts,
             piece_capacity: capacity.pieces,
-            touch_capacity: contacts.map_or(0, |contacts| contacts.capacity().touches),
+            touch_capacity: room.touches,
             ..self.step
         };
         commands.write_changes(known, &buffers.step, bytemuck::bytes_of(&step));
@@ -321,7 +322,7 @@ impl Input {
             commands.copy_start(sent, used, bytes.len() as u64);
         }
         if let Some(contacts) = contacts {
-            contacts.write_limits(commands, known, step.bodies, step.planes);
+            contacts.write_limits(commands, known, step.bodies, step.planes, room);
             if let Some(solver) = &self.solver {
                 solver.write(commands, known, &contacts.step, contacts.solver.capacity);
             }

@@ -21,6 +21,7 @@ pub const TESTS: &[Test] = &[
     ("bits_do_not_depend_on_room", same_bits::again_and_with_other_room),
     ("growing_lists_change_nothing", overflow::growing_lists_change_nothing),
     ("lists_become_shorter", overflow::lists_become_shorter),
+    ("room_to_read_follows_use", overflow::room_to_read_follows_use),
     (
         "faces_that_are_only_counted_need_no_room",
         overflow::faces_that_are_only_counted_need_no_room,

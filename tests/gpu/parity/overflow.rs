@@ -60,6 +60,40 @@ pub fn lists_become_shorter(gpu: &Gpu) {
     Bits::of(&crowd.on_gpu(&mut step)).require(&Bits::of(&crowd.on_gpu(&mut new)), "the crowd again");
 }
 
+/// A small world reads little although its buffers are large. A crowd that comes all at once is read as a whole, by a step
+/// that is repeated.
+pub fn room_to_read_follows_use(gpu: &Gpu) {
+    let mut step = GpuStep::with_capacity(gpu.clone(), AMPLE).unwrap();
+    for response in [Response::Impulse, Response::Contacts] {
+        let mut few = heap(&shapes::cube(1.0), 6, 2.0);
+        few.config.response = response;
+        few.config.gravity = Vec3::ZERO;
+        let mut state = few.state();
+        let mut read = Vec::new();
+        for _ in 0..40 {
+            step.forget();
+            few.fill(&mut state);
+            step.run(&mut state).unwrap();
+            read.push(state.results.gpu.unwrap().read_back_bytes);
+        }
+        assert!(read[39] * 10 < read[0] && read[39] < 60_000, "{response:?}: {read:?}");
+        let mut crowd = heap(&shapes::cube(1.0), 200, 6.0);
+        crowd.config.response = response;
+        step.forget();
+        let (found, capacity) = (crowd.on_gpu(&mut step), step.capacity());
+        let work = found.results.gpu.unwrap();
+        assert!(work.submissions > 1, "{response:?}: {work:?}");
+        assert_eq!(capacity.pairs, AMPLE.pairs, "there was room in the buffer");
+        let mut new = GpuStep::with_capacity(gpu.clone(), AMPLE).unwrap();
+        Bits::of(&found).require(&Bits::of(&crowd.on_gpu(&mut new)), &format!("{response:?}"));
+        // The same again fits.
+        step.forget();
+        let again = crowd.on_gpu(&mut step).results.gpu.unwrap();
+        assert_eq!(again.submissions, 1);
+        assert!(again.read_back_bytes < work.read_back_bytes);
+    }
+}
+
 /// Faces that nobody asked for need no room: the step is not repeated, and bodies move as if they were listed.
 pub fn faces_that_are_only_counted_need_no_room(gpu: &Gpu) {
     let mut listed = heap(&shapes::torus_240(), 12, 1.2);
