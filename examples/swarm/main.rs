@@ -24,7 +24,9 @@ const PAPER: (f32, f32) = (2200.0, 11.25);
 const DIAMETERS: (f32, f32) = (0.25, 2.0);
 /// Largest speed along each axis, m/s.
 const SPEED: f32 = 3.0;
-const STEPS: u32 = 64;
+const STEPS: u32 = 40;
+/// Prints after so many steps.
+const EVERY: u64 = 32;
 /// More than the counts of a step, fewer than the poses of the smallest swarm. Bytes.
 const FEW_BYTES: u64 = 1024;
 
@@ -110,13 +112,13 @@ struct Count {
     touched: usize,
 }
 
-/// Prints what the step costs: at first, and then once a second.
+/// Prints what the step costs: twice a second.
 fn print(mut count: ResMut<Count>, report: Res<StepReport>, mut exit: MessageWriter<AppExit>) {
     let Some(work) = report.gpu.filter(|_| report.bodies > 0) else {
         return;
     };
     count.touched += report.touching_pairs;
-    if !report.step.is_multiple_of(64) {
+    if !report.step.is_multiple_of(EVERY) {
         return;
     }
     println!(
