@@ -225,7 +225,11 @@ impl GpuStep {
             let fitting = spare.iter().position(|buffer| buffer.size() >= parts.total);
             let staging = match fitting {
                 Some(at) => spare.swap_remove(at),
-                None => staging(gpu, parts.total),
+                None => {
+                    // Those that are too short now would be kept for nothing.
+                    spare.clear();
+                    staging(gpu, parts.total)
+                }
             };
             parts.copy(buffers, contacts, timer.as_ref(), &mut commands, &staging);
             let (submission, work) = commands.submit();
