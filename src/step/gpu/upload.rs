@@ -307,7 +307,7 @@ impl Input {
             hit_capacity: self.listed_hits(room.hits),
             hit_limit: if self.face_lists { room.hits } else { u32::MAX },
             plane_contact_capacity: room.plane_contacts,
-            piece_capacity: capacity.pieces,
+            piece_capacity: buffers.capacity.pieces,
             touch_capacity: room.touches,
             ..self.step
         };
