@@ -105,7 +105,8 @@ impl Territories {
             low: a.low.min(b.low),
             high: a.high.max(b.high),
         };
-        self.all.swap_remove(other);
+        // In order, so that what happens far away changes nothing here.
+        self.all.remove(other);
     }
 
     fn find(&mut self, bodies: &Bodies, config: &StepConfig, groups: &mut UnionFind, moves: impl Fn(u32) -> bool) {

@@ -12,7 +12,7 @@ fn pile(distant: bool) -> World {
     let (torus, cube) = (world.mesh(&shapes::torus_240()), world.mesh(&shapes::cube(1.0)));
     world.floor(cube);
     for i in 0..12 {
-        let turn = Quat::from_rotation_x(0.3 * i as f32 + 0.01);
+        let turn = Quat::from_rotation_x(0.3 * i as f32);
         let at = Vec3::new(0.2 * (i % 3) as f32, 1.2 + 1.3 * i as f32, 0.0);
         world.add(RigidBody::Dynamic, torus, Vec3::ONE, at, turn);
     }
