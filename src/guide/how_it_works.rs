@@ -91,8 +91,8 @@
 //! stages, and writes the results back. With [`Response::Contacts`](crate::types::settings::Response) it is divided
 //! into 1 to 8 *collision substeps*: as many as it takes that no two surfaces move by more than a quarter of the thinnest
 //! body between two searches for contacts, as far as 8 suffice. Only relative motion counts. On the CPU each group of
-//! bodies that can meet in the step has its own number, and pairs in it that are slower than its fastest keep their contact
-//! points for as long as they move no farther.
+//! bodies that can meet in the step has its own number, and pairs that overlap deeply keep their contact points for as long
+//! as they move no farther.
 //!
 //! ## BroadPhase: a grid
 //!
@@ -214,7 +214,7 @@
 //! | lists | grow | have a capacity: if one overflows, a flag turns the step and those after it into no-ops; the host makes the list longer and submits them again |
 //! | undecided triangles | double precision | count as touching, up to some millionths of the bodies' size apart |
 //! | results | the same bits for any number of threads | the same bits in each run on the same device |
-//! | collision substeps | each group of bodies that can meet has its own number, and slower pairs search less often | all bodies have the largest |
+//! | collision substeps | each group of bodies that can meet has its own number | all bodies have the largest |
 //! | not there | | [hooks](crate::plugin::hooks): their steps run on the CPU |
 //!
 //! A step on a GPU is one submission, for any number of collision substeps. With

@@ -21,7 +21,7 @@
 //! 6. Smoothing. Finely tessellated curved surfaces touch where the smooth surfaces would, with their normals if they
 //!    are convex in all directions.
 //!
-//! In a step of several collision substeps a pair that moves slowly keeps its points for some of them: see `cpu::moved`.
+//! In a step of several collision substeps a pair that overlaps deeply keeps its points for some of them: see `cpu::moved`.
 //!
 //! All of this follows from the surfaces alone, without a convex decomposition or a distance field. Each vertex and
 //! edge is owned by one triangle, so no feature is found twice.

@@ -42,7 +42,8 @@ impl Scratch {
 }
 
 /// Writes the manifolds of all active pairs that respond to contacts into `manifolds`, in collision substep `number`; of pairs
-/// with planes those that are `wanted`. The previous ones are kept for [`reuse`].
+/// with planes those that are `wanted`. `intersects` tells which pairs had intersecting faces at the start of the step. The
+/// previous manifolds are kept for [`reuse`].
 pub(crate) fn find(
     number: u32,
     config: &StepConfig,
@@ -52,6 +53,7 @@ pub(crate) fn find(
     near_pairs: &[NearPair],
     inactive: &InactiveBodies,
     wanted: impl Fn([u32; 2]) -> bool + Sync,
+    intersects: impl Fn([u32; 2]) -> bool,
     scratch: &mut Scratch,
     manifolds: &mut Manifolds,
 ) {
@@ -60,9 +62,13 @@ pub(crate) fn find(
     scratch.step += u64::from(number == 0);
     for pair in near_pairs {
         if bodies.push_each_other(pair.bodies) && is_awake(pair.bodies) {
-            scratch
-                .pairs
-                .push(wanted_points(number, scratch.step, config, bodies, pair));
+            let at = CollisionSubstep {
+                step: scratch.step,
+                number,
+                config,
+            };
+            let wanted = wanted_points(&at, bodies, pair, intersects(pair.bodies));
+            scratch.pairs.push(wanted);
         }
     }
     std::mem::swap(manifolds, &mut scratch.before);
@@ -77,10 +83,20 @@ pub(crate) fn find(
     planes::find(bodies, meshes, planes, config, wanted, &mut scratch.planes, manifolds);
 }
 
-/// How the points of a near pair are found in collision substep `number`. A pair that is slow for its group gets a wider margin,
-/// so that its points last for as many collision substeps as its surfaces need to move by
+/// A collision substep.
+struct CollisionSubstep<'a> {
+    /// Number of the step.
+    step: u64,
+    /// Its number in the step.
+    number: u32,
+    config: &'a StepConfig,
+}
+
+/// How the points of a near pair are found. A pair that overlaps, and is slow for its group, gets a wider margin, so that its
+/// points last for as many collision substeps as its surfaces need to move by
 /// [`SolverSettings::collision_substep_travel`](crate::types::solver_settings::SolverSettings::collision_substep_travel).
-fn wanted_points(number: u32, step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair) -> Wanted {
+fn wanted_points(at: &CollisionSubstep, bodies: &Bodies, near: &NearPair, intersects: bool) -> Wanted {
+    let &CollisionSubstep { step, number, config } = at;
     let &NearPair {
         bodies: pair, margin, ..
     } = near;
@@ -92,10 +108,12 @@ fn wanted_points(number: u32, step: u64, config: &StepConfig, bodies: &Bodies, n
     let travel = margin - at_rest;
     let most = config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
     let travel_until = |later: f32| travel * (1.0 + later / SAFETY);
-    let reuse = (count.is_finite() && count > 1.5 && travel_until(1.0) < most).then(|| Reuse {
+    let lasts = intersects && count.is_finite() && count > 1.5 && travel_until(1.0) < most;
+    let reuse = lasts.then(|| Reuse {
         step,
         margin,
         travel: most - travel,
+        depth: at_rest,
     });
     let margin = if reuse.is_some() && left > 1.5 {
         at_rest + travel_until(left - 1.0).min(most)

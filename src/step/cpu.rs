@@ -193,6 +193,10 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
             &results.near_pairs,
             &scratch.inactive,
             |pair| !scratch.left_out.contains_plane_pair(pair),
+            |pair| {
+                let touching = &results.contacts.pairs;
+                touching.binary_search_by_key(&pair, |touching| touching.bodies).is_ok()
+            },
             &mut scratch.manifolds,
             &mut results.manifolds,
         ),

@@ -13,8 +13,7 @@ pub const MAX_PASSES: u32 = 256;
 /// Parameters of the contact solver, for all bodies. Used with
 /// [`Response::Contacts`](crate::types::settings::Response::Contacts).
 ///
-/// A step is divided into *collision substeps*: contact points are computed anew in each of them, on the CPU only for pairs that
-/// have moved far enough since the last one. A collision substep
+/// A step is divided into *collision substeps*: contact points are computed anew in each of them. A collision substep
 /// is divided into the solver's *substeps*. Lengths in D are fractions of the bounding diameter of the smaller of the
 /// two bodies, so that small and large bodies behave alike.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,9 @@
-//! Contact points that move with the bodies. In a step of several collision substeps a pair that is slower than the fastest
-//! ones does not need new points in each: it keeps its points for as long as its surfaces move relative to each other no
-//! farther than they may in one collision substep.
+//! Contact points that move with the bodies.
+//!
+//! The points of bodies that overlap deeply are expensive to find, and need not be exact: they only push the bodies apart. So in
+//! a step of several collision substeps such a pair keeps its points for as long as its surfaces move relative to each other
+//! no farther than they may in one collision substep. Other pairs do not: a corner that comes over a face has a point that
+//! it did not have when it was beside it.
 
 use super::kept::RelativePose;
 use super::pair::Pair;
@@ -16,14 +19,16 @@ pub struct Reuse {
     pub margin: f32,
     /// Upper bound of the distance that the surfaces may have moved relative to each other since, metres.
     pub travel: f32,
+    /// The pair overlaps by at least so much, metres.
+    pub depth: f32,
 }
 
 /// The contact points of a pair, and when and where they were found.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
     points: Vec<ManifoldPoint>,
-    /// Some normal rotates as the surfaces slide, until they touch; only the solver knows when.
-    has_rotating_normal: bool,
+    /// The deepest overlap, metres.
+    depth: f32,
     step: u64,
     margin: f32,
     at: Option<Poses>,
@@ -70,7 +75,7 @@ impl Found {
     ) {
         self.points.clear();
         self.points.extend_from_slice(points);
-        self.has_rotating_normal = points.iter().any(|point| point.normal_rotation > 0.0);
+        self.depth = points.iter().fold(0.0, |depth, point| depth.max(-point.separation));
         (self.step, self.margin) = (step, margin);
         self.at = Some(Poses::of(pair, bodies, numbers));
     }
@@ -84,11 +89,8 @@ impl Found {
         reuse: &Reuse,
         points: &mut Vec<ManifoldPoint>,
     ) -> bool {
-        let Some(at) = self
-            .at
-            .as_ref()
-            .filter(|_| self.step == reuse.step && !self.has_rotating_normal)
-        else {
+        let is_usable = self.step == reuse.step && self.depth >= reuse.depth;
+        let Some(at) = self.at.as_ref().filter(|_| is_usable) else {
             return false;
         };
         let motion = at.relative.motion_to(pair, f64::from(self.margin));
@@ -126,7 +128,6 @@ mod tests {
     use crate::manifolds::MarginPair;
     use crate::manifolds::cpu::{Kept, Wanted, add_points};
     use crate::state::Body;
-    use crate::state::manifolds::nearest;
     use crate::state::mesh_arena::MeshArena;
     use glam::{Quat, Vec3};
 
@@ -158,46 +159,55 @@ mod tests {
     }
 
     #[test]
-    fn points_move_with_their_bodies() {
+    fn points_of_deep_overlaps_move_with_their_bodies() {
         let mut meshes = MeshArena::default();
         for shape in [shapes::knot_1120(), shapes::cube(0.8)] {
             meshes.add(CollisionMesh::new(&shape));
         }
+        let centers = [0, 1].map(|mesh| meshes.get(mesh).unwrap().mesh.mass.center);
         let mut random = fastrand::Rng::with_seed(4);
-        let (mut moved, mut compared, mut worst) = (0, 0, 0.0f32);
-        for round in 0..600 {
-            let mut poses = [0, 1].map(|_| {
-                (
-                    0.9 * vector(&mut random),
-                    Quat::from_scaled_axis(3.0 * vector(&mut random)),
-                )
+        let (mut moved, mut shallow) = (0, 0);
+        for round in 0..300 {
+            let before = [0, 1].map(|_| {
+                let turn = Quat::from_scaled_axis(3.0 * vector(&mut random));
+                (0.5 * vector(&mut random), turn)
             });
-            let step = [1.0e-3, 4.0e-3][round % 2];
             let reuse = Reuse {
                 step: 7,
                 margin: 0.05,
                 travel: 0.02,
+                depth: 0.01,
             };
             let mut kept = Kept::default();
-            let first = points(&meshes, &poses, &mut kept, reuse);
-            for (at, turn) in &mut poses {
-                *at += step * vector(&mut random);
-                *turn = (Quat::from_scaled_axis(step * vector(&mut random)) * *turn).normalize();
+            let first = points(&meshes, &before, &mut kept, reuse);
+            let step = [1.0e-3, 4.0e-3][round % 2];
+            let after = before.map(|(at, turn)| {
+                let turned = Quat::from_scaled_axis(step * vector(&mut random)) * turn;
+                (at + step * vector(&mut random), turned.normalize())
+            });
+            let now = points(&meshes, &after, &mut kept.clone(), reuse);
+            let afresh = points(&meshes, &after, &mut Kept::default(), reuse);
+            if first.iter().all(|point| point.separation > -reuse.depth) {
+                assert_eq!(now, afresh, "round {round}");
+                shallow += 1;
+                continue;
             }
-            let now = points(&meshes, &poses, &mut kept.clone(), reuse);
-            let afresh = points(&meshes, &poses, &mut Kept::default(), reuse);
-            let same_faces = now.len() == first.len() && now.iter().zip(&first).all(|(p, q)| p.faces == q.faces);
-            assert!(same_faces, "round {round}: they are the points of the first pose");
-            moved += usize::from(now != afresh);
-            // The nearest point is found at either pose, unless bodies overlap, where points are those of patches.
-            if let (Some(p), Some(q)) = (nearest(&now), nearest(&afresh))
-                && p.separation > 0.0
-                && q.separation > 0.0
-            {
-                let error = (p.separation - q.separation).abs();
-                worst = worst.max(error / step);
-                assert!(error < 0.05 * step, "round {round}: {error}");
-                compared += 1;
+            assert_eq!(now.len(), first.len(), "round {round}");
+            for (p, q) in first.iter().zip(&now) {
+                if p.curvature_radii
+                    .iter()
+                    .any(|&radius| radius > 0.0 && radius.is_finite())
+                {
+                    continue;
+                }
+                let ways = [0, 1].map(|i| {
+                    let local = centers[i] + before[i].1.inverse() * p.anchors[i];
+                    let place = |(at, turn): (Vec3, Quat)| at + turn * local;
+                    place(after[i]) - place(before[i])
+                });
+                let separation = p.separation + p.normal.dot(ways[1] - ways[0]);
+                assert!((q.separation - separation).abs() < 1.0e-5, "round {round}: {q:?}");
+                moved += 1;
             }
             for other in [
                 Reuse { step: 8, ..reuse },
@@ -207,14 +217,11 @@ mod tests {
                 },
                 Reuse { travel: 0.0, ..reuse },
             ] {
-                assert_eq!(
-                    points(&meshes, &poses, &mut kept.clone(), other),
-                    afresh,
-                    "round {round}: {other:?}"
-                );
+                let found = points(&meshes, &after, &mut kept.clone(), other);
+                assert_eq!(found, afresh, "round {round}: {other:?}");
             }
         }
-        println!("{moved} moved, {compared} compared, worst {worst}");
-        assert!(moved > 100 && compared > 20, "{moved} moved, {compared} compared");
+        println!("{moved} points moved, {shallow} pairs were not deep");
+        assert!(moved > 100 && shallow > 20, "{moved} moved, {shallow} shallow");
     }
 }
