@@ -109,7 +109,7 @@ fn wanted_points(at: &CollisionSubstep, bodies: &Bodies, near: &NearPair, inters
     let most = config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
     let travel_until = |later: f32| travel * (1.0 + later / SAFETY);
     let lasts = intersects && count.is_finite() && count > 1.5 && travel_until(1.0) < most;
-    let reuse = lasts.then(|| Reuse {
+    let reuse = lasts.then_some(Reuse {
         step,
         margin,
         travel: most - travel,

@@ -396,7 +396,7 @@ impl Engine {
         if self.backend == Backend::Cpu {
             return false;
         }
-        let before = std::mem::replace(&mut self.source, Source::Renderer(gpu));
+        let before = std::mem::replace(&mut self.source, Source::Renderer(Box::new(gpu)));
         if matches!(before, Source::Renderer(_)) && matches!(self.active, ActiveBackend::Cpu { .. }) {
             return false;
         }

@@ -14,7 +14,7 @@ pub(crate) enum Source {
     Own,
     /// Bevy's renderer owns this device.
     #[cfg_attr(not(feature = "bevy_render"), expect(dead_code, reason = "there is none"))]
-    Renderer(Gpu),
+    Renderer(Box<Gpu>),
 }
 
 impl Source {
@@ -22,7 +22,7 @@ impl Source {
     /// `contacts`, else when a step needs them. Those of our own device are kept where `kernels` says.
     pub fn open(&self, software: bool, contacts: bool, kernels: &KernelCache) -> Result<GpuStep, NoGpu> {
         let gpu = match self {
-            Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| gpu.clone()),
+            Self::Renderer(gpu) => device::suits(&gpu.info, &gpu.device.limits(), software).map(|()| Gpu::clone(gpu)),
             Self::Own | Self::Unknown => device::open(software, kernels),
         };
         let gpu = gpu?;

@@ -161,16 +161,16 @@ impl Batch {
         let masses = pair.slots.map(|slot| &masses[slot as usize]);
         let inverse_mass = masses[0].inverse_mass + masses[1].inverse_mass;
         put(&mut self.inverse_mass, lane, inverse_mass);
-        for side in 0..2 {
+        for (side, mass) in masses.into_iter().enumerate() {
             self.slots[side][lane] = pair.slots[side];
             // Along an axis that is locked for both, impulses move neither.
-            let share = masses[side].inverse_mass / inverse_mass;
+            let share = mass.inverse_mass / inverse_mass;
             put(
                 &mut self.shares[side],
                 lane,
                 Vec3A::select(inverse_mass.cmpgt(Vec3A::ZERO), share, Vec3A::ZERO),
             );
-            set(&mut self.movable[side], lane, !masses[side].is_immovable());
+            set(&mut self.movable[side], lane, !mass.is_immovable());
         }
         let moves_both = masses.iter().all(|mass| !mass.is_immovable());
         put(&mut self.tangent_velocity, lane, pair.tangent_velocity.into());

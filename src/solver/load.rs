@@ -8,7 +8,6 @@ use super::constraints::IslandsMut;
 use super::pace::Pace;
 use super::prepare::Source;
 use crate::simd::lanes::lane_of;
-use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// A contact at rest may give way by this fraction of D: a little more than the gap that it keeps.
@@ -22,7 +21,7 @@ pub(super) const POINT_BUDGET: f32 = 2000.0;
 pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source, pace: Pace) -> u32 {
     let h = pace.h();
     let stiffness = (TAU * source.settings.frequency / h).powi(2);
-    let gravity = Vec3::from(source.gravity);
+    let gravity = source.gravity;
     let mut compression = 0.0f32;
     let mut pairs = island.pairs.iter();
     for (batch, points) in Batches::new(island.batches, island.lanes) {

@@ -139,7 +139,7 @@ pub(super) fn solve<S: Simd>(
         changed.apply(batch, &point.rows[0], change);
         let velocity_change = change * load(simd, &point.inverse_effective_mass[0]);
         largest_change = velocity_change.abs().max(largest_change);
-        residual.energy = residual.energy + change * velocity_change;
+        residual.energy += change * velocity_change;
         point.change[0] = store(change);
         point.normal_impulse = store(impulse);
         point.touched |= bitmask(impulse.simd_gt(zero));
@@ -149,12 +149,12 @@ pub(super) fn solve<S: Simd>(
         let limit = friction * load(simd, &point.normal_impulse);
         let impulses = friction_impulse(simd, &changed, point, limit);
         let inverse_effective_mass = load(simd, &point.inverse_effective_mass[1]);
-        for i in 0..2 {
-            let change = impulses[i] - load(simd, &point.friction_impulse[i]);
+        for (i, impulse) in impulses.into_iter().enumerate() {
+            let change = impulse - load(simd, &point.friction_impulse[i]);
             changed.apply(batch, &point.rows[i + 1], change);
-            residual.energy = residual.energy + change * change * inverse_effective_mass;
+            residual.energy += change * change * inverse_effective_mass;
             point.change[i + 1] = store(change);
-            point.friction_impulse[i] = store(impulses[i]);
+            point.friction_impulse[i] = store(impulse);
         }
     }
     // A light body passes on only a small part of what a heavy one needs, so it must be more exact.
