@@ -63,7 +63,7 @@ impl Scratch {
     /// Whether what a pair keeps shows that no faces intersect now, and that neither body contains the other. It never shows
     /// that of bodies that touch.
     pub(super) fn is_apart(&self, bodies: &Bodies, meshes: &MeshArena, pair: [u32; 2]) -> bool {
-        let kept = self.kept.get(pair);
+        let kept = self.kept.get(pair).filter(|kept| kept.was_apart);
         kept.is_some_and(|kept| pair_of_bodies(bodies, meshes, pair).is_some_and(|pair| kept.is_apart(&pair)))
     }
 

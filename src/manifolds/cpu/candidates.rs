@@ -87,7 +87,7 @@ fn shrink<T>(list: &mut Vec<T>, used: usize) {
 struct Listed {
     number: u32,
     /// The smallest of [`FRACTIONS`] within which it may have anything, as an index.
-    first: usize,
+    first: u8,
 }
 
 /// A pair of triangles.
@@ -152,11 +152,11 @@ impl Candidates {
                     *index = list.len() as u32;
                     list.push(Listed {
                         number: triangle.number,
-                        first: closest,
+                        first: closest as u8,
                     });
                 }
                 let listed = &mut list[*index as usize].first;
-                *listed = closest.min(*listed);
+                *listed = (closest as u8).min(*listed);
                 *index
             };
             pairs.push(Candidate {
@@ -196,7 +196,7 @@ impl Candidates {
             // Triangles that are not needed keep what is there.
             placed.resize(listed.len().max(placed.len()), Triangle::default());
             for (triangle, listed) in placed.iter_mut().zip(listed) {
-                if listed.first <= fraction {
+                if usize::from(listed.first) <= fraction {
                     *triangle = side.triangle(listed.number);
                 }
             }

@@ -2,7 +2,6 @@
 
 use super::buffers::StepBuffers;
 use super::remap::{BodyRemap, CompoundRemap};
-use crate::gpu::arena::has_large_meshes;
 use crate::gpu::commands::Commands;
 use crate::gpu::known::Known;
 use crate::gpu::program::Population;
@@ -50,7 +49,13 @@ impl SolverInput {
     /// Packs the bodies and half-spaces of `state`. Bodies whose velocity carries over, by `carried`, which has an entry for
     /// each collider and then for each compound, have at most
     /// `speeds`, plus what the host adds. The velocities of [`BodyRemap::slowed`] must be known.
-    pub fn new(state: &StepInput, carried: &[Option<Carried>], speeds: Speeds, remap: BodyRemap) -> Self {
+    pub fn new(
+        state: &StepInput,
+        carried: &[Option<Carried>],
+        speeds: Speeds,
+        remap: BodyRemap,
+        large_meshes: bool,
+    ) -> Self {
         let StepInput {
             config,
             bodies: placed,
@@ -139,7 +144,7 @@ impl SolverInput {
             collision_substeps,
             bodies: upload::bodies(&bodies),
             planes: planes.len() as u32,
-            large_meshes: has_large_meshes(&state.meshes),
+            large_meshes,
             host_states,
             forces: bodies.forces.iter().map(upload::forces).collect(),
             remap,

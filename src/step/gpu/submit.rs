@@ -57,7 +57,8 @@ impl GpuStep {
                 .host_speeds
                 .iter()
                 .fold(self.speeds, |speeds, host| speeds.and(host.speeds));
-            let solver = SolverInput::new(state, carried, known.after(max_change, fall), remap);
+            let large_meshes = input.population().large_meshes;
+            let solver = SolverInput::new(state, carried, known.after(max_change, fall), remap, large_meshes);
             self.host_speeds.push_back(solver.host_speeds);
             input = input.with_solver(solver, has_fast_bodies);
         } else {
