@@ -62,12 +62,8 @@ pub(crate) fn find(
     scratch.step += u64::from(number == 0);
     for pair in near_pairs {
         if bodies.push_each_other(pair.bodies) && is_awake(pair.bodies) {
-            let at = CollisionSubstep {
-                step: scratch.step,
-                number,
-                config,
-            };
-            let wanted = wanted_points(&at, bodies, pair, intersects(pair.bodies));
+            let intersects = intersects(pair.bodies);
+            let wanted = wanted_points(scratch.step, config, bodies, pair, intersects);
             scratch.pairs.push(wanted);
         }
     }
@@ -83,46 +79,27 @@ pub(crate) fn find(
     planes::find(bodies, meshes, planes, config, wanted, &mut scratch.planes, manifolds);
 }
 
-/// A collision substep.
-struct CollisionSubstep<'a> {
-    /// Number of the step.
-    step: u64,
-    /// Its number in the step.
-    number: u32,
-    config: &'a StepConfig,
-}
-
-/// How the points of a near pair are found. A pair that overlaps, and is slow for its group, gets a wider margin, so that its
-/// points last for as many collision substeps as its surfaces need to move by
+/// How the points of a near pair are found in a step with this number. A pair that overlaps, and is slow for its group, keeps
+/// its points until its surfaces have moved by
 /// [`SolverSettings::collision_substep_travel`](crate::types::solver_settings::SolverSettings::collision_substep_travel).
-fn wanted_points(at: &CollisionSubstep, bodies: &Bodies, near: &NearPair, intersects: bool) -> Wanted {
-    let &CollisionSubstep { step, number, config } = at;
+fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair, intersects: bool) -> Wanted {
     let &NearPair {
         bodies: pair, margin, ..
     } = near;
     let [a, b] = pair.map(|i| i as usize);
     let count = config.dt / bodies.travel_time[a].max(bodies.travel_time[b]);
-    let left = count.round() - number as f32;
     let at_rest = SpeculativeMargins::AtRest.of_pair(bodies, config, pair);
     // In each collision substep surfaces move by less than this, and by about the part without the safety factor.
     let travel = margin - at_rest;
     let most = config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
-    let travel_until = |later: f32| travel * (1.0 + later / SAFETY);
-    let lasts = intersects && count.is_finite() && count > 1.5 && travel_until(1.0) < most;
-    let reuse = lasts.then_some(Reuse {
-        step,
-        margin,
-        travel: most - travel,
-        depth: at_rest,
-    });
-    let margin = if reuse.is_some() && left > 1.5 {
-        at_rest + travel_until(left - 1.0).min(most)
-    } else {
-        margin
-    };
+    let lasts = intersects && count.is_finite() && count > 1.5 && travel * (1.0 + 1.0 / SAFETY) < most;
     Wanted {
         pair: MarginPair { bodies: pair, margin },
-        reuse,
+        reuse: lasts.then_some(Reuse {
+            step,
+            travel: most - travel,
+            depth: at_rest,
+        }),
     }
 }
 

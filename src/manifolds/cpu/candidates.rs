@@ -5,6 +5,7 @@
 //! new search: a search with more slack only adds candidates without a result, and all searches list pairs in the same
 //! order.
 
+use super::eight::SmallPair;
 use super::feature::{ARC, BELOW, OUTSIDE, PARALLEL, TrianglePair};
 use super::near::NearTriangles;
 use super::search::{Search, Slack};
@@ -25,18 +26,42 @@ pub const FRACTIONS: [f64; 3] = [1.0 / 16.0, 1.0 / 4.0, 1.0];
 /// The bit of [`Parts`] for the crossing of two triangles.
 pub const CROSSING: Parts = 1 << 15;
 
-/// The [`Parts`] for corners of the first triangle, for corners of the second, and for edges.
-pub const FIRST_VERTICES: Parts = 0b111;
-pub const SECOND_VERTICES: Parts = 0b111 << 3;
-pub const EDGE_PAIRS: Parts = 0b1_1111_1111 << 6;
+/// The [`Parts`] of corners, by sets of three corners of the first triangle and of three of the second.
+#[inline]
+pub fn corner_parts([first, second]: [u32; 2]) -> Parts {
+    (first | second << 3) as Parts
+}
+
+/// The [`Parts`] of edges, by sets of three edges of the first triangle and of three of the second.
+#[inline]
+pub fn edge_parts([first, second]: [u32; 2]) -> Parts {
+    const ROWS: [Parts; 8] = edge_sets(0b111, 3);
+    const COLUMNS: [Parts; 8] = edge_sets(0b1_001_001, 1);
+    ROWS[first as usize] & COLUMNS[second as usize]
+}
+
+/// For each set of three edges of one triangle, their [`Parts`] with all edges of the other. `parts` are those of the first,
+/// `shift` leads to the next.
+const fn edge_sets(parts: Parts, shift: usize) -> [Parts; 8] {
+    let mut sets = [0; 8];
+    let mut set = 0;
+    while set < sets.len() {
+        let mut edge = 0;
+        while edge < 3 {
+            if set >> edge & 1 == 1 {
+                sets[set] |= parts << (6 + shift * edge);
+            }
+            edge += 1;
+        }
+        set += 1;
+    }
+    sets
+}
 
 /// The features of two triangles, from what each owns: see `MeshFeatures::owned`.
-pub fn owned_features([a, b]: [u32; 2]) -> Parts {
-    let edges = (0..3)
-        .filter(|k| a >> (3 + k) & 1 == 1)
-        .map(|k| (b >> 3) << (6 + 3 * k));
-    let vertices = a & 7 | (b & 7) << 3;
-    edges.fold(vertices, |parts, edges| parts | edges) as Parts
+#[inline]
+pub fn owned_features(owned: [u32; 2]) -> Parts {
+    corner_parts(owned.map(|owned| owned & 7)) | edge_parts(owned.map(|owned| owned >> 3))
 }
 
 /// A feature of two triangles.
@@ -121,52 +146,62 @@ impl Candidates {
             may_cross,
         } = self;
         let slack = search.slack;
-        near.for_each_pair(sides, |triangles, may_have, [first, second]| {
-            let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
-                return;
-            };
-            if slack.distance == 0.0 {
-                found(&pair, may_have);
-                return;
-            }
-            let mut parts = [0; FRACTIONS.len()];
-            let (mut possible, mut closest) = (may_have, FRACTIONS.len());
-            for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
-                possible = pair.possible_parts(&search.range, slack * fraction, possible);
-                if possible == 0 {
-                    break;
+        near.for_each_pair(
+            sides,
+            |triangles,
+             SmallPair {
+                 parts: may_have, gap, ..
+             },
+             [first, second]| {
+                let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
+                    return;
+                };
+                if slack.distance == 0.0 {
+                    found(&pair, may_have);
+                    return;
                 }
-                (parts[i], closest) = (possible, i);
-            }
-            if closest == FRACTIONS.len() {
-                return;
-            }
-            for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
-                *may_cross |= parts & CROSSING != 0;
-            }
-            if parts[0] != 0 && pair.is_within(search.reach) {
-                found(&pair, parts[0]);
-            }
-            let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
-                if *index == NOT_LISTED {
-                    *index = list.len() as u32;
-                    list.push(Listed {
-                        number: triangle.number,
-                        first: closest as u8,
-                    });
+                let (mut parts, gap) = ([0; FRACTIONS.len()], f64::from(gap));
+                let (mut features, mut closest) = (may_have & !CROSSING, FRACTIONS.len());
+                let gap = if may_have & CROSSING == 0 { f64::INFINITY } else { gap };
+                for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
+                    let slack = slack * fraction;
+                    features = pair.possible_features(&search.range, slack, features);
+                    let crossing = if gap <= slack.distance { CROSSING } else { 0 };
+                    if features | crossing == 0 {
+                        break;
+                    }
+                    (parts[i], closest) = (features | crossing, i);
                 }
-                let listed = &mut list[*index as usize].first;
-                *listed = (closest as u8).min(*listed);
-                *index
-            };
-            pairs.push(Candidate {
-                triangles: [
-                    listed(first, firsts, triangles[0]),
-                    listed(second, seconds, triangles[1]),
-                ],
-                parts,
-            });
-        });
+                if closest == FRACTIONS.len() {
+                    return;
+                }
+                for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
+                    *may_cross |= parts & CROSSING != 0;
+                }
+                if parts[0] != 0 && pair.is_within(search.reach) {
+                    found(&pair, parts[0]);
+                }
+                let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
+                    if *index == NOT_LISTED {
+                        *index = list.len() as u32;
+                        list.push(Listed {
+                            number: triangle.number,
+                            first: closest as u8,
+                        });
+                    }
+                    let listed = &mut list[*index as usize].first;
+                    *listed = (closest as u8).min(*listed);
+                    *index
+                };
+                pairs.push(Candidate {
+                    triangles: [
+                        listed(first, firsts, triangles[0]),
+                        listed(second, seconds, triangles[1]),
+                    ],
+                    parts,
+                });
+            },
+        );
     }
 
     /// Removes all candidates.
@@ -224,17 +259,15 @@ impl TrianglePair<'_> {
         owned_features([0, 1].map(|i| self.sides[i].features.owned[self.triangles[i].number as usize]))
     }
 
-    /// Those of the parts `may_have` that the triangles may have after a motion within the slack: features with a separation
-    /// in `range`, and the crossing.
-    fn possible_parts(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
+    /// Those of the features `may_have` with a separation in `range` that the triangles may have after a motion within the
+    /// slack.
+    fn possible_features(&self, range: &RangeInclusive<f64>, slack: Slack, may_have: Parts) -> Parts {
         let most = (range.start().abs().max(range.end().abs()) + slack.distance) * (1.0 + 1.0e-9);
-        let possible = bits(u32::from(may_have & !CROSSING)).filter(|&bit| match Part::of(bit) {
+        let possible = bits(u32::from(may_have)).filter(|&bit| match Part::of(bit) {
             Part::Vertex { side, k } => self.may_have_vertex(side, k, range, slack),
             Part::Edges(edges) => self.may_have_edges(edges, most, slack.rotation),
         });
-        let features = possible.fold(0, |parts, bit| parts | 1 << bit);
-        let crosses = may_have & CROSSING != 0 && self.may_cross(slack.distance);
-        features | if crosses { CROSSING } else { 0 }
+        possible.fold(0, |parts, bit| parts | 1 << bit)
     }
 
     /// The conditions of a vertex-face feature, each widened by the slack. The vertex moves relative to the face by at
@@ -308,27 +341,6 @@ impl TrianglePair<'_> {
                 let turned = |from: DVec3, to: DVec3| triangle.winding_sign * from.cross(to).dot([u, v][i]) >= least;
                 turned(triangle.normal, out) && side.across(edge).is_none_or(|other| turned(out, other))
             })
-        })
-    }
-
-    /// Whether the triangles may cross after a motion within `slack`.
-    fn may_cross(&self, slack: f64) -> bool {
-        self.is_within(slack) && self.boxes_are_within(slack) && self.edges_are_within(slack)
-    }
-
-    /// Whether no common perpendicular of two edges separates the triangles by more than `distance`.
-    fn edges_are_within(&self, distance: f64) -> bool {
-        let [a, b] = self.triangles.map(|t| t.corners);
-        // More than the rounding errors of the heights.
-        let distance = distance + 1.0e-12 * (a[0].abs().max_element() + b[0].abs().max_element());
-        (0..9).all(|i| {
-            let (k, l) = (i / 3, i % 3);
-            let axis = (a[(k + 1) % 3] - a[k]).cross(b[(l + 1) % 3] - b[l]);
-            let [of_a, of_b] = [a, b].map(|corners| corners.map(|p| axis.dot(p - a[k])));
-            let least = |of: [f64; 3]| of[0].min(of[1]).min(of[2]);
-            let most = |of: [f64; 3]| of[0].max(of[1]).max(of[2]);
-            let gap = (least(of_b) - most(of_a)).max(least(of_a) - most(of_b));
-            gap <= 0.0 || gap * gap <= distance * distance * axis.length_squared()
         })
     }
 

@@ -1,11 +1,12 @@
-//! Which features pairs of triangles may have, in single precision, eight features at a time. All conditions are widened
-//! by the slack and by bounds of the rounding errors.
+//! Which features pairs of triangles may have, and whether they may cross, in single precision, eight at a time. All
+//! conditions are widened by the slack and by bounds of the rounding errors.
 
 use super::candidates::{CROSSING, Part, Parts};
 use super::feature::BELOW;
 use super::search::Limits;
 use crate::simd::lanes::{
-    Points, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, f32x8, norm1, scale, splat, sub,
+    Points, Select, Simd, SimdBase, SimdFloat, SimdFrom, add, bitmask, bits, cross, dot, each, f32x8, largest, least,
+    norm1, scale, splat, sub,
 };
 use glam::Vec3;
 
@@ -38,11 +39,13 @@ const ERROR: f32 = 1.0e-5;
 /// The squared sine of the angle between two edges below which their nearest points are uncertain.
 const PARALLEL: f32 = 1.0e-3;
 
-/// Pairs of triangles with what they may have, and memory kept between calls.
+/// Removes what pairs of triangles cannot have. Its memory is kept between calls.
 #[derive(Default)]
 pub struct Narrowing {
     vertices: Vec<Task>,
     edges: Vec<Task>,
+    /// The pairs that may cross, as indices.
+    crossings: Vec<u32>,
 }
 
 /// A feature of a pair.
@@ -52,28 +55,55 @@ struct Task {
     bit: u32,
 }
 
-/// Two triangles, as indices into the triangles of the first and of the second body, and what they may have.
-pub type SmallPair = ([u32; 2], Parts);
+/// Two triangles and what they may have.
+#[derive(Clone, Copy)]
+pub struct SmallPair {
+    /// As indices into the triangles of the first and of the second body.
+    pub triangles: [u32; 2],
+    pub parts: Parts,
+    /// Lower bound of their distance, if they may cross.
+    pub gap: f32,
+}
 
 impl Narrowing {
-    /// Removes features that pairs cannot have, and then pairs that have nothing.
+    /// Removes features and crossings that pairs cannot have, and then pairs that have nothing. Features stay if not all
+    /// triangles are `one_sided`.
     #[inline(always)]
     pub fn run<S: Simd>(
         &mut self,
         simd: S,
         triangles: &[Vec<SmallTriangle>; 2],
         pairs: &mut Vec<SmallPair>,
+        one_sided: bool,
         limits: &Limits,
     ) {
-        let Self { vertices, edges } = self;
+        if one_sided {
+            self.narrow_features(simd, triangles, pairs, limits);
+        }
+        self.narrow_crossings(simd, triangles, pairs, limits);
+        pairs.retain(|pair| pair.parts != 0);
+    }
+
+    #[inline(always)]
+    fn narrow_features<S: Simd>(
+        &mut self,
+        simd: S,
+        triangles: &[Vec<SmallTriangle>; 2],
+        pairs: &mut [SmallPair],
+        limits: &Limits,
+    ) {
+        let Self { vertices, edges, .. } = self;
         vertices.clear();
         edges.clear();
-        for (pair, (_, parts)) in (0..).zip(pairs.iter_mut()) {
-            for bit in bits(u32::from(*parts & !CROSSING)) {
+        for (number, pair) in (0..).zip(pairs.iter_mut()) {
+            for bit in bits(u32::from(pair.parts & !CROSSING)) {
                 let tasks = if bit < 6 { &mut *vertices } else { &mut *edges };
-                tasks.push(Task { pair, bit: bit as u32 });
+                tasks.push(Task {
+                    pair: number,
+                    bit: bit as u32,
+                });
             }
-            *parts &= CROSSING;
+            pair.parts &= CROSSING;
         }
         for tasks in vertices.chunks(8) {
             let eight = eight_of(tasks);
@@ -85,14 +115,37 @@ impl Narrowing {
             let ends = eight.map(|task| ends_of_edges(task, triangles, pairs));
             add_parts(pairs, eight, edges_near(simd, &ends, limits));
         }
-        pairs.retain(|(_, parts)| *parts != 0);
+    }
+
+    #[inline(always)]
+    fn narrow_crossings<S: Simd>(
+        &mut self,
+        simd: S,
+        triangles: &[Vec<SmallTriangle>; 2],
+        pairs: &mut [SmallPair],
+        limits: &Limits,
+    ) {
+        self.crossings.clear();
+        let may_cross = (0..).zip(&*pairs).filter(|(_, pair)| pair.parts & CROSSING != 0);
+        self.crossings.extend(may_cross.map(|(number, _)| number));
+        for numbers in self.crossings.chunks(8) {
+            let both = eight_of(numbers).map(|&number| pairs[number as usize].of(triangles));
+            let gaps = gaps(simd, &both, limits.pad);
+            for (&number, gap) in numbers.iter().zip(gaps) {
+                let pair = &mut pairs[number as usize];
+                pair.gap = gap;
+                // Also if it is NaN.
+                let stays = !(gap > limits.crossing);
+                pair.parts &= if stays { Parts::MAX } else { !CROSSING };
+            }
+        }
     }
 }
 
-/// Up to eight tasks. The last fills up the lanes.
+/// Up to eight of them. The last fills up the lanes.
 #[inline(always)]
-fn eight_of(tasks: &[Task]) -> [&Task; 8] {
-    std::array::from_fn(|lane| &tasks[lane.min(tasks.len() - 1)])
+fn eight_of<T>(some: &[T]) -> [&T; 8] {
+    std::array::from_fn(|lane| &some[lane.min(some.len() - 1)])
 }
 
 /// Gives pairs the features of the tasks in these lanes.
@@ -100,14 +153,21 @@ fn eight_of(tasks: &[Task]) -> [&Task; 8] {
 fn add_parts(pairs: &mut [SmallPair], tasks: [&Task; 8], lanes: u32) {
     for lane in bits(lanes) {
         let Task { pair, bit } = tasks[lane];
-        pairs[*pair as usize].1 |= 1 << bit;
+        pairs[*pair as usize].parts |= 1 << bit;
     }
 }
 
 impl Task {
     #[inline(always)]
     fn triangles<'a>(&self, triangles: &'a [Vec<SmallTriangle>; 2], pairs: &[SmallPair]) -> [&'a SmallTriangle; 2] {
-        let [i, j] = pairs[self.pair as usize].0;
+        pairs[self.pair as usize].of(triangles)
+    }
+}
+
+impl SmallPair {
+    #[inline(always)]
+    fn of<'a>(&self, triangles: &'a [Vec<SmallTriangle>; 2]) -> [&'a SmallTriangle; 2] {
+        let [i, j] = self.triangles;
         [&triangles[0][i as usize], &triangles[1][j as usize]]
     }
 }
@@ -212,8 +272,91 @@ fn edges_near<S: Simd>(simd: S, ends: &[[[Vec3; 2]; 2]; 8], limits: &Limits) -> 
     bitmask(!(certain & dot(apart, apart).simd_gt(most * most)))
 }
 
+/// Lower bounds of the distances of pairs of triangles, along the normals of both and the common perpendiculars of their
+/// edges. `pad` bounds the rounding error of heights.
+#[inline(always)]
+fn gaps<S: Simd>(simd: S, pairs: &[[&SmallTriangle; 2]; 8], pad: f32) -> [f32; 8] {
+    let of = |side: usize| {
+        [
+            gather(simd, pairs, |pair| pair[side].corners[0]),
+            gather(simd, pairs, |pair| pair[side].corners[1]),
+            gather(simd, pairs, |pair| pair[side].corners[2]),
+        ]
+    };
+    let (a, b) = (of(0), of(1));
+    let edges = |[p, q, r]: &[Points<S>; 3]| [sub(*q, *p), sub(*r, *q), sub(*p, *r)];
+    let (of_a, of_b) = (edges(&a), edges(&b));
+    let mut gap = gap_along(simd, cross(of_a[0], of_a[1]), &a, &b);
+    gap = gap.max(gap_along(simd, cross(of_b[0], of_b[1]), &a, &b));
+    for u in of_a {
+        for v in of_b {
+            gap = gap.max(gap_along(simd, cross(u, v), &a, &b));
+        }
+    }
+    (gap - splat(simd, pad)).into()
+}
+
+/// The distances between the intervals of two triangles along an axis; 0 if it has no length.
+#[inline(always)]
+fn gap_along<S: Simd>(simd: S, axis: Points<S>, a: &[Points<S>; 3], b: &[Points<S>; 3]) -> f32x8<S> {
+    // From one corner, so that rounding errors are in proportion to the distance of the triangles.
+    let heights = |of: &[Points<S>; 3]| each(|k| dot(axis, sub(of[k], a[0])));
+    let (of_a, of_b) = (heights(a), heights(b));
+    let gap = (least(of_b) - largest(of_a)).max(least(of_a) - largest(of_b));
+    let square = dot(axis, axis);
+    let known = square.simd_gt(splat(simd, f32::MIN_POSITIVE));
+    known.select(gap / square.sqrt(), splat(simd, 0.0))
+}
+
 /// The numbers, limited to 0 to 1.
 #[inline(always)]
 fn unit<S: Simd>(x: f32x8<S>) -> f32x8<S> {
     x.max(splat(x.simd, 0.0)).min(splat(x.simd, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::level::with_simd;
+
+    fn vector(random: &mut fastrand::Rng) -> Vec3 {
+        Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0))
+    }
+
+    /// A point of a triangle.
+    fn point_of(triangle: &SmallTriangle, random: &mut fastrand::Rng) -> Vec3 {
+        let [p, q, r] = triangle.corners;
+        let (s, t) = (random.f32(), random.f32());
+        let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
+        p + s * (q - p) + t * (r - p)
+    }
+
+    #[test]
+    fn no_points_of_two_triangles_are_nearer_than_their_gap() {
+        let mut random = fastrand::Rng::with_seed(11);
+        let (mut apart, mut nearest) = (0, f32::INFINITY);
+        for round in 0..500 {
+            // Ever flatter ones, some without any area.
+            let flat = [1.0, 1.0e-2, 1.0e-5, 0.0][round % 4];
+            let mut triangle = || {
+                let (at, along, across) = (vector(&mut random), vector(&mut random), vector(&mut random));
+                SmallTriangle {
+                    corners: [at, at + along, at + 0.5 * along + flat * across],
+                    ..SmallTriangle::default()
+                }
+            };
+            let triangles: [[SmallTriangle; 2]; 8] = std::array::from_fn(|_| [triangle(), triangle()]);
+            let both = triangles.each_ref().map(|[a, b]| [a, b]);
+            let gaps: [f32; 8] = with_simd!(simd => gaps(simd, &both, 4.0e-6));
+            for (gap, [a, b]) in gaps.into_iter().zip(both) {
+                apart += u32::from(gap > 0.0);
+                for _ in 0..50 {
+                    let distance = point_of(a, &mut random).distance(point_of(b, &mut random));
+                    assert!(gap <= distance, "round {round}: {gap} for a distance of {distance}");
+                    nearest = nearest.min(distance / gap.max(1.0e-3));
+                }
+            }
+        }
+        assert!(apart > 1000 && nearest < 1.5, "{apart} apart, {nearest} times the gap");
+    }
 }

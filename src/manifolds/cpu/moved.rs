@@ -2,8 +2,9 @@
 //!
 //! The points of bodies that overlap deeply are expensive to find, and need not be exact: they only push the bodies apart. So in
 //! a step of several collision substeps such a pair keeps its points for as long as its surfaces move relative to each other
-//! no farther than they may in one collision substep. Other pairs do not: a corner that comes over a face has a point that
-//! it did not have when it was beside it.
+//! no farther than they may in one collision substep. Until then other surfaces of the pair may come near without having
+//! points: by no more than that distance. Other pairs do not keep theirs: a corner that comes over a face has a point that it
+//! did not have when it was beside it.
 
 use super::kept::RelativePose;
 use super::pair::Pair;
@@ -15,8 +16,6 @@ use glam::{DMat3, DVec3};
 pub struct Reuse {
     /// The step in which they must have been found.
     pub step: u64,
-    /// The margin within which points are needed now, metres.
-    pub margin: f32,
     /// Upper bound of the distance that the surfaces may have moved relative to each other since, metres.
     pub travel: f32,
     /// The pair overlaps by at least so much, metres.
@@ -94,10 +93,7 @@ impl Found {
             return false;
         };
         let motion = at.relative.motion_to(pair, f64::from(self.margin));
-        let is_near = |motion: f64| {
-            motion <= f64::from(reuse.travel) && motion + f64::from(reuse.margin) <= f64::from(self.margin)
-        };
-        if !motion.is_some_and(is_near) {
+        if motion.is_none_or(|motion| motion > f64::from(reuse.travel)) {
             return false;
         }
         let now = Poses::of(pair, bodies, numbers);
@@ -174,7 +170,6 @@ mod tests {
             });
             let reuse = Reuse {
                 step: 7,
-                margin: 0.05,
                 travel: 0.02,
                 depth: 0.01,
             };
@@ -209,14 +204,7 @@ mod tests {
                 assert!((q.separation - separation).abs() < 1.0e-5, "round {round}: {q:?}");
                 moved += 1;
             }
-            for other in [
-                Reuse { step: 8, ..reuse },
-                Reuse {
-                    margin: MARGIN,
-                    ..reuse
-                },
-                Reuse { travel: 0.0, ..reuse },
-            ] {
+            for other in [Reuse { step: 8, ..reuse }, Reuse { travel: 0.0, ..reuse }] {
                 let found = points(&meshes, &after, &mut kept.clone(), other);
                 assert_eq!(found, afresh, "round {round}: {other:?}");
             }

@@ -1,6 +1,6 @@
 //! Pairs of triangles that are near each other, by a traversal of both bounding-volume trees.
 
-use super::candidates::{CROSSING, NOT_LISTED, Parts, owned_features};
+use super::candidates::{CROSSING, NOT_LISTED, owned_features};
 use super::eight::{Narrowing, SmallPair, SmallTriangle};
 use super::placed_cluster::{ClusterTransform, PlacedCluster};
 use super::search::{Limits, Search};
@@ -120,7 +120,12 @@ impl NearTriangles {
         pairs.clear();
         seconds_listed.clear();
         seconds_listed.resize(clusters.seconds.len(), [NOT_LISTED; CLUSTER]);
-        let limits = Limits::new(search, size);
+        let mut limits = Limits::new(search, size);
+        // The normals of two-sided triangles may turn round.
+        let one_sided = sides.iter().all(|side| side.features.one_sided.all());
+        if !one_sided {
+            (limits.lowest, limits.highest) = (-limits.reach, limits.reach);
+        }
         let crossing = if search.crossings { CROSSING } else { 0 };
         let transform = ClusterTransform::new(simd, &sides[0]);
         for (cluster, others) in clusters.descent.pairs().skip(range.start).take(range.len()) {
@@ -138,32 +143,37 @@ impl NearTriangles {
                         let parts = near.parts(j) & (owned_features([a.owned[i], b.owned[j]]) | crossing);
                         if parts != 0 {
                             let first = index(&a, i, &mut firsts_listed[i], firsts);
-                            pairs.push(([first, index(b, j, &mut listed[j], seconds)], parts));
+                            pairs.push(SmallPair {
+                                triangles: [first, index(b, j, &mut listed[j], seconds)],
+                                parts,
+                                gap: 0.0,
+                            });
                         }
                     }
                 }
             }
         }
-        // The normals of two-sided triangles may turn round.
-        if sides.iter().all(|side| side.features.one_sided.all()) {
-            narrowing.run(simd, triangles, pairs, &limits);
-        }
+        narrowing.run(simd, triangles, pairs, one_sided, &limits);
     }
 
-    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order, with what the two may have. It also gets,
-    /// for both triangles, an index that it may set; it is [`NOT_LISTED`] at first.
-    pub fn for_each_pair(&mut self, sides: &[Side; 2], mut found: impl FnMut([&Triangle; 2], Parts, [&mut u32; 2])) {
+    /// Calls `found` for each pair that [`NearTriangles::run`] found, in order. It also gets, for both triangles, an index
+    /// that it may set; it is [`NOT_LISTED`] at first.
+    pub fn for_each_pair(
+        &mut self,
+        sides: &[Side; 2],
+        mut found: impl FnMut([&Triangle; 2], SmallPair, [&mut u32; 2]),
+    ) {
         for (placed, triangles) in self.placed.iter_mut().zip(&self.triangles) {
             placed.clear();
             placed.resize(triangles.len(), (None, NOT_LISTED));
         }
         let [firsts, seconds] = &mut self.placed;
-        for &([i, j], parts) in &self.pairs {
-            let (i, j) = (i as usize, j as usize);
+        for &pair in &self.pairs {
+            let [i, j] = pair.triangles.map(|index| index as usize);
             let ((a, listed_a), (b, listed_b)) = (&mut firsts[i], &mut seconds[j]);
             let a = a.get_or_insert_with(|| sides[0].triangle(self.triangles[0][i].number));
             let b = b.get_or_insert_with(|| sides[1].triangle(self.triangles[1][j].number));
-            found([a, b], parts, [listed_a, listed_b]);
+            found([a, b], pair, [listed_a, listed_b]);
         }
     }
 }

@@ -5,7 +5,7 @@
 //! have a feature. A vertex lies over a face only if the two overlap when projected along the face's normal. Edges form
 //! a feature only if their faces point at each other. Pairs that can neither have a feature nor cross are dropped here.
 
-use super::candidates::{CROSSING, EDGE_PAIRS, FIRST_VERTICES, Parts, SECOND_VERTICES};
+use super::candidates::{CROSSING, Parts, corner_parts, edge_parts};
 use super::eight::{ANY_TILT, SmallTriangle};
 use super::search::{Limits, Search, Window};
 use super::side::Side;
@@ -51,24 +51,28 @@ pub struct PlacedCluster {
     winding: f32,
 }
 
-/// Lanes of a cluster whose triangles are near a triangle.
+/// Lanes of a cluster whose triangles are near a triangle, and what they may have with it.
 #[derive(Clone, Copy, Default)]
 pub struct NearLanes {
     /// They may cross it.
     crossing: u32,
-    /// Its vertices may be over them, their vertices over it, or their edges have features.
-    features: [u32; 3],
+    /// For each of its corners, lanes that it may be over; and for each of their corners, lanes in which that may be over it.
+    corners: [[u32; 3]; 2],
+    /// For each of its edges, lanes with which that may have a feature; and lanes whose first, second and third edge may.
+    edges: [[u32; 3]; 2],
 }
 
 impl NearLanes {
     pub fn any(&self) -> u32 {
-        self.crossing | self.features[0] | self.features[1] | self.features[2]
+        let [first, second] = self.corners.map(|[p, q, r]| p | q | r);
+        let [own, other] = self.edges.map(|[p, q, r]| p | q | r);
+        self.crossing | first | second | own & other
     }
 
     pub fn parts(&self, lane: usize) -> Parts {
-        let of = |lanes: u32, parts: Parts| if lanes >> lane & 1 == 1 { parts } else { 0 };
-        let [first, second, edges] = self.features;
-        of(self.crossing, CROSSING) | of(first, FIRST_VERTICES) | of(second, SECOND_VERTICES) | of(edges, EDGE_PAIRS)
+        let set = |lanes: [u32; 3]| (0..3).fold(0, |set, k| set | (lanes[k] >> lane & 1) << k);
+        let crossing = if self.crossing >> lane & 1 == 1 { CROSSING } else { 0 };
+        crossing | corner_parts(self.corners.map(set)) | edge_parts(self.edges.map(set))
     }
 }
 
@@ -193,11 +197,13 @@ impl PlacedCluster {
         ];
         let over_own = Heights {
             heights: heights(&other_corners, corners[0], normal),
+            outward: self.winding,
             length: splat(simd, self.length.0[i]),
             slack: spread * splat(simd, self.slack.0[i]),
         };
         let over_other = Heights {
             heights: heights(&corners, other_corners[0], load_points(simd, &other.normal)),
+            outward: other.winding,
             length: load(simd, &other.length),
             slack: spread * load(simd, &other.slack),
         };
@@ -209,10 +215,11 @@ impl PlacedCluster {
         let close = splat(simd, crossing);
         let apart = over_own.beyond(close) | over_other.beyond(close);
         let meet = other.boxes_are_near(simd, &own, crossing) & !apart;
-        let [first, second, edges] = self.may_have_features(simd, i, other, limits);
+        let [first, second, edges] = self.may_have_features(simd, i, other, limits).map(|lanes| near & lanes);
         NearLanes {
             crossing: near & bitmask(meet),
-            features: [near & first, near & second, near & edges],
+            corners: [over_other.corners(limits, first), over_own.corners(limits, second)],
+            edges: [over_other.edges(far, edges), over_own.edges(far, edges)],
         }
     }
 
@@ -283,6 +290,8 @@ impl PlacedCluster {
 struct Heights<S: Simd> {
     /// Times the length of the plane's normal.
     heights: [f32x8<S>; 3],
+    /// 1 if they are positive outside, else -1.
+    outward: f32,
     length: f32x8<S>,
     /// Error bound, times the length.
     slack: f32x8<S>,
@@ -294,5 +303,28 @@ impl<S: Simd> Heights<S> {
     fn beyond(&self, most: f32x8<S>) -> mask32x8<S> {
         let most = most * self.length + self.slack;
         least(self.heights).simd_gt(most) | largest(self.heights).simd_lt(-most)
+    }
+
+    /// For each corner, those of the lanes in which its height may be the separation of a feature.
+    #[inline(always)]
+    fn corners(&self, limits: &Limits, lanes: u32) -> [u32; 3] {
+        let simd = self.length.simd;
+        let lowest = splat(simd, limits.lowest) * self.length - self.slack;
+        let highest = splat(simd, limits.highest) * self.length + self.slack;
+        let outward = splat(simd, self.outward);
+        each(|k| {
+            let height = outward * self.heights[k];
+            lanes & !bitmask(height.simd_lt(lowest) | height.simd_gt(highest))
+        })
+    }
+
+    /// For each edge, those of the lanes in which it may come as near to the plane as `most`.
+    #[inline(always)]
+    fn edges(&self, most: f32x8<S>, lanes: u32) -> [u32; 3] {
+        let most = most * self.length + self.slack;
+        each(|k| {
+            let (start, end) = (self.heights[k], self.heights[(k + 1) % 3]);
+            lanes & !bitmask(start.min(end).simd_gt(most) | start.max(end).simd_lt(-most))
+        })
     }
 }
