@@ -79,9 +79,12 @@ pub(crate) fn find(
     planes::find(bodies, meshes, planes, config, wanted, &mut scratch.planes, manifolds);
 }
 
-/// How the points of a near pair are found in a step with this number. A pair that overlaps, and is slow for its group, keeps
-/// its points until its surfaces have moved by
+/// How far the surfaces of a pair that overlaps deeply may move with the same points, in units of
 /// [`SolverSettings::collision_substep_travel`](crate::types::solver_settings::SolverSettings::collision_substep_travel).
+const DEEP_TRAVEL: f32 = 2.0;
+
+/// How the points of a near pair are found in a step with this number. A pair that overlaps, and is slow for its group, keeps
+/// its points until its surfaces have moved too far.
 fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPair, intersects: bool) -> Wanted {
     let &NearPair {
         bodies: pair, margin, ..
@@ -91,7 +94,7 @@ fn wanted_points(step: u64, config: &StepConfig, bodies: &Bodies, near: &NearPai
     let at_rest = SpeculativeMargins::AtRest.of_pair(bodies, config, pair);
     // In each collision substep surfaces move by less than this, and by about the part without the safety factor.
     let travel = margin - at_rest;
-    let most = config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
+    let most = DEEP_TRAVEL * config.solver.collision_substep_travel * bodies.thickness[a].min(bodies.thickness[b]);
     let lasts = intersects && count.is_finite() && count > 1.5 && travel * (1.0 + 1.0 / SAFETY) < most;
     Wanted {
         pair: MarginPair { bodies: pair, margin },

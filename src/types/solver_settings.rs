@@ -80,7 +80,8 @@ pub struct SolverSettings {
     /// How far two surfaces may move relative to each other in one collision substep, as a fraction of the thickness of
     /// the thinnest body. Faster bodies cause more collision substeps.
     ///
-    /// Default 0.25: a body that a third one deflects never gets undetected through more than a quarter of another one.
+    /// Default 0.25: a body that a third one deflects never gets undetected through more than a quarter of another one. The
+    /// contact points of two bodies that overlap deeply are found anew after twice this distance, or in the next step.
     pub collision_substep_travel: f32,
     /// Largest number of collision substeps per step. Default 8, at most [`MAX_COLLISION_SUBSTEPS`].
     pub max_collision_substeps: u32,
