@@ -11,7 +11,8 @@
 //!
 //! `--kernels` prints the time of each kernel of 300 tori and of 300 knots, with contacts.
 //!
-//! `--memory` prints the sizes of all buffers for a million tori, from the lists of 2,200 at the same density.
+//! `--memory` prints the size of all buffers for a million tori and of the largest ones, from the lists of 2,200 at the same
+//! density.
 //!
 //! `--quick` omits scenes that take minutes on a software driver. `--counts` counts 2,200 tori without measuring times,
 //! contacts at two speeds, and so with one and with several collision substeps. `--counts --strewn` counts 100,000 tori
@@ -23,7 +24,7 @@ use bevy_faceoff::asset::CollisionMesh;
 use bevy_faceoff::geometry::{TriMesh, shapes};
 use bevy_faceoff::gpu::buffers::{Buffers, Capacity};
 use bevy_faceoff::gpu::device::{self, Gpu};
-use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
+use bevy_faceoff::manifolds::gpu::{BatchSize, ContactBuffers, ContactCapacity, ContactScratch};
 use bevy_faceoff::plugin::settings::LATENCY;
 use bevy_faceoff::solver::gpu::SolverBuffers;
 use bevy_faceoff::state::Body;
@@ -198,17 +199,21 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
         solves: false,
         has_fast_bodies: false,
     };
+    let at_once = ContactCapacity {
+        batches: 1,
+        margin_pairs: capacity.pairs,
+        slots: 0,
+        near_triangles: many(lists.near_triangles),
+        pieces: many(lists.near_pieces),
+        features: many(lists.features),
+        segments: many(lists.segments),
+        staged_points: many(lists.staged_points),
+        pairs: many(lists.manifolds),
+        points: many(lists.contact_points),
+    };
+    let batches = BatchSize::of(step.gpu()).batches_of(&at_once);
     let for_contacts = none.grown(StepCapacity {
-        contacts: ContactCapacity {
-            near_triangles: many(lists.near_triangles),
-            pieces: many(lists.near_pieces),
-            features: many(lists.features),
-            segments: many(lists.segments),
-            staged_points: many(lists.staged_points),
-            pairs: many(lists.manifolds),
-            points: many(lists.contact_points),
-            ..ContactCapacity::default()
-        },
+        contacts: ContactCapacity { batches, ..at_once },
         bodies: MANY,
         touches: many(lists.touches),
         solves: response == Response::Contacts,
@@ -218,14 +223,15 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
     if response != Response::Impulse {
         let for_contacts = for_contacts.covering(&capacity);
         sizes.extend(ContactBuffers::sizes(&for_contacts.contacts));
+        sizes.extend(ContactScratch::sizes(&for_contacts.contacts));
         sizes.extend(SolverBuffers::sizes(&for_contacts.solver()));
         sizes.extend(StepBuffers::sizes(&for_contacts));
     }
     sizes.sort_by_key(|&(_, size)| std::cmp::Reverse(size));
     let total: u64 = sizes.iter().map(|&(_, size)| size).sum();
     let megabytes = |bytes: u64| bytes as f64 / 1.0e6;
-    println!("{response:?}: {:.0} MB in all", megabytes(total));
-    for (what, size) in sizes.iter().take(8) {
+    println!("{response:?}, {batches} batches: {:.0} MB in all", megabytes(total));
+    for (what, size) in sizes.iter().take(24) {
         println!("    {what}: {:.0} MB", megabytes(*size));
     }
     Ok(())

@@ -1,18 +1,22 @@
-// Contact generation, first: workgroup counts of its kernels.
+// Contact generation, first for each batch of pairs: workgroup counts of its kernels.
+#import faceoff::batches::{contact_counters, end_batch, pairs_in}
 #import faceoff::constants::shared::SCAN_BLOCK
 #import faceoff::dispatch::{divide_up, rows}
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(1) var<storage, read_write> contact_counters: array<u32>;
 @group(0) @binding(2) var<storage, read_write> contact_arguments: array<u32>;
 @group(0) @binding(3) var<storage, read_write> near_arguments: array<u32>;
+// x: number of the batch. y: number of batches.
+@group(0) @binding(4) var<uniform> constants: vec4<u32>;
 
 @compute @workgroup_size(1)
 fn main() {
-    let pairs = contact_counters[t::MARGIN_PAIRS];
-    // One slot per pair, and one per body and half-space.
-    let slots = pairs + limits.bodies * limits.planes;
+    end_batch();
+    let pairs = pairs_in(constants.xy);
+    contact_counters[t::BATCH_PAIRS] = pairs;
+    // One slot per pair of all batches, and one per body and half-space.
+    let slots = contact_counters[t::MARGIN_PAIRS] + limits.bodies * limits.planes;
     contact_counters[t::CONTACT_SLOTS] = slots;
     set_rows(t::GROUPS_PER_MARGIN_PAIR, pairs);
     set_rows(t::GROUPS_PER_64_MARGIN_PAIRS, divide_up(pairs, 64u));

@@ -1,9 +1,9 @@
 // Contact generation, last: writes the lists of pairs and points without gaps. One thread per slot.
+#import faceoff::batches::{contact_counters, end_batch}
 #import faceoff::dispatch::group_index
 #import faceoff::types as t
 
 @group(0) @binding(0) var<uniform> limits: t::ContactLimits;
-@group(0) @binding(1) var<storage, read_write> contact_counters: array<u32>;
 @group(0) @binding(2) var<storage, read> slots: array<t::ContactPair>;
 @group(0) @binding(3) var<storage, read> pair_places: array<u32>;
 @group(0) @binding(4) var<storage, read> point_places: array<u32>;
@@ -18,6 +18,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     if i == 0u {
+        end_batch();
         contact_counters[t::CONTACTS_SKIPPED] = u32(is_worthless());
     }
     let slot = slots[i];
@@ -34,10 +35,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // Whether a list overflowed or a loop was aborted.
 fn is_worthless() -> bool {
-    return contact_counters[t::NEAR_TRIANGLES] > limits.near_triangles
-        || contact_counters[t::NEAR_PIECES] + contact_counters[t::DEEP_PIECES] > limits.pieces
-        || contact_counters[t::FEATURES] > limits.features
-        || contact_counters[t::SEGMENTS] > limits.segments
+    return contact_counters[t::MOST_NEAR_TRIANGLES] > limits.near_triangles
+        || contact_counters[t::MOST_PIECES] > limits.pieces
+        || contact_counters[t::MOST_FEATURES] > limits.features
+        || contact_counters[t::MOST_SEGMENTS] > limits.segments
         || contact_counters[t::STAGED_POINTS] > limits.staged_points
         || contact_counters[t::CONTACT_PAIRS] > limits.pairs
         || contact_counters[t::CONTACT_POINTS] > limits.points

@@ -72,7 +72,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 #else
     let index = group_index(group);
-    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::BATCH_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];

@@ -54,7 +54,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let setup = pair_setups[near_pieces[number].pair];
 #else
     let number = group_index(group);
-    if number >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
+    if number >= agree(thread, atomicLoad(&contact_counters[t::BATCH_PAIRS])) {
         return;
     }
     let setup = pair_setups[number];

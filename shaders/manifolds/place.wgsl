@@ -1,5 +1,6 @@
-// Contact generation: the relative pose of each pair. One thread per pair.
+// Contact generation: the relative pose of each pair of a batch. One thread per pair.
 #import faceoff::arena::meshes
+#import faceoff::batches::pair_of
 #import faceoff::constants::manifolds::{NUDGE, SAME_PLACE}
 #import faceoff::constants::shared::DEFAULT_DIRECTION
 #import faceoff::dispatch::group_index
@@ -11,6 +12,8 @@
 @group(0) @binding(4) var<storage, read> bodies: array<t::Body>;
 @group(0) @binding(5) var<storage, read> margin_pairs: array<t::MarginPair>;
 @group(0) @binding(6) var<storage, read_write> pair_setups: array<t::PairSetup>;
+// x: number of the batch. y: number of batches.
+@group(0) @binding(7) var<uniform> constants: vec4<u32>;
 
 // Error bound of a height over a plane, in units of the sum of the bounding radii: about 12 roundings of 2^-23.
 const ROUNDING_SINGLE: f32 = 1.5e-6;
@@ -25,10 +28,10 @@ const INFINITE: u32 = 0x7f800000u;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
-    if i >= contact_counters[t::MARGIN_PAIRS] {
+    if i >= contact_counters[t::BATCH_PAIRS] {
         return;
     }
-    pair_setups[i] = pair_setup(margin_pairs[i]);
+    pair_setups[i] = pair_setup(margin_pairs[pair_of(i, constants.xy)]);
 }
 
 fn pair_setup(pair: t::MarginPair) -> t::PairSetup {

@@ -2,6 +2,7 @@
 // from those selected, in position and normal. One workgroup per pair. The twin of `src/manifolds/cpu/reduce.rs`.
 #import faceoff::agree::agree
 #import faceoff::arena::{meshes, words}
+#import faceoff::batches::pair_of
 #import faceoff::constants::reduce::{MIN_WEIGHT, MAX_POINTS, DUPLICATE, DEPTH_SCALE, NORMAL_WEIGHT}
 #import faceoff::contact_slots::slot_of_pair
 #import faceoff::dispatch::group_index
@@ -16,6 +17,8 @@
 @group(0) @binding(5) var<storage, read_write> features: array<t::Feature>;
 @group(0) @binding(6) var<storage, read_write> staged: array<t::ContactPoint>;
 @group(0) @binding(7) var<storage, read_write> slots: array<t::ContactPair>;
+// x: number of the batch. y: number of batches.
+@group(0) @binding(8) var<uniform> constants: vec4<u32>;
 
 var<workgroup> best: array<f32, 64>;
 var<workgroup> best_at: array<u32, 64>;
@@ -25,7 +28,7 @@ var<workgroup> base: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::BATCH_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];
@@ -36,8 +39,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if thread == 0u {
         base = atomicAdd(&contact_counters[t::STAGED_POINTS], count);
         let fits = base <= limits.staged_points && count <= limits.staged_points - base;
-        slots[slot_of_pair(index, setup.a, limits.bodies, limits.planes)] =
-            t::ContactPair(setup.a, setup.b, base, select(0u, count, fits));
+        let slot = slot_of_pair(pair_of(index, constants.xy), setup.a, limits.bodies, limits.planes);
+        slots[slot] = t::ContactPair(setup.a, setup.b, base, select(0u, count, fits));
         base = select(t::NOTHING, base, fits);
     }
     workgroupBarrier();

@@ -21,7 +21,7 @@ var<workgroup> base: u32;
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let index = group_index(group);
-    if index >= agree(thread, atomicLoad(&contact_counters[t::MARGIN_PAIRS])) {
+    if index >= agree(thread, atomicLoad(&contact_counters[t::BATCH_PAIRS])) {
         return;
     }
     let setup = pair_setups[index];

@@ -225,12 +225,17 @@ buffers! {
 
 /// The size of a buffer, at least that of one element of any kind.
 pub(crate) fn check(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<u64, TooLarge> {
-    let limits = gpu.device.limits();
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let limit = longest_list(gpu);
     if bytes > limit {
         return Err(TooLarge { what, bytes, limit });
     }
     Ok(bytes.max(256))
+}
+
+/// The size of the longest list that the device holds, bytes.
+pub(crate) fn longest_list(gpu: &Gpu) -> u64 {
+    let limits = gpu.device.limits();
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
 }
 
 /// Creates a buffer of `size` bytes.

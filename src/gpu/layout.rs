@@ -366,22 +366,35 @@ constants! {
     // counter, its contents are invalid.
     u32 MARGIN_PAIRS = 0;
     u32 CONTACT_SLOTS = 1;
-    u32 NEAR_TRIANGLES = 2;
-    u32 FEATURES = 3;
-    u32 SEGMENTS = 4;
-    u32 STAGED_POINTS = 5;
-    u32 CONTACT_PAIRS = 6;
-    u32 CONTACT_POINTS = 7;
+    u32 STAGED_POINTS = 2;
+    u32 CONTACT_PAIRS = 3;
+    u32 CONTACT_POINTS = 4;
     /// Not 0: the device aborted a loop.
-    u32 CONTACTS_CUT_SHORT = 8;
+    u32 CONTACTS_CUT_SHORT = 5;
     /// Not 0: a list was too short or a loop was aborted, and the results are invalid.
-    u32 CONTACTS_SKIPPED = 9;
+    u32 CONTACTS_SKIPPED = 6;
+    // Of the batch of pairs at hand; zeroed before the next.
+    u32 BATCH_PAIRS = 7;
+    u32 NEAR_TRIANGLES = 8;
+    u32 FEATURES = 9;
+    u32 SEGMENTS = 10;
     /// Pieces of pairs of large meshes, in the search for all features, and in that for features that overlap.
-    u32 NEAR_PIECES = 10;
-    u32 DEEP_PIECES = 11;
-    u32 CONTACT_COUNTERS = 16;
+    u32 NEAR_PIECES = 11;
+    u32 DEEP_PIECES = 12;
+    // Of the batch that had most.
+    u32 MOST_NEAR_TRIANGLES = 13;
+    u32 MOST_FEATURES = 14;
+    u32 MOST_SEGMENTS = 15;
+    u32 MOST_PIECES = 16;
+    // Of all batches.
+    u32 ALL_NEAR_TRIANGLES = 17;
+    u32 ALL_FEATURES = 18;
+    u32 ALL_SEGMENTS = 19;
+    u32 ALL_PIECES = 20;
+    u32 CONTACT_COUNTERS = 24;
 
-    // Slots of `contact_arguments`: a workgroup per pair, per 64 pairs, per 64 slots, per block of the scan of slots.
+    // Slots of `contact_arguments`: a workgroup per pair of the batch at hand, per 64 of them, per 64
+    // slots, per block of the scan of slots.
     u32 GROUPS_PER_MARGIN_PAIR = 0;
     u32 GROUPS_PER_64_MARGIN_PAIRS = 1;
     u32 GROUPS_PER_64_SLOTS = 2;
@@ -390,22 +403,22 @@ constants! {
     // Indices into `tally`, which covers all collision substeps of a step. The first entries are the maxima of
     // `contact_counters`, at the same indices.
     /// Number of collision substeps so far.
-    u32 COLLISION_SUBSTEPS = 16;
+    u32 COLLISION_SUBSTEPS = 24;
     /// The number found, even if the list is shorter.
-    u32 TOUCHES = 17;
+    u32 TOUCHES = 25;
     /// Number of touching pairs of meshes in the last collision substep.
-    u32 TOUCHING_NOW = 18;
+    u32 TOUCHING_NOW = 26;
     /// Number of sleeping bodies after the step.
-    u32 ASLEEP = 19;
+    u32 ASLEEP = 27;
     /// Number of sphere pairs in any collision substep.
-    u32 MAX_SPHERE_PAIRS = 20;
+    u32 MAX_SPHERE_PAIRS = 28;
     // Maxima over all bodies that are neither static nor `FAST`, after the step, m/s: of the velocity along each axis, of the negated
     // velocity, and of the surface speed relative to the centre of mass. The values are integers in the order of the
     // floats (`ascending`); 0 stands for none.
-    u32 MAX_VELOCITY = 21;
-    u32 MAX_NEGATED_VELOCITY = 24;
-    u32 MAX_SPIN = 27;
+    u32 MAX_VELOCITY = 29;
+    u32 MAX_NEGATED_VELOCITY = 32;
+    u32 MAX_SPIN = 35;
     /// Not 0: a collider was not inactive in the last collision substep, or a body that can move is awake after it.
-    u32 AWAKE = 28;
-    u32 TALLIES = 32;
+    u32 AWAKE = 36;
+    u32 TALLIES = 40;
 }

@@ -11,7 +11,7 @@ use crate::gpu::layout::{
 use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::manifolds::gpu::record::{record_lists, record_points};
-use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, SHADERS};
+use crate::manifolds::gpu::{BatchSize, ContactBuffers, ContactCapacity, ContactScratch, SHADERS};
 use crate::manifolds::{Manifold, ManifoldPoint, Manifolds, MarginPair};
 use crate::state::StepInput;
 use crate::step::gpu::StepError;
@@ -27,12 +27,14 @@ use wgpu::{Buffer, BufferUsages};
 pub struct GpuManifolds {
     gpu: Gpu,
     capacity: ContactCapacity,
+    batch_size: BatchSize,
     /// Number of times that lists were made longer.
     repeats: usize,
 }
 
 /// Initial capacity. Lists grow as needed.
 const START: ContactCapacity = ContactCapacity {
+    batches: 1,
     margin_pairs: 256,
     slots: 1024,
     near_triangles: 1 << 16,
@@ -66,6 +68,7 @@ impl GpuManifolds {
             Ok(()) => Ok(Self {
                 gpu: gpu.clone(),
                 capacity,
+                batch_size: BatchSize::of(gpu),
                 repeats: 0,
             }),
             Err(reason) => Err(NoGpu::Failed {
@@ -110,14 +113,16 @@ impl GpuManifolds {
         });
         for _ in 0..REPEATS {
             let buffers = self.scoped(|gpu| ContactBuffers::new(gpu, self.capacity))??;
-            let counters = self.attempt(&scene, &buffers, &pairs)?;
+            let scratch = self.scoped(|gpu| ContactScratch::new(gpu, self.capacity))??;
+            let counters = self.attempt(&scene, &buffers, &scratch, &pairs)?;
             if counters[CONTACTS_CUT_SHORT as usize] != 0 {
                 return Err(StepError::CutShort);
             }
             if counters[CONTACTS_SKIPPED as usize] == 0 {
                 return self.read(&buffers, &counters);
             }
-            self.capacity = self.capacity.grown(ContactCapacity::needed(&counters));
+            let needed = self.batch_size.needed(&counters, self.capacity.batches);
+            self.capacity = self.capacity.grown(needed);
             self.repeats += 1;
         }
         Err(StepError::Device(DeviceError::failed(
@@ -178,6 +183,7 @@ impl GpuManifolds {
         &self,
         scene: &Scene,
         buffers: &ContactBuffers,
+        scratch: &ContactScratch,
         pairs: &[layout::MarginPair],
     ) -> Result<Vec<u32>, StepError> {
         self.scoped(|gpu| {
@@ -190,7 +196,7 @@ impl GpuManifolds {
             gpu.queue
                 .write_buffer(&buffers.contact_counters, 0, cast_slice(&counters));
             gpu.queue.write_buffer(&buffers.margin_pairs, 0, cast_slice(pairs));
-            let program = self.program(scene, buffers);
+            let program = self.program(scene, buffers, scratch);
             let mut commands = Commands::new(gpu, "test");
             program.record(Stage::Manifolds, &mut commands, scene.population, None);
             commands.submit();
@@ -198,7 +204,7 @@ impl GpuManifolds {
         self.words(&buffers.contact_counters, CONTACT_COUNTERS as usize)
     }
 
-    fn program(&self, scene: &Scene, buffers: &ContactBuffers) -> Program {
+    fn program(&self, scene: &Scene, buffers: &ContactBuffers, scratch: &ContactScratch) -> Program {
         let mut calls = Calls::new(Stage::Manifolds);
         record_points(&mut calls, &buffers.capacity);
         record_lists(&mut calls, &buffers.capacity);
@@ -209,7 +215,7 @@ impl GpuManifolds {
             ("meshes", &scene.meshes),
             ("words", &scene.words),
         ];
-        Program::new(&self.gpu, &calls, &[&scene, buffers])
+        Program::new(&self.gpu, &calls, &[&scene, buffers, scratch])
     }
 
     fn words(&self, buffer: &Buffer, words: usize) -> Result<Vec<u32>, StepError> {

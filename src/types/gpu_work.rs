@@ -25,6 +25,10 @@ pub struct GpuWork {
     pub read_back_bytes: u64,
     /// Size of all buffers after the step, bytes.
     pub memory_bytes: u64,
+    /// Number of batches in which contact points were made of the pairs: more than one if there are hundreds of thousands of
+    /// pairs near each other. Their lists share memory. None with
+    /// [`Response::Impulse`](crate::types::settings::Response::Impulse).
+    pub batches: u32,
     /// The lists whose length is known on the GPU only.
     pub lists: GpuLists,
 }
@@ -59,13 +63,13 @@ pub struct GpuLists {
     pub plane_contacts: GpuList,
     /// Pieces of large pairs, such as two meshes of more than 2,048 triangles. Each has a workgroup of its own.
     pub pair_pieces: GpuList,
-    /// Pairs of triangles near each other.
+    /// Pairs of triangles near each other, of a batch.
     pub near_triangles: GpuList,
-    /// The same in the search for pairs of triangles near each other.
+    /// The same in the search for pairs of triangles near each other, of a batch.
     pub near_pieces: GpuList,
-    /// Features from which contact points are made.
+    /// Features from which contact points are made, of a batch.
     pub features: GpuList,
-    /// Segments in which faces intersect.
+    /// Segments in which faces intersect, of a batch.
     pub segments: GpuList,
     /// Contact points before they are put in order.
     pub staged_points: GpuList,
@@ -81,7 +85,7 @@ pub struct GpuLists {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(bevy::reflect::Reflect))]
 pub struct GpuList {
-    /// Number of elements; with several collision substeps, of the one that had most.
+    /// Number of elements; with several collision substeps or batches, of the one that had most.
     pub length: u32,
     /// Number of elements for which there is room.
     pub capacity: u32,

@@ -7,7 +7,7 @@ use bevy_faceoff::gpu::layout::{self, Struct};
 use bevy_faceoff::gpu::program::{CONSTANTS, Call, Calls, Groups};
 use bevy_faceoff::gpu::scan;
 use bevy_faceoff::gpu::shader::{self, Shaders, Value};
-use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity};
+use bevy_faceoff::manifolds::gpu::{ContactBuffers, ContactCapacity, ContactScratch};
 use bevy_faceoff::solver::gpu::{self as solver, SolverBuffers};
 use bevy_faceoff::step::gpu::buffers::{StepBuffers, StepCapacity};
 use bevy_faceoff::step::gpu::record::{ALL_SHADERS, Recorder, all_kernels, all_modules};
@@ -202,9 +202,10 @@ fn elements_of_buffers_have_no_gaps_between_them() {
 type Elements = &'static [(&'static str, &'static str)];
 
 const IMPULSE_SETS: [Elements; 1] = [Buffers::ELEMENTS];
-const CONTACT_SETS: [Elements; 4] = [
+const CONTACT_SETS: [Elements; 5] = [
     Buffers::ELEMENTS,
     ContactBuffers::ELEMENTS,
+    ContactScratch::ELEMENTS,
     SolverBuffers::ELEMENTS,
     StepBuffers::ELEMENTS,
 ];

@@ -17,6 +17,7 @@ pub struct WorkRecord {
     pub uploaded_bytes: u64,
     pub read_back_bytes: u64,
     pub memory_bytes: u64,
+    batches: u32,
     lists: BTreeMap<&'static str, List>,
 }
 
@@ -49,6 +50,7 @@ impl From<&GpuWork> for WorkRecord {
             uploaded_bytes: work.uploaded_bytes,
             read_back_bytes: work.read_back_bytes,
             memory_bytes: work.memory_bytes,
+            batches: work.batches,
             lists: lists.collect(),
         }
     }

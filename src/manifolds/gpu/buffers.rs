@@ -2,26 +2,27 @@
 
 use crate::gpu::buffers::{buffers, grow};
 use crate::gpu::layout::{
-    CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, ContactLimits, ContactPair, ContactPoint,
-    DEEP_PIECES, FEATURES, Feature, MarginPair, NEAR_PIECES, NEAR_TRIANGLES, NearPiece, PairSetup, Patch, SEGMENTS,
-    STAGED_POINTS, Segment,
+    CONTACT_COUNTERS, ContactLimits, ContactPair, ContactPoint, Feature, MarginPair, NearPiece, PairSetup, Patch,
+    Segment,
 };
 use crate::gpu::scan;
 
 /// Capacity of the lists.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactCapacity {
+    /// The number of batches in which the pairs share the lists of [`ContactScratch`]; at least 1.
+    pub batches: u32,
     /// Pairs of bodies whose contact points are requested.
     pub margin_pairs: u32,
     /// The same, plus bodies times half-spaces.
     pub slots: u32,
-    /// Pairs of triangles that are near each other.
+    /// Pairs of triangles that are near each other, of a batch.
     pub near_triangles: u32,
-    /// Pieces of pairs of large meshes.
+    /// Pieces of pairs of large meshes, of a batch.
     pub pieces: u32,
-    /// Features before the reduction.
+    /// Features before the reduction, of a batch.
     pub features: u32,
-    /// Segments in which triangles cross.
+    /// Segments in which triangles cross, of a batch.
     pub segments: u32,
     /// Points in any order.
     pub staged_points: u32,
@@ -31,25 +32,81 @@ pub struct ContactCapacity {
     pub points: u32,
 }
 
-impl ContactCapacity {
-    /// At least `needed` of each, with some to spare where this capacity does not suffice.
-    pub fn grown(self, needed: Self) -> Self {
+impl Default for ContactCapacity {
+    /// No elements, in one batch.
+    fn default() -> Self {
         Self {
+            batches: 1,
+            margin_pairs: 0,
+            slots: 0,
+            near_triangles: 0,
+            pieces: 0,
+            features: 0,
+            segments: 0,
+            staged_points: 0,
+            pairs: 0,
+            points: 0,
+        }
+    }
+}
+
+impl ContactCapacity {
+    /// At least `needed` of each, with some to spare where this capacity does not suffice. The lists of batches must have been
+    /// measured with as many batches as this capacity has. If one of them is too short there are more batches, if that
+    /// is needed too, and only then longer lists.
+    pub fn grown(self, needed: Self) -> Self {
+        let batches = if self.holds_batches_of(&needed) {
+            self.batches
+        } else {
+            self.batches.max(needed.batches)
+        };
+        let of_batch = Self {
+            batches: self.batches,
+            ..needed
+        }
+        .in_batches(batches);
+        Self {
+            batches,
             margin_pairs: grow(self.margin_pairs, needed.margin_pairs),
             slots: grow(self.slots, needed.slots),
-            near_triangles: grow(self.near_triangles, needed.near_triangles),
-            pieces: grow(self.pieces, needed.pieces),
-            features: grow(self.features, needed.features),
-            segments: grow(self.segments, needed.segments),
+            near_triangles: grow(self.near_triangles, of_batch.near_triangles),
+            pieces: grow(self.pieces, of_batch.pieces),
+            features: grow(self.features, of_batch.features),
+            segments: grow(self.segments, of_batch.segments),
             staged_points: grow(self.staged_points, needed.staged_points),
             pairs: grow(self.pairs, needed.pairs),
             points: grow(self.points, needed.points),
         }
     }
 
+    fn holds_batches_of(&self, needed: &Self) -> bool {
+        needed.near_triangles <= self.near_triangles
+            && needed.pieces <= self.pieces
+            && needed.features <= self.features
+            && needed.segments <= self.segments
+    }
+
+    /// The same pairs in another number of batches, if each pair needs about as much as any other. With fewer batches it is an
+    /// upper bound.
+    pub fn in_batches(self, batches: u32) -> Self {
+        let share = |length: u32| {
+            let all = u64::from(length) * u64::from(self.batches);
+            all.div_ceil(u64::from(batches)).min(u32::MAX.into()) as u32
+        };
+        Self {
+            batches,
+            near_triangles: share(self.near_triangles),
+            pieces: share(self.pieces),
+            features: share(self.features),
+            segments: share(self.segments),
+            ..self
+        }
+    }
+
     /// The larger of two, list by list.
     pub fn max(self, other: Self) -> Self {
         Self {
+            batches: self.batches.max(other.batches),
             margin_pairs: self.margin_pairs.max(other.margin_pairs),
             slots: self.slots.max(other.slots),
             near_triangles: self.near_triangles.max(other.near_triangles),
@@ -62,20 +119,9 @@ impl ContactCapacity {
         }
     }
 
-    /// The capacity that a run needed, by its counters.
-    pub fn needed(counters: &[u32]) -> Self {
-        let of = |counter: u32| counters[counter as usize];
-        Self {
-            margin_pairs: 0,
-            slots: of(CONTACT_SLOTS),
-            near_triangles: of(NEAR_TRIANGLES),
-            pieces: of(NEAR_PIECES).saturating_add(of(DEEP_PIECES)),
-            features: of(FEATURES),
-            segments: of(SEGMENTS),
-            staged_points: of(STAGED_POINTS),
-            pairs: of(CONTACT_PAIRS),
-            points: of(CONTACT_POINTS),
-        }
+    /// Pairs of a batch.
+    pub fn batch_pairs(&self) -> u32 {
+        self.margin_pairs.div_ceil(self.batches)
     }
 
     /// The limits for the kernels.
@@ -96,7 +142,7 @@ impl ContactCapacity {
 }
 
 buffers! {
-    /// The buffers of contact generation. `shaders/shared/types.wgsl` explains their elements.
+    /// The buffers of contact generation for all pairs. `shaders/shared/types.wgsl` explains their elements.
     ContactBuffers(ContactCapacity), |capacity| {
         /// Lengths of the lists.
         limits: UNIFORM ContactLimits, 1u32, "contact limits";
@@ -108,20 +154,6 @@ buffers! {
         near_arguments: INDIRECT u32, 6u32, "contact arguments for pieces";
         /// Pairs of bodies, ascending.
         margin_pairs: ARRAY MarginPair, capacity.margin_pairs, "pairs with margins";
-        /// Their relative poses.
-        pair_setups: ARRAY PairSetup, capacity.margin_pairs, "setups of pairs";
-        /// Pairs of triangles that are near each other.
-        near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
-        /// Pieces of pairs of large meshes, for both searches.
-        near_pieces: ARRAY NearPiece, capacity.pieces, "pieces of pairs with margins";
-        /// Their features.
-        features: ARRAY Feature, capacity.features, "contact features";
-        /// The segments in which they cross.
-        segments: ARRAY Segment, capacity.segments, "contour segments";
-        /// Links between segments: eight words per segment.
-        contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";
-        /// The patches of a pair start at half the index of its first segment.
-        patches: ARRAY Patch, capacity.segments / 2 + 1, "contour patches";
         /// Points in any order.
         staged: ARRAY ContactPoint, capacity.staged_points, "staged contact points";
         /// The range of points of each pair, and of each body and half-space.
@@ -136,5 +168,25 @@ buffers! {
         contact_pairs: ARRAY ContactPair, capacity.pairs, "contact pairs";
         /// Result: their points.
         contact_points: ARRAY ContactPoint, capacity.points, "contact points";
+    }
+}
+
+buffers! {
+    /// The buffers for one batch of pairs. Nothing of them is needed once its pairs have their points.
+    ContactScratch(ContactCapacity), |capacity| {
+        /// Relative poses of pairs.
+        pair_setups: ARRAY PairSetup, capacity.batch_pairs(), "setups of pairs";
+        /// Pairs of triangles that are near each other.
+        near_triangles: ARRAY [u32; 4], capacity.near_triangles, "near triangles";
+        /// Pieces of pairs of large meshes, for both searches.
+        near_pieces: ARRAY NearPiece, capacity.pieces, "pieces of pairs with margins";
+        /// Their features.
+        features: ARRAY Feature, capacity.features, "contact features";
+        /// The segments in which they cross.
+        segments: ARRAY Segment, capacity.segments, "contour segments";
+        /// Links between segments: eight words per segment.
+        contour_links: ARRAY u32, 8 * u64::from(capacity.segments), "contour links";
+        /// The patches of a pair start at half the index of its first segment.
+        patches: ARRAY Patch, capacity.segments / 2 + 1, "contour patches";
     }
 }

@@ -33,11 +33,13 @@
 //! count as touching. Of several points at the same distance another may be selected than on the CPU. More than 1024
 //! loose contour ends of a pair are not tied, and only 1024 components of a mesh are tested for containment.
 
+pub mod batches;
 pub mod buffers;
 pub mod record;
 mod reduce;
 
-pub use buffers::{ContactBuffers, ContactCapacity};
+pub use batches::BatchSize;
+pub use buffers::{ContactBuffers, ContactCapacity, ContactScratch};
 
 use super::cpu::{contour, feature, pair, placed_cluster, planes, side, smooth};
 use crate::gpu::kernel::{Kernel, kernel};
@@ -114,6 +116,7 @@ pub const SHADERS: Shaders = Shaders {
     modules: &[
         CONSTANTS,
         reduce::CONSTANTS,
+        module!("manifolds/batches"),
         module!("manifolds/contact_slots"),
         module!("manifolds/side"),
         module!("manifolds/feature"),

@@ -41,18 +41,28 @@ pub fn record_select(calls: &mut Calls, capacity: &Capacity) {
 
 /// Adds the calls that find contact points, in any order, for the bodies in `limits`.
 pub fn record_points(calls: &mut Calls, capacity: &ContactCapacity) {
+    for batch in 0..capacity.batches {
+        record_batch(calls, capacity, batch);
+    }
+    calls.call(&PLANES, Groups::PerBodies(1)).for_planes();
+}
+
+/// Adds the calls that find contact points of one batch of pairs.
+fn record_batch(calls: &mut Calls, capacity: &ContactCapacity, batch: u32) {
     let per_pair = per(GROUPS_PER_MARGIN_PAIR);
-    calls.call(&ARGUMENTS, Groups::Exactly(1));
+    let constants = [batch, capacity.batches, 0, 0];
+    calls.call(&ARGUMENTS, Groups::Exactly(1)).constants(constants);
     let counted = per(GROUPS_PER_64_MARGIN_PAIRS);
-    calls.call(&PLACE, Groups::per_64(capacity.margin_pairs, counted));
+    calls
+        .call(&PLACE, Groups::per_64(capacity.batch_pairs(), counted))
+        .constants(constants);
     record_search(calls, 0);
     calls.call(&CONTOUR, per_pair);
     record_search(calls, 1);
     calls.call(&ADMIT, per_pair).bind_words("feature_words", "features");
     calls.call(&RAY, per_pair);
     calls.call(&INSIDE, per_pair);
-    reduce::record(calls);
-    calls.call(&PLANES, Groups::PerBodies(1)).for_planes();
+    reduce::record(calls, constants);
 }
 
 /// Adds the calls that find all features, or in the second search those that overlap.

@@ -19,7 +19,7 @@ pub(super) const CONSTANTS: Module = shared_constants!("faceoff::constants::redu
     f32 MIN_WEIGHT = reduce::MIN_WEIGHT;
 });
 
-/// Adds the call.
-pub(super) fn record(calls: &mut Calls) {
-    calls.call(&REDUCE, per(GROUPS_PER_MARGIN_PAIR));
+/// Adds the call for a batch of pairs: its number, and the number of batches.
+pub(super) fn record(calls: &mut Calls, constants: [u32; 4]) {
+    calls.call(&REDUCE, per(GROUPS_PER_MARGIN_PAIR)).constants(constants);
 }

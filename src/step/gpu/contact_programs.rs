@@ -14,7 +14,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::known::Known;
 use crate::gpu::program::{Calls, Population, Program};
 use crate::gpu::timer::Timer;
-use crate::manifolds::gpu::{ContactBuffers, ContactCapacity};
+use crate::manifolds::gpu::{ContactBuffers, ContactCapacity, ContactScratch};
 use crate::solver::gpu::SolverBuffers;
 use crate::step::order::Place;
 use crate::types::settings::Response;
@@ -23,6 +23,7 @@ use crate::types::stage::Stage;
 /// Initial capacity. Lists grow as needed.
 pub const START: StepCapacity = StepCapacity {
     contacts: ContactCapacity {
+        batches: 1,
         margin_pairs: 0,
         slots: 0,
         near_triangles: 1 << 15,
@@ -47,6 +48,8 @@ const DETECTION: [Stage; 4] = [Stage::BroadPhase, Stage::Angles, Stage::Triangle
 pub struct ContactPrograms {
     /// The buffers of contact generation.
     pub contacts: ContactBuffers,
+    /// Those of one batch of pairs.
+    pub scratch: ContactScratch,
     /// The solver's buffers.
     pub solver: SolverBuffers,
     /// The buffers between them.
@@ -74,6 +77,7 @@ impl ContactPrograms {
         let capacity = capacity.covering(&buffers.capacity);
         let mut made = Self {
             contacts: ContactBuffers::new(gpu, capacity.contacts)?,
+            scratch: ContactScratch::new(gpu, capacity.contacts)?,
             solver: SolverBuffers::new(gpu, capacity.solver())?,
             step: StepBuffers::new(gpu, capacity)?,
             report: Program::default(),
@@ -108,7 +112,11 @@ impl ContactPrograms {
     }
 
     fn bind(&self, gpu: &Gpu, buffers: &Buffers, calls: &Calls) -> Program {
-        Program::new(gpu, calls, &[buffers, &self.contacts, &self.solver, &self.step])
+        Program::new(
+            gpu,
+            calls,
+            &[buffers, &self.contacts, &self.scratch, &self.solver, &self.step],
+        )
     }
 
     /// Capacity of the lists.
@@ -118,7 +126,7 @@ impl ContactPrograms {
 
     /// Total size of the buffers, bytes.
     pub fn bytes(&self) -> u64 {
-        self.contacts.bytes() + self.solver.bytes() + self.step.bytes()
+        self.contacts.bytes() + self.scratch.bytes() + self.solver.bytes() + self.step.bytes()
     }
 
     /// Copies the memory between steps from `old`.

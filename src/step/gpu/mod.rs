@@ -49,6 +49,7 @@ use crate::gpu::layout;
 use crate::gpu::program::{Population, Program};
 use crate::gpu::readback::{DeviceError, read_words, scoped};
 use crate::gpu::timer::Timer;
+use crate::manifolds::gpu::BatchSize;
 use crate::solver::speeds::Speeds;
 use crate::state::Motion;
 use crate::step::StepState;
@@ -100,6 +101,8 @@ pub struct GpuStep {
     timer: Option<Timer>,
     /// The input that is on the device.
     known: Known,
+    /// The memory of a batch of pairs whose contact points are made.
+    batch_size: BatchSize,
     /// The use of lists.
     recent: Recent,
     /// The use of those that are read back.
@@ -172,6 +175,7 @@ impl GpuStep {
         });
         match made.and_then(|made| made) {
             Ok((buffers, program, timer)) => Ok(Self {
+                batch_size: BatchSize::of(&gpu),
                 gpu,
                 arena: Arena::default(),
                 buffers,
@@ -199,6 +203,12 @@ impl GpuStep {
                 reason: error.to_string(),
             }),
         }
+    }
+
+    /// With batches of this size. Results do not depend on it.
+    pub fn with_batch_size(mut self, batch_size: BatchSize) -> Self {
+        self.batch_size = batch_size;
+        self
     }
 
     /// Compiles the kernels for contact points, which takes some seconds, before they are needed.

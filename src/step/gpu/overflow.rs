@@ -18,7 +18,6 @@ use crate::gpu::layout::{
 };
 use crate::gpu::program::Population;
 use crate::gpu::readback::{DeviceError, scoped};
-use crate::manifolds::gpu::ContactCapacity;
 use crate::types::gpu_work::{GpuList, GpuLists, GpuWork};
 use crate::types::settings::Response;
 
@@ -51,7 +50,7 @@ impl GpuStep {
                 && let Some(flight) = self.flights.pop_front()
             {
                 let work = self.work_of(&flight, &raw);
-                self.note_use(&flight.input, &work.lists, &raw.tally);
+                self.note_use(&flight.input, &work, &raw.tally);
                 self.spare.push(flight.staging);
                 let output = raw.sort(&flight.input, &flight.impacts, self.timer.as_ref());
                 let output = Output { work, ..output };
@@ -84,9 +83,11 @@ impl GpuStep {
             ..GpuLists::default()
         };
         let with_points = flight.input.response != Response::Impulse;
+        let mut batches = 0;
         if let Some(contacts) = self.contacts.as_ref().filter(|_| with_points) {
             let StepCapacity { contacts, touches, .. } = contacts.capacity();
-            let needed = ContactCapacity::needed(&raw.tally);
+            let needed = self.batch_size.needed(&raw.tally, contacts.batches);
+            batches = contacts.batches;
             lists.near_triangles = of(needed.near_triangles, contacts.near_triangles);
             lists.near_pieces = of(needed.pieces, contacts.pieces);
             lists.features = of(needed.features, contacts.features);
@@ -98,13 +99,15 @@ impl GpuStep {
         }
         GpuWork {
             memory_bytes: self.bytes() + flight.staging.size(),
+            batches,
             lists,
             ..flight.work
         }
     }
 
     /// Notes how much of each list a step used.
-    fn note_use(&mut self, input: &Input, lists: &GpuLists, tally: &[u32]) {
+    fn note_use(&mut self, input: &Input, work: &GpuWork, tally: &[u32]) {
+        let lists = &work.lists;
         let Population {
             bodies,
             compounds,
@@ -124,7 +127,7 @@ impl GpuStep {
         };
         let with_points = input.response != Response::Impulse;
         let for_contacts = with_points.then(|| StepCapacity {
-            contacts: ContactCapacity::needed(tally),
+            contacts: self.batch_size.needed(tally, work.batches),
             bodies: input.old_bodies().max(bodies + planes),
             touches: lists.touches.length,
             solves: input.response == Response::Contacts,
@@ -144,10 +147,13 @@ impl GpuStep {
             pieces: counters[PIECES as usize],
             ..Capacity::default()
         };
-        let for_contacts = self.contacts.as_ref().map(|contacts| StepCapacity {
-            contacts: ContactCapacity::needed(tally),
-            touches: tally[TOUCHES as usize],
-            ..contacts.capacity()
+        let for_contacts = self.contacts.as_ref().map(|contacts| {
+            let has = contacts.capacity();
+            StepCapacity {
+                contacts: self.batch_size.needed(tally, has.contacts.batches),
+                touches: tally[TOUCHES as usize],
+                ..has
+            }
         });
         let room = Room::in_buffers(&needed, for_contacts);
         let lacks_room = self.flights.front().is_some_and(|flight| flight.room.lacks(room));

@@ -84,15 +84,31 @@ impl Recent {
 
 fn shorter_for_contacts(capacity: StepCapacity, most: StepCapacity) -> StepCapacity {
     let (has, used, least) = (capacity.contacts, most.contacts, CONTACT_START.contacts);
+    // Not as soon as one batch less would do.
+    let fewer_batches = used.batches <= has.batches / 2;
+    let batches = if fewer_batches { used.batches } else { has.batches };
+    let used = ContactCapacity {
+        batches: has.batches,
+        ..used
+    }
+    .in_batches(batches);
+    let of_batch = |has: u32, used: u32, least: u32| {
+        if fewer_batches {
+            grow(0, used).max(least)
+        } else {
+            shorter(has, used, least)
+        }
+    };
     StepCapacity {
         contacts: ContactCapacity {
+            batches,
             // These two follow from the lists of the step.
             margin_pairs: has.margin_pairs,
             slots: has.slots,
-            near_triangles: shorter(has.near_triangles, used.near_triangles, least.near_triangles),
-            pieces: shorter(has.pieces, used.pieces, least.pieces),
-            features: shorter(has.features, used.features, least.features),
-            segments: shorter(has.segments, used.segments, least.segments),
+            near_triangles: of_batch(has.near_triangles, used.near_triangles, least.near_triangles),
+            pieces: of_batch(has.pieces, used.pieces, least.pieces),
+            features: of_batch(has.features, used.features, least.features),
+            segments: of_batch(has.segments, used.segments, least.segments),
             staged_points: shorter(has.staged_points, used.staged_points, least.staged_points),
             pairs: shorter(has.pairs, used.pairs, least.pairs),
             points: shorter(has.points, used.points, least.points),
@@ -138,6 +154,27 @@ mod tests {
         // A step that used more is remembered.
         recent.add(of(9000), None);
         assert_eq!(recent.shrunk(of(10_000), None, of(50)), None);
+    }
+
+    /// The lists of batches become shorter, or the batches fewer.
+    #[test]
+    fn batches_become_fewer_when_half_of_them_would_do() {
+        let of = |batches, near_triangles| StepCapacity {
+            contacts: ContactCapacity {
+                batches,
+                near_triangles,
+                ..CONTACT_START.contacts
+            },
+            ..CONTACT_START
+        };
+        let has = of(6, 1 << 20);
+        assert_eq!(shorter_for_contacts(has, of(4, 1 << 19)), has);
+        assert_eq!(shorter_for_contacts(has, of(4, 1 << 17)), of(6, grow(0, 1 << 17)));
+        assert_eq!(shorter_for_contacts(has, of(3, 1 << 19)), of(3, grow(0, 1 << 20)));
+        assert_eq!(
+            shorter_for_contacts(has, of(1, 0)),
+            of(1, CONTACT_START.contacts.near_triangles)
+        );
     }
 
     /// A small world with contacts, whose lists are as short as they can be, keeps its buffers.

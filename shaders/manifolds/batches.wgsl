@@ -1,0 +1,43 @@
+#define_import_path faceoff::batches
+
+// Contact points are made for a batch of the pairs at a time, in the same lists. Of n batches number k has the pairs k, n + k,
+// 2 n + k and so on: bodies of a crowd often have neighbouring numbers, and so all batches share them.
+//
+// `batch` is the number of the batch and the number of batches.
+
+#import faceoff::dispatch::divide_up
+#import faceoff::types as t
+
+@group(0) @binding(1) var<storage, read_write> contact_counters: array<u32>;
+
+// The number of the i-th pair of a batch in the list of all pairs.
+fn pair_of(i: u32, batch: vec2<u32>) -> u32 {
+    return i * batch.y + batch.x;
+}
+
+// Number of pairs of a batch.
+fn pairs_in(batch: vec2<u32>) -> u32 {
+    let pairs = contact_counters[t::MARGIN_PAIRS];
+    return divide_up(pairs - min(batch.x, pairs), batch.y);
+}
+
+// Adds the lengths of the lists of a batch to those of all, and zeroes them. For one thread.
+fn end_batch() {
+    let pieces = contact_counters[t::NEAR_PIECES] + contact_counters[t::DEEP_PIECES];
+    add(contact_counters[t::NEAR_TRIANGLES], t::MOST_NEAR_TRIANGLES, t::ALL_NEAR_TRIANGLES);
+    add(contact_counters[t::FEATURES], t::MOST_FEATURES, t::ALL_FEATURES);
+    add(contact_counters[t::SEGMENTS], t::MOST_SEGMENTS, t::ALL_SEGMENTS);
+    add(pieces, t::MOST_PIECES, t::ALL_PIECES);
+    contact_counters[t::NEAR_TRIANGLES] = 0u;
+    contact_counters[t::FEATURES] = 0u;
+    contact_counters[t::SEGMENTS] = 0u;
+    contact_counters[t::NEAR_PIECES] = 0u;
+    contact_counters[t::DEEP_PIECES] = 0u;
+}
+
+fn add(length: u32, most: u32, all: u32) {
+    contact_counters[most] = max(contact_counters[most], length);
+    // A sum of more than a word does not become small.
+    let room = 0xffffffffu - contact_counters[all];
+    contact_counters[all] += min(length, room);
+}
