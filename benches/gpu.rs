@@ -176,6 +176,8 @@ fn kernels(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize) -> Resu
 /// Prints the memory of a million bodies, if lists are as long by body as those of 2,200 are now.
 fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), StepError> {
     const MANY: u32 = 1_000_000;
+    /// What cards bind, bytes, at least.
+    const LONGEST: u64 = 1 << 30;
     let count = 2200;
     let mesh = CollisionMesh::new(mesh);
     let mut state = scene(&mesh, count, response, SPEED, 1.0);
@@ -211,7 +213,7 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
         pairs: many(lists.manifolds),
         points: many(lists.contact_points),
     };
-    let batches = BatchSize::of(step.gpu()).batches_of(&at_once);
+    let batches = BatchSize::with_longest(LONGEST).batches_of(&at_once);
     let for_contacts = none.grown(StepCapacity {
         contacts: ContactCapacity { batches, ..at_once },
         bodies: MANY,
@@ -230,7 +232,15 @@ fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), 
     sizes.sort_by_key(|&(_, size)| std::cmp::Reverse(size));
     let total: u64 = sizes.iter().map(|&(_, size)| size).sum();
     let megabytes = |bytes: u64| bytes as f64 / 1.0e6;
-    println!("{response:?}, {batches} batches: {:.0} MB in all", megabytes(total));
+    let in_batches = if response == Response::Impulse {
+        String::new()
+    } else {
+        format!(" in {batches} batches")
+    };
+    println!(
+        "{response:?}{in_batches}: {:.0} MB in all, and of these",
+        megabytes(total)
+    );
     for (what, size) in sizes.iter().take(24) {
         println!("    {what}: {:.0} MB", megabytes(*size));
     }

@@ -37,9 +37,14 @@ const BYTES: u64 = 256 << 20;
 const MAX_BATCHES: u32 = 256;
 
 impl BatchSize {
-    /// For a device. Of one that binds little memory a batch takes half, because some lists have room to spare.
+    /// For a device.
     pub fn of(gpu: &Gpu) -> Self {
-        let longest = longest_list(gpu);
+        Self::with_longest(longest_list(gpu))
+    }
+
+    /// For a device that binds lists of so many bytes. A batch takes no more than half of that, because lists have some room
+    /// to spare.
+    pub fn with_longest(longest: u64) -> Self {
         Self {
             bytes: BYTES.min(longest / 2),
             longest,
@@ -71,8 +76,9 @@ impl BatchSize {
             ..ContactCapacity::default()
         };
         let mut wanted = self.batches_of(&at_once);
-        while wanted < MAX_BATCHES.min(at_once.margin_pairs) && !self.is_bound(&most.in_batches(wanted)) {
-            wanted *= 2;
+        let limit = most_batches(&at_once);
+        while wanted < limit && !self.is_bound(&most.in_batches(wanted)) {
+            wanted = (2 * wanted).min(limit);
         }
         ContactCapacity {
             batches: wanted,
@@ -83,14 +89,118 @@ impl BatchSize {
     /// The number of batches for pairs that would take these lists at once.
     pub fn batches_of(&self, at_once: &ContactCapacity) -> u32 {
         let bytes: u64 = ContactScratch::sizes(at_once).iter().map(|&(_, size)| size).sum();
-        bytes.div_ceil(self.bytes.max(1)).clamp(1, MAX_BATCHES.into()) as u32
+        bytes.div_ceil(self.bytes.max(1)).clamp(1, most_batches(at_once).into()) as u32
     }
 
     /// Whether the device holds lists that have grown to this need.
     fn is_bound(&self, needed: &ContactCapacity) -> bool {
-        let grown = ContactCapacity::default().grown(*needed);
+        let no_room = ContactCapacity {
+            batches: needed.batches,
+            ..ContactCapacity::default()
+        };
+        let grown = no_room.grown(*needed);
         ContactScratch::sizes(&grown)
             .iter()
             .all(|&(_, size)| size <= self.longest)
+    }
+}
+
+/// More batches of these pairs would be of no use.
+fn most_batches(at_once: &ContactCapacity) -> u32 {
+    at_once.margin_pairs.clamp(1, MAX_BATCHES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::buffers::grow;
+    use crate::gpu::layout::CONTACT_COUNTERS;
+
+    const SIZE: BatchSize = BatchSize {
+        bytes: 16 << 20,
+        longest: 64 << 20,
+    };
+
+    /// The counters of a run in batches whose pairs have so many near triangles in all, and in the fullest batch.
+    fn counters(pairs: u32, all: u32, most: u32) -> [u32; CONTACT_COUNTERS as usize] {
+        let mut counters = [0; CONTACT_COUNTERS as usize];
+        counters[MARGIN_PAIRS as usize] = pairs;
+        counters[ALL_NEAR_TRIANGLES as usize] = all;
+        counters[MOST_NEAR_TRIANGLES as usize] = most;
+        counters
+    }
+
+    /// Near triangles that take so many bytes.
+    fn taking(megabytes: u32) -> u32 {
+        megabytes << 16
+    }
+
+    #[test]
+    fn there_are_as_many_batches_as_fit_into_what_all_pairs_take() {
+        let batches = |pairs, megabytes| {
+            let all = taking(megabytes);
+            SIZE.needed(&counters(pairs, all, all), 1).batches
+        };
+        assert_eq!([batches(0, 0), batches(1, 15), batches(100, 15)], [1, 1, 1]);
+        assert_eq!([batches(100, 16), batches(100, 31), batches(100, 47)], [2, 2, 3]);
+        // Poses of pairs take memory too.
+        assert_eq!(batches(200_000, 0), 3);
+        assert_eq!(batches(u32::MAX, 4000), MAX_BATCHES);
+    }
+
+    #[test]
+    fn a_number_of_batches_that_was_right_stays_so() {
+        for all in (10..200).map(taking) {
+            let wanted = SIZE.needed(&counters(1000, all, all), 1).batches;
+            for batches in [wanted, wanted / 2 + 1, 2 * wanted] {
+                let again = SIZE.needed(&counters(1000, all, all / batches + 1), batches);
+                assert_eq!((again.batches, again.near_triangles), (wanted, all / batches + 1));
+            }
+        }
+    }
+
+    /// As long as the device holds it: then the batch might be of several such pairs.
+    #[test]
+    fn a_large_pair_makes_longer_lists_and_not_more_batches() {
+        let of = |most, batches| SIZE.needed(&counters(1000, taking(100), taking(most)), batches).batches;
+        assert_eq!([of(100, 1), of(40, 7), of(50, 7)], [7, 7, 7]);
+        assert_eq!([of(60, 7), of(60, 14), of(60, 28)], [14, 28, 56]);
+        // What did not fit into fewer batches is not tried again.
+        assert_eq!([of(50, 14), of(30, 14), of(20, 14)], [14, 14, 7]);
+        assert_eq!(of(60, MAX_BATCHES), MAX_BATCHES);
+        let two_pairs = SIZE.needed(&counters(2, taking(100), taking(60)), 2);
+        assert_eq!(two_pairs.batches, 2);
+    }
+
+    #[test]
+    fn lists_of_more_batches_are_shorter() {
+        let has = ContactCapacity::default().grown(ContactCapacity {
+            near_triangles: 1000,
+            features: 10,
+            ..ContactCapacity::default()
+        });
+        let needed = ContactCapacity {
+            batches: 4,
+            near_triangles: 10_000,
+            features: 10,
+            pairs: 3,
+            ..ContactCapacity::default()
+        };
+        let grown = has.grown(needed);
+        assert_eq!((grown.batches, grown.near_triangles), (4, grow(0, 2500)));
+        assert_eq!((grown.features, grown.pairs), (has.features, grow(0, 3)));
+        // Whatever its number of batches should be, lists that suffice stay.
+        let enough = ContactCapacity {
+            near_triangles: 1000,
+            ..needed
+        };
+        assert_eq!(has.grown(enough).batches, 1);
+        assert_eq!(grown.grown(grown), grown);
+        // In four batches the same is too long again.
+        let again = grown.grown(ContactCapacity {
+            near_triangles: 4000,
+            ..needed
+        });
+        assert_eq!((again.batches, again.near_triangles), (4, grow(0, 4000)));
     }
 }

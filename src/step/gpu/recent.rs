@@ -159,22 +159,23 @@ mod tests {
     /// The lists of batches become shorter, or the batches fewer.
     #[test]
     fn batches_become_fewer_when_half_of_them_would_do() {
-        let of = |batches, near_triangles| StepCapacity {
+        let of = |batches, near_triangles, other_lists| StepCapacity {
             contacts: ContactCapacity {
                 batches,
                 near_triangles,
-                ..CONTACT_START.contacts
+                ..other_lists
             },
             ..CONTACT_START
         };
-        let has = of(6, 1 << 20);
-        assert_eq!(shorter_for_contacts(has, of(4, 1 << 19)), has);
-        assert_eq!(shorter_for_contacts(has, of(4, 1 << 17)), of(6, grow(0, 1 << 17)));
-        assert_eq!(shorter_for_contacts(has, of(3, 1 << 19)), of(3, grow(0, 1 << 20)));
-        assert_eq!(
-            shorter_for_contacts(has, of(1, 0)),
-            of(1, CONTACT_START.contacts.near_triangles)
-        );
+        let has = |batches, near_triangles| of(batches, near_triangles, CONTACT_START.contacts);
+        let shrunk = |batches, near_triangles| {
+            let used = of(batches, near_triangles, ContactCapacity::default());
+            shorter_for_contacts(has(6, 1 << 20), used)
+        };
+        assert_eq!(shrunk(4, 1 << 19), has(6, 1 << 20));
+        assert_eq!(shrunk(4, 1 << 17), has(6, grow(0, 1 << 17)));
+        assert_eq!(shrunk(3, 1 << 19), has(3, grow(0, 1 << 20)));
+        assert_eq!(shrunk(1, 0), has(1, CONTACT_START.contacts.near_triangles));
     }
 
     /// A small world with contacts, whose lists are as short as they can be, keeps its buffers.

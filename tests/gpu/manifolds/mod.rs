@@ -7,6 +7,7 @@ mod scene;
 
 mod approach;
 mod bad;
+mod batches;
 mod compare;
 mod concave;
 mod convex;
@@ -45,4 +46,6 @@ pub const TESTS: &[Test] = &[
         "same_bits_twice_and_with_little_room",
         same_bits::twice_and_with_little_room,
     ),
+    ("same_bits_in_batches_of_a_heap", batches::of_a_heap),
+    ("same_bits_in_batches_of_large_meshes", batches::of_large_meshes),
 ];

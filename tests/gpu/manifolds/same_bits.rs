@@ -12,7 +12,7 @@ use bevy_faceoff::testing::gpu_manifolds::GpuManifolds;
 use glam::Vec3;
 
 /// Eighty bodies in a heap, and all pairs of them.
-fn heap() -> (StepState, Vec<MarginPair>) {
+pub fn heap() -> (StepState, Vec<MarginPair>) {
     let mut state = StepState::default();
     let slots = [shapes::torus_240(), shapes::cube(0.6), shapes::ball_320()]
         .map(|mesh| state.input.meshes.add(CollisionMesh::new(&mesh)));
@@ -33,7 +33,7 @@ fn heap() -> (StepState, Vec<MarginPair>) {
     (state, pairs.collect())
 }
 
-fn bits(manifolds: &Manifolds) -> String {
+pub fn bits(manifolds: &Manifolds) -> String {
     format!("{manifolds:?}")
 }
 

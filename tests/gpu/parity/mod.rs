@@ -1,6 +1,7 @@
 //! The device's step against the CPU's: the same pairs, faces, contacts and motion, whatever the scene, however often.
 
 mod band;
+mod batches;
 mod churn;
 mod compare;
 mod contacts;
@@ -61,5 +62,12 @@ pub const TESTS: &[Test] = &[
     ),
     ("bytes_and_lists_are_counted", work::bytes_and_lists_are_counted),
     ("repetitions_count", work::repetitions_count),
+    ("a_pile_in_batches", batches::a_pile_in_batches),
+    ("large_meshes_in_batches", batches::large_meshes_in_batches),
+    ("batches_become_fewer", batches::batches_become_fewer),
+    (
+        "little_memory_suffices_for_many_pairs",
+        batches::little_memory_suffices_for_many_pairs,
+    ),
     ("the_cpu_asks_for_nothing", work::the_cpu_asks_for_nothing),
 ];

@@ -162,7 +162,7 @@ pub fn a_crowd_is_refused_and_leaves_no_trace(gpu: &Gpu) {
 }
 
 /// The same adapter's device, opened again, with buffers of so many bytes at most.
-fn with_binding_size(gpu: &Gpu, bytes: u64) -> Gpu {
+pub fn with_binding_size(gpu: &Gpu, bytes: u64) -> Gpu {
     let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     let flags = descriptor.flags;
     let (device, queue) = pollster::block_on(async {
