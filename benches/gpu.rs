@@ -176,7 +176,7 @@ fn kernels(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize) -> Resu
 /// Prints the memory of a million bodies, if lists are as long by body as those of 2,200 are now.
 fn memory(step: &mut GpuStep, mesh: &TriMesh, response: Response) -> Result<(), StepError> {
     const MANY: u32 = 1_000_000;
-    /// What cards bind, bytes, at least.
+    /// The longest list that the card binds, bytes.
     const LONGEST: u64 = 1 << 30;
     let count = 2200;
     let mesh = CollisionMesh::new(mesh);

@@ -24,10 +24,10 @@ fn pairs_in(batch: vec2<u32>) -> u32 {
 // Adds the lengths of the lists of a batch to those of all, and zeroes them. For one thread.
 fn end_batch() {
     let pieces = contact_counters[t::NEAR_PIECES] + contact_counters[t::DEEP_PIECES];
-    add(contact_counters[t::NEAR_TRIANGLES], t::MOST_NEAR_TRIANGLES, t::ALL_NEAR_TRIANGLES);
-    add(contact_counters[t::FEATURES], t::MOST_FEATURES, t::ALL_FEATURES);
-    add(contact_counters[t::SEGMENTS], t::MOST_SEGMENTS, t::ALL_SEGMENTS);
-    add(pieces, t::MOST_PIECES, t::ALL_PIECES);
+    add(contact_counters[t::NEAR_TRIANGLES], t::MAX_NEAR_TRIANGLES, t::TOTAL_NEAR_TRIANGLES);
+    add(contact_counters[t::FEATURES], t::MAX_FEATURES, t::TOTAL_FEATURES);
+    add(contact_counters[t::SEGMENTS], t::MAX_SEGMENTS, t::TOTAL_SEGMENTS);
+    add(pieces, t::MAX_NEAR_PIECES, t::TOTAL_NEAR_PIECES);
     contact_counters[t::NEAR_TRIANGLES] = 0u;
     contact_counters[t::FEATURES] = 0u;
     contact_counters[t::SEGMENTS] = 0u;
@@ -35,9 +35,9 @@ fn end_batch() {
     contact_counters[t::DEEP_PIECES] = 0u;
 }
 
-fn add(length: u32, most: u32, all: u32) {
-    contact_counters[most] = max(contact_counters[most], length);
+fn add(length: u32, largest: u32, total: u32) {
+    contact_counters[largest] = max(contact_counters[largest], length);
     // A sum of more than a word does not become small.
-    let room = 0xffffffffu - contact_counters[all];
-    contact_counters[all] += min(length, room);
+    let room = 0xffffffffu - contact_counters[total];
+    contact_counters[total] += min(length, room);
 }

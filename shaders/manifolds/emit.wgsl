@@ -35,10 +35,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 // Whether a list overflowed or a loop was aborted.
 fn is_worthless() -> bool {
-    return contact_counters[t::MOST_NEAR_TRIANGLES] > limits.near_triangles
-        || contact_counters[t::MOST_PIECES] > limits.pieces
-        || contact_counters[t::MOST_FEATURES] > limits.features
-        || contact_counters[t::MOST_SEGMENTS] > limits.segments
+    return contact_counters[t::MAX_NEAR_TRIANGLES] > limits.near_triangles
+        || contact_counters[t::MAX_NEAR_PIECES] > limits.pieces
+        || contact_counters[t::MAX_FEATURES] > limits.features
+        || contact_counters[t::MAX_SEGMENTS] > limits.segments
         || contact_counters[t::STAGED_POINTS] > limits.staged_points
         || contact_counters[t::CONTACT_PAIRS] > limits.pairs
         || contact_counters[t::CONTACT_POINTS] > limits.points

@@ -381,16 +381,15 @@ constants! {
     /// Pieces of pairs of large meshes, in the search for all features, and in that for features that overlap.
     u32 NEAR_PIECES = 11;
     u32 DEEP_PIECES = 12;
-    // Of the batch that had most.
-    u32 MOST_NEAR_TRIANGLES = 13;
-    u32 MOST_FEATURES = 14;
-    u32 MOST_SEGMENTS = 15;
-    u32 MOST_PIECES = 16;
-    // Of all batches.
-    u32 ALL_NEAR_TRIANGLES = 17;
-    u32 ALL_FEATURES = 18;
-    u32 ALL_SEGMENTS = 19;
-    u32 ALL_PIECES = 20;
+    // The maxima over batches, and the sums.
+    u32 MAX_NEAR_TRIANGLES = 13;
+    u32 MAX_FEATURES = 14;
+    u32 MAX_SEGMENTS = 15;
+    u32 MAX_NEAR_PIECES = 16;
+    u32 TOTAL_NEAR_TRIANGLES = 17;
+    u32 TOTAL_FEATURES = 18;
+    u32 TOTAL_SEGMENTS = 19;
+    u32 TOTAL_NEAR_PIECES = 20;
     u32 CONTACT_COUNTERS = 24;
 
     // Slots of `contact_arguments`: a workgroup per pair of the batch at hand, per 64 of them, per 64

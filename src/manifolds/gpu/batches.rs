@@ -16,8 +16,8 @@ use super::buffers::{ContactCapacity, ContactScratch};
 use crate::gpu::buffers::longest_list;
 use crate::gpu::device::Gpu;
 use crate::gpu::layout::{
-    ALL_FEATURES, ALL_NEAR_TRIANGLES, ALL_PIECES, ALL_SEGMENTS, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS,
-    MARGIN_PAIRS, MOST_FEATURES, MOST_NEAR_TRIANGLES, MOST_PIECES, MOST_SEGMENTS, STAGED_POINTS,
+    CONTACT_PAIRS, CONTACT_POINTS, CONTACT_SLOTS, MARGIN_PAIRS, MAX_FEATURES, MAX_NEAR_PIECES, MAX_NEAR_TRIANGLES,
+    MAX_SEGMENTS, STAGED_POINTS, TOTAL_FEATURES, TOTAL_NEAR_PIECES, TOTAL_NEAR_TRIANGLES, TOTAL_SEGMENTS,
 };
 
 /// How much memory a batch should take.
@@ -55,41 +55,41 @@ impl BatchSize {
     /// had. The lists are those of its own batches.
     pub fn needed(&self, counters: &[u32], batches: u32) -> ContactCapacity {
         let of = |counter: u32| counters[counter as usize];
-        let most = ContactCapacity {
+        let fullest = ContactCapacity {
             batches,
             margin_pairs: 0,
             slots: of(CONTACT_SLOTS),
-            near_triangles: of(MOST_NEAR_TRIANGLES),
-            pieces: of(MOST_PIECES),
-            features: of(MOST_FEATURES),
-            segments: of(MOST_SEGMENTS),
+            near_triangles: of(MAX_NEAR_TRIANGLES),
+            pieces: of(MAX_NEAR_PIECES),
+            features: of(MAX_FEATURES),
+            segments: of(MAX_SEGMENTS),
             staged_points: of(STAGED_POINTS),
             pairs: of(CONTACT_PAIRS),
             points: of(CONTACT_POINTS),
         };
         let at_once = ContactCapacity {
             margin_pairs: of(MARGIN_PAIRS),
-            near_triangles: of(ALL_NEAR_TRIANGLES),
-            pieces: of(ALL_PIECES),
-            features: of(ALL_FEATURES),
-            segments: of(ALL_SEGMENTS),
+            near_triangles: of(TOTAL_NEAR_TRIANGLES),
+            pieces: of(TOTAL_NEAR_PIECES),
+            features: of(TOTAL_FEATURES),
+            segments: of(TOTAL_SEGMENTS),
             ..ContactCapacity::default()
         };
         let mut wanted = self.batches_of(&at_once);
-        let limit = most_batches(&at_once);
-        while wanted < limit && !self.is_bound(&most.in_batches(wanted)) {
+        let limit = max_batches(&at_once);
+        while wanted < limit && !self.is_bound(&fullest.in_batches(wanted)) {
             wanted = (2 * wanted).min(limit);
         }
         ContactCapacity {
             batches: wanted,
-            ..most
+            ..fullest
         }
     }
 
     /// The number of batches for pairs that would take these lists at once.
     pub fn batches_of(&self, at_once: &ContactCapacity) -> u32 {
         let bytes: u64 = ContactScratch::sizes(at_once).iter().map(|&(_, size)| size).sum();
-        bytes.div_ceil(self.bytes.max(1)).clamp(1, most_batches(at_once).into()) as u32
+        bytes.div_ceil(self.bytes.max(1)).clamp(1, max_batches(at_once).into()) as u32
     }
 
     /// Whether the device holds lists that have grown to this need.
@@ -106,7 +106,7 @@ impl BatchSize {
 }
 
 /// More batches of these pairs would be of no use.
-fn most_batches(at_once: &ContactCapacity) -> u32 {
+fn max_batches(at_once: &ContactCapacity) -> u32 {
     at_once.margin_pairs.clamp(1, MAX_BATCHES)
 }
 
@@ -125,8 +125,8 @@ mod tests {
     fn counters(pairs: u32, all: u32, most: u32) -> [u32; CONTACT_COUNTERS as usize] {
         let mut counters = [0; CONTACT_COUNTERS as usize];
         counters[MARGIN_PAIRS as usize] = pairs;
-        counters[ALL_NEAR_TRIANGLES as usize] = all;
-        counters[MOST_NEAR_TRIANGLES as usize] = most;
+        counters[TOTAL_NEAR_TRIANGLES as usize] = all;
+        counters[MAX_NEAR_TRIANGLES as usize] = most;
         counters
     }
 
@@ -188,7 +188,7 @@ mod tests {
         };
         let grown = has.grown(needed);
         assert_eq!((grown.batches, grown.near_triangles), (4, grow(0, 2500)));
-        assert_eq!((grown.features, grown.pairs), (has.features, grow(0, 3)));
+        assert_eq!((grown.features, grown.pairs), (has.in_batches(4).features, grow(0, 3)));
         // Whatever its number of batches should be, lists that suffice stay.
         let enough = ContactCapacity {
             near_triangles: 1000,

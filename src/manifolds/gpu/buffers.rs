@@ -60,22 +60,22 @@ impl ContactCapacity {
         } else {
             self.batches.max(needed.batches)
         };
-        let of_batch = Self {
+        let measured = Self {
             batches: self.batches,
             ..needed
-        }
-        .in_batches(batches);
+        };
+        let [has, needed] = [self, measured].map(|lists| lists.in_batches(batches));
         Self {
             batches,
-            margin_pairs: grow(self.margin_pairs, needed.margin_pairs),
-            slots: grow(self.slots, needed.slots),
-            near_triangles: grow(self.near_triangles, of_batch.near_triangles),
-            pieces: grow(self.pieces, of_batch.pieces),
-            features: grow(self.features, of_batch.features),
-            segments: grow(self.segments, of_batch.segments),
-            staged_points: grow(self.staged_points, needed.staged_points),
-            pairs: grow(self.pairs, needed.pairs),
-            points: grow(self.points, needed.points),
+            margin_pairs: grow(has.margin_pairs, needed.margin_pairs),
+            slots: grow(has.slots, needed.slots),
+            near_triangles: grow(has.near_triangles, needed.near_triangles),
+            pieces: grow(has.pieces, needed.pieces),
+            features: grow(has.features, needed.features),
+            segments: grow(has.segments, needed.segments),
+            staged_points: grow(has.staged_points, needed.staged_points),
+            pairs: grow(has.pairs, needed.pairs),
+            points: grow(has.points, needed.points),
         }
     }
 

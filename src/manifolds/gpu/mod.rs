@@ -3,7 +3,7 @@
 //! | kernel | one workgroup (or thread) per | task |
 //! |---|---|---|
 //! | select | (pair) | the pairs of a step in ascending order |
-//! | arguments | all | workgroup counts |
+//! | arguments | batch of pairs | workgroup counts; the lengths of lists |
 //! | place | (pair of bodies) | relative poses |
 //! | split | pair | the pieces of large pairs, as in TriangleTest |
 //! | near | pair, or piece | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
@@ -18,13 +18,18 @@
 //! | compound anchors | (slot) | anchors on colliders of compounds |
 //! | counts, scans, emit | (slot) | the lists of pairs and points |
 //!
+//! From `arguments` to `reduce` the kernels run for one batch of pairs, and then for the next in the same lists: a pair needs most
+//! of its memory until it has its points, and none of that afterwards. There is one batch unless these lists become very long:
+//! see [`batches`](mod@batches). The others run once, for all pairs.
+//!
 //! The results are two lists without gaps, ascending by the numbers of the bodies, and counters. The counters hold the
 //! lengths of the results and tell whether an intermediate list overflowed. Test `CONTACTS_SKIPPED` first: if it is
 //! set, the host makes the lists as long as the counters say and repeats the run. Half-space `i` is numbered `bodies +
 //! i`.
 //!
 //! The range of a pair in the intermediate lists depends on the order of workgroups. The order within the range is that
-//! of the trees, and the order of the results follows from a scan. So a device always gives the same bits.
+//! of the trees, and the order of the results follows from a scan. So a device always gives the same bits, in any number of
+//! batches.
 //!
 //! What one workgroup does for a pair is at most proportional to the numbers of its features, segments and components, or to
 //! their logarithms times them: features find their patches in a tree, and features of a vertex each other in a hash table.

@@ -8,9 +8,9 @@ use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
-    ALL_NEAR_TRIANGLES, APPROXIMATE, ASLEEP, AWAKE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS,
-    ContactPair, ContactPoint, HITS, Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, PLANE_CONTACTS,
-    PlaneContact, SKIPPED, SPHERE_PAIRS, TALLIES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
+    APPROXIMATE, ASLEEP, AWAKE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint,
+    HITS, Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, PLANE_CONTACTS, PlaneContact, SKIPPED,
+    SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
 use crate::gpu::program::Population;
 use crate::gpu::timer::{self, Timer};
@@ -234,7 +234,7 @@ impl Raw {
                 crowded: 0,
             },
             times: timer.map_or_else(Default::default, |timer| timer.times(&self.stamps)),
-            near_triangles: self.tally[ALL_NEAR_TRIANGLES as usize] as usize,
+            near_triangles: self.tally[TOTAL_NEAR_TRIANGLES as usize] as usize,
             collision_substeps: input.collision_substeps(),
             speeds: speeds(&self.tally),
             // Of several collision substeps the tally knows the last one.
