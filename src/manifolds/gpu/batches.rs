@@ -5,10 +5,12 @@
 //! all pairs would at once, so there is one batch unless the lists become very long.
 //!
 //! The rule: as many batches as [`BatchSize::bytes`] fit into the scratch memory that all pairs would take at once, rounded up.
-//! What they would take does not depend on the number of batches, and lists of some hundred steps must do with half as many
-//! before there are fewer, so the number does not go back and forth. A pair that takes more than a batch should makes the
-//! lists longer, and not the batches more: it may be the only one. But if a list were longer than the device allows, there are
-//! twice as many batches, and again, before that is an error.
+//! There are more when a list of a batch is too short, and fewer when half as many would have done for hundreds of steps. What
+//! all pairs would take does not depend on the number of batches, so the number does not go back and forth.
+//!
+//! A pair that takes more than a batch should makes the lists longer, and not the batches more: in any batch it would be as
+//! large. Only if a list were longer than the device allows, there are twice as many batches, and again, before that is an
+//! error: it may be several pairs.
 //!
 //! Batches are interleaved: see `shaders/manifolds/batches.wgsl`. The results do not depend on their number.
 
@@ -29,11 +31,11 @@ pub struct BatchSize {
     pub longest: u64,
 }
 
-/// Of all lists of a batch, bytes. A batch of convex or small bodies has hundreds of thousands of pairs then, which keep any
-/// card busy.
+/// Of all lists of a batch, bytes. A batch of tori of 240 triangles has some 40,000 pairs then, with a workgroup each: several
+/// times what a card runs at once.
 const BYTES: u64 = 256 << 20;
 
-/// More batches do not help: some pair is too large, and the programs of a step become long.
+/// With more, the program of a step becomes long, and its dispatches short.
 const MAX_BATCHES: u32 = 256;
 
 impl BatchSize {
@@ -159,9 +161,8 @@ mod tests {
         }
     }
 
-    /// As long as the device holds it: then the batch might be of several such pairs.
     #[test]
-    fn a_large_pair_makes_longer_lists_and_not_more_batches() {
+    fn a_large_pair_makes_longer_lists_and_more_batches_only_where_the_device_refuses_them() {
         let of = |most, batches| SIZE.needed(&counters(1000, taking(100), taking(most)), batches).batches;
         assert_eq!([of(100, 1), of(40, 7), of(50, 7)], [7, 7, 7]);
         assert_eq!([of(60, 7), of(60, 14), of(60, 28)], [14, 28, 56]);

@@ -52,12 +52,16 @@ fn require_same_bits(scene: &Scene, steps: usize, small: &mut GpuStep, large: &m
             step.run(state).unwrap();
         }
         let what = format!("{:?}, step {number}", scene.config.response);
-        let [one, other] = states.each_ref();
-        Bits::of(one).require(&Bits::of(other), &what);
-        let [points, others] = states.each_ref().map(|state| format!("{:?}", state.results.manifolds));
-        assert!(points == others, "{what}: contact points differ");
+        require_same([&states[0], &states[1]], &what);
     }
     states.each_ref().map(work)
+}
+
+fn require_same(states: [&StepState; 2], what: &str) {
+    let [one, other] = states.map(Bits::of);
+    one.require(&other, what);
+    let [points, others] = states.map(|state| format!("{:?}", state.results.manifolds));
+    assert!(points == others, "{what}: contact points differ");
 }
 
 pub fn a_pile_in_batches(gpu: &Gpu) {
@@ -110,7 +114,7 @@ pub fn batches_become_fewer(gpu: &Gpu) {
     }
     batches.dedup();
     assert_eq!(batches, [work(&before).batches, 1]);
-    Bits::of(&crowd.on_gpu(&mut step)).require(&Bits::of(&before), "the crowd again");
+    require_same([&crowd.on_gpu(&mut step), &before], "the crowd again");
 }
 
 /// A device that binds little memory makes contact points of many pairs all the same.
@@ -121,7 +125,7 @@ pub fn little_memory_suffices_for_many_pairs(gpu: &Gpu) {
     let found = scene.on_gpu(&mut step);
     let mut ample = GpuStep::new(gpu.clone()).unwrap();
     let at_once = scene.on_gpu(&mut ample);
-    Bits::of(&found).require(&Bits::of(&at_once), "with little memory");
+    require_same([&found, &at_once], "with little memory");
     assert!(16 * u64::from(work(&at_once).lists.near_triangles.length) > limit);
     assert!(work(&found).batches > 1);
 }
