@@ -373,23 +373,25 @@ constants! {
     u32 CONTACTS_CUT_SHORT = 5;
     /// Not 0: a list was too short or a loop was aborted, and the results are invalid.
     u32 CONTACTS_SKIPPED = 6;
+    /// So many counters tell the host what the results are.
+    u32 CONTACT_RESULTS = 8;
     // Of the batch of pairs at hand; zeroed before the next.
-    u32 BATCH_PAIRS = 7;
-    u32 NEAR_TRIANGLES = 8;
-    u32 FEATURES = 9;
-    u32 SEGMENTS = 10;
+    u32 BATCH_PAIRS = 8;
+    u32 NEAR_TRIANGLES = 9;
+    u32 FEATURES = 10;
+    u32 SEGMENTS = 11;
     /// Pieces of pairs of large meshes, in the search for all features, and in that for features that overlap.
-    u32 NEAR_PIECES = 11;
-    u32 DEEP_PIECES = 12;
+    u32 NEAR_PIECES = 12;
+    u32 DEEP_PIECES = 13;
     // The maxima over batches, and the sums.
-    u32 MAX_NEAR_TRIANGLES = 13;
-    u32 MAX_FEATURES = 14;
-    u32 MAX_SEGMENTS = 15;
-    u32 MAX_NEAR_PIECES = 16;
-    u32 TOTAL_NEAR_TRIANGLES = 17;
-    u32 TOTAL_FEATURES = 18;
-    u32 TOTAL_SEGMENTS = 19;
-    u32 TOTAL_NEAR_PIECES = 20;
+    u32 MAX_NEAR_TRIANGLES = 14;
+    u32 MAX_FEATURES = 15;
+    u32 MAX_SEGMENTS = 16;
+    u32 MAX_NEAR_PIECES = 17;
+    u32 TOTAL_NEAR_TRIANGLES = 18;
+    u32 TOTAL_FEATURES = 19;
+    u32 TOTAL_SEGMENTS = 20;
+    u32 TOTAL_NEAR_PIECES = 21;
     u32 CONTACT_COUNTERS = 24;
 
     // Slots of `contact_arguments`: a workgroup per pair of the batch at hand, per 64 of them, per 64

@@ -9,7 +9,7 @@ use super::contact_programs::ContactPrograms;
 use crate::ccd::stage::Ccd;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
-use crate::gpu::layout::{CONTACT_COUNTERS, CONTACT_PAIRS, COUNTERS, ContactPair, ContactPoint, SKIPPED, SPHERE_PAIRS};
+use crate::gpu::layout::{CONTACT_PAIRS, CONTACT_RESULTS, COUNTERS, ContactPair, ContactPoint, SKIPPED, SPHERE_PAIRS};
 use crate::gpu::readback::DeviceError;
 use crate::solver::gpu::layout::MotionState;
 use crate::solver::gpu::upload;
@@ -115,7 +115,7 @@ impl FastBodies<'_> {
         let (step, points) = (&contacts.step, &contacts.contacts);
         let counts = commands.fetch(&[
             rows::<u32>(&buffers.counters, 0..COUNTERS),
-            rows::<u32>(&points.contact_counters, 0..CONTACT_COUNTERS),
+            rows::<u32>(&points.contact_counters, 0..CONTACT_RESULTS),
         ])?;
         let counts: Vec<u32> = pod_collect_to_vec(&counts);
         let (counters, found) = counts.split_at(COUNTERS as usize);

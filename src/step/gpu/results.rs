@@ -8,7 +8,7 @@ use crate::force_scan::touches::Touches;
 use crate::gpu::buffers::Buffers;
 use crate::gpu::commands::Commands;
 use crate::gpu::layout::{
-    APPROXIMATE, ASLEEP, AWAKE, CONTACT_COUNTERS, CONTACT_PAIRS, CONTACT_POINTS, COUNTERS, ContactPair, ContactPoint,
+    APPROXIMATE, ASLEEP, AWAKE, CONTACT_PAIRS, CONTACT_POINTS, CONTACT_RESULTS, COUNTERS, ContactPair, ContactPoint,
     HITS, Hit, MAX_NEGATED_VELOCITY, MAX_SPIN, MAX_VELOCITY, Moved, PLANE_CONTACTS, PlaneContact, SKIPPED,
     SPHERE_PAIRS, TALLIES, TOTAL_NEAR_TRIANGLES, TOUCHES, TOUCHING, TOUCHING_NOW, TRIANGLE_TESTS, Touch, Touching,
 };
@@ -109,7 +109,7 @@ impl Parts {
         let planes = part(lists(room.plane_contacts), size_of::<PlaneContact>());
         let of_points = |count: u32| if has_points { count } else { 0 };
         let tally = part(of_points(TALLIES), 4);
-        let found = part(of_points(CONTACT_COUNTERS), 4);
+        let found = part(of_points(CONTACT_RESULTS), 4);
         let contact_pairs = part(lists(of_points(room.contact_pairs)), size_of::<ContactPair>());
         let contact_points = part(lists(of_points(room.contact_points)), size_of::<ContactPoint>());
         let touches = part(lists(of_points(room.touches)), size_of::<Touch>());
@@ -179,8 +179,8 @@ impl Parts {
         let mut tally: Vec<u32> = list(bytes, &self.tally, TALLIES as usize);
         tally.resize(TALLIES as usize, 0);
         // Of the last collision substep.
-        let mut found: Vec<u32> = list(bytes, &self.found, CONTACT_COUNTERS as usize);
-        found.resize(CONTACT_COUNTERS as usize, 0);
+        let mut found: Vec<u32> = list(bytes, &self.found, CONTACT_RESULTS as usize);
+        found.resize(CONTACT_RESULTS as usize, 0);
         let all = |many: u32| if skipped { 0 } else { many as usize };
         Raw {
             contact_pairs: list(bytes, &self.contact_pairs, all(found[CONTACT_PAIRS as usize])),
