@@ -108,9 +108,9 @@
 //! # Speed
 //!
 //! `benches/peers` runs avian3d, rapier3d and parry3d on the same scenes, and [BENCHMARKS.md] has the figures. Concave meshes
-//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take three to seven times
-//! as long here as with convex parts in rapier3d, and a stack of cubes nine times. Those figures are of
-//! rapier3d 0.36.1, which is newer than the one in bevy_rapier 0.36.
+//! are faster here and sink into each other less. Convex parts are faster there: knots in a bin take two to three and a half
+//! times as long here as with convex parts in rapier3d, and a stack of cubes six times. Those figures are of rapier3d
+//! 0.36.1, which is newer than the one in bevy_rapier 0.36.
 //!
 //! [BENCHMARKS.md]: https://docs.rs/crate/bevy_faceoff/latest/source/BENCHMARKS.md
 //! [avian3d README]: https://docs.rs/crate/avian3d/0.7.0/source/README.md
