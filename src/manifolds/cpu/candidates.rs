@@ -5,7 +5,6 @@
 //! new search: a search with more slack only adds candidates without a result, and all searches list pairs in the same
 //! order.
 
-use super::eight::SmallPair;
 use super::feature::{ARC, BELOW, OUTSIDE, PARALLEL, TrianglePair};
 use super::near::NearTriangles;
 use super::search::{Search, Slack};
@@ -146,62 +145,55 @@ impl Candidates {
             may_cross,
         } = self;
         let slack = search.slack;
-        near.for_each_pair(
-            sides,
-            |triangles,
-             SmallPair {
-                 parts: may_have, gap, ..
-             },
-             [first, second]| {
-                let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
-                    return;
-                };
-                if slack.distance == 0.0 {
-                    found(&pair, may_have);
-                    return;
+        near.for_each_pair(sides, |triangles, near, [first, second]| {
+            let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
+                return;
+            };
+            if slack.distance == 0.0 {
+                found(&pair, near.parts);
+                return;
+            }
+            let mut parts = [0; FRACTIONS.len()];
+            let (mut features, mut closest) = (near.parts & !CROSSING, FRACTIONS.len());
+            for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
+                let slack = slack * fraction;
+                features = pair.possible_features(&search.range, slack, features);
+                let crosses = f64::from(near.gap) <= slack.distance;
+                let possible = features | if crosses { near.parts & CROSSING } else { 0 };
+                if possible == 0 {
+                    break;
                 }
-                let (mut parts, gap) = ([0; FRACTIONS.len()], f64::from(gap));
-                let (mut features, mut closest) = (may_have & !CROSSING, FRACTIONS.len());
-                let gap = if may_have & CROSSING == 0 { f64::INFINITY } else { gap };
-                for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
-                    let slack = slack * fraction;
-                    features = pair.possible_features(&search.range, slack, features);
-                    let crossing = if gap <= slack.distance { CROSSING } else { 0 };
-                    if features | crossing == 0 {
-                        break;
-                    }
-                    (parts[i], closest) = (features | crossing, i);
+                (parts[i], closest) = (possible, i);
+            }
+            if closest == FRACTIONS.len() {
+                return;
+            }
+            for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
+                *may_cross |= parts & CROSSING != 0;
+            }
+            if parts[0] != 0 && pair.is_within(search.reach) {
+                found(&pair, parts[0]);
+            }
+            let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
+                if *index == NOT_LISTED {
+                    *index = list.len() as u32;
+                    list.push(Listed {
+                        number: triangle.number,
+                        first: closest as u8,
+                    });
                 }
-                if closest == FRACTIONS.len() {
-                    return;
-                }
-                for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
-                    *may_cross |= parts & CROSSING != 0;
-                }
-                if parts[0] != 0 && pair.is_within(search.reach) {
-                    found(&pair, parts[0]);
-                }
-                let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
-                    if *index == NOT_LISTED {
-                        *index = list.len() as u32;
-                        list.push(Listed {
-                            number: triangle.number,
-                            first: closest as u8,
-                        });
-                    }
-                    let listed = &mut list[*index as usize].first;
-                    *listed = (closest as u8).min(*listed);
-                    *index
-                };
-                pairs.push(Candidate {
-                    triangles: [
-                        listed(first, firsts, triangles[0]),
-                        listed(second, seconds, triangles[1]),
-                    ],
-                    parts,
-                });
-            },
-        );
+                let listed = &mut list[*index as usize].first;
+                *listed = (closest as u8).min(*listed);
+                *index
+            };
+            pairs.push(Candidate {
+                triangles: [
+                    listed(first, firsts, triangles[0]),
+                    listed(second, seconds, triangles[1]),
+                ],
+                parts,
+            });
+        });
     }
 
     /// Removes all candidates.

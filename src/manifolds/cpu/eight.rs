@@ -133,10 +133,11 @@ impl Narrowing {
             let gaps = gaps(simd, &both, limits.pad);
             for (&number, gap) in numbers.iter().zip(gaps) {
                 let pair = &mut pairs[number as usize];
-                pair.gap = gap;
-                // Also if it is NaN.
-                let stays = !(gap > limits.crossing);
-                pair.parts &= if stays { Parts::MAX } else { !CROSSING };
+                // Coordinates beyond single precision may give NaN.
+                pair.gap = if gap.is_nan() { 0.0 } else { gap };
+                if pair.gap > limits.crossing {
+                    pair.parts &= !CROSSING;
+                }
             }
         }
     }
