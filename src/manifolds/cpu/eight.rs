@@ -319,10 +319,7 @@ fn unit<S: Simd>(x: f32x8<S>) -> f32x8<S> {
 mod tests {
     use super::*;
     use crate::simd::level::with_simd;
-
-    fn vector(random: &mut fastrand::Rng) -> Vec3 {
-        Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0))
-    }
+    use crate::testing::scenes::any_vector;
 
     /// A point of a triangle.
     fn point_of(triangle: &SmallTriangle, random: &mut fastrand::Rng) -> Vec3 {
@@ -340,7 +337,7 @@ mod tests {
             // Ever flatter ones, some without any area.
             let flat = [1.0, 1.0e-2, 1.0e-5, 0.0][round % 4];
             let mut triangle = || {
-                let (at, along, across) = (vector(&mut random), vector(&mut random), vector(&mut random));
+                let [at, along, across] = [0; 3].map(|_| any_vector(&mut || random.f32()));
                 SmallTriangle {
                     corners: [at, at + along, at + 0.5 * along + flat * across],
                     ..SmallTriangle::default()

@@ -294,6 +294,7 @@ mod tests {
     use crate::geometry::{TriMesh, shapes};
     use crate::state::mesh_arena::MeshArena;
     use crate::state::{Bodies, Body};
+    use crate::testing::scenes::any_vector;
     use glam::Quat;
 
     fn meshes() -> (MeshArena, Vec<u32>) {
@@ -311,10 +312,6 @@ mod tests {
         let slots = shapes.iter().map(|shape| arena.add(CollisionMesh::new(shape)));
         let slots = slots.collect();
         (arena, slots)
-    }
-
-    fn vector(random: &mut fastrand::Rng) -> Vec3 {
-        Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0))
     }
 
     /// All features of both bodies and the reduced ones, as text, which shows every bit.
@@ -341,13 +338,13 @@ mod tests {
             };
             let scales = [[Vec3::ONE, scale], [scale, Vec3::ONE]][round % 2];
             let mesh = [slots[round % 6], slots[round / 6 % 6]];
-            let mut at = vector(&mut random);
-            let mut turn = Quat::from_scaled_axis(3.0 * vector(&mut random));
+            let mut at = any_vector(&mut || random.f32());
+            let mut turn = Quat::from_scaled_axis(3.0 * any_vector(&mut || random.f32()));
             let step = [1.0e-5, 1.0e-4, 1.0e-3, 1.0e-2][round % 4];
             let mut kept = Kept::default();
             for call in 0..30 {
                 let mut bodies = Bodies::default();
-                let first = Quat::from_scaled_axis(0.1 * step * vector(&mut random));
+                let first = Quat::from_scaled_axis(0.1 * step * any_vector(&mut || random.f32()));
                 for (i, (at, turn)) in [(Vec3::ZERO, first), (at, turn)].into_iter().enumerate() {
                     let body = Body::at_rest(mesh[i], at, turn, scales[i]);
                     bodies.push(&body, &arena).unwrap();
@@ -361,8 +358,8 @@ mod tests {
                 searches[0] += u32::from(kept.near.uses <= uses[0]);
                 searches[1] += u32::from(kept.deep.uses < uses[1]);
                 with_points += u32::from(afresh[0].len() > 2);
-                at += step * (vector(&mut random) - 0.5 * at);
-                turn = (Quat::from_scaled_axis(step * vector(&mut random)) * turn).normalize();
+                at += step * (any_vector(&mut || random.f32()) - 0.5 * at);
+                turn = (Quat::from_scaled_axis(step * any_vector(&mut || random.f32())) * turn).normalize();
             }
         }
         println!("{searches:?} searches in {calls} calls, {with_points} with points");

@@ -125,13 +125,10 @@ mod tests {
     use crate::manifolds::cpu::{Kept, Wanted, add_points};
     use crate::state::Body;
     use crate::state::mesh_arena::MeshArena;
+    use crate::testing::scenes::any_vector;
     use glam::{Quat, Vec3};
 
     const MARGIN: f32 = 0.1;
-
-    fn vector(random: &mut fastrand::Rng) -> Vec3 {
-        Vec3::from_array([0; 3].map(|_| 2.0 * random.f32() - 1.0))
-    }
 
     /// The points of two bodies, reused if they may be.
     fn points(meshes: &MeshArena, poses: &[(Vec3, Quat); 2], kept: &mut Kept, reuse: Reuse) -> Vec<ManifoldPoint> {
@@ -165,8 +162,8 @@ mod tests {
         let (mut moved, mut shallow) = (0, 0);
         for round in 0..300 {
             let before = [0, 1].map(|_| {
-                let turn = Quat::from_scaled_axis(3.0 * vector(&mut random));
-                (0.5 * vector(&mut random), turn)
+                let turn = Quat::from_scaled_axis(3.0 * any_vector(&mut || random.f32()));
+                (0.5 * any_vector(&mut || random.f32()), turn)
             });
             let reuse = Reuse {
                 step: 7,
@@ -177,8 +174,8 @@ mod tests {
             let first = points(&meshes, &before, &mut kept, reuse);
             let step = [1.0e-3, 4.0e-3][round % 2];
             let after = before.map(|(at, turn)| {
-                let turned = Quat::from_scaled_axis(step * vector(&mut random)) * turn;
-                (at + step * vector(&mut random), turned.normalize())
+                let turned = Quat::from_scaled_axis(step * any_vector(&mut || random.f32())) * turn;
+                (at + step * any_vector(&mut || random.f32()), turned.normalize())
             });
             let now = points(&meshes, &after, &mut kept.clone(), reuse);
             let afresh = points(&meshes, &after, &mut Kept::default(), reuse);
