@@ -122,7 +122,10 @@ fn admit(setup: t::PairSetup, at: u32, flag: u32) {
         return;
     }
     for (var k = next_near(first, count, 0u, middle); k < count; k = next_near(first, count, k + 1u, middle)) {
-        atomicOr(&contour_links[flags_at(setup, k)], flag);
+        // Patches that are too deep have no overlapping features.
+        if flag != KEPT || patches[first + k].too_deep == 0u {
+            atomicOr(&contour_links[flags_at(setup, k)], flag);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 // Contact generation: joins the segments of a pair into closed contours, and computes their patches. One workgroup per
 // pair. The twin of `src/manifolds/cpu/contour.rs`.
 #import faceoff::agree::agree
-#import faceoff::constants::manifolds::{MAX_DEPTH, MIN_ENCLOSED_AREA, REACH_FACTOR}
+#import faceoff::constants::manifolds::{MIN_ENCLOSED_AREA, REACH_FACTOR}
 #import faceoff::dispatch::group_index
 #import faceoff::near_patches::{build_level, patches}
 #import faceoff::types as t
@@ -303,21 +303,12 @@ fn exclusive_sum(own: vec2<u32>, thread: u32) -> vec2<u32> {
 }
 
 fn find_patches(index: u32, setup: t::PairSetup, contours: u32, thread: u32) {
-    var low = vec3(3.0e38);
-    var high = vec3(-3.0e38);
-    var direction = vec3(0.0);
     var number = 0u;
     var contour = 0u;
     while contour < contours {
         let found = patch_of(setup, atomicLoad(&contour_links[root_of(contour)]), thread);
         contour += 1u;
         if found.reach > 0.0 {
-            let half = vec3(found.reach + 0.5 * MAX_DEPTH * setup.size);
-            low = min(low, found.center - half);
-            high = max(high, found.center + half);
-            // Features that agree with a single patch overlap along its normal. Several patches have no common
-            // direction.
-            direction = select(vec3(0.0), found.normal, number == 0u);
             if thread == 0u {
                 patches[first / 2u + number] = found;
             }
@@ -334,9 +325,6 @@ fn find_patches(index: u32, setup: t::PairSetup, contours: u32, thread: u32) {
         sync();
     }
     if thread == 0u {
-        pair_setups[index].window_min = low;
-        pair_setups[index].window_max = high;
-        pair_setups[index].window_direction = direction;
         pair_setups[index].patch_count = patch_count;
     }
 }

@@ -10,6 +10,7 @@
 #import faceoff::constants::manifolds::{MIN_AGREEMENT, MAX_DEPTH}
 #import faceoff::dispatch::group_index
 #import faceoff::features as f
+#import faceoff::near_boxes::has_window
 #ifdef DEEP
 #import faceoff::near_patches::{next_near, patches, search_unfinished}
 #endif
@@ -76,7 +77,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let setup = pair_setups[index];
-    let is_done = setup.valid == 0u || (IS_DEEP && setup.patch_count == 0u);
+    let is_done = setup.valid == 0u || (IS_DEEP && !has_window(setup));
     let near_count = agree(thread, select(setup.near_count, t::NOTHING, is_done));
     if near_count == t::NOTHING {
         return;
@@ -343,17 +344,19 @@ fn feature_of(a: sides::Side, b: sides::Side, pair: f::TrianglePair, bit: u32) -
 }
 
 #ifdef DEEP
-// Whether an overlapping feature has a patch nearby, and all patches nearby agree with it.
+// Whether an overlapping feature has a patch nearby that is not too deep, and all patches nearby agree with it.
 fn agrees(setup: t::PairSetup, feature: t::Feature) -> bool {
     let middle = 0.5 * (feature.point_a + feature.point_b);
     let first = setup.first_segment / 2u;
     let count = setup.patch_count;
     var k = next_near(first, count, 0u, middle);
-    var agrees = k < count;
+    var agrees = true;
+    var is_allowed = false;
     while k < count && agrees {
         agrees = dot(feature.normal, patches[first + k].normal) >= MIN_AGREEMENT;
+        is_allowed = is_allowed || patches[first + k].too_deep == 0u;
         k = next_near(first, count, k + 1u, middle);
     }
-    return agrees;
+    return agrees && is_allowed;
 }
 #endif

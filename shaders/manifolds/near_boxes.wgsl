@@ -25,7 +25,12 @@ fn set_reach(setup: t::PairSetup, deep: bool) {
 
 // Whether a search is not needed. A margin wider than the largest overlap has found all pairs of triangles already.
 fn is_done(setup: t::PairSetup, deep: bool) -> bool {
-    return setup.valid == 0u || (deep && (setup.patch_count == 0u || MAX_DEPTH * setup.size <= setup.margin));
+    return setup.valid == 0u || (deep && (!has_window(setup) || MAX_DEPTH * setup.size <= setup.margin));
+}
+
+// Whether features that overlap are searched at all.
+fn has_window(setup: t::PairSetup) -> bool {
+    return setup.patch_count > 0u && all(setup.window_min <= setup.window_max);
 }
 
 // Whether both nodes exist, are in the window, and their boxes are near along the axes of both.

@@ -1,11 +1,10 @@
 // Contact generation: patches without an overlapping feature get their points from rays along the normal, cast from
-// five points in the patch to where they leave the bodies. One workgroup per pair, one thread per point. The twin of
-// `src/manifolds/cpu/ray.rs`.
+// five points in the patch to where they leave the bodies. One workgroup per pair, one thread per point.
 #import faceoff::agree::agree
-#import faceoff::arena::{meshes, words, vector}
-#import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, RAY_LENGTH, SHALLOW}
+#import faceoff::constants::manifolds::{MIN_PROBED_AREA, PROBE_FRACTION, SHALLOW}
 #import faceoff::dispatch::group_index
 #import faceoff::empty_patches::{HAS_FEATURE, count_at, list_at}
+#import faceoff::probes::{cast_through, rays_unfinished}
 #import faceoff::sides
 #import faceoff::tree
 #import faceoff::types as t
@@ -19,8 +18,6 @@
 // The list of patches without an overlapping feature.
 @group(0) @binding(8) var<storage, read> contour_links: array<u32>;
 
-// Tolerance of a hit in barycentric coordinates, so that no ray slips through an edge.
-const SLACK_SINGLE: f32 = 1.0e-5;
 // Points per patch.
 const PLACES: u32 = 5u;
 
@@ -59,7 +56,11 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
     for (var i = thread; i < PLACES * empty_count; i += 64u) {
         let at = empty_patch_at(setup, contour_links[list_at(setup, i / PLACES)]);
-        features[base + i] = probe(a, b, patches[at].normal, place_of(at, i % PLACES), setup);
+        features[base + i] = point_of(a, b, patches[at].normal, place_of(at, i % PLACES), setup);
+    }
+    // Some devices abort long loops.
+    if rays_unfinished {
+        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
     }
     storageBarrier();
     workgroupBarrier();
@@ -99,28 +100,20 @@ fn place_of(at: u32, k: u32) -> vec3<f32> {
     return center + PROBE_FRACTION * (segments[patches[at].extremes[k - 1u]].start - center);
 }
 
-// The contact point of a patch from two rays through p, if both leave a body. The rays start slightly before p, because
-// rounding may put p outside where the bodies only touch.
-fn probe(a: sides::Side, b: sides::Side, n: vec3<f32>, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
+// The contact point at p, if both rays leave a body.
+fn point_of(a: sides::Side, b: sides::Side, n: vec3<f32>, p: vec3<f32>, setup: t::PairSetup) -> t::Feature {
     var feature: t::Feature;
-    feature.separation = t::DROPPED;
-    let back = setup.touch;
-    let max_distance = RAY_LENGTH * setup.size + back;
-    let up = exit(a, 0u, p - n * back, n, max_distance);
-    if up.triangle == t::NOTHING {
+    let probe = cast_through(a, b, n, p, setup);
+    feature.separation = probe.separation;
+    if probe.separation == t::DROPPED {
         return feature;
     }
-    let down = exit(b, 1u, p + n * back, -n, max_distance);
-    if down.triangle == t::NOTHING {
-        return feature;
-    }
-    feature.point_a = p + n * (up.distance - back);
-    feature.point_b = p - n * (down.distance - back);
+    feature.point_a = p + n * probe.ways.x;
+    feature.point_b = p - n * probe.ways.y;
     feature.normal = n;
-    feature.separation = 2.0 * back - (up.distance + down.distance);
     feature.vertex = t::NOTHING;
-    feature.a = up.triangle;
-    feature.b = down.triangle;
+    feature.a = probe.triangles.x;
+    feature.b = probe.triangles.y;
     return feature;
 }
 
@@ -137,106 +130,4 @@ fn shallow(empty_patch: t::Patch, size: f32) -> t::Feature {
     feature.a = empty_patch.a;
     feature.b = empty_patch.b;
     return feature;
-}
-
-struct Exit {
-    distance: f32,
-    triangle: u32,
-}
-
-// Distance and triangle of the first hit of the ray from `start` along the unit vector `direction`. The triangle is
-// `NOTHING` if the hit is farther than `max_distance` or the ray does not leave the body there. `end` is the body's
-// position in the pair.
-fn exit(side: sides::Side, end: u32, start: vec3<f32>, direction: vec3<f32>, max_distance: f32) -> Exit {
-    // In the body's own axes, scaled.
-    let origin = sides::to_own(side, start);
-    let along = direction * side.rotation;
-    // Keeps the reciprocal finite.
-    let inverse = 1.0 / select(along, vec3(1.0e-12), abs(along) < vec3(1.0e-12));
-    let whole = abs(side.scale) * meshes[side.mesh].box_half;
-    let pad = 4.0e-6 * (whole.x + whole.y + whole.z);
-    var nearest = Exit(max_distance, t::NOTHING);
-    // The node at hand. Of it and its ancestors, the children that are still to be opened: eight bits per level, the
-    // lowest level first.
-    var level = meshes[side.mesh].levels - 1u;
-    var number = 0u;
-    var waiting = vec2(0u);
-    var is_new = true;
-    var done = false;
-    while !done {
-        var mask = 0u;
-        if is_new {
-            for (var k = 0u; k < 8u; k += 1u) {
-                let child = 8u * number + k;
-                if level == 0u {
-                    if child < side.triangle_count {
-                        let distance = meets(side, child, origin, along);
-                        if distance < nearest.distance {
-                            nearest = Exit(distance, child);
-                        }
-                    }
-                } else {
-                    let at = tree::box_of(end, tree::node(level - 1u, child));
-                    if at != 0u && passes(side, at, origin, inverse, pad, nearest.distance) {
-                        mask |= 1u << k;
-                    }
-                }
-            }
-        } else {
-            mask = extractBits(waiting[level / 4u], 8u * (level % 4u), 8u);
-        }
-        is_new = mask != 0u;
-        if is_new {
-            let k = firstLeadingBit(mask);
-            waiting[level / 4u] = insertBits(waiting[level / 4u], mask & ~(1u << k), 8u * (level % 4u), 8u);
-            level -= 1u;
-            number = 8u * number + k;
-        } else {
-            level += 1u;
-            number /= 8u;
-            done = level == meshes[side.mesh].levels;
-        }
-    }
-    // Some devices abort long loops.
-    if !done {
-        atomicOr(&contact_counters[t::CONTACTS_CUT_SHORT], 1u);
-    }
-    if nearest.triangle != t::NOTHING && dot(direction, sides::baked_normal(side, nearest.triangle)) <= 0.0 {
-        nearest.triangle = t::NOTHING;
-    }
-    return nearest;
-}
-
-// Whether the ray meets a box within `max_distance`.
-fn passes(side: sides::Side, at: u32, origin: vec3<f32>, inverse: vec3<f32>, pad: f32, max_distance: f32) -> bool {
-    let apart = side.scale * vector(at) - origin;
-    let half = abs(side.scale) * vector(at + 3u) + pad;
-    let s = (apart - half) * inverse;
-    let e = (apart + half) * inverse;
-    let low = min(s, e);
-    let high = max(s, e);
-    let enter = max(0.0, max(low.x, max(low.y, low.z)));
-    let leaves = min(max_distance, min(high.x, min(high.y, high.z)));
-    return enter <= leaves + 1.0e-6 * (abs(enter) + abs(leaves)) + pad;
-}
-
-// Distance at which the ray hits the triangle; `DROPPED` if it misses.
-fn meets(side: sides::Side, number: u32, origin: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let at = side.triangles + 9u * number;
-    let a = side.scale * vector(at) - origin;
-    let ab = side.scale * vector(at + 3u) - origin - a;
-    let ac = side.scale * vector(at + 6u) - origin - a;
-    let normal = cross(ab, ac);
-    let slope = dot(direction, normal);
-    if slope * slope <= 1.0e-12 * dot(normal, normal) {
-        return t::DROPPED;
-    }
-    let moment = cross(a, direction);
-    let v = dot(moment, ac) / slope;
-    let w = -dot(moment, ab) / slope;
-    let distance = dot(a, normal) / slope;
-    if v >= -SLACK_SINGLE && w >= -SLACK_SINGLE && v + w <= 1.0 + SLACK_SINGLE && distance >= 0.0 {
-        return distance;
-    }
-    return t::DROPPED;
 }

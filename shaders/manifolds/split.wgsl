@@ -2,7 +2,7 @@
 // mesh.
 #import faceoff::agree::agree
 #import faceoff::dispatch::{group_index, rows}
-#import faceoff::near_boxes::{boxes_near, is_done, set_reach}
+#import faceoff::near_boxes::{boxes_near, has_window, is_done, set_reach}
 #import faceoff::sides
 #import faceoff::split
 #import faceoff::tree
@@ -27,7 +27,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let setup = pair_setups[index];
     let deep = constants.x == 1u;
     // A split pair is searched again in any case: the kernels of the second search know its own pieces only.
-    let was_split = deep && setup.is_split != 0u && setup.patch_count > 0u;
+    let was_split = deep && setup.is_split != 0u && has_window(setup);
     let wanted = was_split || (!is_done(setup, deep) && split::is_large(setup.mesh_a, setup.mesh_b));
     if agree(thread, u32(wanted)) == 0u {
         return;

@@ -378,7 +378,7 @@ struct PairSetup {
     mesh_b: u32,
     scale_b: vec3<f32>,
     patch_count: u32,
-    // The window of overlapping features: a box, and their direction, or zero for any.
+    // The window of overlapping features: a box, empty if no patch may have any; and their direction, or zero for any.
     window_min: vec3<f32>,
     first_near: u32,
     window_max: vec3<f32>,
@@ -461,7 +461,8 @@ struct Patch {
     // Triangles of its first segment.
     a: u32,
     b: u32,
-    padding: u32,
+    // Not 0: the bodies overlap at the centre by more than features may. The patch gets its points from rays.
+    too_deep: u32,
 }
 
 const DROPPED: f32 = 3.0e38;

@@ -229,7 +229,7 @@ layout! {
         normal: Vec3, area: f32,
         node_center: Vec3, node_radius: f32,
         extremes: [u32; 4],
-        length: f32, a: u32, b: u32, padding: u32,
+        length: f32, a: u32, b: u32, too_deep: u32,
     }
     /// A contact point, in world axes and metres.
     ContactPoint {

@@ -3,7 +3,8 @@
 //! Per pair whose surfaces intersect or come closer than the speculative margin:
 //!
 //! 1. The bounding-volume trees of both meshes are traversed for pairs of triangles closer than the margin. On the CPU
-//!    the search has some slack, and its candidates are kept until the bodies have moved by more than that.
+//!    the search has some slack once the pair's motion is known, and its candidates are kept until the bodies have moved by
+//!    more than that.
 //! 2. Features. Vertex-face: separation `n_f . (v - f)`, if the vertex projects into the face and none of its edges
 //!    leads below the face. Edge-edge, of two convex edges: the normal is their cross product, if it lies on both
 //!    edges' arcs of the Gauss map (between the normals of the adjacent faces); separation `n . (p_b - p_a)` of the
@@ -13,8 +14,9 @@
 //!    the faces' normals, are joined into closed contours through shared edge-face crossings. Each contour bounds a
 //!    patch. Its area vector `1/2 sum (p - c) x dp` is the gradient of the overlap volume, so it is the direction in
 //!    which the bodies separate fastest. Near a patch only features whose normals agree with it count, and only there
-//!    may features overlap, by up to 4 % of the bodies' size. A patch without an overlapping feature gets its points
-//!    from rays along its normal, cast from five points in the patch to where they leave the bodies.
+//!    may features overlap, by up to 4 % of the bodies' size. A patch at whose centre the bodies overlap by more, or that
+//!    has no overlapping feature, gets its points from rays along its normal, cast from five points in the patch to where
+//!    they leave the bodies.
 //! 4. Containment. A closed body inside another without intersecting faces is pushed out along the shortest way.
 //! 5. Reduction. At most [`MAX_POINTS`] are kept: the deepest, then repeatedly the one farthest from those kept, in
 //!    position and normal.

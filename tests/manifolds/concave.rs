@@ -1,6 +1,6 @@
 //! Tori, knots and rings, against a search over all separating directions.
 
-use super::scene::{body, degrees, depth, first_touch, oracle_mesh, points, push, way_out};
+use super::scene::{bar_on_a_foot, body, degrees, depth, first_touch, oracle_mesh, points, push, uneven_legs, way_out};
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::brute::surfaces_meet;
 use crate::oracle::parallel;
@@ -35,6 +35,56 @@ fn a_ring_through_a_ring_touches_on_two_sides() {
         let inward = -point.anchors[0] * Vec3::new(1.0, 1.0, 0.0);
         assert!(point.normal.dot(inward.normalize()) > 0.7, "{point:?}");
         assert!(point.separation > -0.03, "{point:?}");
+    }
+}
+
+/// A slab with its top at the height 0, in this frame.
+fn slab(frame: Quat) -> Body {
+    let mesh = oracle_mesh("slab", &shapes::cube(2.0));
+    body(&mesh, (frame * Vec3::NEG_Z).as_dvec3(), frame)
+}
+
+#[test]
+fn a_deep_patch_takes_no_features_from_a_shallow_one() {
+    // One leg reaches deeper than features may, and the other does not.
+    let (product, legs) = (Product::default(), uneven_legs());
+    for case in 0..20 {
+        let frame = Rng::new(28, case).rotation();
+        let a = slab(frame);
+        let b = body(&legs, frame.as_dquat() * (DVec3::Z * 0.4), frame);
+        for (bodies, of_slab, up) in [([&a, &b], 0, 1.0), ([&b, &a], 1, -1.0)] {
+            let found = points(&product, bodies[0], bodies[1], 0.01);
+            let (mut corners, mut shallow, mut deep) = (0, 0, 0);
+            for point in &found {
+                assert!(point.normal.dot(frame * Vec3::Z) * up > 0.999, "case {case}: {point:?}");
+                let at = frame.inverse() * point.anchors[of_slab];
+                if at.x > 0.0 {
+                    assert!((point.separation + 0.01).abs() < 1e-4, "case {case}: {point:?}");
+                    let is_corner = (at.x - 0.4).abs() > 0.0999 && at.y.abs() > 0.0999;
+                    corners += usize::from(is_corner);
+                    shallow += 1;
+                } else {
+                    assert!((point.separation + 0.1).abs() < 1e-4, "case {case}: {point:?}");
+                    deep += 1;
+                }
+            }
+            assert!(corners == 4 && shallow >= 4 && deep >= 4, "case {case}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn shallow_features_do_not_hide_a_deep_middle() {
+    // The ends of the bar overlap by little, its foot by more than features may, and both share a contour.
+    let (product, bar) = (Product::default(), bar_on_a_foot());
+    for case in 0..20 {
+        let frame = Rng::new(29, case).rotation();
+        let a = slab(frame);
+        let b = body(&bar, frame.as_dquat() * (DVec3::NEG_Z * 0.01), frame);
+        for (a, b) in [(&a, &b), (&b, &a)] {
+            let found = points(&product, a, b, 0.01);
+            assert!((depth(&found) - 0.07).abs() < 1e-4, "case {case}: {found:?}");
+        }
     }
 }
 

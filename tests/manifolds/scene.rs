@@ -157,3 +157,48 @@ pub fn turn(from: Vec3, to: Vec3) -> Quat {
 pub fn cube() -> Arc<Mesh> {
     Shapes::new().unit_cube
 }
+
+/// A closed shape along y of a counter-clockwise profile in x and z, whose area these triangles fill, from -0.1 to 0.1.
+fn extruded(profile: &[[f32; 2]], filled: &[[u32; 3]]) -> TriMesh {
+    let count = profile.len() as u32;
+    let side = |y: f32| profile.iter().map(move |&[x, z]| Vec3::new(x, y, z));
+    let vertices = side(-0.1).chain(side(0.1)).collect();
+    let mut faces = filled.to_vec();
+    faces.extend(filled.iter().map(|&[a, b, c]| [c + count, b + count, a + count]));
+    for (i, next) in (0..count).map(|i| (i, (i + 1) % count)) {
+        faces.extend([[next, i, i + count], [next, i + count, next + count]]);
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+/// A bar on two legs, which end at heights of -0.5 and -0.41.
+pub fn uneven_legs() -> Arc<Mesh> {
+    let profile = [
+        [-0.5, 0.5],
+        [-0.5, -0.5],
+        [-0.3, -0.5],
+        [-0.3, 0.3],
+        [0.3, 0.3],
+        [0.3, -0.41],
+        [0.5, -0.41],
+        [0.5, 0.5],
+    ];
+    let filled = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 7], [4, 5, 6], [4, 6, 7]];
+    oracle_mesh("uneven legs", &extruded(&profile, &filled))
+}
+
+/// A bar with its lower side at a height of 0, and below its middle a foot that ends at -0.06.
+pub fn bar_on_a_foot() -> Arc<Mesh> {
+    let profile = [
+        [-0.5, 0.3],
+        [-0.5, 0.0],
+        [-0.1, 0.0],
+        [-0.1, -0.06],
+        [0.1, -0.06],
+        [0.1, 0.0],
+        [0.5, 0.0],
+        [0.5, 0.3],
+    ];
+    let filled = [[0, 1, 2], [2, 3, 4], [2, 4, 5], [0, 2, 5], [0, 5, 7], [5, 6, 7]];
+    oracle_mesh("bar on a foot", &extruded(&profile, &filled))
+}

@@ -47,6 +47,8 @@ pub struct Patch {
     pub end: usize,
     /// Whether an overlapping feature of it is kept.
     pub kept: bool,
+    /// The bodies overlap at its centre by more than features may. It has no overlapping features.
+    pub too_deep: bool,
 }
 
 /// The result, and memory kept between pairs.
@@ -209,12 +211,12 @@ impl Contours {
         }
     }
 
-    /// Whether a feature counts. Overlapping features need a patch nearby, and all patches nearby must agree with the
-    /// feature.
+    /// Whether a feature counts. Overlapping features need a patch nearby that is not deep, and all patches nearby must agree
+    /// with the feature.
     pub fn admits(&self, feature: &Feature, overlaps: bool) -> bool {
         let mut any = false;
         for patch in self.patches.iter().filter(|patch| patch.is_near(feature)) {
-            any = true;
+            any |= !patch.too_deep;
             if feature.normal.dot(patch.normal) < MIN_AGREEMENT {
                 return false;
             }
@@ -222,23 +224,26 @@ impl Contours {
         any || !overlaps
     }
 
-    /// Marks the patches of an overlapping feature that is kept.
+    /// Marks the patches of an overlapping feature that is kept. Deep ones have no such features.
     pub fn keep(&mut self, feature: &Feature) {
         for patch in self.patches.iter_mut().filter(|patch| patch.is_near(feature)) {
-            patch.kept = true;
+            patch.kept = !patch.too_deep;
         }
     }
 
-    /// Bounds of the triangles of overlapping features, which lie up to `half` from the feature's middle.
+    /// Bounds of the triangles of overlapping features, which lie up to `half` from the feature's middle, near patches that are
+    /// not deep.
     pub fn window(&self, half: f64) -> Window {
-        let around = self.patches.iter().fold(Aabb::EMPTY, |all, patch| {
+        let shallow = || self.patches.iter().filter(|patch| !patch.too_deep);
+        let around = shallow().fold(Aabb::EMPTY, |all, patch| {
             let reach = patch.reach + half;
             let (low, high) = (patch.center - reach, patch.center + reach);
             all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
         });
         // Features that agree with a single patch overlap along its normal. Several patches have no common direction.
-        let direction = match &self.patches[..] {
-            [patch] => patch.normal.as_vec3(),
+        let mut some = shallow();
+        let direction = match (some.next(), some.next()) {
+            (Some(patch), None) => patch.normal.as_vec3(),
             _ => Vec3::ZERO,
         };
         Window { around, direction }
@@ -273,6 +278,7 @@ impl Patch {
             first,
             end,
             kept: false,
+            too_deep: false,
         })
     }
 

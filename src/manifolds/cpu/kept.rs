@@ -25,8 +25,6 @@ const CALLS_TO_REST: u32 = 32;
 const LEAST_SLACK: f64 = 0.004;
 /// Memory that so many searches have not used is returned.
 const SEARCHES: u32 = 256;
-/// Slack of a new pair, in units of the margin.
-const NEW_SLACK: f64 = 0.25;
 
 /// What a pair keeps: it saves searches and changes no result. It is valid for any two bodies with the same meshes,
 /// scales and relative pose.
@@ -237,7 +235,8 @@ impl KeptCandidates {
                 let wanted = (CALLS * each).max(LEAST_SLACK * pair.size);
                 if wanted > margin { 0.0 } else { wanted }
             }
-            None => (NEW_SLACK * margin).max(LEAST_SLACK * pair.size),
+            // How much slack pays is not known yet.
+            None => 0.0,
         };
         distance.min(self.slack_limit.unwrap_or(f64::INFINITY))
     }

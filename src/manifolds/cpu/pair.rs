@@ -104,12 +104,12 @@ impl Worker {
         contours.join(margin, *size);
         features.retain(|feature| contours.admits(feature, false));
         if !contours.patches.is_empty() {
-            self.find_deep(pair, kept, threads);
+            self.find_overlaps(pair, kept, threads);
         }
     }
 
     /// Adds the overlapping features at the patches, or points in their place.
-    fn find_deep(&mut self, pair: &Pair, kept: &mut Kept, threads: usize) {
+    fn find_overlaps(&mut self, pair: &Pair, kept: &mut Kept, threads: usize) {
         let Self {
             shares,
             contours,
@@ -119,27 +119,33 @@ impl Worker {
         } = self;
         let Pair { sides, size, .. } = pair;
         let most = MAX_DEPTH * size;
-        let wanted = Wanted {
-            margin: most,
-            range: -most..=-TOUCH * size,
-            reach: most,
-            window: Some(contours.window(0.5 * most)),
-        };
-        shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
-            contours.admits(feature, true)
-        });
-        deep.clear();
-        deep.extend(shares.features());
-        keep_shallowest(deep);
-        deep.iter().for_each(|feature| contours.keep(feature));
-        features.append(deep);
+        for patch in &mut contours.patches {
+            let middle = probe(sides, patch, patch.center, *size);
+            patch.too_deep = middle.is_some_and(|probe| -probe.separation > most);
+        }
+        if contours.patches.iter().any(|patch| !patch.too_deep) {
+            let wanted = Wanted {
+                margin: most,
+                range: -most..=-TOUCH * size,
+                reach: most,
+                window: Some(contours.window(0.5 * most)),
+            };
+            shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
+                contours.admits(feature, true)
+            });
+            deep.clear();
+            deep.extend(shares.features());
+            keep_shallowest(deep);
+            deep.iter().for_each(|feature| contours.keep(feature));
+            features.append(deep);
+        }
         for patch in contours.patches.iter().filter(|patch| !patch.kept) {
             let before = features.len();
             let key = patch.key(&contours.segments);
             let places = (0..).zip(patch.places(&contours.segments));
             features.extend(places.filter_map(|(place, p)| {
-                let origin = Origin::Patch { place, key };
-                probe(sides, patch, p, *size, origin)
+                let probe = probe(sides, patch, p, *size)?;
+                Some(probe.feature(patch, p, Origin::Patch { place, key }))
             }));
             if features.len() == before {
                 features.extend(shallow(&contours.segments, patch, *size, key));
@@ -156,21 +162,42 @@ fn keep_shallowest(deep: &mut Vec<Feature>) {
     deep.dedup_by(|later, first| later.vertex().is_some() && later.vertex() == first.vertex());
 }
 
-/// The contact point of a patch from two rays through `p`, if both leave a body. The rays start slightly before `p`: a
-/// contour around a part that protrudes through a flat face lies in that face, and rounding may put `p` outside.
-fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64, origin: Origin) -> Option<Feature> {
+/// Two rays through a point of a patch, to where they leave the bodies.
+struct Probe {
+    /// How far each body extends from the point along the patch's normal: the first body forwards, the second back.
+    ways: [f64; 2],
+    /// The triangles that the rays hit.
+    triangles: [u32; 2],
+    separation: f64,
+}
+
+/// Casts rays along a patch's normal through `p`; `None` unless both leave a body. They start slightly before `p`: a contour
+/// around a part that protrudes through a flat face lies in that face, and rounding may put `p` outside.
+fn probe(sides: &[Side; 2], patch: &Patch, p: DVec3, size: f64) -> Option<Probe> {
     let (n, back) = (patch.normal, TOUCH * size);
     let most = RAY_LENGTH * size + back;
     let (up, a) = exit(&sides[0], p - n * back, n, most)?;
     let (down, b) = exit(&sides[1], p + n * back, -n, most)?;
     let (up, down) = (up - back, down - back);
-    Some(Feature {
-        points: [p + n * up, p - n * down],
-        normal: n,
-        separation: -(up + down),
+    Some(Probe {
+        ways: [up, down],
         triangles: [a, b],
-        origin,
+        separation: -(up + down),
     })
+}
+
+impl Probe {
+    /// The contact point at `p`.
+    fn feature(&self, patch: &Patch, p: DVec3, origin: Origin) -> Feature {
+        let [up, down] = self.ways;
+        Feature {
+            points: [p + patch.normal * up, p - patch.normal * down],
+            normal: patch.normal,
+            separation: self.separation,
+            triangles: self.triangles,
+            origin,
+        }
+    }
 }
 
 /// A contact for a patch without ray hits, if the patch is not tiny.

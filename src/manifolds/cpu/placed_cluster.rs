@@ -195,32 +195,45 @@ impl PlacedCluster {
             load_points(simd, &other.corners[1]),
             load_points(simd, &other.corners[2]),
         ];
+        let far = splat(simd, reach);
         let over_own = Heights {
             heights: heights(&other_corners, corners[0], normal),
             outward: self.winding,
             length: splat(simd, self.length.0[i]),
             slack: spread * splat(simd, self.slack.0[i]),
         };
+        let near = boxes & !bitmask(over_own.beyond(far));
+        if near == 0 {
+            return NearLanes::default();
+        }
         let over_other = Heights {
             heights: heights(&corners, other_corners[0], load_points(simd, &other.normal)),
             outward: other.winding,
             length: load(simd, &other.length),
             slack: spread * load(simd, &other.slack),
         };
-        let far = splat(simd, reach);
-        let near = boxes & !bitmask(over_own.beyond(far) | over_other.beyond(far));
+        let near = near & !bitmask(over_other.beyond(far));
         if near == 0 {
             return NearLanes::default();
         }
         let close = splat(simd, crossing);
         let apart = over_own.beyond(close) | over_other.beyond(close);
         let meet = other.boxes_are_near(simd, &own, crossing) & !apart;
-        let [first, second, edges] = self.may_have_features(simd, i, other, limits).map(|lanes| near & lanes);
-        NearLanes {
+        let mut found = NearLanes {
             crossing: near & bitmask(meet),
-            corners: [over_other.corners(limits, first), over_own.corners(limits, second)],
-            edges: [over_other.edges(far, edges), over_own.edges(far, edges)],
+            ..NearLanes::default()
+        };
+        let [first, second, edges] = self.may_have_features(simd, i, other, limits).map(|lanes| near & lanes);
+        if first != 0 {
+            found.corners[0] = over_other.corners(limits, first);
         }
+        if second != 0 {
+            found.corners[1] = over_own.corners(limits, second);
+        }
+        if edges != 0 {
+            found.edges = [over_other.edges(far, edges), over_own.edges(far, edges)];
+        }
+        found
     }
 
     /// Lanes whose boxes are no farther than `reach` from a box.

@@ -9,6 +9,7 @@
 //! | near | pair, or piece | pairs of triangles no farther apart than the margin, by both bounding-volume trees |
 //! | features | pair, or piece | vertex-face and edge-edge features, segments in which triangles cross |
 //! | contour | pair | contours and patches |
+//! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
 //! | admit | pair | features that agree with the patches; the patches without an overlapping feature |
 //! | ray | pair | rays out of patches without an overlapping feature |
@@ -75,6 +76,8 @@ const FEATURES_OF_PIECES: [Kernel; 2] = [
 ];
 /// Joins contours and computes patches.
 const CONTOUR: Kernel = kernel!("manifolds/contour");
+/// Measures how deep bodies overlap at patches.
+const DEPTH: Kernel = kernel!("manifolds/depth");
 /// Drops features that disagree with patches.
 const ADMIT: Kernel = kernel!("manifolds/admit");
 /// Casts rays out of patches.
@@ -129,6 +132,7 @@ pub const SHADERS: Shaders = Shaders {
         module!("manifolds/near_boxes"),
         module!("manifolds/near_patches"),
         module!("manifolds/empty_patches"),
+        module!("manifolds/probes"),
     ],
     kernels: &[
         &SELECT_KEYS,
@@ -144,6 +148,7 @@ pub const SHADERS: Shaders = Shaders {
         &FEATURES[1],
         &FEATURES_OF_PIECES[1],
         &CONTOUR,
+        &DEPTH,
         &ADMIT,
         &RAY,
         &INSIDE,

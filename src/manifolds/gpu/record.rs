@@ -58,6 +58,7 @@ fn record_batch(calls: &mut Calls, capacity: &ContactCapacity, batch: u32) {
         .constants(constants);
     record_search(calls, 0);
     calls.call(&CONTOUR, per_pair);
+    calls.call(&DEPTH, per_pair);
     record_search(calls, 1);
     calls.call(&ADMIT, per_pair).bind_words("feature_words", "features");
     calls.call(&RAY, per_pair);

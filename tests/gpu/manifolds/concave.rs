@@ -2,7 +2,7 @@
 
 use super::approach::{against, scene};
 use super::compare::{agreement, require};
-use super::scene::{body, oracle_mesh, state};
+use super::scene::{bar_on_a_foot, body, oracle_mesh, state, uneven_legs};
 use crate::oracle::body::{Body, Mesh};
 use crate::oracle::product::Product;
 use crate::oracle::rng::Rng;
@@ -155,6 +155,25 @@ pub fn hundreds_of_patches(gpu: &Gpu) {
     assert_eq!((result.pairs, result.missed, result.shifted), (1, 0, 0), "{result:?}");
     // Where a feature does not find its patch, a ray stands in for it, and hits another face of the same apex.
     assert!(result.named * 10 >= 9 * result.points, "{result:?}");
+}
+
+/// Patches with features beside patches that are too deep for any, and both in one.
+pub fn patches_too_deep_for_features(gpu: &Gpu) {
+    let (product, slab) = (Product::default(), oracle_mesh("slab", &shapes::cube(2.0)));
+    let mut rng = Rng::new(30, 0);
+    let cases: Vec<_> = [(uneven_legs(), 0.4), (bar_on_a_foot(), -0.01)]
+        .iter()
+        .flat_map(|(mesh, height)| (0..20).map(move |_| (mesh, height)))
+        .map(|(mesh, height)| {
+            let frame = rng.rotation();
+            let a = body(&slab, frame.as_dquat() * DVec3::NEG_Z, frame);
+            let tilt = Quat::from_scaled_axis(rng.in_ball(0.01).as_vec3());
+            let b = body(mesh, frame.as_dquat() * (DVec3::Z * *height), frame * tilt);
+            ([a, b], 0.01)
+        })
+        .collect();
+    let (state, pairs) = scene(&product, &cases);
+    require("too deep for features", gpu, &state, &pairs, 0, 0.02);
 }
 
 /// From what single precision hardly sees to a tenth.

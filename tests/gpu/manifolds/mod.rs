@@ -32,6 +32,7 @@ pub const TESTS: &[Test] = &[
     ("heaps", concave::heaps),
     ("fine_meshes", concave::fine_meshes),
     ("hundreds_of_patches", concave::hundreds_of_patches),
+    ("patches_too_deep_for_features", concave::patches_too_deep_for_features),
     ("overlaps_of_any_size", concave::overlaps_of_any_size),
     ("far_from_the_origin", convex::far_from_the_origin),
     ("one_inside_the_other", inside::one_inside_the_other),
