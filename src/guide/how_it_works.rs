@@ -142,8 +142,9 @@
 //!
 //! Where surfaces already cross, the segments are joined into closed *contours*. The area vector of a contour is the
 //! direction in which the overlapping volume changes fastest, so it is the normal of the patch that the contour bounds.
-//! Near a patch features count only if their normals agree with it. A patch without an overlapping feature gets points
-//! from rays along its normal. A body that is wholly inside another is pushed out the shortest way.
+//! Near a patch features count only if their normals agree with it. A patch without an overlapping feature, or one in whose
+//! middle the bodies overlap by more than features may, gets points from rays along its normal. A body that is wholly inside
+//! another is pushed out the shortest way.
 //!
 #![doc = include_str!("pictures/manifold.svg")]
 //!

@@ -11,7 +11,7 @@
 //! | contour | pair | contours and patches |
 //! | depth | pair | patches that are too deep for features; the window of the second search |
 //! | split, near, features | pair, or piece | a second search around patches, for features that overlap |
-//! | admit | pair | features that agree with the patches; the patches without an overlapping feature |
+//! | admit | pair | features that agree with the patches; the patches without an overlapping feature, or too deep for any |
 //! | ray | pair | rays out of patches without an overlapping feature |
 //! | inside | pair | containment |
 //! | reduce | pair | contact reduction, to at most 16 points |
