@@ -16,7 +16,7 @@ use bevy_faceoff::types::settings::Response;
 use glam::Vec3;
 
 /// Dispatches of a batch without large meshes.
-const OF_A_BATCH: u32 = 11;
+const OF_A_BATCH: u32 = 12;
 
 /// A device's steps, with batches of so many bytes.
 fn in_batches_of(gpu: &Gpu, bytes: u64) -> GpuStep {
@@ -84,7 +84,7 @@ pub fn a_pile_in_batches(gpu: &Gpu) {
 /// Pairs of large meshes, each of which takes more than a batch should.
 pub fn large_meshes_in_batches(gpu: &Gpu) {
     for response in [Response::None, Response::Contacts] {
-        let mut scene = heap(&shapes::ball(0.5, 4), 4, 0.4);
+        let mut scene = heap(&shapes::ball(0.5, 4), 6, 0.4);
         scene.config.response = response;
         scene.bodies.iter_mut().for_each(|body| body.scale = Vec3::ONE);
         let [mut small, mut large] = [64 << 10, 256 << 20].map(|bytes| in_batches_of(gpu, bytes));
