@@ -15,7 +15,7 @@ use glam::{Vec3, Vec3A};
 pub(super) struct Batch {
     /// Number of pairs: they have the first lanes.
     pub pairs: usize,
-    /// The most points that one of them has.
+    /// The most points that one of them has; once they are loaded, the most valid points.
     pub points: usize,
     /// The sum of their points.
     pub all_points: usize,
@@ -144,17 +144,14 @@ impl Batch {
         }
     }
 
-    /// Loads its pairs, and their points into `lanes`.
-    pub fn load(&mut self, pairs: &[Pair], mut points: &[Point], lanes: &mut [PointLanes], masses: &[Mass]) {
-        lanes.fill(PointLanes::default());
-        for (lane, pair) in pairs.iter().enumerate() {
-            self.load_pair(lane, pair, masses);
-            let (own, others) = points.split_at(pair.count as usize);
-            points = others;
-            for (lanes, point) in lanes.iter_mut().zip(own).filter(|(_, point)| point.valid) {
-                lanes.load(lane, point);
-            }
-        }
+    /// Removes what was loaded.
+    fn clear(&mut self) {
+        *self = Self {
+            pairs: self.pairs,
+            points: 0,
+            all_points: self.all_points,
+            ..Self::default()
+        };
     }
 
     fn load_pair(&mut self, lane: usize, pair: &Pair, masses: &[Mass]) {
@@ -184,14 +181,62 @@ impl Batch {
         set(&mut self.elastic, lane, bounces && !pair.depenetrating);
         set(&mut self.bounces_off, lane, bounces && !moves_both);
     }
+}
 
-    /// Stores what the substeps have changed.
-    pub fn store(&self, pairs: &[Pair], mut points: &mut [Point], lanes: &[PointLanes]) {
-        for (lane, pair) in pairs.iter().enumerate() {
-            let (own, others) = points.split_at_mut(pair.count as usize);
-            points = others;
-            for (point, lanes) in own.iter_mut().zip(lanes).filter(|(point, _)| point.valid) {
-                lanes.store(lane, point);
+/// Loads pairs and their valid points into the `wanted` lanes of batches.
+pub(super) fn load_batches(
+    batches: &mut [Batch],
+    mut lanes: &mut [PointLanes],
+    mut pairs: &[Pair],
+    mut points: &[Point],
+    masses: &[Mass],
+    wanted: u32,
+) {
+    for batch in batches {
+        let (own_pairs, own_points);
+        (own_pairs, pairs) = pairs.split_at(batch.pairs);
+        (own_points, points) = points.split_at(batch.all_points);
+        batch.clear();
+        let mut rest = own_points;
+        for (lane, pair) in own_pairs.iter().enumerate() {
+            let own;
+            (own, rest) = rest.split_at(pair.count as usize);
+            if wanted >> lane & 1 == 0 {
+                continue;
+            }
+            batch.load_pair(lane, pair, masses);
+            let mut valid = 0;
+            for point in own.iter().filter(|point| point.valid) {
+                if valid == batch.points {
+                    lanes[valid] = PointLanes::default();
+                    batch.points += 1;
+                }
+                lanes[valid].load(lane, point);
+                valid += 1;
+            }
+        }
+        lanes = std::mem::take(&mut lanes).split_at_mut(batch.points).1;
+    }
+}
+
+/// Stores what substeps have changed in the points of the `wanted` lanes.
+pub(super) fn store_batches(
+    batches: &[Batch],
+    mut lanes: &[PointLanes],
+    mut pairs: &[Pair],
+    mut points: &mut [Point],
+    wanted: u32,
+) {
+    for batch in batches {
+        let (own_pairs, own_lanes);
+        (own_pairs, pairs) = pairs.split_at(batch.pairs);
+        (own_lanes, lanes) = lanes.split_at(batch.points);
+        for (lane, pair) in own_pairs.iter().enumerate() {
+            let (own, rest) = std::mem::take(&mut points).split_at_mut(pair.count as usize);
+            points = rest;
+            if wanted >> lane & 1 == 1 {
+                let valid = own.iter_mut().filter(|point| point.valid);
+                valid.zip(own_lanes).for_each(|(point, lanes)| lanes.store(lane, point));
             }
         }
     }
@@ -233,7 +278,7 @@ impl PointLanes {
     }
 }
 
-/// The batches of an island, in order, each with its points.
+/// Batches in order, each with its points.
 pub(super) struct Batches<'a> {
     batches: std::slice::IterMut<'a, Batch>,
     points: &'a mut [PointLanes],

@@ -10,6 +10,8 @@ use std::cmp::Reverse;
 
 /// The most pairs of a batch: one in each lane.
 pub(super) const LANES: usize = CLUSTER;
+/// The set of all lanes.
+pub(super) const ALL_LANES: u32 = (1 << LANES) - 1;
 /// Colours that a body keeps account of, in the bits of a word.
 const COLORS: u32 = u64::BITS;
 
@@ -22,6 +24,18 @@ pub(super) struct BatchSize {
     pub points: u32,
     /// The sum of the points of its pairs.
     pub all_points: u32,
+}
+
+impl BatchSize {
+    /// That of these pairs.
+    pub fn of(pairs: &[IslandPair], points_of: impl Fn(&IslandPair) -> u32) -> Self {
+        let points = || pairs.iter().map(&points_of);
+        Self {
+            pairs: pairs.len() as u32,
+            points: points().max().unwrap_or(0),
+            all_points: points().sum(),
+        }
+    }
 }
 
 /// Colours pairs. It holds only scratch memory.
@@ -74,12 +88,11 @@ impl Colors {
         for (pair, colored) in pairs.iter_mut().zip(&self.pairs) {
             *pair = colored.pair;
         }
+        let mut rest = &*pairs;
         for same in self.pairs.chunk_by(|a, b| a.color == b.color) {
-            batches.extend(same.chunks(LANES).map(|batch| BatchSize {
-                pairs: batch.len() as u32,
-                points: batch[0].points,
-                all_points: batch.iter().map(|colored| colored.points).sum(),
-            }));
+            let own;
+            (own, rest) = rest.split_at(same.len());
+            batches.extend(own.chunks(LANES).map(|batch| BatchSize::of(batch, &points_of)));
         }
     }
 

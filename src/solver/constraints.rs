@@ -1,8 +1,8 @@
-//! All contact constraints of a collision substep in flat lists, and the parallel loop over their islands.
+//! All contact constraints of a collision substep in flat lists, and the parallel loop over their bundles.
 
-use super::batch::{Batch, Batches, PointLanes};
+use super::batch::{Batch, PointLanes};
 use super::bodies::SolverBodies;
-use super::colors::{BatchSize, Colors};
+use super::bundles::{Bundle, Bundles};
 use super::contact::{Pair, Point};
 use super::islands::{Island, IslandPair, Islands, Mobility};
 use super::motion::{BodyStates, StatesMut};
@@ -12,7 +12,7 @@ use crate::parallel::loops;
 use crate::state::Manifolds;
 use glam::Vec3;
 
-/// Islands with fewer points and bodies are solved by one task.
+/// Bundles with fewer points and bodies are solved by one task.
 const GRAIN: usize = 512;
 
 /// How many bodies cost as much as a pair.
@@ -23,14 +23,13 @@ const PAIR_WEIGHT: usize = 8;
 pub(super) struct Constraints {
     pub islands: Islands,
     pub states: BodyStates,
-    /// In the order of the islands.
+    bundles: Bundles,
+    /// In the order of the bundles.
     pairs: Vec<Pair>,
     points: Vec<Point>,
     /// The pairs in lanes, and their points.
     batches: Vec<Batch>,
     lanes: Vec<PointLanes>,
-    colors: Colors,
-    batch_sizes: Vec<BatchSize>,
     /// The bodies of each manifold; `None` if it is not solved.
     solved: Vec<Option<[u32; 2]>>,
     /// For each point of the manifolds its number among `points`; `u32::MAX` if it is not solved.
@@ -41,9 +40,9 @@ pub(super) struct Constraints {
     pushing: Vec<u32>,
 }
 
-/// One or more islands with their bodies, pairs and points.
-pub(super) struct IslandsMut<'a> {
-    islands: &'a [Island],
+/// One or more bundles with their bodies, pairs and points.
+pub(super) struct BundlesMut<'a> {
+    bundles: &'a [Bundle],
     pub states: StatesMut<'a>,
     pub pairs: &'a mut [Pair],
     pub points: &'a mut [Point],
@@ -114,21 +113,15 @@ impl Constraints {
         self.find_unsolved(bodies, manifolds, warm);
     }
 
-    /// Sorts the pairs of each island by batches, and makes room for these.
+    /// Sorts the islands into bundles and the pairs by batches, and makes room for these.
     fn add_batches(&mut self, manifolds: &Manifolds) {
-        self.batch_sizes.clear();
         let points_of = |pair: &IslandPair| manifolds.pairs[pair.number as usize].point_count;
         let Islands { list, pairs, .. } = &mut self.islands;
-        for island in list {
-            let first = self.batch_sizes.len();
-            let pairs = &mut pairs[island.pairs.clone()];
-            self.colors
-                .sort(pairs, island.movable, points_of, &mut self.batch_sizes);
-            island.batches = first..self.batch_sizes.len();
-        }
+        self.bundles.build(list, pairs, points_of);
+        let sizes = &self.bundles.batches;
         self.batches.clear();
-        self.batches.extend(self.batch_sizes.iter().copied().map(Batch::new));
-        let points: u32 = self.batch_sizes.iter().map(|size| size.points).sum();
+        self.batches.extend(sizes.iter().copied().map(Batch::new));
+        let points: u32 = sizes.iter().map(|size| size.points).sum();
         self.lanes.resize(points as usize, PointLanes::default());
     }
 
@@ -197,22 +190,22 @@ impl Constraints {
         }
     }
 
-    /// Calls `f` with every island and the bodies of its slots, in parallel.
-    pub fn for_each_island(&mut self, f: impl Fn(&[u32], &mut IslandsMut) + Sync) {
-        let all = IslandsMut {
-            islands: &self.islands.list,
+    /// Calls `f` with every bundle, its islands, and the bodies of its slots, in parallel.
+    pub fn for_each_bundle(&mut self, f: impl Fn(&[Island], &[u32], &mut BundlesMut) + Sync) {
+        let all = BundlesMut {
+            bundles: &self.bundles.list,
             states: self.states.resize(self.islands.bodies.len()),
             pairs: &mut self.pairs,
             points: &mut self.points,
             batches: &mut self.batches,
             lanes: &mut self.lanes,
         };
-        let bodies = &self.islands.bodies;
-        all.for_each(&|island, data| f(&bodies[island.slots.clone()], data));
+        let Islands { list, bodies, .. } = &self.islands;
+        all.for_each(&|bundle, data| f(&list[bundle.islands.clone()], &bodies[bundle.slots.clone()], data));
     }
 }
 
-impl IslandsMut<'_> {
+impl BundlesMut<'_> {
     /// Every pair and its points, in order.
     pub fn pairs_with_points(&mut self) -> impl Iterator<Item = (&mut Pair, &mut [Point])> {
         let mut points = &mut self.points[..];
@@ -223,37 +216,15 @@ impl IslandsMut<'_> {
         })
     }
 
-    /// Loads all pairs and points into the lanes of batches.
-    pub fn load_batches(&mut self) {
-        let (mut pairs, mut points) = (&*self.pairs, &*self.points);
-        for (batch, lanes) in Batches::new(self.batches, self.lanes) {
-            let (own_pairs, own_points);
-            (own_pairs, pairs) = pairs.split_at(batch.pairs);
-            (own_points, points) = points.split_at(batch.all_points);
-            batch.load(own_pairs, own_points, lanes, self.states.masses);
-        }
-    }
-
-    /// Stores what the substeps have changed in the points.
-    pub fn store_batches(&mut self) {
-        let (mut pairs, mut points) = (&*self.pairs, &mut self.points[..]);
-        for (batch, lanes) in Batches::new(self.batches, self.lanes) {
-            let (own_pairs, own_points);
-            (own_pairs, pairs) = pairs.split_at(batch.pairs);
-            (own_points, points) = points.split_at_mut(batch.all_points);
-            batch.store(own_pairs, own_points, lanes);
-        }
-    }
-
-    /// Splits the islands in half until they are few enough for one task, and calls `f` with each.
-    fn for_each<F: Fn(&Island, &mut IslandsMut) + Sync>(self, f: &F) {
-        let count = self.islands.len();
+    /// Splits the bundles in half until they are few enough for one task, and calls `f` with each.
+    fn for_each<F: Fn(&Bundle, &mut BundlesMut) + Sync>(self, f: &F) {
+        let count = self.bundles.len();
         if count == 0 {
             return;
         }
         if count == 1 {
-            let island = &self.islands[0];
-            f(island, &mut { self });
+            let bundle = &self.bundles[0];
+            f(bundle, &mut { self });
             return;
         }
         let is_small = self.points.len() + self.states.velocities.len() <= GRAIN;
@@ -268,12 +239,12 @@ impl IslandsMut<'_> {
 
     /// Two halves of about equal cost.
     fn split(self) -> (Self, Self) {
-        let size = |island: &Island| island.slots.end + PAIR_WEIGHT * island.pairs.end;
-        let (first, last) = (&self.islands[0], &self.islands[self.islands.len() - 1]);
+        let size = |bundle: &Bundle| bundle.slots.end + PAIR_WEIGHT * bundle.pairs.end;
+        let (first, last) = (&self.bundles[0], &self.bundles[self.bundles.len() - 1]);
         let half = (first.slots.start + PAIR_WEIGHT * first.pairs.start + size(last)) / 2;
-        let middle = self.islands.partition_point(|island| size(island) <= half);
-        let middle = middle.clamp(1, self.islands.len() - 1);
-        let (first, second) = self.islands.split_at(middle);
+        let middle = self.bundles.partition_point(|bundle| size(bundle) <= half);
+        let middle = middle.clamp(1, self.bundles.len() - 1);
+        let (first, second) = self.bundles.split_at(middle);
         let slots = first[middle - 1].slots.end - first[0].slots.start;
         let pairs = first[middle - 1].pairs.end - first[0].pairs.start;
         let first_point = self.pairs.first().map_or(0, |pair| pair.first);
@@ -290,7 +261,7 @@ impl IslandsMut<'_> {
         let (lanes, more_lanes) = self.lanes.split_at_mut(lanes);
         (
             Self {
-                islands: first,
+                bundles: first,
                 states,
                 pairs,
                 points,
@@ -298,7 +269,7 @@ impl IslandsMut<'_> {
                 lanes,
             },
             Self {
-                islands: second,
+                bundles: second,
                 states: more_states,
                 pairs: more_pairs,
                 points: more_points,

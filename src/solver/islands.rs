@@ -3,6 +3,7 @@
 
 use super::pace::Pace;
 use crate::geometry::union_find::UnionFind;
+use std::cmp::Reverse;
 use std::ops::Range;
 
 /// In place of an island, a slot or a pair that does not exist.
@@ -11,14 +12,14 @@ const NONE: u32 = u32::MAX;
 const FREE_BODIES: usize = 256;
 
 /// A part of the lists of [`Islands`].
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Island {
     pub slots: Range<usize>,
     /// How many of the first slots have bodies that impulses move.
     pub movable: u32,
     pub pairs: Range<usize>,
-    /// The batches of its pairs, once there are some.
-    pub batches: Range<usize>,
+    /// The common pace of its bodies.
+    pub pace: Pace,
 }
 
 /// A pair of an island.
@@ -61,6 +62,11 @@ pub(super) struct Islands {
     /// The pairs of all islands.
     pub pairs: Vec<IslandPair>,
     trees: Trees,
+    /// Of each tree with pairs.
+    sizes: Vec<Size>,
+    /// The numbers of trees in the order of the list, and the place of each tree in it.
+    order: Vec<u32>,
+    places: Vec<u32>,
     /// The slot of each body, from the first slot of all.
     slots: Vec<u32>,
     /// Bodies, and pairs, sorted by island: the island in the upper half.
@@ -68,9 +74,18 @@ pub(super) struct Islands {
     sorted_pairs: Vec<u64>,
 }
 
+/// What decides an island's place in the list.
+#[derive(Clone, Copy, Debug)]
+struct Size {
+    pace: Pace,
+    pairs: u32,
+}
+
 impl Islands {
     /// Sorts bodies and pairs into islands. `pairs` has the two bodies of every pair that is to be solved, and `None`
     /// for others. Impulses must change the velocity of at least one of the two.
+    ///
+    /// Islands of the same pace follow each other, those with more pairs first.
     pub fn build(&mut self, mobility: &[Mobility], paces: &[Pace], pairs: &[Option<[u32; 2]>]) {
         let is_movable = |body: u32| mobility[body as usize].has_impulses();
         let numbered = || {
@@ -78,17 +93,29 @@ impl Islands {
                 .zip(pairs)
                 .filter_map(|(number, pair)| Some((number, (*pair)?)))
         };
-        self.trees
+        let trees = self
+            .trees
             .join(mobility.len(), numbered().map(|(_, pair)| pair), is_movable);
+        self.sizes.clear();
+        self.sizes.resize(trees as usize, Size { pace: Pace::DONE, pairs: 0 });
+        for (_, [a, b]) in numbered() {
+            let tree = self.trees.number(if is_movable(a) { a } else { b });
+            let size = &mut self.sizes[tree as usize];
+            size.pairs += 1;
+            size.pace = size.pace.and(paces[a as usize]).and(paces[b as usize]);
+        }
+        self.find_places();
         self.sorted_pairs.clear();
         for (number, [a, b]) in numbered() {
-            let island = self.trees.number(if is_movable(a) { a } else { b });
+            let tree = self.trees.number(if is_movable(a) { a } else { b });
+            let island = self.places[tree as usize];
             self.sorted_pairs.push(u64::from(island) << 32 | u64::from(number));
         }
         self.sorted_pairs.sort_unstable();
         self.sorted_bodies.clear();
         for body in (0..mobility.len() as u32).filter(|&body| is_movable(body)) {
-            let island = self.trees.number_if_any(body);
+            let tree = self.trees.number_if_any(body);
+            let island = tree.map(|tree| self.places[tree as usize]);
             self.sorted_bodies
                 .extend(island.map(|island| u64::from(island) << 32 | u64::from(body)));
         }
@@ -103,7 +130,8 @@ impl Islands {
         let mut first = 0;
         while first < self.sorted_pairs.len() {
             let island = self.sorted_pairs[first] >> 32;
-            let mut start = self.start();
+            let size = self.sizes[self.order[island as usize] as usize];
+            let mut start = self.start(size.pace);
             while let Some(&body) = self.sorted_bodies.get(bodies).filter(|&body| body >> 32 == island) {
                 self.slot(body as u32, start.slots.start);
                 bodies += 1;
@@ -121,12 +149,29 @@ impl Islands {
         self.add_free_bodies(mobility, paces);
     }
 
+    /// Sorts the trees with pairs by pace and by their number of pairs.
+    fn find_places(&mut self) {
+        let sizes = &self.sizes;
+        self.order.clear();
+        self.order.extend(0..sizes.len() as u32);
+        self.order.sort_unstable_by_key(|&tree| {
+            let Size { pace, pairs } = sizes[tree as usize];
+            (pace.key(), Reverse(pairs), tree)
+        });
+        self.places.clear();
+        self.places.resize(sizes.len(), 0);
+        for (place, &tree) in (0..).zip(&self.order) {
+            self.places[tree as usize] = place;
+        }
+    }
+
     /// An island that begins after all others.
-    fn start(&self) -> Island {
+    fn start(&self, pace: Pace) -> Island {
         Island {
             slots: self.bodies.len()..self.bodies.len(),
+            movable: 0,
             pairs: self.pairs.len()..self.pairs.len(),
-            ..Island::default()
+            pace,
         }
     }
 
@@ -157,14 +202,15 @@ impl Islands {
         self.bodies.extend((0..mobility.len() as u32).filter(is_free));
         let free = &mut self.bodies[first..];
         let pace_of = |body: u32| paces[body as usize];
-        free.sort_unstable_by_key(|&body| (pace_of(body).dt.to_bits(), pace_of(body).substeps, body));
+        free.sort_unstable_by_key(|&body| (pace_of(body).key(), body));
         let mut end = first;
         for same in free.chunk_by(|&a, &b| pace_of(a) == pace_of(b)) {
             for bodies in same.chunks(FREE_BODIES) {
                 self.list.push(Island {
                     slots: end..end + bodies.len(),
+                    movable: 0,
                     pairs: self.pairs.len()..self.pairs.len(),
-                    ..Island::default()
+                    pace: pace_of(bodies[0]),
                 });
                 end += bodies.len();
             }
@@ -183,13 +229,18 @@ impl Island {
 #[derive(Clone, Debug, Default)]
 struct Trees {
     sets: UnionFind,
-    /// For the root of each tree with pairs, the number of the island.
+    /// For the root of each tree with pairs, the tree's number.
     numbers: Vec<u32>,
 }
 
 impl Trees {
-    /// Joins the movable bodies of each pair, and numbers the trees in the order of pairs.
-    fn join(&mut self, bodies: usize, pairs: impl Iterator<Item = [u32; 2]> + Clone, is_movable: impl Fn(u32) -> bool) {
+    /// Joins the movable bodies of each pair, numbers the trees in the order of pairs, and returns how many there are.
+    fn join(
+        &mut self,
+        bodies: usize,
+        pairs: impl Iterator<Item = [u32; 2]> + Clone,
+        is_movable: impl Fn(u32) -> bool,
+    ) -> u32 {
         self.sets.reset(bodies);
         self.numbers.clear();
         self.numbers.resize(bodies, NONE);
@@ -204,9 +255,10 @@ impl Trees {
                 next += 1;
             }
         }
+        next
     }
 
-    /// The island of a movable body that has pairs.
+    /// The tree of a movable body that has pairs.
     fn number(&mut self, body: u32) -> u32 {
         let root = self.sets.root(body);
         self.numbers[root as usize]

@@ -4,7 +4,9 @@
 //! heavy body on a light one would press it flat; with shorter substeps the springs are stiffer.
 
 use super::batch::Batches;
-use super::constraints::IslandsMut;
+use super::colors::LANES;
+use super::constraints::BundlesMut;
+use super::group::Group;
 use super::pace::Pace;
 use super::prepare::Source;
 use crate::simd::lanes::lane_of;
@@ -17,21 +19,28 @@ pub(super) const MAX_FACTOR: f32 = 16.0;
 /// Points times factor of an island.
 pub(super) const POINT_BUDGET: f32 = 2000.0;
 
-/// Factor on the number of substeps of an island with this pace. The points have the impulses of the last collision substep.
-pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source, pace: Pace) -> u32 {
+/// Factors on the number of substeps of the islands of a bundle with this pace and so many points. The points have the
+/// impulses of the last collision substep.
+pub(super) fn substep_factors(
+    bundle: &mut BundlesMut,
+    group: &Group,
+    point_counts: &[u32; LANES],
+    source: &Source,
+    pace: Pace,
+) -> [u32; LANES] {
     let h = pace.h();
     let stiffness = (TAU * source.settings.frequency / h).powi(2);
     let gravity = source.gravity;
-    let mut compression = 0.0f32;
-    let mut pairs = island.pairs.iter();
-    for (batch, points) in Batches::new(island.batches, island.lanes) {
+    let mut compressions = [0.0f32; LANES];
+    let mut pairs = bundle.pairs.iter();
+    for (batch, points) in Batches::new(bundle.batches, bundle.lanes) {
         for (lane, pair) in pairs.by_ref().take(batch.pairs).enumerate() {
             if pair.depenetrating {
                 continue;
             }
             let inverse_masses = pair
                 .slots
-                .map(|slot| island.states.masses[slot as usize].inverse_mass.max_element());
+                .map(|slot| bundle.states.masses[slot as usize].inverse_mass.max_element());
             for point in points.iter().filter(|point| point.valid >> lane & 1 == 1) {
                 // Acceleration of the bodies by the load.
                 let impulse = point.normal_impulse.0[lane];
@@ -50,10 +59,14 @@ pub(super) fn substep_factor(island: &mut IslandsMut, source: &Source, pace: Pac
                 } else {
                     0.0
                 };
-                compression = compression.max(load / (stiffness * MAX_COMPRESSION * pair.diameter));
+                let compression = load / (stiffness * MAX_COMPRESSION * pair.diameter);
+                let island = group.island(lane);
+                compressions[island] = compressions[island].max(compression);
             }
         }
     }
-    let most = (POINT_BUDGET / island.points.len() as f32).clamp(1.0, MAX_FACTOR);
-    compression.sqrt().clamp(1.0, most).ceil() as u32
+    std::array::from_fn(|island| {
+        let most = (POINT_BUDGET / point_counts[island] as f32).clamp(1.0, MAX_FACTOR);
+        compressions[island].sqrt().clamp(1.0, most).ceil() as u32
+    })
 }

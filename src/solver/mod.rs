@@ -49,12 +49,14 @@ mod adapter;
 mod batch;
 pub mod bodies;
 mod body_constants;
+mod bundles;
 mod colors;
 mod constraints;
 mod contact;
 mod friction;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod group;
 mod islands;
 mod load;
 #[cfg(feature = "bevy")]
@@ -189,7 +191,7 @@ impl Solver {
             settings,
             gravity,
         };
-        constraints.for_each_island(|members, island| island.run(&source, members));
+        constraints.for_each_bundle(|islands, members, bundle| bundle.run(&source, islands, members));
         saved.save(warm, constraints, bodies);
         std::mem::swap(warm, saved);
         constraints.write_back(bodies, mobility);

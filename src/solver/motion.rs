@@ -5,6 +5,7 @@ use super::body_constants::{BodyConstants, rotated};
 use super::islands::Mobility;
 use super::pace::Pace;
 use glam::{DQuat, Mat3A, Quat, Vec3, Vec3A};
+use std::ops::Range;
 
 /// Velocity of a body in world axes, m/s and rad/s.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,7 +42,7 @@ pub(super) struct BodyStates {
     constants: Vec<BodyConstants>,
 }
 
-/// The states of the bodies of one or more islands.
+/// The states of the bodies of one or more bundles.
 pub(super) struct StatesMut<'a> {
     pub velocities: &'a mut [Velocity],
     /// Those before the impulses of the substep.
@@ -139,9 +140,10 @@ impl<'a> StatesMut<'a> {
         self.constants[slot] = constants;
     }
 
-    /// Applies gravity, external forces, damping and speed limits over one substep.
-    pub fn integrate_velocities(&mut self) {
-        for ((velocity, mass), constants) in self.velocities.iter_mut().zip(&*self.masses).zip(&*self.constants) {
+    /// Applies gravity, external forces, damping and speed limits over one substep to the bodies of some slots.
+    pub fn integrate_velocities(&mut self, slots: Range<usize>) {
+        let states = self.velocities[slots.clone()].iter_mut().zip(&self.masses[slots.clone()]);
+        for ((velocity, mass), constants) in states.zip(&self.constants[slots]) {
             if mass.is_immovable() {
                 continue;
             }
@@ -156,14 +158,13 @@ impl<'a> StatesMut<'a> {
         }
     }
 
-    /// Moves and rotates the bodies over one substep.
-    pub fn integrate_poses(&mut self) {
-        let states = self
-            .velocities
+    /// Moves and rotates the bodies of some slots over one substep.
+    pub fn integrate_poses(&mut self, slots: Range<usize>) {
+        let states = self.velocities[slots.clone()]
             .iter_mut()
-            .zip(&mut *self.masses)
-            .zip(&mut *self.pose_changes);
-        for (((velocity, mass), pose_change), constants) in states.zip(&*self.constants) {
+            .zip(&mut self.masses[slots.clone()])
+            .zip(&mut self.pose_changes[slots.clone()]);
+        for (((velocity, mass), pose_change), constants) in states.zip(&self.constants[slots]) {
             if !constants.moves {
                 continue;
             }
@@ -189,9 +190,9 @@ impl<'a> StatesMut<'a> {
         }
     }
 
-    /// Limits the speeds that contacts caused in the last substep.
-    pub fn limit_speeds(&mut self) {
-        for (velocity, constants) in self.velocities.iter_mut().zip(&*self.constants) {
+    /// Limits the speeds that contacts caused in the last substep to the bodies of some slots.
+    pub fn limit_speeds(&mut self, slots: Range<usize>) {
+        for (velocity, constants) in self.velocities[slots.clone()].iter_mut().zip(&self.constants[slots]) {
             if constants.moves {
                 velocity.limit(constants);
             }

@@ -18,6 +18,11 @@ impl Pace {
         self.dt == 0.0
     }
 
+    /// Sorts equal paces together.
+    pub(super) fn key(&self) -> (u32, u32) {
+        (self.dt.to_bits(), self.substeps)
+    }
+
     /// Length of a solver substep, seconds.
     pub fn h(&self) -> f32 {
         self.dt / self.substeps as f32

@@ -1,7 +1,9 @@
 //! What the passes of a substep aim at.
 
 use super::batch::{Batch, PointLanes};
+use super::colors::LANES;
 use super::softness::Softness;
+use crate::geometry::lanes::Stored;
 use crate::simd::lanes::{Select, Simd, SimdBase, lanes, load, splat, store};
 use crate::types::solver_settings::SolverSettings;
 
@@ -16,7 +18,7 @@ enum Purpose {
     Restitution,
 }
 
-/// Parameters of a pass, the same for all pairs of an island.
+/// Parameters of a pass, the same for all pairs of a group.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pass {
     /// Length of the substep, seconds.
@@ -25,8 +27,8 @@ pub(super) struct Pass {
     max_depenetration_speed: f32,
     deep_depenetration_speed: f32,
     purpose: Purpose,
-    /// See [`SolverSettings::convergence_speed`].
-    pub convergence_speed: f32,
+    /// In each lane; see [`SolverSettings::convergence_speed`].
+    pub convergence_speed: Stored,
 }
 
 impl Pass {
@@ -38,7 +40,7 @@ impl Pass {
             max_depenetration_speed: settings.max_depenetration_speed,
             deep_depenetration_speed: settings.deep_depenetration_speed,
             purpose: Purpose::Bias,
-            convergence_speed: settings.convergence_speed,
+            convergence_speed: Stored([settings.convergence_speed; LANES]),
         }
     }
 
@@ -51,7 +53,7 @@ impl Pass {
     }
 
     /// The same pass with restitution, until no velocity changes by more than `convergence_speed`.
-    pub fn with_restitution(self, convergence_speed: f32) -> Self {
+    pub fn with_restitution(self, convergence_speed: Stored) -> Self {
         Self {
             convergence_speed,
             purpose: Purpose::Restitution,

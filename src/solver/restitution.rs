@@ -7,14 +7,14 @@
 use super::batch::{Batch, PointLanes};
 use super::motion::Velocity;
 use super::velocities::PairVelocities;
-use crate::simd::lanes::{Select, Simd, SimdBase, bitmask, lanes, load, splat, store};
+use crate::simd::lanes::{Select, Simd, SimdBase, bitmask, f32x8, lanes, load, splat, store};
 
 /// Passes end when no normal velocity changes by more than this fraction of the speed of the fastest impact.
 pub(super) const TOLERANCE: f32 = 1.0e-5;
 
-/// Marks the points of a batch that have an impact faster than `threshold`, m/s, in this substep, and returns the speed
-/// of the fastest one that needs restitution; 0 if there is none. `before` are the velocities before the impulses of the
-/// substep.
+/// Marks the points of a batch that have an impact faster than `threshold`, m/s, in this substep, and returns for each lane
+/// the speed of the fastest one that needs restitution; 0 if there is none. `before` are the velocities before the
+/// impulses of the substep.
 #[inline(always)]
 pub(super) fn find_impacts<S: Simd>(
     simd: S,
@@ -22,11 +22,11 @@ pub(super) fn find_impacts<S: Simd>(
     points: &mut [PointLanes],
     before: &[Velocity],
     threshold: f32,
-) -> f32 {
-    if batch.active & batch.elastic == 0 {
-        return 0.0;
-    }
+) -> f32x8<S> {
     let zero = splat(simd, 0.0);
+    if batch.active & batch.elastic == 0 {
+        return zero;
+    }
     let before = PairVelocities::load(simd, batch, before);
     let mut fastest = zero;
     for point in points.iter_mut().filter(|point| point.active != 0) {
@@ -40,7 +40,7 @@ pub(super) fn find_impacts<S: Simd>(
         point.rebounds = point.has_impact | elastic & bitmask(velocity.simd_gt(zero));
         fastest = lanes(simd, point.has_impact).select(-velocity, zero).max(fastest);
     }
-    fastest.to_array().into_iter().fold(0.0, f32::max)
+    fastest
 }
 
 /// Ends the impacts of a batch: the bodies separate, so the impulses must not be applied again.

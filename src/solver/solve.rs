@@ -1,12 +1,13 @@
 //! The passes over a batch: impulses that change the velocities of its bodies.
 
 use super::batch::{Batch, PointLanes};
+use super::colors::ALL_LANES;
 use super::friction::friction_impulse;
 use super::motion::Velocity;
 use super::pass::Pass;
 use super::velocities::PairVelocities;
 use crate::simd::lanes::{
-    Select, Simd, SimdBase, bitmask, cross, dot, f32x8, lanes, load, load_points, scale, splat, store, sub,
+    Select, Simd, SimdBase, bitmask, cross, dot, f32x8, lanes, load, load_points, mask32x8, scale, splat, store, sub,
 };
 
 /// A point is active in a substep if the gap beyond the rest offset will be less than this many rest offsets.
@@ -84,36 +85,51 @@ pub(super) fn apply_impulses<S: Simd>(
     changed.store(batch, velocities);
 }
 
-/// How far a pass changed the impulses.
+/// How far a pass changed the impulses of an island.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Residual<S: Simd> {
     /// The largest change of a normal velocity, over that below which its pair has converged.
-    velocity: f32x8<S>,
+    pub velocity: f32x8<S>,
     /// The sum of the squared changes of impulses, each over its effective mass, joules.
-    energy: f32x8<S>,
+    pub energy: f32x8<S>,
 }
 
 impl<S: Simd> Residual<S> {
     #[inline(always)]
-    pub fn new(simd: S) -> Self {
+    pub fn zero(simd: S) -> Self {
         Self {
             velocity: splat(simd, 0.0),
             energy: splat(simd, 0.0),
         }
     }
 
+    /// Adds that of a batch, whose lanes have pairs of different islands.
     #[inline(always)]
-    pub fn has_converged(&self) -> bool {
-        bitmask(self.velocity.simd_gt(splat(self.velocity.simd, 1.0))) == 0
+    pub fn add(&mut self, batch: Self) {
+        self.velocity = batch.velocity.max(self.velocity);
+        self.energy += batch.energy;
     }
 
+    /// Adds that of a batch whose first lanes have so many pairs of one island. The energies are added pair by pair, as if
+    /// each pair were a batch.
     #[inline(always)]
-    pub fn energy(&self) -> f32 {
-        self.energy.to_array().iter().sum()
+    pub fn add_pairs(&mut self, batch: Self, pairs: usize) {
+        let mut sum = self.energy.to_array()[0];
+        for energy in &batch.energy.to_array()[..pairs] {
+            sum += energy;
+        }
+        self.velocity = batch.velocity.max(self.velocity);
+        self.energy = splat(self.energy.simd, sum);
+    }
+
+    /// Lanes in which all pairs have converged.
+    #[inline(always)]
+    pub fn converged(&self) -> u32 {
+        ALL_LANES & !bitmask(self.velocity.simd_gt(splat(self.velocity.simd, 1.0)))
     }
 }
 
-/// One pass over the active points of a batch: first the normals, then friction.
+/// One pass over the active points of a batch: first the normals, then friction. Impulses change in the lanes `live`.
 #[inline(always)]
 pub(super) fn solve<S: Simd>(
     simd: S,
@@ -121,10 +137,11 @@ pub(super) fn solve<S: Simd>(
     points: &mut [PointLanes],
     velocities: &mut [Velocity],
     pass: &Pass,
-    residual: &mut Residual<S>,
-) {
+    live: mask32x8<S>,
+) -> Residual<S> {
+    let mut residual = Residual::zero(simd);
     if batch.active == 0 {
-        return;
+        return residual;
     }
     let zero = splat(simd, 0.0);
     let mut changed = PairVelocities::load(simd, batch, velocities);
@@ -134,7 +151,7 @@ pub(super) fn solve<S: Simd>(
         let velocity_error = changed.along(&point.rows[0]) + load(simd, &point.aim.bias);
         let wanted =
             load(simd, &point.aim.normal_response) * velocity_error + load(simd, &point.aim.impulse_scale) * before;
-        let impulse = (before - wanted).max(zero);
+        let impulse = live.select((before - wanted).max(zero), before);
         let change = impulse - before;
         changed.apply(batch, &point.rows[0], change);
         let velocity_change = change * load(simd, &point.inverse_effective_mass[0]);
@@ -150,7 +167,9 @@ pub(super) fn solve<S: Simd>(
         let impulses = friction_impulse(simd, &changed, point, limit);
         let inverse_effective_mass = load(simd, &point.inverse_effective_mass[1]);
         for (i, impulse) in impulses.into_iter().enumerate() {
-            let change = impulse - load(simd, &point.friction_impulse[i]);
+            let before = load(simd, &point.friction_impulse[i]);
+            let impulse = live.select(impulse, before);
+            let change = impulse - before;
             changed.apply(batch, &point.rows[i + 1], change);
             residual.energy += change * change * inverse_effective_mass;
             point.change[i + 1] = store(change);
@@ -159,34 +178,37 @@ pub(super) fn solve<S: Simd>(
     }
     // A light body passes on only a small part of what a heavy one needs, so it must be more exact.
     let step_error = splat(simd, MAX_STEP_ERROR) * load(simd, &batch.diameter) / splat(simd, pass.h);
-    let converged = splat(simd, pass.convergence_speed).min(step_error) / load(simd, &batch.mass_ratio);
+    let converged = load(simd, &pass.convergence_speed).min(step_error) / load(simd, &batch.mass_ratio);
     residual.velocity = (largest_change / converged).max(residual.velocity);
     changed.store(batch, velocities);
+    residual
 }
 
-/// Moves the impulses on along the search direction. `keep` is the part of the last direction that the new one keeps.
+/// Moves the impulses of the lanes `live` on along the search direction. `keep` is the part of the last direction that the
+/// new one keeps.
 #[inline(always)]
 pub(super) fn extrapolate<S: Simd>(
     simd: S,
     batch: &Batch,
     points: &mut [PointLanes],
     velocities: &mut [Velocity],
-    keep: f32,
+    live: mask32x8<S>,
+    keep: f32x8<S>,
 ) {
     if batch.active == 0 {
         return;
     }
-    let (zero, keep) = (splat(simd, 0.0), splat(simd, keep));
+    let zero = splat(simd, 0.0);
     let mut changed = PairVelocities::load(simd, batch, velocities);
     for point in points.iter_mut().filter(|point| point.active != 0) {
         let before = load(simd, &point.normal_impulse);
         let normal = keep * load(simd, &point.search[0]);
-        let impulse = (before + normal).max(zero);
+        let impulse = live.select((before + normal).max(zero), before);
         changed.apply(batch, &point.rows[0], impulse - before);
         point.normal_impulse = store(impulse);
         point.search[0] = store(normal + load(simd, &point.change[0]));
         for i in 0..2 {
-            let along = keep * load(simd, &point.search[i + 1]);
+            let along = live.select(keep * load(simd, &point.search[i + 1]), zero);
             changed.apply(batch, &point.rows[i + 1], along);
             point.friction_impulse[i] = store(load(simd, &point.friction_impulse[i]) + along);
             point.search[i + 1] = store(along + load(simd, &point.change[i + 1]));

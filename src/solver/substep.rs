@@ -1,11 +1,17 @@
-//! A collision substep of one island: its substeps, and the passes of each.
+//! A collision substep of a bundle: its substeps, and the passes of each.
+//!
+//! Islands side by side are independent: each has its own number of substeps and of passes, and the lane of one that has
+//! converged keeps its impulses while others go on. So an island moves with the same bits in any bundle.
 //!
 //! A pass of projected Gauss-Seidel visits all pairs. Its impulses are extrapolated along a search direction, as in the
 //! method of conjugate gradients (Silcowitz-Hansen et al., "A Nonsmooth Nonlinear Conjugate Gradient Method for
 //! Interactive Contact Force Problems", 2010). A tower of ten cubes needs a quarter of the passes then.
 
-use super::batch::{Batch, Batches, PointLanes};
-use super::constraints::IslandsMut;
+use super::batch::{Batch, Batches, PointLanes, load_batches, store_batches};
+use super::colors::{ALL_LANES, LANES};
+use super::constraints::BundlesMut;
+use super::group::Group;
+use super::islands::Island;
 use super::load;
 use super::motion::StatesMut;
 use super::pace::Pace;
@@ -14,62 +20,102 @@ use super::points::update_points;
 use super::prepare::Source;
 use super::restitution;
 use super::solve::{self, Residual};
-use crate::simd::lanes::{Select, Simd, lanes, load as load_lanes, splat, store};
+use crate::simd::lanes::{
+    Select, Simd, SimdBase, bits, bitmask, f32x8, lanes, load as load_lanes, splat, store,
+};
 use crate::simd::level::with_simd;
 use crate::types::solver_settings::SolverSettings;
 
 /// Points times passes of an island in one part of a substep. An island of more points than that over the iterations
 /// gets fewer passes: a pile needs less than a tower, and must not stop the game.
-pub(super) const PASS_BUDGET: usize = 2000;
+pub(super) const PASS_BUDGET: u32 = 2000;
 
-impl IslandsMut<'_> {
-    /// Makes the constraints of an island and moves its bodies over the collision substep. `members` are the bodies of
+impl BundlesMut<'_> {
+    /// Makes the constraints of one bundle and moves its bodies over the collision substep. `members` are the bodies of
     /// its slots.
-    pub fn run(&mut self, source: &Source, members: &[u32]) {
-        let settings = source.settings;
-        let paces = members.iter().map(|&body| source.paces[body as usize]);
-        let common = paces.fold(Pace::DONE, Pace::and);
-        let mut pace = common;
-        self.load_bodies(source, members, pace);
+    pub fn run(&mut self, source: &Source, islands: &[Island], members: &[u32]) {
+        let all = Group::all(islands);
+        let pace = islands[0].pace;
+        self.load_bodies(source, members, &all, pace);
         if self.pairs.is_empty() {
             for _ in 0..pace.substeps {
-                self.states.integrate_velocities();
-                self.states.integrate_poses();
+                self.integrate_velocities(&all);
+                self.integrate_poses(&all);
             }
-            self.states.limit_speeds();
+            self.limit_speeds(&all);
             return;
         }
         for (pair, points) in self.pairs_with_points() {
-            source.fill(pair, points, common);
+            source.fill(pair, points, pace);
         }
-        self.load_batches();
-        with_simd!(simd => self.update_points(simd));
-        let factor = load::substep_factor(self, source, common);
-        if factor > 1 {
-            pace = common.refined(factor);
-            self.load_bodies(source, members, pace);
-        }
-        let pass = Pass::new(settings, pace.h());
-        with_simd!(simd => {
-            self.scale_impulses(simd, 1.0 / factor as f32);
-            for _ in 0..pace.substeps {
-                self.substep(simd, &pass, settings);
+        self.load_constraints(&all);
+        let point_counts = self.point_counts(&all);
+        let factors = load::substep_factors(self, &all, &point_counts, source, pace);
+        let mut rest = all;
+        while !rest.is_empty() {
+            let group;
+            (group, rest) = rest.split(&factors);
+            let factor = factors[group.first()];
+            if factor > 1 {
+                self.load_bodies(source, members, &group, pace.refined(factor));
             }
-            // The saved impulses are those of a substep of the common length.
-            self.scale_impulses(simd, factor as f32);
-        });
-        self.store_batches();
-        self.states.limit_speeds();
+            if !group.is_whole() {
+                self.load_constraints(&group);
+            }
+            let passes = Passes::new(source.settings, &group, &point_counts);
+            let pass = Pass::new(source.settings, pace.refined(factor).h());
+            with_simd!(simd => {
+                self.scale_impulses(simd, 1.0 / factor as f32);
+                for _ in 0..pace.refined(factor).substeps {
+                    self.substep(simd, &group, &pass, &passes);
+                }
+                // The saved impulses are those of a substep of the common length.
+                self.scale_impulses(simd, factor as f32);
+            });
+            store_batches(self.batches, self.lanes, self.pairs, self.points, group.lanes());
+            self.limit_speeds(&group);
+        }
     }
 
-    /// Loads the bodies of an island with this pace. A body with another one moves in as many substeps.
-    fn load_bodies(&mut self, source: &Source, members: &[u32], pace: Pace) {
-        for (slot, &body) in members.iter().enumerate() {
-            let mobility = source.mobility[body as usize];
-            let h = source.paces[body as usize].dt / pace.substeps as f32;
-            self.states
-                .load(slot, source.bodies, body as usize, mobility, source.gravity, h);
+    /// Loads the bodies of a group with this pace. A body with another one moves in as many substeps.
+    fn load_bodies(&mut self, source: &Source, members: &[u32], group: &Group, pace: Pace) {
+        for slot in group.slots().flatten() {
+            let body = members[slot] as usize;
+            let mobility = source.mobility[body];
+            let h = source.paces[body].dt / pace.substeps as f32;
+            self.states.load(slot, source.bodies, body, mobility, source.gravity, h);
         }
+    }
+
+    /// Loads the pairs of a group.
+    fn load_constraints(&mut self, group: &Group) {
+        let masses = &*self.states.masses;
+        load_batches(self.batches, self.lanes, self.pairs, self.points, masses, group.lanes());
+        with_simd!(simd => self.update_points(simd));
+    }
+
+    /// The number of points of each island of the bundle.
+    fn point_counts(&self, group: &Group) -> [u32; LANES] {
+        let mut counts = [0; LANES];
+        let mut pairs = self.pairs.iter();
+        for batch in &*self.batches {
+            for (lane, pair) in pairs.by_ref().take(batch.pairs).enumerate() {
+                counts[group.island(lane)] += pair.count;
+            }
+        }
+        counts
+    }
+
+    fn integrate_velocities(&mut self, group: &Group) {
+        group.slots().for_each(|slots| self.states.integrate_velocities(slots));
+    }
+
+    fn integrate_poses(&mut self, group: &Group) {
+        group.slots().for_each(|slots| self.states.integrate_poses(slots));
+    }
+
+    fn limit_speeds(&mut self, group: &Group) {
+        group.slots().for_each(|slots| self.states.limit_speeds(slots));
     }
 
     #[inline(always)]
@@ -86,7 +132,7 @@ impl IslandsMut<'_> {
             return;
         }
         let factor = splat(simd, factor);
-        for point in self.lanes.iter_mut() {
+        for point in Batches::new(self.batches, self.lanes).flat_map(|(_, points)| points) {
             let before = load_lanes(simd, &point.normal_impulse);
             let impulse = factor * before;
             let total = load_lanes(simd, &point.total_normal_impulse);
@@ -99,8 +145,8 @@ impl IslandsMut<'_> {
     }
 
     #[inline(always)]
-    fn substep<S: Simd>(&mut self, simd: S, pass: &Pass, settings: &SolverSettings) {
-        self.states.integrate_velocities();
+    fn substep<S: Simd>(&mut self, simd: S, group: &Group, pass: &Pass, passes: &Passes) {
+        self.integrate_velocities(group);
         self.states.initial_velocities.copy_from_slice(self.states.velocities);
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             solve::begin_substep(simd, batch, points, self.states.initial_velocities, pass);
@@ -108,63 +154,117 @@ impl IslandsMut<'_> {
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             solve::apply_impulses(simd, batch, points, self.states.velocities, splat(simd, 1.0));
         }
-        self.solve(simd, pass, settings.bias_iterations, settings);
-        self.states.integrate_poses();
+        self.solve(simd, pass, passes, passes.settings.bias_iterations, ALL_LANES);
+        self.integrate_poses(group);
         let pass = pass.relaxing();
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             move_impulses(simd, batch, points, &mut self.states);
             pass.aim(simd, batch, points);
         }
-        self.solve(simd, &pass, settings.relax_iterations, settings);
-        self.apply_restitution(simd, &pass, settings);
+        self.solve(simd, &pass, passes, passes.settings.relax_iterations, ALL_LANES);
+        self.apply_restitution(simd, &pass, passes);
     }
 
-    /// Passes over all pairs, at least so many, until they have converged.
+    /// Passes over all pairs of the islands in the lanes `live`, at least so many, until they have converged.
     #[inline(always)]
-    fn solve<S: Simd>(&mut self, simd: S, pass: &Pass, least: u32, settings: &SolverSettings) {
-        let most = settings
-            .max_iterations
-            .min((PASS_BUDGET / self.points.len()) as u32)
-            .max(least);
-        let mut last_energy = 0.0;
-        for iteration in 1..=most {
-            let mut residual = Residual::new(simd);
+    fn solve<S: Simd>(&mut self, simd: S, pass: &Pass, passes: &Passes, least: u32, mut live: u32) {
+        let zero = splat(simd, 0.0);
+        let mut last_energy = zero;
+        for iteration in 1.. {
+            let live_lanes = lanes(simd, live);
+            let mut residual = Residual::zero(simd);
             for (batch, points) in Batches::new(self.batches, self.lanes) {
-                solve::solve(simd, batch, points, self.states.velocities, pass, &mut residual);
+                let own = solve::solve(simd, batch, points, self.states.velocities, pass, live_lanes);
+                if passes.side_by_side {
+                    residual.add(own);
+                } else {
+                    residual.add_pairs(own, batch.pairs);
+                }
             }
-            if iteration == most || (iteration >= least && residual.has_converged()) {
+            live &= !passes.ended(iteration, least, residual.converged());
+            if live == 0 {
                 break;
             }
             // The first direction has no predecessor, and one that leads away is dropped.
-            let energy = residual.energy();
-            let keep = if energy < last_energy {
-                energy / last_energy
-            } else {
-                0.0
-            };
+            let energy = residual.energy;
+            let keep = energy.simd_lt(last_energy).select(energy / last_energy, zero);
+            let live_lanes = lanes(simd, live);
             for (batch, points) in Batches::new(self.batches, self.lanes) {
-                solve::extrapolate(simd, batch, points, self.states.velocities, keep);
+                solve::extrapolate(simd, batch, points, self.states.velocities, live_lanes, keep);
             }
             last_energy = energy;
         }
     }
 
     #[inline(always)]
-    fn apply_restitution<S: Simd>(&mut self, simd: S, pass: &Pass, settings: &SolverSettings) {
-        let mut fastest = 0.0f32;
+    fn apply_restitution<S: Simd>(&mut self, simd: S, pass: &Pass, passes: &Passes) {
+        let mut fastest = splat(simd, 0.0);
         for (batch, points) in Batches::new(self.batches, self.lanes) {
             let before = &*self.states.initial_velocities;
-            let speed = restitution::find_impacts(simd, batch, points, before, settings.restitution_threshold);
-            fastest = fastest.max(speed);
+            let speed = restitution::find_impacts(simd, batch, points, before, passes.settings.restitution_threshold);
+            fastest = speed.max(fastest);
         }
-        if fastest > 0.0 {
-            let pass = pass.with_restitution(restitution::TOLERANCE * fastest);
+        let fastest = passes.of_island(fastest);
+        let live = bitmask(fastest.simd_gt(splat(simd, 0.0)));
+        if live != 0 {
+            let pass = pass.with_restitution(store(splat(simd, restitution::TOLERANCE) * fastest));
             for (batch, points) in Batches::new(self.batches, self.lanes) {
                 pass.aim(simd, batch, points);
             }
-            self.solve(simd, &pass, settings.restitution_iterations, settings);
-            restitution::end_impacts(simd, self.lanes);
+            self.solve(simd, &pass, passes, passes.settings.restitution_iterations, live);
+            for (_, points) in Batches::new(self.batches, self.lanes) {
+                restitution::end_impacts(simd, points);
+            }
         }
+    }
+}
+
+/// When the passes over the islands of a group end.
+struct Passes<'a> {
+    settings: &'a SolverSettings,
+    /// Each lane has pairs of another island.
+    side_by_side: bool,
+    /// The largest number of passes over the island in each lane.
+    most: [u32; LANES],
+}
+
+impl<'a> Passes<'a> {
+    /// `point_counts` are those of the bundle's islands.
+    fn new(settings: &'a SolverSettings, group: &Group, point_counts: &[u32; LANES]) -> Self {
+        let most = |lane| {
+            let points = point_counts[group.island(lane)].max(1);
+            settings.max_iterations.min(PASS_BUDGET / points)
+        };
+        Self {
+            settings,
+            side_by_side: group.is_side_by_side(),
+            most: std::array::from_fn(most),
+        }
+    }
+
+    /// The lanes whose islands need no pass after this one, if `converged` are those whose pairs have converged.
+    #[inline(always)]
+    fn ended(&self, iteration: u32, least: u32, converged: u32) -> u32 {
+        let converged = if iteration < least {
+            0
+        } else if self.side_by_side || converged == ALL_LANES {
+            converged
+        } else {
+            0
+        };
+        bits(ALL_LANES & !converged)
+            .filter(|&lane| iteration >= self.most[lane].max(least))
+            .fold(converged, |ended, lane| ended | 1 << lane)
+    }
+
+    /// In each lane the largest number of its island.
+    #[inline(always)]
+    fn of_island<S: Simd>(&self, largest: f32x8<S>) -> f32x8<S> {
+        if self.side_by_side {
+            return largest;
+        }
+        let of_all = largest.to_array().into_iter().fold(0.0, f32::max);
+        splat(largest.simd, of_all)
     }
 }
 
