@@ -36,6 +36,8 @@ pub struct Scratch {
 /// A vertex that may reach the plane.
 struct LowVertex {
     separation: f32,
+    /// The squared distance to the nearest selected vertex.
+    apart: f32,
     /// Relative to the centre of mass, in the mesh's axes.
     position: Vec3,
     number: u32,
@@ -71,10 +73,14 @@ pub fn find(
         return;
     }
     let vertices = vertices.ready();
-    lists.extend(found, &bodies.kind, TASK, |body, _, found| {
+    lists.extend(found, &bodies.kind, TASK, |body, kind, found| {
+        if *kind != RigidBody::Dynamic || bodies.sensor[body] {
+            return;
+        }
+        let margin = margin(bodies, body, config);
         let mut vertices = vertices.lock();
         let wanted = |&(i, _): &(usize, &Plane)| wanted([body as u32, (bodies.len() + i) as u32]);
-        let near = |(i, plane)| manifold(bodies, meshes, body, i, plane, config, &mut vertices);
+        let near = |(i, plane)| manifold(bodies, meshes, body, i, plane, margin, &mut vertices);
         found.extend(planes.iter().enumerate().filter(wanted).filter_map(near));
     });
     for found in found.iter() {
@@ -101,17 +107,15 @@ fn manifold(
     body: usize,
     index: usize,
     plane: &Plane,
-    config: &StepConfig,
+    margin: f32,
     vertices: &mut Vec<LowVertex>,
 ) -> Option<Found> {
-    let meet = bodies.layers[body].interacts_with(plane.layers);
-    if !meet || bodies.kind[body] != RigidBody::Dynamic || bodies.sensor[body] {
+    if !bodies.layers[body].interacts_with(plane.layers) {
         return None;
     }
     let (frame, radius) = (&bodies.frame[body], bodies.radius[body]);
     let normal = plane.normal.as_dvec3();
     let above = normal.dot(frame.center) - plane.distance as f64;
-    let margin = margin(bodies, body, config);
     let height = above as f32;
     if height >= radius + margin {
         return None;
@@ -136,6 +140,7 @@ fn manifold(
             if separation < margin {
                 vertices.push(LowVertex {
                     separation,
+                    apart: f32::INFINITY,
                     position: lane_of(eight, lane),
                     number: group * CLUSTER as u32 + lane as u32,
                 });
@@ -166,6 +171,7 @@ fn manifold(
             separation,
             position,
             number,
+            ..
         } = vertices[i];
         let anchor = frame.rotation * (frame.scale * position.as_dvec3());
         let curvature_radius = f64::from(features.vertex_curvature_radii[number as usize]) * size;
@@ -195,7 +201,7 @@ fn manifold(
 /// Selects vertices: the lowest, then repeatedly the one farthest from those selected. The first half is selected among
 /// those as low as the lowest, which support the body; the others are those onto which it may roll. Unused entries are
 /// `usize::MAX`.
-fn choose(vertices: &[LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
+fn choose(vertices: &mut [LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS] {
     let mut chosen = [usize::MAX; MAX_POINTS];
     let lowest = vertices
         .iter()
@@ -208,19 +214,16 @@ fn choose(vertices: &[LowVertex], scale: Vec3, level: f32) -> [usize; MAX_POINTS
     let mut count = 1;
     for (limit, ceiling) in [(MAX_POINTS / 2, floor + level), (MAX_POINTS, f32::INFINITY)] {
         while count < limit {
-            let apart = |low: &LowVertex| {
-                let distances = chosen[..count]
-                    .iter()
-                    .map(|&c| (scale * (low.position - vertices[c].position)).length_squared());
-                distances.fold(f32::INFINITY, f32::min)
-            };
-            let farthest = vertices
-                .iter()
-                .enumerate()
-                .filter(|(_, vertex)| vertex.separation <= ceiling)
-                .map(|(i, vertex)| (i, apart(vertex)))
-                // The first of equal ones, so the result follows the order of the vertices.
-                .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+            let last = vertices[chosen[count - 1]].position;
+            // The first of equal ones, so the result follows the order of the vertices.
+            let mut farthest = (0, 0.0);
+            for (i, vertex) in vertices.iter_mut().enumerate() {
+                let apart = (scale * (vertex.position - last)).length_squared();
+                vertex.apart = vertex.apart.min(apart);
+                if vertex.separation <= ceiling && vertex.apart > farthest.1 {
+                    farthest = (i, vertex.apart);
+                }
+            }
             // The remaining vertices coincide with selected ones.
             if farthest.1 <= level * level {
                 break;
