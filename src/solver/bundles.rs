@@ -47,7 +47,10 @@ impl Bundles {
         let Self { colors, alone, .. } = self;
         alone.sizes.clear();
         alone.ends.clear();
-        for Island { movable, pairs: own, .. } in islands {
+        for Island {
+            movable, pairs: own, ..
+        } in islands
+        {
             colors.sort(&mut pairs[own.clone()], *movable, &points_of, &mut alone.sizes);
             alone.ends.push(alone.sizes.len());
         }
@@ -87,7 +90,12 @@ impl Bundles {
         let is_small = |island: &&Island| (1..=MAX_PAIRS).contains(&island.pairs.len()) && island.pace == pace;
         let count = islands[first..].iter().take(LANES).take_while(is_small).count();
         let own = &islands[first..first + count];
-        let alone: u32 = self.alone.of(first..first + count).iter().map(|batch| batch.points).sum();
+        let alone: u32 = self
+            .alone
+            .of(first..first + count)
+            .iter()
+            .map(|batch| batch.points)
+            .sum();
         let together: u32 = rows(own)
             .map(|row| row.map(|(_, pair)| points_of(&pairs[pair])).max().unwrap_or(0))
             .sum();

@@ -58,7 +58,11 @@ impl<'a> Group<'a> {
 
     /// The lanes of the group's pairs.
     pub fn lanes(&self) -> u32 {
-        if self.is_side_by_side() { self.members } else { ALL_LANES }
+        if self.is_side_by_side() {
+            self.members
+        } else {
+            ALL_LANES
+        }
     }
 
     /// The slots of the group's bodies, within the bundle.

@@ -97,7 +97,13 @@ impl Islands {
             .trees
             .join(mobility.len(), numbered().map(|(_, pair)| pair), is_movable);
         self.sizes.clear();
-        self.sizes.resize(trees as usize, Size { pace: Pace::DONE, pairs: 0 });
+        self.sizes.resize(
+            trees as usize,
+            Size {
+                pace: Pace::DONE,
+                pairs: 0,
+            },
+        );
         for (_, [a, b]) in numbered() {
             let tree = self.trees.number(if is_movable(a) { a } else { b });
             let size = &mut self.sizes[tree as usize];

@@ -142,7 +142,9 @@ impl<'a> StatesMut<'a> {
 
     /// Applies gravity, external forces, damping and speed limits over one substep to the bodies of some slots.
     pub fn integrate_velocities(&mut self, slots: Range<usize>) {
-        let states = self.velocities[slots.clone()].iter_mut().zip(&self.masses[slots.clone()]);
+        let states = self.velocities[slots.clone()]
+            .iter_mut()
+            .zip(&self.masses[slots.clone()]);
         for ((velocity, mass), constants) in states.zip(&self.constants[slots]) {
             if mass.is_immovable() {
                 continue;

@@ -20,9 +20,7 @@ use super::points::update_points;
 use super::prepare::Source;
 use super::restitution;
 use super::solve::{self, Residual};
-use crate::simd::lanes::{
-    Select, Simd, SimdBase, bits, bitmask, f32x8, lanes, load as load_lanes, splat, store,
-};
+use crate::simd::lanes::{Select, Simd, SimdBase, bitmask, bits, f32x8, lanes, load as load_lanes, splat, store};
 use crate::simd::level::with_simd;
 use crate::types::solver_settings::SolverSettings;
 

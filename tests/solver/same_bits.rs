@@ -59,7 +59,11 @@ fn small_scene(world: &mut World, number: usize) {
         }
         5 => {
             for i in 0..3 {
-                let ball = world.dynamic(Shape::Sphere(0.5), some(1.0) as f32, at + DVec3::new(some(1.1) * i as f64, 4.0, 0.0));
+                let ball = world.dynamic(
+                    Shape::Sphere(0.5),
+                    some(1.0) as f32,
+                    at + DVec3::new(some(1.1) * i as f64, 4.0, 0.0),
+                );
                 world.motion(ball).linear_velocity = Vec3::X * some(3.0) as f32 * (1.0 - i as f32);
                 world.bodies.bodies[ball].restitution = 1.0;
             }

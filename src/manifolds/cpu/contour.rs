@@ -1,10 +1,9 @@
 //! Intersection contours: the segments in which triangles cross, and the patches that closed contours enclose.
 
 use super::feature::{Feature, Key, TrianglePair};
-use super::search::Window;
-use crate::geometry::Aabb;
+use super::search::{Place, Window};
 use crate::geometry::union_find::UnionFind;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// Least cosine between the normals of a patch and of a feature that agrees with it.
 pub(crate) const MIN_AGREEMENT: f64 = 0.7;
@@ -57,13 +56,38 @@ pub struct Contours {
     /// Segments in the order found; after [`Contours::join`] grouped by contour.
     pub segments: Vec<Segment>,
     pub patches: Vec<Patch>,
-    /// Keys of all segment ends, each with its segment and end.
-    keys: Vec<(Key, u32, usize)>,
+    /// All ends of segments, sorted by their keys.
+    ends: Vec<SegmentEnd>,
     /// Ends without a partner, with their segments.
     loose: Vec<(DVec3, u32)>,
     joined: UnionFind,
-    order: Vec<(u32, u32)>,
+    /// The root of each segment's contour in the upper half, and the segment's number.
+    order: Vec<u64>,
     sorted: Vec<Segment>,
+}
+
+/// An end of a segment in one number, which sorts much faster than its parts: the key, the segment's number, and which of its
+/// ends it is.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct SegmentEnd(u128);
+
+impl SegmentEnd {
+    fn new(key: Key, segment: u32, end: usize) -> Self {
+        let key = u128::from(key.side) << 64 | u128::from(key.edge) << 32 | u128::from(key.triangle);
+        Self(key << 33 | u128::from(segment) << 1 | end as u128)
+    }
+
+    fn has_key_of(&self, other: &Self) -> bool {
+        self.0 >> 33 == other.0 >> 33
+    }
+
+    fn segment(&self) -> u32 {
+        (self.0 >> 1) as u32
+    }
+
+    fn end(&self) -> usize {
+        (self.0 & 1) as usize
+    }
 }
 
 impl TrianglePair<'_> {
@@ -162,34 +186,37 @@ impl Contours {
 
     /// Joins the segments into contours and patches. `size` is that of the bodies.
     pub fn join(&mut self, margin: f64, size: f64) {
-        self.keys.clear();
+        self.ends.clear();
         self.joined.reset(self.segments.len());
         for (i, segment) in (0..).zip(&self.segments) {
-            self.keys.extend([(segment.keys[0], i, 0), (segment.keys[1], i, 1)]);
+            self.ends
+                .extend([0, 1].map(|end| SegmentEnd::new(segment.keys[end], i, end)));
         }
-        self.keys.sort_unstable();
+        self.ends.sort_unstable();
         self.loose.clear();
-        for run in self.keys.chunk_by(|x, y| x.0 == y.0) {
+        for run in self.ends.chunk_by(SegmentEnd::has_key_of) {
             for other in &run[1..] {
-                self.joined.join(run[0].1, other.1);
+                self.joined.join(run[0].segment(), other.segment());
             }
-            if let [(_, i, end)] = run {
-                self.loose.push((self.segments[*i as usize].ends[*end], *i));
+            if let [single] = run {
+                let segment = single.segment();
+                self.loose
+                    .push((self.segments[segment as usize].ends[single.end()], segment));
             }
         }
         self.tie_loose_ends(TIE * size);
         self.order.clear();
         for i in 0..self.segments.len() as u32 {
-            self.order.push((self.joined.root(i), i));
+            self.order.push(u64::from(self.joined.root(i)) << 32 | u64::from(i));
         }
         self.order.sort_unstable();
         self.sorted.clear();
         self.sorted
-            .extend(self.order.iter().map(|&(_, i)| self.segments[i as usize]));
+            .extend(self.order.iter().map(|&segment| self.segments[segment as u32 as usize]));
         std::mem::swap(&mut self.sorted, &mut self.segments);
 
         let mut first = 0;
-        for run in self.order.chunk_by(|x, y| x.0 == y.0) {
+        for run in self.order.chunk_by(|x, y| x >> 32 == y >> 32) {
             let end = first + run.len();
             if let Some(patch) = Patch::new(&self.segments, first, end, margin, size) {
                 self.patches.push(patch);
@@ -231,22 +258,16 @@ impl Contours {
         }
     }
 
-    /// Bounds of the triangles of overlapping features, which lie up to `half` from the feature's middle, near patches that are
+    /// Where triangles with overlapping features are, which lie up to `half` from the feature's middle: near patches that are
     /// not deep.
     pub fn window(&self, half: f64) -> Window {
-        let shallow = || self.patches.iter().filter(|patch| !patch.too_deep);
-        let around = shallow().fold(Aabb::EMPTY, |all, patch| {
-            let reach = patch.reach + half;
-            let (low, high) = (patch.center - reach, patch.center + reach);
-            all.union(Aabb::around([low.as_vec3(), high.as_vec3()]))
+        let shallow = self.patches.iter().filter(|patch| !patch.too_deep);
+        let places = shallow.map(|patch| Place {
+            center: patch.center.as_vec3(),
+            radius: (patch.reach + half) as f32,
+            normal: patch.normal.as_vec3(),
         });
-        // Features that agree with a single patch overlap along its normal. Several patches have no common direction.
-        let mut some = shallow();
-        let direction = match (some.next(), some.next()) {
-            (Some(patch), None) => patch.normal.as_vec3(),
-            _ => Vec3::ZERO,
-        };
-        Window { around, direction }
+        Window::new(places, MIN_AGREEMENT)
     }
 }
 
@@ -292,10 +313,9 @@ impl Patch {
         feature.middle().distance_squared(self.center) < self.reach * self.reach
     }
 
-    /// Five points in the patch: its centre, and the extremes of the contour in four directions perpendicular to the
-    /// normal, moved inward by a quarter. The first extreme is the farthest from the centre, so the order of the bodies
-    /// does not matter.
-    pub fn places(&self, segments: &[Segment]) -> [DVec3; 5] {
+    /// Four points in the patch: the extremes of the contour in directions perpendicular to the normal, moved to its centre by
+    /// a quarter. The first extreme is the farthest from the centre, so the order of the bodies does not matter.
+    pub fn outer_places(&self, segments: &[Segment]) -> [DVec3; 4] {
         let own = &segments[self.first..self.end];
         let farthest = |along: &dyn Fn(DVec3) -> f64| {
             let mut best = (f64::NEG_INFINITY, DVec3::ZERO);
@@ -315,7 +335,6 @@ impl Patch {
             farthest(&|p| p.dot(across)),
             farthest(&|p| -p.dot(across)),
         ];
-        let [p, q, r, s] = offsets.map(|p| self.center + p * PROBE_FRACTION);
-        [self.center, p, q, r, s]
+        offsets.map(|p| self.center + p * PROBE_FRACTION)
     }
 }

@@ -186,7 +186,7 @@ impl KeptCandidates {
             rotation: distance / arm(pair, wanted.margin + distance),
         };
         // The patches change, too.
-        let window = wanted.window.map(|window| window.grown(2.0 * distance));
+        let window = wanted.window.map(|window| window.grown(2.0 * distance, 0.0));
         self.found_at = Some(RelativePose::of(pair));
         (self.slack, self.margin, self.window, self.uses) = (slack, wanted.margin, window, 0);
         Source::Search(Search {
@@ -194,7 +194,7 @@ impl KeptCandidates {
             reach: wanted.reach,
             slack,
             crossings: window.is_none(),
-            window: window.map(|window| window.grown(distance)),
+            window: window.map(|window| window.grown(distance, slack.rotation)),
         })
     }
 

@@ -49,7 +49,7 @@ impl NearClusters {
         let limits = Limits::new(search, pose.size);
         let [tree_a, tree_b] = trees(simd, sides, pose, limits.reach);
         self.descent.run(&tree_a, &tree_b);
-        let transform = ClusterTransform::new(simd, &sides[1]);
+        let transform = ClusterTransform::new(simd, sides, 1);
         self.seconds.clear();
         for cluster in self.descent.second() {
             self.seconds
@@ -127,7 +127,7 @@ impl NearTriangles {
             (limits.lowest, limits.highest) = (-limits.reach, limits.reach);
         }
         let crossing = if search.crossings { CROSSING } else { 0 };
-        let transform = ClusterTransform::new(simd, &sides[0]);
+        let transform = ClusterTransform::new(simd, sides, 0);
         for (cluster, others) in clusters.descent.pairs().skip(range.start).take(range.len()) {
             let a = PlacedCluster::new(&sides[0], &transform, cluster, search, limits.pad);
             if a.lanes == 0 {
@@ -218,14 +218,15 @@ fn trees<'a, S: Simd>(simd: S, sides: &[Side<'a>; 2], pose: &PairPose, reach: f3
 #[cfg(test)]
 mod tests {
     use super::super::candidates::Candidates;
-    use super::super::feature::TrianglePair;
+    use super::super::feature::{Feature, TrianglePair};
     use super::super::pair::Pair;
     use super::super::pair_of_bodies;
-    use super::super::search::Slack;
+    use super::super::search::{Place, Slack, Window};
     use super::*;
     use crate::asset::CollisionMesh;
     use crate::geometry::{TriMesh, shapes};
     use crate::state::{Bodies, Body};
+    use crate::testing::scenes::any_vector;
     use glam::{DVec3, Quat};
 
     /// The middles of features, in a certain order.
@@ -277,26 +278,22 @@ mod tests {
         found
     }
 
-    #[test]
-    fn no_feature_is_lost_however_wide_the_margin() {
+    /// Bodies of several shapes, in random poses near each other, some scaled or mirrored.
+    fn random_pairs(rounds: usize, mut each: impl FnMut(usize, &Pair)) {
         let open = shapes::torus(12, 10, 0.7, 0.3);
         let open = TriMesh::new(open.vertices().to_vec(), open.triangles()[..200].to_vec()).unwrap();
-        let inward = shapes::ball(0.5, 2);
-        let turned = inward.triangles().iter().map(|&[a, b, c]| [a, c, b]).collect();
-        let inward = TriMesh::new(inward.vertices().to_vec(), turned).unwrap();
         let shapes = [
             shapes::ball(0.5, 2),
             shapes::cube(0.8),
             shapes::torus_240(),
             open,
-            inward,
+            shapes::ball(0.5, 2).flipped(),
         ];
         let mut meshes = crate::state::mesh_arena::MeshArena::default();
         let slots = shapes.map(|shape| meshes.add(CollisionMesh::new(&shape)));
         let mut random = fastrand::Rng::with_seed(3);
         let mut number = || 2.0 * random.f32() - 1.0;
-        let (mut found, mut pairs) = (0, 0);
-        for round in 0..120 {
+        for round in 0..rounds {
             let mut bodies = Bodies::default();
             for i in 0..2 {
                 let at = Vec3::new(number(), number(), number()) * 0.9;
@@ -309,7 +306,14 @@ mod tests {
                 let body = Body::at_rest(slots[(round + i * (1 + round / 5)) % 5], at, turn, scale);
                 bodies.push(&body, &meshes).unwrap();
             }
-            let pair = pair_of_bodies(&bodies, &meshes, [0, 1]).unwrap();
+            each(round, &pair_of_bodies(&bodies, &meshes, [0, 1]).unwrap());
+        }
+    }
+
+    #[test]
+    fn no_feature_is_lost_however_wide_the_margin() {
+        let (mut found, mut pairs) = (0, 0);
+        random_pairs(120, |round, pair| {
             let sides = &pair.sides;
             let every = every_feature(sides, 0.4);
             let some = Slack {
@@ -317,13 +321,75 @@ mod tests {
                 rotation: 0.01,
             };
             for (slack, keeps) in [(Slack::default(), false), (some, true)] {
-                let [now, kept] = found_features(&pair, 0.4, slack);
+                let [now, kept] = found_features(pair, 0.4, slack);
                 assert_eq!(every, now, "round {round}");
                 assert!(kept == if keeps { now } else { Vec::new() }, "round {round}");
             }
             found += every.len();
             pairs += sides[0].features.triangles.len() * sides[1].features.triangles.len();
-        }
+        });
         assert!(found > 200, "{found} features of {pairs} pairs");
+    }
+
+    /// The features of a search.
+    fn searched(pair: &Pair, search: &Search) -> Vec<Feature> {
+        let mut clusters = NearClusters::default();
+        let (mut near, mut candidates) = (NearTriangles::default(), Candidates::default());
+        clusters.run(&pair.sides, &pair.pose, search);
+        near.run(&pair.sides, pair.pose.size, search, &clusters, 0..usize::MAX);
+        let mut found = Vec::new();
+        candidates.select(&mut near, &pair.sides, search, |pair, parts| {
+            pair.features(&search.range, parts, |feature| found.push(feature));
+        });
+        found
+    }
+
+    #[test]
+    fn a_window_loses_no_feature_near_its_places_with_their_normals() {
+        const REACH: f64 = 0.3;
+        const AGREEMENT: f64 = 0.7;
+        let mut random = fastrand::Rng::with_seed(5);
+        let (mut wanted, mut left_out) = (0, 0);
+        random_pairs(1500, |round, pair| {
+            let mut search = Search {
+                range: -REACH..=-1.0e-6,
+                reach: REACH,
+                slack: Slack::default(),
+                crossings: false,
+                window: None,
+            };
+            let all = searched(pair, &search);
+            if all.is_empty() {
+                return;
+            }
+            let places: Vec<Place> = (0..random.usize(1..7))
+                .map(|_| {
+                    let one = &all[random.usize(..all.len())];
+                    let aside = any_vector(&mut || random.f32());
+                    Place {
+                        center: one.middle().as_vec3() + 0.1 * aside,
+                        radius: 0.15 + 0.3 * random.f32(),
+                        normal: (one.normal.as_vec3() + 0.5 * aside).normalize(),
+                    }
+                })
+                .collect();
+            let window = Window::new(places.iter().copied(), AGREEMENT);
+            let one_sided = pair.sides.iter().all(|side| side.features.one_sided.all());
+            search.window = Some(if one_sided { window } else { window.without_normals() });
+            let found: Vec<String> = searched(pair, &search).iter().map(|f| format!("{f:?}")).collect();
+            let is_wanted = |feature: &&Feature| {
+                places.iter().any(|place| {
+                    let radius = f64::from(place.radius) - 0.5 * REACH;
+                    feature.middle().distance(place.center.as_dvec3()) < radius
+                        && feature.normal.dot(place.normal.as_dvec3()) > AGREEMENT
+                })
+            };
+            for feature in all.iter().filter(is_wanted) {
+                assert!(found.contains(&format!("{feature:?}")), "round {round}: {feature:?}");
+                wanted += 1;
+            }
+            left_out += all.len() - found.len();
+        });
+        assert!(wanted > 100 && left_out > 100, "{wanted} wanted, {left_out} left out");
     }
 }

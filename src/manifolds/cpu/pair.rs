@@ -38,6 +38,8 @@ pub struct Worker {
     contours: Contours,
     features: Vec<Feature>,
     deep: Vec<Feature>,
+    /// Of each patch, the rays through its centre.
+    middles: Vec<Option<Probe>>,
     reduction: Reduction,
 }
 
@@ -115,20 +117,26 @@ impl Worker {
             contours,
             features,
             deep,
+            middles,
             ..
         } = self;
         let Pair { sides, size, .. } = pair;
         let most = MAX_DEPTH * size;
+        middles.clear();
         for patch in &mut contours.patches {
             let middle = probe(sides, patch, patch.center, *size);
-            patch.too_deep = middle.is_some_and(|probe| -probe.separation > most);
+            patch.too_deep = middle.as_ref().is_some_and(|probe| -probe.separation > most);
+            middles.push(middle);
         }
         if contours.patches.iter().any(|patch| !patch.too_deep) {
+            let window = contours.window(0.5 * most);
+            // The normals of two-sided triangles may turn round.
+            let one_sided = sides.iter().all(|side| side.features.one_sided.all());
             let wanted = Wanted {
                 margin: most,
                 range: -most..=-TOUCH * size,
                 reach: most,
-                window: Some(contours.window(0.5 * most)),
+                window: Some(if one_sided { window } else { window.without_normals() }),
             };
             shares.find(pair, &wanted, &mut kept.deep, threads, |feature| {
                 contours.admits(feature, true)
@@ -139,14 +147,16 @@ impl Worker {
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);
         }
-        for patch in contours.patches.iter().filter(|patch| !patch.kept) {
+        for (patch, middle) in contours.patches.iter().zip(middles).filter(|(patch, _)| !patch.kept) {
             let before = features.len();
             let key = patch.key(&contours.segments);
-            let places = (0..).zip(patch.places(&contours.segments));
-            features.extend(places.filter_map(|(place, p)| {
-                let probe = probe(sides, patch, p, *size)?;
-                Some(probe.feature(patch, p, Origin::Patch { place, key }))
-            }));
+            let mut add = |place: u8, p: DVec3, probe: Option<&Probe>| {
+                features.extend(probe.map(|probe| probe.feature(patch, p, Origin::Patch { place, key })));
+            };
+            add(0, patch.center, middle.as_ref());
+            for (place, p) in (1..).zip(patch.outer_places(&contours.segments)) {
+                add(place, p, probe(sides, patch, p, *size).as_ref());
+            }
             if features.len() == before {
                 features.extend(shallow(&contours.segments, patch, *size, key));
             }

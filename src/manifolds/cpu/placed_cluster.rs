@@ -7,7 +7,7 @@
 
 use super::candidates::{CROSSING, Parts, corner_parts, edge_parts};
 use super::eight::{ANY_TILT, SmallTriangle};
-use super::search::{Limits, Search, Window};
+use super::search::{Limits, Search};
 use super::side::Side;
 use crate::geometry::Aabb;
 use crate::geometry::cluster::CLUSTER;
@@ -43,6 +43,9 @@ pub struct PlacedCluster {
     max_along: Stored,
     /// Lanes that take part.
     pub lanes: u32,
+    /// Those whose face, and whose edges, may have a feature with a normal that is wanted.
+    faces: u32,
+    edges: u32,
     /// Index of the triangle in lane 0.
     first: u32,
     /// What each lane's triangle owns.
@@ -82,15 +85,20 @@ pub struct ClusterTransform<S: Simd> {
     rows: Rows<S>,
     /// 1 if placed corners run counter-clockwise seen from outside, else -1.
     outward: f32,
+    /// 1 for the first body and -1 for the second: contact normals point from that to this.
+    forward: f32,
 }
 
 impl<S: Simd> ClusterTransform<S> {
+    /// That of one of the sides of a pair.
     #[inline(always)]
-    pub fn new(simd: S, side: &Side) -> Self {
+    pub fn new(simd: S, sides: &[Side; 2], number: usize) -> Self {
+        let side = &sides[number];
         Self {
             simd,
             rows: Rows::new(simd, side.matrix().as_mat3()),
             outward: side.winding(),
+            forward: [1.0, -1.0][number],
         }
     }
 }
@@ -106,7 +114,12 @@ pub(crate) const AROUND_ERROR: f32 = 1.001;
 impl PlacedCluster {
     #[inline(always)]
     pub fn new<S: Simd>(side: &Side, transform: &ClusterTransform<S>, cluster: u32, search: &Search, pad: f32) -> Self {
-        let ClusterTransform { simd, rows, outward } = transform;
+        let ClusterTransform {
+            simd,
+            rows,
+            outward,
+            forward,
+        } = transform;
         let simd = *simd;
         let own = &side.mesh.lanes().clusters[cluster as usize];
         let at = splat_point(simd, side.place(own.origin).as_vec3());
@@ -141,14 +154,38 @@ impl PlacedCluster {
             min_along: Stored::default(),
             max_along: Stored::default(),
             lanes: own.lanes,
+            faces: own.lanes,
+            edges: own.lanes,
             first,
             owned: std::array::from_fn(|i| side.features.owned.get(first as usize + i).copied().unwrap_or(0)),
             winding: *outward,
         };
-        if let Some(Window { around, direction }) = search.window {
-            let (min, max) = (splat_point(simd, around.min - pad), splat_point(simd, around.max + pad));
-            placed.lanes &= bitmask(boxes_meet(low, high, min, max));
-            let direction = splat_point(simd, direction);
+        if let Some(window) = &search.window {
+            (placed.lanes, placed.faces, placed.edges) = (0, 0, 0);
+            let unit = scale(normal, inverse * splat(simd, *forward));
+            let edge_rotation = load(simd, &placed.edge_rotation);
+            for place in window.places() {
+                let (center, radius) = (
+                    splat_point(simd, place.center),
+                    splat(simd, AROUND_ERROR * place.radius + pad),
+                );
+                let zero = splat(simd, 0.0);
+                let way = each(|axis| (low[axis] - center[axis]).max(center[axis] - high[axis]).max(zero));
+                let near = own.lanes & bitmask(dot(way, way).simd_le(radius * radius));
+                placed.lanes |= near;
+                if place.normal == Vec3::ZERO {
+                    placed.faces |= near;
+                    placed.edges |= near;
+                    continue;
+                }
+                let turn = sub(unit, splat_point(simd, place.normal));
+                let turn = known.select(dot(turn, turn), zero);
+                let most = splat(simd, window.chord);
+                let most_of_edges = most + edge_rotation;
+                placed.faces |= near & bitmask(turn.simd_le(most * most));
+                placed.edges |= near & bitmask(turn.simd_le(most_of_edges * most_of_edges));
+            }
+            let direction = splat_point(simd, window.direction);
             let along = [dot(direction, p), dot(direction, q), dot(direction, r)];
             placed.min_along = store(least(along));
             placed.max_along = store(largest(along));
@@ -177,7 +214,8 @@ impl PlacedCluster {
         };
         let last = splat(simd, self.max_along.0[i] + crossing);
         let boxes = other.boxes_are_near(simd, &own, reach) & load(simd, &other.min_along).simd_le(last);
-        let boxes = bitmask(boxes) & other.lanes;
+        let [own_face, own_edges] = [self.faces, self.edges].map(|lanes| if lanes >> i & 1 == 1 { !0 } else { 0 });
+        let boxes = bitmask(boxes) & other.lanes & (own_face | other.faces | own_edges & other.edges);
         if boxes == 0 {
             return NearLanes::default();
         }
@@ -223,7 +261,10 @@ impl PlacedCluster {
             crossing: near & bitmask(meet),
             ..NearLanes::default()
         };
-        let [first, second, edges] = self.may_have_features(simd, i, other, limits).map(|lanes| near & lanes);
+        let [first, second, edges] = self.may_have_features(simd, i, other, limits);
+        let first = first & near & other.faces;
+        let second = second & near & own_face;
+        let edges = edges & near & own_edges & other.edges;
         if first != 0 {
             found.corners[0] = over_other.corners(limits, first);
         }

@@ -52,38 +52,106 @@ pub struct Search {
     pub window: Option<Window>,
 }
 
-/// Limits the search to some pairs of triangles.
+/// Limits the search to features near some places, the patches of overlaps.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// Both triangles must meet this box.
-    pub around: Aabb,
-    /// The first must extend farther along this direction than the second's lower bound. Zero accepts every pair.
+    places: [Place; MAX_PLACES],
+    count: usize,
+    /// Bound of the angle by which features differ from the normals of their places, as a chord.
+    pub chord: f32,
+    /// The first triangle must extend farther along this direction than the second's lower bound. Zero accepts every pair.
     pub direction: Vec3,
 }
 
-/// Least cosine between the directions of windows that find the same features. Features differ from the direction by up
-/// to 46 degrees, so they overlap along all directions that differ from it by less than 44 degrees.
-const MIN_COSINE: f32 = 0.8;
+/// A ball that both triangles of a feature meet, and the normal with which the feature agrees.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Place {
+    pub center: Vec3,
+    pub radius: f32,
+    /// A unit vector; zero if features may have any normal.
+    pub normal: Vec3,
+}
+
+/// Places of a window. Where there are more, one ball holds them all.
+const MAX_PLACES: usize = 4;
+/// Places whose normals differ by more, as a chord, do not find the same features.
+const MAX_TURN: f32 = 0.2;
+/// Allowance for the rounding of normals, as a chord.
+const NORMAL_ERROR: f32 = 2.0 * DIRECTION_ERROR;
 
 impl Window {
-    /// Whether features whose triangles pass this window are found with `other`.
-    pub fn is_within(&self, other: &Self) -> bool {
-        let boxes = self.around.min.cmpge(other.around.min).all() && self.around.max.cmple(other.around.max).all();
-        // Features agree with the direction of this window, so they overlap along similar directions, too.
-        boxes && (other.direction == Vec3::ZERO || self.direction.dot(other.direction) > MIN_COSINE)
+    /// A window of these places. `agreement` is the least cosine between the normals of a place and of a feature.
+    pub fn new(all: impl Iterator<Item = Place> + Clone, agreement: f64) -> Self {
+        let mut window = Self {
+            places: [Place::default(); MAX_PLACES],
+            count: 0,
+            chord: (2.0 - 2.0 * agreement).sqrt() as f32 + NORMAL_ERROR,
+            direction: Vec3::ZERO,
+        };
+        window.count = all.clone().count();
+        if window.count > MAX_PLACES {
+            (window.places[0], window.count) = (Place::around(all), 1);
+        } else {
+            window.places.iter_mut().zip(all).for_each(|(to, from)| *to = from);
+            // Features that agree with a single place overlap along its normal. Several have no common direction.
+            if window.count == 1 {
+                window.direction = window.places[0].normal;
+            }
+        }
+        window
     }
 
-    /// The window, larger by `distance` on each side.
-    pub fn grown(&self, distance: f64) -> Self {
-        let Aabb { min, max } = self.around;
-        let more = Vec3::splat(distance as f32);
-        Self {
-            around: Aabb {
-                min: min - more,
-                max: max + more,
-            },
-            direction: self.direction,
+    /// The same window for features of any normal.
+    pub fn without_normals(mut self) -> Self {
+        self.places.iter_mut().for_each(|place| place.normal = Vec3::ZERO);
+        self
+    }
+
+    pub fn places(&self) -> &[Place] {
+        &self.places[..self.count]
+    }
+
+    /// Whether what `other` finds includes the features of this window.
+    pub fn is_within(&self, other: &Self) -> bool {
+        let is_found = |place: &Place| other.places().iter().any(|other| place.is_within(other));
+        // Features agree with the direction of this window, so they overlap along similar directions, too.
+        let overlaps = other.direction == Vec3::ZERO || self.direction.distance(other.direction) < MAX_TURN;
+        self.places().iter().all(is_found) && overlaps
+    }
+
+    /// The window for features that may move by `distance` and turn by `rotation`, and whose places may turn, too.
+    pub fn grown(&self, distance: f64, rotation: f64) -> Self {
+        let mut grown = *self;
+        grown
+            .places
+            .iter_mut()
+            .for_each(|place| place.radius += distance as f32);
+        if distance > 0.0 {
+            grown.chord += MAX_TURN + AROUND_ERROR * rotation as f32;
         }
+        grown
+    }
+}
+
+impl Place {
+    /// A ball around all of these.
+    fn around(all: impl Iterator<Item = Self> + Clone) -> Self {
+        let bounds = all.clone().fold(Aabb::EMPTY, |bounds, place| {
+            bounds.union(Aabb::around([place.center - place.radius, place.center + place.radius]))
+        });
+        let center = bounds.center();
+        let radii = all.map(|place| place.center.distance(center) + place.radius);
+        Self {
+            center,
+            radius: radii.fold(0.0, f32::max),
+            normal: Vec3::ZERO,
+        }
+    }
+
+    fn is_within(&self, other: &Self) -> bool {
+        let turn = self.normal.distance(other.normal);
+        self.center.distance(other.center) + self.radius <= other.radius
+            && (other.normal == Vec3::ZERO || self.normal != Vec3::ZERO && turn < MAX_TURN)
     }
 }
 
