@@ -9,8 +9,9 @@
 //! island are coloured, and pairs of one colour, which have no body in common that impulses move, are solved at once.
 //!
 //! On the CPU an island is solved by one thread: its passes are so short that threads would wait for each other longer
-//! than they compute. It solves up to eight pairs at once, one in each lane of vector instructions; see `batch`. The result
-//! has the same bits for any number of threads and any set of vector instructions.
+//! than they compute. It solves up to eight pairs at once, one in each lane of vector instructions; see `batch`. Small
+//! islands are solved side by side, each in a lane; see `bundles`. The result has the same bits for any number of threads
+//! and any set of vector instructions, and whatever other islands there are.
 //!
 //! On the GPU an island is solved by one workgroup, in one dispatch. CPU and GPU visit pairs in another order, and so differ
 //! within the tolerance of convergence.
@@ -25,12 +26,14 @@
 //! | `body_constants` | properties of a body that are constant during a collision substep; free rotation |
 //! | `contact` | the contact constraint of one pair |
 //! | `colors` | which pairs of an island are solved at once |
+//! | `bundles` | which islands are solved side by side |
+//! | `group` | islands of a bundle that go through the same substeps |
 //! | `batch` | pairs and points in lanes |
-//! | `constraints` | all constraints, and the parallel loop over their islands |
+//! | `constraints` | all constraints, and the parallel loop over their bundles |
 //! | `prepare` | how constraints are made from manifolds |
 //! | `patch` | where friction acts between flat surfaces |
 //! | `load` | how many substeps an island needs |
-//! | `substep` | a collision substep of one island |
+//! | `substep` | a collision substep of one bundle |
 //! | `points` | how contact points move with their bodies |
 //! | `pass` | what passes aim at |
 //! | `solve` | the passes over one batch |
