@@ -19,7 +19,7 @@ pub(super) struct Batch {
     pub points: usize,
     /// The sum of their points.
     pub all_points: usize,
-    /// For each side, the numbers of the bodies within the island.
+    /// For each side, the numbers of the bodies within the bundle.
     pub slots: [[u32; LANES]; 2],
     /// For each side, lanes with a body that impulses move.
     pub movable: [u32; 2],

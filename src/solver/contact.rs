@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A};
 pub(super) struct Pair {
     pub colliders: [u32; 2],
     pub bodies: [u32; 2],
-    /// Numbers of its bodies within its island.
+    /// Numbers of its bodies within its bundle.
     pub slots: [u32; 2],
     /// The first of its points in the manifolds.
     pub source: u32,

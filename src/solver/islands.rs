@@ -27,7 +27,7 @@ pub(super) struct Island {
 pub(super) struct IslandPair {
     /// Its number in the list of pairs from which the islands were built.
     pub number: u32,
-    /// Numbers of its bodies within the island.
+    /// Numbers of its bodies within the island; in the order of bundles, within the bundle.
     pub slots: [u32; 2],
 }
 

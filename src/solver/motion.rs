@@ -192,7 +192,7 @@ impl<'a> StatesMut<'a> {
         }
     }
 
-    /// Limits the speeds that contacts caused in the last substep to the bodies of some slots.
+    /// Limits the speeds that contacts caused in the last substep, for the bodies of some slots.
     pub fn limit_speeds(&mut self, slots: Range<usize>) {
         for (velocity, constants) in self.velocities[slots.clone()].iter_mut().zip(&self.constants[slots]) {
             if constants.moves {
