@@ -205,14 +205,12 @@ pub(super) fn load_batches(
                 continue;
             }
             batch.load_pair(lane, pair, masses);
-            let mut valid = 0;
-            for point in own.iter().filter(|point| point.valid) {
-                if valid == batch.points {
-                    lanes[valid] = PointLanes::default();
+            for (number, point) in own.iter().filter(|point| point.valid).enumerate() {
+                if number == batch.points {
+                    lanes[number] = PointLanes::default();
                     batch.points += 1;
                 }
-                lanes[valid].load(lane, point);
-                valid += 1;
+                lanes[number].load(lane, point);
             }
         }
         lanes = std::mem::take(&mut lanes).split_at_mut(batch.points).1;
