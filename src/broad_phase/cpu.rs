@@ -2,6 +2,7 @@
 
 mod counting_sort;
 pub(super) mod grid;
+mod wide;
 
 use crate::parallel::loops;
 use crate::state::Bodies;
@@ -11,6 +12,8 @@ use counting_sort::CountingSort;
 use grid::{Grid, Level};
 use rayon::prelude::*;
 use std::ops::Range;
+pub(crate) use wide::WideSearch;
+
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory kept between steps.

@@ -14,6 +14,7 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
     scratch.schedule.set_all(1);
     results.crowd = Crowd::default();
     scratch.most_near_pairs = None;
+    scratch.near_in_step.clear();
     results.asleep.clear();
     scratch.inactive.clear();
     scratch.touches.clear();
@@ -34,9 +35,10 @@ pub(super) fn begin(input: &mut StepInput, memory: &StepMemory, results: &mut St
                     reach,
                     schedule,
                     solver_bodies,
+                    near_in_step,
                     ..
                 } = scratch;
-                schedule.set_each(reach.collision_substeps(input, solver_bodies, drift));
+                schedule.set_each(reach.collision_substeps(input, solver_bodies, drift, near_in_step));
             }
             SpeculativeMargins::Moving { drift }
         }

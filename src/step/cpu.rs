@@ -157,11 +157,11 @@ fn run_part(part: Part, number: u32, step: &mut StepState) {
     match part {
         Part::Begin => begin(input, memory, results, scratch),
         Part::FindSpherePairs => {
-            let limit = config.limits.body_pairs;
-            let (search, pairs) = (&mut scratch.broad_phase, &mut results.sphere_pairs);
-            results.crowd = results
-                .crowd
-                .or(broad_phase::cpu::run(&input.bodies, limit, search, pairs));
+            let (bodies, pairs) = (&input.bodies, &mut results.sphere_pairs);
+            if !scratch.near_in_step.find(bodies, pairs) {
+                let crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, &mut scratch.broad_phase, pairs);
+                results.crowd = results.crowd.or(crowd);
+            }
             if number > 0 {
                 let still_moves = |&body: &u32| input.bodies.travel_time_of(body as usize) > 0.0;
                 results.sphere_pairs.retain(|pair| pair.iter().any(still_moves));

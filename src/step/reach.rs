@@ -7,6 +7,7 @@
 
 use super::territories::Territories;
 use crate::broad_phase;
+use crate::broad_phase::cpu::WideSearch;
 use crate::geometry::union_find::UnionFind;
 use crate::simd::lanes::{SimdBase, bitmask, load_points, splat_point};
 use crate::simd::level::baseline;
@@ -18,6 +19,10 @@ use crate::state::mesh_arena::{BoxGroup, MeshArena};
 use crate::state::{Bodies, Plane, StepConfig, StepInput};
 use crate::types::body::RigidBody;
 use glam::{DVec3, Vec3};
+
+/// What bodies may travel in a step beyond the way at their first velocities, in units of their radius, so that the later
+/// collision substeps need no search of their own.
+const ROOM: f32 = 0.06;
 
 /// Scratch memory.
 #[derive(Default)]
@@ -44,12 +49,14 @@ pub(super) struct Meeting {
 
 impl Reach {
     /// The number of collision substeps that each body needs; 0 for what does not move. `drift` is the velocity that
-    /// they have in common, m/s. Changes [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
+    /// they have in common, m/s. The pairs that come near each other within the step are kept in `near_in_step`. Changes
+    /// [`Bodies::speculative_radius`] and [`Bodies::travel_time`].
     pub fn collision_substeps(
         &mut self,
         input: &mut StepInput,
         solver_bodies: &SolverBodies,
         drift: Vec3,
+        near_in_step: &mut WideSearch,
     ) -> impl Iterator<Item = u32> {
         let StepInput {
             config,
@@ -67,8 +74,16 @@ impl Reach {
         } = self;
         bodies.travel_time.fill(config.dt);
         SpeculativeMargins::Moving { drift }.set_reach(bodies, config);
+        for (i, radius) in bodies.speculative_radius.iter_mut().enumerate() {
+            if bodies.kind[i] != RigidBody::Static {
+                *radius += ROOM * bodies.radius[i];
+            }
+        }
         let crowd = broad_phase::cpu::run(bodies, config.limits.body_pairs, broad_phase, pairs);
         let is_crowded = crowd.bodies > 0;
+        if !is_crowded {
+            near_in_step.set(bodies, pairs);
+        }
         let moves = |i: u32| solver_bodies.bodies[i as usize].moves();
         let solid = |i: u32| solver_bodies.bodies[i as usize].solid;
         let sweep = |i: u32| Sweep::of(bodies, config, i);

@@ -45,6 +45,8 @@ pub struct StepScratch {
     pub(crate) solver: Solver,
     pub(crate) sleeper: Sleeper,
     pub(crate) broad_phase: broad_phase::cpu::Scratch,
+    /// The pairs of bodies that come near each other within this step, if it has several collision substeps.
+    pub(crate) near_in_step: broad_phase::cpu::WideSearch,
     pub(crate) angles: angles::cpu::Scratch,
     pub(crate) triangle_test: triangle_test::cpu::Scratch,
     pub(crate) manifolds: manifolds::step::Scratch,
