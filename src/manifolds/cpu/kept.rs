@@ -13,8 +13,8 @@ const ROUNDING: f64 = 1.0e-9;
 /// Upper bound of the distance of surfaces that the triangle test cannot tell from intersecting ones, in units of the sum of
 /// the bounding radii and of the distances of the meshes' origins.
 const UNDECIDED: f64 = 1.0e-13;
-/// Most candidates that are kept, for a pair and of each kind.
-const MAX_CANDIDATES: usize = 1 << 16;
+/// Most candidates that are kept, for a pair and of each kind: 4 MiB. The flanks of a finely tessellated thread have so many.
+const MAX_CANDIDATES: usize = 1 << 18;
 
 /// A search has as much slack as the bodies need for so many calls, as they have moved since the last search.
 const CALLS: f64 = 4.0;
@@ -229,16 +229,17 @@ impl KeptCandidates {
 
     /// The slack with which to search now, metres, after the motion since the last search of the same pair.
     fn next_slack(&self, pair: &Pair, margin: f64, motion: Option<f64>) -> f64 {
-        let distance = match motion {
-            Some(motion) => {
-                let each = motion / f64::from(self.uses + 1);
-                let wanted = (CALLS * each).max(LEAST_SLACK * pair.size);
-                if wanted > margin { 0.0 } else { wanted }
-            }
-            // How much slack pays is not known yet.
-            None => 0.0,
-        };
-        distance.min(self.slack_limit.unwrap_or(f64::INFINITY))
+        // How much slack pays is not known before the second search.
+        let Some(motion) = motion else { return 0.0 };
+        let each = motion / f64::from(self.uses + 1);
+        let wanted = (CALLS * each).max(LEAST_SLACK * pair.size);
+        let possible = wanted.min(self.slack_limit.unwrap_or(f64::INFINITY));
+        // Slack that does not last for one more call costs time and saves none.
+        if wanted > margin || possible <= each {
+            0.0
+        } else {
+            possible
+        }
     }
 
     /// Makes room for the candidates of so many shares. More stay empty, so that their memory is kept.
