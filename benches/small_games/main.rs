@@ -17,10 +17,10 @@ const STEP: Duration = Duration::from_nanos(15_625_000);
 fn main() {
     let only = std::env::args().skip(1).find(|arg| !arg.starts_with('-'));
     println!(
-        "| game | bodies | steps | median ms | worst ms | median outside of the stages, us | most parallel stages | most pairs | \
+        "| game | bodies | steps | mean ms | median ms | worst ms | median outside of the stages, us | most parallel stages | most pairs | \
          most points | most collision substeps | asleep at the end |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     for game in GAMES {
         if only.as_ref().is_none_or(|only| game.name.contains(only.as_str())) {
             play(game);
@@ -62,9 +62,10 @@ fn play(game: &Game) {
     rest.sort();
     let ms = |time: Duration| time.as_secs_f64() * 1e3;
     println!(
-        "| {} | {bodies} | {} | {:.3} | {:.2} | {:.0} | {parallel_stages} | {pairs} | {points} | {collision_substeps} | {asleep} |",
+        "| {} | {bodies} | {} | {:.3} | {:.3} | {:.2} | {:.0} | {parallel_stages} | {pairs} | {points} | {collision_substeps} | {asleep} |",
         game.name,
         game.steps,
+        ms(times.iter().sum::<Duration>()) / times.len() as f64,
         ms(times[times.len() / 2]),
         ms(times[times.len() - 1]),
         1e3 * ms(rest[rest.len() / 2]),

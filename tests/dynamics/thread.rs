@@ -1,6 +1,6 @@
 //! A nut on a bolt, with external meshes, if they are beside the checkout. At 64 Hz with default settings and 8
 //! substeps the thread is so thin that a step has five or six collision substeps of two substeps each. A step takes
-//! about a second, so the longer test is ignored by default.
+//! a third of a second with one thread, so the longer test is ignored by default.
 
 use crate::world::World;
 use bevy_faceoff::state::{Body, BodyParams};
