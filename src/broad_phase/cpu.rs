@@ -4,6 +4,8 @@ mod counting_sort;
 pub(super) mod grid;
 mod wide;
 
+pub(crate) use wide::WideSearch;
+
 use crate::parallel::loops;
 use crate::state::Bodies;
 use crate::state::crowd::Crowd;
@@ -12,8 +14,6 @@ use counting_sort::CountingSort;
 use grid::{Grid, Level};
 use rayon::prelude::*;
 use std::ops::Range;
-pub(crate) use wide::WideSearch;
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Memory kept between steps.
