@@ -98,7 +98,9 @@
 //!
 //! Which bounding spheres overlap? A hashed grid answers, with a level of cells for each factor of four in the radii (of
 //! two on a GPU). A body looks in its own level and the coarser ones, so one huge body does not make the cells of all
-//! others large. Static bodies have a grid of their own on the CPU, which is sorted again only when one of them changes.
+//! others large. Static bodies have a grid of their own on the CPU, which is sorted again only when one of them changes. There
+//! a step of several collision substeps searches once, with spheres that hold the ways of the whole step, and again only if a
+//! body leaves its own.
 //!
 //! For contacts, spheres are enlarged so that two of them overlap if the surfaces are within the *speculative margin*: one
 //! percent of the smaller body's size, and one and a half times the way that the surfaces may go towards each other until
