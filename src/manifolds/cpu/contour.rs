@@ -85,8 +85,9 @@ impl FirstEnds {
         self.slots.resize((2 * ends).next_power_of_two(), NO_END);
     }
 
-    /// The first end at a crossing; `NO_END` if this is the first. `key_of` gives the key of an end.
-    fn first(&mut self, end: u32, key: Key, key_of: impl Fn(u32) -> Key) -> u32 {
+    /// The first end at the crossing of `end`; `None` if that is the first, which is noted. `key_of` gives an end's key.
+    fn first(&mut self, end: u32, key_of: impl Fn(u32) -> Key) -> Option<u32> {
+        let key = key_of(end);
         // Multiplicative hashing (Knuth 1998, The Art of Computer Programming 3, 6.4): the upper bits are mixed best.
         let number = u64::from(key.edge) << 32 | u64::from(key.triangle) << 1 | u64::from(key.side);
         let hash = number.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
@@ -96,9 +97,9 @@ impl FirstEnds {
             match self.slots[at] {
                 NO_END => {
                     self.slots[at] = end;
-                    return NO_END;
+                    return None;
                 }
-                first if key_of(first) == key => return first,
+                first if key_of(first) == key => return Some(first),
                 _ => at = (at + 1) & mask,
             }
         }
@@ -209,8 +210,7 @@ impl Contours {
         let segments = &self.segments;
         let key_of = |end: u32| segments[end as usize / 2].keys[end as usize % 2];
         for end in 0..ends {
-            let first = self.ends.first(end, key_of(end), key_of);
-            if first != NO_END {
+            if let Some(first) = self.ends.first(end, key_of) {
                 self.joined.join(first / 2, end / 2);
                 self.has_partner[first as usize] = true;
                 self.has_partner[end as usize] = true;
