@@ -9,12 +9,13 @@
 //!
 //! A table of work has what a step asks of the device once lists are long enough, for each of the three readings.
 //!
-//! `--kernels` prints the time of each kernel of 300 tori and of 300 knots, with contacts.
+//! `--kernels` prints the time of each kernel instead, with contacts, in the first step and in the fourth.
 //!
 //! `--memory` prints the size of all buffers for a million tori and of the largest ones, from the lists of 2,200 at the same
 //! density.
 //!
-//! `--quick` omits scenes that take minutes on a software driver. `--counts` counts 2,200 tori without measuring times,
+//! `--quick` takes scenes of 300 bodies, because larger ones take minutes on a software driver. `--only NAME` takes those
+//! whose name contains NAME. `--counts` counts 2,200 tori without measuring times,
 //! contacts at two speeds, and so with one and with several collision substeps. `--counts --strewn` counts 100,000 tori
 //! so far apart that fewer than a thousand pairs touch.
 //!
@@ -44,6 +45,7 @@ const RESPONSES: [Response; 3] = [Response::Impulse, Response::None, Response::C
 
 fn main() {
     let has = |option: &str| std::env::args().any(|argument| argument == option);
+    let only = std::env::args().skip_while(|argument| argument != "--only").nth(1);
     let opened = device::open(true, &KernelCache::Off);
     let opened = if has("--kernels") {
         opened.and_then(Gpu::with_kernel_times)
@@ -64,26 +66,29 @@ fn main() {
         info.name, info.device_type, info.backend, info.driver, info.driver_info
     );
     let (torus, knot) = (shapes::torus_240(), shapes::knot_1120());
-    if has("--kernels") {
-        for (name, mesh, count) in [("300 tori", &torus, 300), ("300 knots", &knot, 300)] {
-            if let Err(error) = kernels(&mut step, name, mesh, count) {
-                println!("{name}: {error}");
-            }
-        }
-        return;
-    }
-    let scenes: &[(&str, &TriMesh, usize)] = if has("--counts") {
-        &[]
+    let mut scenes: Vec<(&str, &TriMesh, usize)> = if has("--counts") {
+        vec![]
     } else if has("--quick") {
-        &[("300 tori", &torus, 300), ("300 knots", &knot, 300)]
+        vec![("300 tori", &torus, 300), ("300 knots", &knot, 300)]
     } else {
-        &[
+        vec![
             ("2200 tori", &torus, 2200),
             ("2200 knots", &knot, 2200),
             ("100,000 tori", &torus, 100_000),
             ("1,000,000 tori", &torus, 1_000_000),
         ]
     };
+    if let Some(only) = only {
+        scenes.retain(|(name, ..)| name.contains(&only));
+    }
+    if has("--kernels") {
+        for (name, mesh, count) in scenes {
+            if let Err(error) = kernels(&mut step, name, mesh, count) {
+                println!("{name}: {error}");
+            }
+        }
+        return;
+    }
     if has("--memory") {
         for response in RESPONSES {
             if let Err(error) = memory(&mut step, &torus, response) {
@@ -92,7 +97,6 @@ fn main() {
         }
         return;
     }
-    let rounds = if has("--quick") { 3 } else { 9 };
     if !scenes.is_empty() {
         let stages: String = Stage::ALL.map(|stage| format!(" {} |", stage.name())).concat();
         println!(
@@ -101,9 +105,9 @@ fn main() {
         );
         println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     }
-    for (name, mesh, count) in scenes {
+    for &(name, mesh, count) in &scenes {
         for response in RESPONSES {
-            if let Err(error) = measure(&mut step, name, mesh, (*count, response), rounds) {
+            if let Err(error) = measure(&mut step, name, mesh, (count, response)) {
                 println!("| {name} | {response:?} | {error} |");
             }
         }
@@ -142,7 +146,7 @@ fn main() {
     }
 }
 
-/// Prints the time of each kernel in a step with contacts.
+/// Prints the time of each kernel in two steps with contacts: the first, and one that has kept what it could.
 fn kernels(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize) -> Result<(), StepError> {
     let mesh = CollisionMesh::new(mesh);
     let make = || scene(&mesh, count, Response::Contacts, SPEED, 1.0);
@@ -150,10 +154,22 @@ fn kernels(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize) -> Resu
     step.run(&mut make())?;
     step.forget();
     let mut state = make();
-    step.run(&mut state)?;
-    let times = step.gpu().kernel_times().map_err(StepError::Device)?;
+    for number in 1..=4 {
+        step.run(&mut state)?;
+        let times = step.gpu().kernel_times().map_err(StepError::Device)?;
+        if number == 1 || number == 4 {
+            let substeps = state.results.collision_substeps;
+            let step = format!("{name}, contacts, step {number}, {substeps} collision substeps");
+            print_kernel_times(&step, &times);
+        }
+    }
+    Ok(())
+}
+
+/// Prints the time of each kernel, the longest first.
+fn print_kernel_times(step: &str, times: &[(&'static str, Duration)]) {
     let mut sums: Vec<(&str, usize, Duration)> = Vec::new();
-    for (kernel, time) in times {
+    for &(kernel, time) in times {
         match sums.iter_mut().find(|sum| sum.0 == kernel) {
             Some(sum) => (sum.1, sum.2) = (sum.1 + 1, sum.2 + time),
             None => sums.push((kernel, 1, time)),
@@ -162,15 +178,11 @@ fn kernels(step: &mut GpuStep, name: &str, mesh: &TriMesh, count: usize) -> Resu
     sums.sort_by_key(|&(_, _, time)| std::cmp::Reverse(time));
     let milliseconds = |time: Duration| 1.0e3 * time.as_secs_f64();
     let all = milliseconds(sums.iter().map(|&(_, _, time)| time).sum()).max(f64::MIN_POSITIVE);
-    let substeps = state.results.collision_substeps;
-    println!(
-        "\n{name}, contacts, {substeps} collision substeps: {all:.3} ms\n\n| kernel | calls | ms | share |\n|---|---|---|---|"
-    );
+    println!("\n{step}: {all:.3} ms\n\n| kernel | calls | ms | share |\n|---|---|---|---|");
     for (kernel, calls, time) in sums {
         let time = milliseconds(time);
         println!("| {kernel} | {calls} | {time:.3} | {:.1} % |", 100.0 * time / all);
     }
-    Ok(())
 }
 
 /// Prints the memory of a million bodies, if lists are as long by body as those of 2,200 are now.
@@ -295,7 +307,6 @@ fn measure(
     name: &str,
     mesh: &TriMesh,
     (count, response): (usize, Response),
-    rounds: usize,
 ) -> Result<(), StepError> {
     let mesh = CollisionMesh::new(mesh);
     let make = || scene(&mesh, count, response, SPEED, 1.0);
@@ -304,7 +315,7 @@ fn measure(
     step.run(&mut state)?;
     let mut stages = [const { Vec::new() }; Stage::COUNT];
     let (mut walls, mut cpu) = (Vec::new(), Vec::new());
-    for _ in 0..rounds {
+    repeat(|| {
         let mut state = make();
         step.forget();
         let start = Instant::now();
@@ -319,9 +330,19 @@ fn measure(
             bevy_faceoff::step::cpu::run(stage, &mut state);
         }
         cpu.push(start.elapsed());
-    }
-    let latent = in_flight(step, &make(), Detail::All, LATENCY, rounds)?.0;
-    let resident = in_flight(step, &make(), Detail::Counts, LATENCY, rounds)?.0;
+        Ok(())
+    })?;
+    let made = make();
+    let mut mean_in_flight = |detail| {
+        let mut means = Vec::new();
+        repeat(|| {
+            means.push(in_flight(step, &made, detail, LATENCY, 9)?.0);
+            Ok(())
+        })?;
+        Ok::<_, StepError>(median(means))
+    };
+    let latent = mean_in_flight(Detail::All)?;
+    let resident = mean_in_flight(Detail::Counts)?;
     let stages = stages.map(median);
     let (device, wall, cpu) = (stages.iter().sum::<f64>(), median(walls), median(cpu));
     let times: String = stages.iter().map(|time| format!("{time:.3} | ")).collect();
@@ -335,15 +356,27 @@ fn measure(
     Ok(())
 }
 
-/// Milliseconds per step, the work of the last one, and its numbers of collision substeps and touching pairs. Each step continues from the
-/// one before, and results are read back `latency` steps later.
+/// Calls a measurement three times, and then until a second has passed, but at most 99 times.
+fn repeat(mut measurement: impl FnMut() -> Result<(), StepError>) -> Result<(), StepError> {
+    let start = Instant::now();
+    for round in 0..99 {
+        if round >= 3 && start.elapsed() > Duration::from_secs(1) {
+            break;
+        }
+        measurement()?;
+    }
+    Ok(())
+}
+
+/// Time per step, the work of the last one, and its numbers of collision substeps and touching pairs. Each step continues
+/// from the one before, and results are read back `latency` steps later.
 fn in_flight(
     step: &mut GpuStep,
     state: &StepState,
     detail: Detail,
     latency: usize,
     rounds: usize,
-) -> Result<(f64, (GpuWork, u32, usize)), StepError> {
+) -> Result<(Duration, (GpuWork, u32, usize)), StepError> {
     let carried: Vec<_> = (0..state.input.bodies.len() as u32)
         .map(|source| Some(Carried::all(source)))
         .collect();
@@ -363,7 +396,7 @@ fn in_flight(
         let output = output?;
         last = (output.work, output.collision_substeps, output.counts.touching_pairs);
     }
-    Ok((start.elapsed().as_secs_f64() * 1.0e3 / rounds as f64, last))
+    Ok((start.elapsed() / rounds as u32, last))
 }
 
 /// Milliseconds.
