@@ -3,7 +3,7 @@
 // The bindings that all functions over pairs share, and how impulses change the velocities of a pair's bodies. The twin
 // of `PairVelocities` in `src/solver/solve.rs`.
 
-#import faceoff::solver_math::{finite_vector, tangent}
+#import faceoff::solver_math::finite_vector
 #import faceoff::solver_types as s
 #import faceoff::tensor::{apply_tensor, Tensor}
 
@@ -19,17 +19,6 @@ struct PairVelocities {
     mass_b: s::Mass,
     a: s::Velocity,
     b: s::Velocity,
-}
-
-// The normal or a tangent of a point, with the Jacobian along it.
-struct Row {
-    direction: vec3<f32>,
-    // The moment of a unit impulse about each centre of mass.
-    moment_a: vec3<f32>,
-    moment_b: vec3<f32>,
-    // The change of angular velocity by that moment.
-    angular_response_a: vec3<f32>,
-    angular_response_b: vec3<f32>,
 }
 
 fn velocities_of(pair: s::SolverPair) -> PairVelocities {
@@ -65,52 +54,34 @@ fn angular_response(mass: s::Mass, moment: vec3<f32>) -> vec3<f32> {
     return apply_tensor(Tensor(mass.inverse_inertia, mass.inverse_inertia_off_diagonal), moment);
 }
 
-fn row(mass_a: s::Mass, mass_b: s::Mass, anchor_a: vec3<f32>, anchor_b: vec3<f32>, direction: vec3<f32>) -> Row {
-    let moment_a = cross(anchor_a, direction);
-    let moment_b = cross(anchor_b, direction);
-    return Row(direction, moment_a, moment_b, angular_response(mass_a, moment_a), angular_response(mass_b, moment_b));
+// The row along `direction` of impulses that act at these places, from each centre of mass.
+fn row(mass_a: s::Mass, mass_b: s::Mass, anchor_a: vec3<f32>, anchor_b: vec3<f32>, direction: vec3<f32>) -> s::Row {
+    var result: s::Row;
+    result.direction = direction;
+    result.moment_a = cross(anchor_a, direction);
+    result.moment_b = cross(anchor_b, direction);
+    result.angular_response_a = angular_response(mass_a, result.moment_a);
+    result.angular_response_b = angular_response(mass_b, result.moment_b);
+    result.inverse_effective_mass = dot((mass_a.inverse_mass + mass_b.inverse_mass) * direction, direction)
+        + dot(result.moment_a, result.angular_response_a)
+        + dot(result.moment_b, result.angular_response_b);
+    return result;
 }
 
-fn normal_row(pair_velocities: ptr<function, PairVelocities>, k: u32) -> Row {
-    return row(
-        (*pair_velocities).mass_a,
-        (*pair_velocities).mass_b,
-        point_states[k].impulse_anchor_a,
-        point_states[k].impulse_anchor_b,
-        point_states[k].normal,
-    );
-}
-
-// The rows along both tangents.
-fn friction_rows(pair_velocities: ptr<function, PairVelocities>, k: u32) -> array<Row, 2> {
-    let normal = point_states[k].normal;
-    let offset = point_states[k].friction_offset;
-    let anchor_a = point_states[k].impulse_anchor_a + offset;
-    let anchor_b = point_states[k].impulse_anchor_b + offset;
-    let mass_a = (*pair_velocities).mass_a;
-    let mass_b = (*pair_velocities).mass_b;
-    let first = tangent(normal);
-    return array(
-        row(mass_a, mass_b, anchor_a, anchor_b, first), row(mass_a, mass_b, anchor_a, anchor_b, cross(normal, first))
-    );
-}
-
-// Change of the relative velocity along a row by a unit impulse.
-fn inverse_effective_mass(mass_a: s::Mass, mass_b: s::Mass, r: Row) -> f32 {
-    return dot((mass_a.inverse_mass + mass_b.inverse_mass) * r.direction, r.direction)
-        + dot(r.moment_a, r.angular_response_a)
-        + dot(r.moment_b, r.angular_response_b);
+// One more than the number of the last point that a pair may solve. In deep penetration that is the first point.
+fn end_of_points(pair: s::SolverPair) -> u32 {
+    return pair.first + select(pair.count, min(pair.count, 1u), (pair.flags & s::DEPENETRATING) != 0u);
 }
 
 // Velocity of the second body relative to the first along a row. Along the normal it is positive when they separate.
-fn velocity_along(pair_velocities: ptr<function, PairVelocities>, r: Row) -> f32 {
+fn velocity_along(pair_velocities: ptr<function, PairVelocities>, r: s::Row) -> f32 {
     let a = (*pair_velocities).a;
     let b = (*pair_velocities).b;
     return dot(r.direction, b.linear - a.linear) + dot(r.moment_b, b.angular) - dot(r.moment_a, a.angular);
 }
 
 // Applies an impulse to the second body, and its opposite to the first.
-fn apply_impulse(pair_velocities: ptr<function, PairVelocities>, r: Row, impulse: f32) {
+fn apply_impulse(pair_velocities: ptr<function, PairVelocities>, r: s::Row, impulse: f32) {
     let linear = r.direction * impulse;
     (*pair_velocities).a.linear -= (*pair_velocities).mass_a.inverse_mass * linear;
     (*pair_velocities).a.angular -= r.angular_response_a * impulse;
@@ -124,15 +95,16 @@ fn apply_impulses(pair: s::SolverPair, factor: f32) {
         return;
     }
     var pair_velocities = velocities_of(pair);
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+    for (var k = pair.first; k < end_of_points(pair); k += 1u) {
         if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
             continue;
         }
+        apply_impulse(&pair_velocities, point_states[k].normal_row, factor * point_states[k].normal_impulse);
         let friction = factor * point_states[k].friction_impulse;
-        apply_impulse(&pair_velocities, normal_row(&pair_velocities, k), factor * point_states[k].normal_impulse);
-        let rows = friction_rows(&pair_velocities, k);
-        apply_impulse(&pair_velocities, rows[0], friction.x);
-        apply_impulse(&pair_velocities, rows[1], friction.y);
+        if any(friction != vec2(0.0)) {
+            apply_impulse(&pair_velocities, point_states[k].first_tangent_row, friction.x);
+            apply_impulse(&pair_velocities, point_states[k].second_tangent_row, friction.y);
+        }
     }
     store_velocities(pair, &pair_velocities);
 }

@@ -24,7 +24,7 @@ fn compression(pair: s::SolverPair) -> f32 {
         var load = 0.0;
         let impulse = point_states[k].normal_impulse;
         if impulse > 0.0 {
-            load = impulse * point_states[k].inverse_effective_mass.x / collision_substep.h;
+            load = impulse * point_states[k].normal_row.inverse_effective_mass / collision_substep.h;
         } else if pair.saved_pair == s::NOT_SAVED && point_states[k].separation <= pair.rest_offset {
             // The load is not known yet. The upper body rests on the lower one with at least its own weight.
             let down = -dot(point_states[k].normal, collision_substep.gravity);

@@ -29,8 +29,9 @@ fn update_points(pair: s::SolverPair, time: f32) {
     let a = pose_change_of(pair.a, time);
     let b = pose_change_of(pair.b, time);
     let translation = b.translation - a.translation;
-    var pair_velocities = c::velocities_of(pair);
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+    let mass_a = body_states[pair.a].mass;
+    let mass_b = body_states[pair.b].mass;
+    for (var k = pair.first; k < c::end_of_points(pair); k += 1u) {
         if (point_states[k].flags & s::POINT_VALID) == 0u {
             continue;
         }
@@ -66,19 +67,24 @@ fn update_points(pair: s::SolverPair, time: f32) {
             anchor_a = constants.anchor_a + displacement_a + constants.contact_fraction * offset;
             anchor_b = constants.anchor_b + displacement_b - (1.0 - constants.contact_fraction) * offset;
         }
-        point_states[k].impulse_anchor_a = anchor_a;
-        point_states[k].impulse_anchor_b = anchor_b;
-        let mass_a = pair_velocities.mass_a;
-        let mass_b = pair_velocities.mass_b;
-        let rows = c::friction_rows(&pair_velocities, k);
-        let along_first = c::inverse_effective_mass(mass_a, mass_b, rows[0]);
-        let along_second = c::inverse_effective_mass(mass_a, mass_b, rows[1]);
-        // Both tangents use the same value. Otherwise friction would not point against the sliding direction.
-        point_states[k].inverse_effective_mass = vec2(
-            c::inverse_effective_mass(mass_a, mass_b, c::normal_row(&pair_velocities, k)),
-            max(along_first, along_second),
-        );
+        set_rows(k, mass_a, mass_b, anchor_a, anchor_b);
     }
+}
+
+// Sets the rows of a point whose impulses act at these places, from each centre of mass.
+fn set_rows(k: u32, mass_a: s::Mass, mass_b: s::Mass, anchor_a: vec3<f32>, anchor_b: vec3<f32>) {
+    let normal = point_states[k].normal;
+    let offset = point_states[k].friction_offset;
+    let first_tangent = tangent(normal);
+    var first = c::row(mass_a, mass_b, anchor_a + offset, anchor_b + offset, first_tangent);
+    var second = c::row(mass_a, mass_b, anchor_a + offset, anchor_b + offset, cross(normal, first_tangent));
+    // Both tangents use the same value. Otherwise friction would not point against the sliding direction.
+    let along_tangent = max(first.inverse_effective_mass, second.inverse_effective_mass);
+    first.inverse_effective_mass = along_tangent;
+    second.inverse_effective_mass = along_tangent;
+    point_states[k].normal_row = c::row(mass_a, mass_b, anchor_a, anchor_b, normal);
+    point_states[k].first_tangent_row = first;
+    point_states[k].second_tangent_row = second;
 }
 
 // Decides which of a pair's points are active in a substep of `h` seconds. They are up to date with the poses.
@@ -88,19 +94,19 @@ fn begin_substep(i: u32, h: f32) {
     var pair_velocities = c::velocities_of(pair);
     let spin_a = pair_velocities.a.angular;
     let spin_b = pair_velocities.b.angular;
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+    for (var k = pair.first; k < c::end_of_points(pair); k += 1u) {
         var flags = point_states[k].flags;
         if (flags & s::POINT_VALID) == 0u {
             continue;
         }
-        let normal = point_states[k].normal;
         let drift_a = cross(spin_a, cross(spin_a, point_constants[k].anchor_a));
         let drift_b = cross(spin_b, cross(spin_b, point_constants[k].anchor_b));
+        // In passes with bias velocity a point is at rest in the mean of the substep.
         let drift = 0.5 * h * (drift_b - drift_a);
-        let first_tangent = tangent(normal);
-        point_states[k].drift = vec2(dot(drift, first_tangent), dot(drift, cross(normal, first_tangent)));
+        point_states[k].first_tangent_row.bias = dot(drift, point_states[k].first_tangent_row.direction);
+        point_states[k].second_tangent_row.bias = dot(drift, point_states[k].second_tangent_row.direction);
         // All points are judged by the velocities before the warm start.
-        let normal_velocity = c::velocity_along(&pair_velocities, c::normal_row(&pair_velocities, k));
+        let normal_velocity = c::velocity_along(&pair_velocities, point_states[k].normal_row);
         let impulse = point_states[k].normal_impulse;
         point_states[k].total_normal_impulse += impulse;
         flags &= ~(s::MAY_IMPACT | s::HAS_IMPACT | s::REBOUNDS | s::POINT_ACTIVE);

@@ -20,7 +20,7 @@ fn find_impacts(pair: s::SolverPair) -> f32 {
         if (flags & s::POINT_ACTIVE) == 0u {
             continue;
         }
-        let velocity = c::velocity_along(&pair_velocities, c::normal_row(&pair_velocities, k));
+        let velocity = c::velocity_along(&pair_velocities, point_states[k].normal_row);
         point_states[k].impact_velocity = velocity;
         let pushes = (flags & s::MAY_IMPACT) != 0u && point_states[k].normal_impulse > 0.0;
         let has_impact = pushes && velocity < -collision_substep.restitution_threshold;
@@ -41,7 +41,7 @@ fn end_impacts(pair: s::SolverPair) {
     if (pair.flags & s::ACTIVE) == 0u {
         return;
     }
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+    for (var k = pair.first; k < c::end_of_points(pair); k += 1u) {
         if (point_states[k].flags & s::HAS_IMPACT) == 0u {
             continue;
         }

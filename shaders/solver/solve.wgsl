@@ -67,52 +67,100 @@ fn bias_of(pair: s::SolverPair, k: u32, parameters: Pass) -> Bias {
     return Bias(speed, collision_substep.mass_scale, collision_substep.impulse_scale);
 }
 
+// Sets what passes over a pair aim at, after separations and effective masses have changed. `begin_substep` has set the
+// bias of tangents in passes with bias velocity.
+fn aim(pair: s::SolverPair, parameters: Pass) {
+    if (pair.flags & s::ACTIVE) == 0u {
+        return;
+    }
+    for (var k = pair.first; k < c::end_of_points(pair); k += 1u) {
+        let is_active = (point_states[k].flags & s::POINT_ACTIVE) != 0u;
+        let bias = bias_of(pair, k, parameters);
+        let along_normal = point_states[k].normal_row.inverse_effective_mass;
+        let along_tangent = point_states[k].first_tangent_row.inverse_effective_mass;
+        var response = 0.0;
+        if is_active && along_normal > 0.0 {
+            response = bias.mass_scale / along_normal;
+        }
+        var friction_response = 0.0;
+        if is_active && along_tangent > 0.0 {
+            friction_response = 1.0 / along_tangent;
+        }
+        point_states[k].normal_row.response = response;
+        point_states[k].normal_row.bias = bias.speed;
+        point_states[k].normal_row.impulse_scale = bias.impulse_scale;
+        point_states[k].first_tangent_row.response = friction_response;
+        if parameters.purpose != BIAS {
+            point_states[k].first_tangent_row.bias = 0.0;
+            point_states[k].second_tangent_row.bias = 0.0;
+        }
+        point_states[k].change = vec3(0.0);
+    }
+}
+
 // One pass over a pair's active points: first the normals, then friction. Adds to the residual.
 fn solve(pair: s::SolverPair, parameters: Pass, residual: ptr<function, Residual>) {
     if (pair.flags & s::ACTIVE) == 0u {
         return;
     }
+    let end = c::end_of_points(pair);
     var pair_velocities = c::velocities_of(pair);
     var largest_change = 0.0;
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-        let inverse_effective_mass = point_states[k].inverse_effective_mass.x;
-        if (point_states[k].flags & s::POINT_ACTIVE) == 0u || !(inverse_effective_mass > 0.0) {
+    for (var k = pair.first; k < end; k += 1u) {
+        let row = point_states[k].normal_row;
+        if row.response == 0.0 {
             continue;
         }
-        let bias = bias_of(pair, k, parameters);
-        let row = c::normal_row(&pair_velocities, k);
         let before = point_states[k].normal_impulse;
-        let velocity_error = c::velocity_along(&pair_velocities, row) + bias.speed;
-        let wanted = -bias.mass_scale * velocity_error / inverse_effective_mass - bias.impulse_scale * before;
-        let impulse = max(before + wanted, 0.0);
+        let velocity_error = c::velocity_along(&pair_velocities, row) + row.bias;
+        let impulse = max(before - row.response * velocity_error - row.impulse_scale * before, 0.0);
         let change = impulse - before;
         c::apply_impulse(&pair_velocities, row, change);
-        largest_change = max(largest_change, abs(change * inverse_effective_mass));
-        (*residual).energy += change * change * inverse_effective_mass;
+        let velocity_change = change * row.inverse_effective_mass;
+        largest_change = max(largest_change, abs(velocity_change));
+        (*residual).energy += change * velocity_change;
         point_states[k].change.x = change;
         point_states[k].normal_impulse = impulse;
         if impulse > 0.0 {
             point_states[k].flags |= s::TOUCHED;
         }
     }
-    let friction = select(pair.friction, 0.0, (pair.flags & s::DEPENETRATING) != 0u);
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
-        if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
-            continue;
+    if (pair.flags & s::DEPENETRATING) == 0u {
+        for (var k = pair.first; k < end; k += 1u) {
+            solve_friction(pair, k, &pair_velocities, residual);
         }
-        let rows = c::friction_rows(&pair_velocities, k);
-        let limit = friction * point_states[k].normal_impulse;
-        let impulse = friction_impulse(&pair_velocities, k, rows, limit, parameters.purpose == BIAS);
-        let change = impulse - point_states[k].friction_impulse;
-        c::apply_impulse(&pair_velocities, rows[0], change.x);
-        c::apply_impulse(&pair_velocities, rows[1], change.y);
-        (*residual).energy += dot(change, change) * point_states[k].inverse_effective_mass.y;
-        point_states[k].change.y = change.x;
-        point_states[k].change.z = change.y;
-        point_states[k].friction_impulse = impulse;
     }
     (*residual).velocity = max((*residual).velocity, largest_change / convergence_speed(pair, parameters));
     c::store_velocities(pair, &pair_velocities);
+}
+
+// Solves the tangents of a point, after its normal.
+fn solve_friction(
+    pair: s::SolverPair,
+    k: u32,
+    pair_velocities: ptr<function, c::PairVelocities>,
+    residual: ptr<function, Residual>,
+) {
+    let limit = pair.friction * point_states[k].normal_impulse;
+    let before = point_states[k].friction_impulse;
+    if limit == 0.0 && all(before == vec2(0.0)) {
+        point_states[k].change.y = 0.0;
+        point_states[k].change.z = 0.0;
+        return;
+    }
+    let first = point_states[k].first_tangent_row;
+    if first.response == 0.0 {
+        return;
+    }
+    let second = point_states[k].second_tangent_row;
+    let impulse = friction_impulse(pair_velocities, before, first, second, limit);
+    let change = impulse - before;
+    c::apply_impulse(pair_velocities, first, change.x);
+    c::apply_impulse(pair_velocities, second, change.y);
+    (*residual).energy += dot(change, change) * first.inverse_effective_mass;
+    point_states[k].change.y = change.x;
+    point_states[k].change.z = change.y;
+    point_states[k].friction_impulse = impulse;
 }
 
 // Moves the impulses on along the search direction. `keep` is the part of the last direction that the new one keeps.
@@ -120,26 +168,28 @@ fn extrapolate(pair: s::SolverPair, keep: f32) {
     if (pair.flags & s::ACTIVE) == 0u {
         return;
     }
+    let end = c::end_of_points(pair);
     if keep == 0.0 {
-        for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+        for (var k = pair.first; k < end; k += 1u) {
             point_states[k].search = point_states[k].change;
         }
         return;
     }
     var pair_velocities = c::velocities_of(pair);
-    for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
+    for (var k = pair.first; k < end; k += 1u) {
         if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
             continue;
         }
         let step = keep * point_states[k].search;
         let before = point_states[k].normal_impulse;
         let impulse = max(before + step.x, 0.0);
-        c::apply_impulse(&pair_velocities, c::normal_row(&pair_velocities, k), impulse - before);
-        let rows = c::friction_rows(&pair_velocities, k);
-        c::apply_impulse(&pair_velocities, rows[0], step.y);
-        c::apply_impulse(&pair_velocities, rows[1], step.z);
+        c::apply_impulse(&pair_velocities, point_states[k].normal_row, impulse - before);
+        if any(step.yz != vec2(0.0)) {
+            c::apply_impulse(&pair_velocities, point_states[k].first_tangent_row, step.y);
+            c::apply_impulse(&pair_velocities, point_states[k].second_tangent_row, step.z);
+            point_states[k].friction_impulse += step.yz;
+        }
         point_states[k].normal_impulse = impulse;
-        point_states[k].friction_impulse += step.yz;
         point_states[k].search = step + point_states[k].change;
     }
     c::store_velocities(pair, &pair_velocities);

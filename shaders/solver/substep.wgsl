@@ -165,6 +165,10 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, h: f32) {
         }
         var most = max(min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u)), least);
         most = select(most, 0u, is_first || (purpose == v::RESTITUTION && fastest_of_all == 0.0));
+        for (var k = range.first + thread; most > 0u && k < range.end; k += THREADS) {
+            v::aim(solver_pairs[island_pairs[k].pair], parameters);
+        }
+        storageBarrier();
         solve(thread, island, parameters, least, most);
     }
     for (var k = range.first + thread; k < range.end; k += THREADS) {

@@ -250,34 +250,48 @@ struct PointConstants {
     normal_rotation: f32,
 }
 
+// The constraint along the normal or a tangent of a point: the Jacobian, where its impulse acts now, and what passes aim at.
+struct Row {
+    direction: vec3<f32>,
+    // Change of the impulse by a unit of velocity error; 0 if the row is not solved.
+    response: f32,
+    // The moment of a unit impulse about each centre of mass.
+    moment_a: vec3<f32>,
+    // The velocity along the row that is wanted, negated, m/s.
+    bias: f32,
+    moment_b: vec3<f32>,
+    // Change of the relative velocity by a unit impulse. Both tangents have that of the one that gives way more.
+    inverse_effective_mass: f32,
+    // The changes of angular velocity by these moments.
+    angular_response_a: vec3<f32>,
+    // Fraction of the impulse that is subtracted.
+    impulse_scale: f32,
+    angular_response_b: vec3<f32>,
+    padding: f32,
+}
+
 // The state of a point.
 struct PointState {
     normal: vec3<f32>,
     separation: f32,
-    // From each centre of mass to where the impulses act now.
-    impulse_anchor_a: vec3<f32>,
-    flags: u32,
-    impulse_anchor_b: vec3<f32>,
-    // The normal velocity before the impulses of this substep, m/s.
-    impact_velocity: f32,
     // From the point to where friction acts.
     friction_offset: vec3<f32>,
     // The sum of the normal impulses of all earlier substeps; `normal_impulse` is not included.
     total_normal_impulse: f32,
-    // Change of the relative velocity by a unit impulse along the normal, and along a tangent.
-    inverse_effective_mass: vec2<f32>,
-    // Relative velocity along the tangents by which the point drifts in a substep because its bodies rotate.
-    drift: vec2<f32>,
     // Impulses of this substep, along the tangents and along the normal.
     friction_impulse: vec2<f32>,
     normal_impulse: f32,
-    padding_a: f32,
+    flags: u32,
     // The change of the impulses in the last pass, along the normal and along the tangents.
     change: vec3<f32>,
-    padding_b: f32,
+    // The normal velocity before the impulses of this substep, m/s.
+    impact_velocity: f32,
     // The direction in which they are extrapolated.
     search: vec3<f32>,
-    padding_c: f32,
+    padding: f32,
+    normal_row: Row,
+    first_tangent_row: Row,
+    second_tangent_row: Row,
 }
 
 // Its numbers are valid, and it is part of the constraint.

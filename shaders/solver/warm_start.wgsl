@@ -22,7 +22,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var pair = solver_pairs[i];
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         point_constants[k] = default_constants();
-        point_states[k] = default_point();
+        clear_point(k);
     }
     if (pair.flags & s::VALID) == 0u {
         return;
@@ -53,10 +53,18 @@ fn default_constants() -> s::PointConstants {
     return constants;
 }
 
-fn default_point() -> s::PointState {
-    var point: s::PointState;
-    point.normal = vec3(1.0, 0.0, 0.0);
-    return point;
+// Without impulses, and not valid. Rows are set before they are read.
+fn clear_point(k: u32) {
+    point_states[k].normal = vec3(1.0, 0.0, 0.0);
+    point_states[k].separation = 0.0;
+    point_states[k].friction_offset = vec3(0.0);
+    point_states[k].total_normal_impulse = 0.0;
+    point_states[k].friction_impulse = vec2(0.0);
+    point_states[k].normal_impulse = 0.0;
+    point_states[k].flags = 0u;
+    point_states[k].change = vec3(0.0);
+    point_states[k].impact_velocity = 0.0;
+    point_states[k].search = vec3(0.0);
 }
 
 fn fill(pair: s::SolverPair) {

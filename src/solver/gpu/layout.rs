@@ -97,16 +97,24 @@ layout! {
         anchor_offset: Vec3, padding_c: f32,
         initial_normal: Vec3, normal_rotation: f32,
     }
+    /// The constraint along the normal or a tangent of a point.
+    Row {
+        direction: Vec3, response: f32,
+        moment_a: Vec3, bias: f32,
+        moment_b: Vec3, inverse_effective_mass: f32,
+        angular_response_a: Vec3, impulse_scale: f32,
+        angular_response_b: Vec3, padding: f32,
+    }
     /// The state of a point.
     PointState {
         normal: Vec3, separation: f32,
-        impulse_anchor_a: Vec3, flags: u32,
-        impulse_anchor_b: Vec3, impact_velocity: f32,
         friction_offset: Vec3, total_normal_impulse: f32,
-        inverse_effective_mass: [f32; 2], drift: [f32; 2],
-        friction_impulse: [f32; 2], normal_impulse: f32, padding_a: f32,
-        change: Vec3, padding_b: f32,
-        search: Vec3, padding_c: f32,
+        friction_impulse: [f32; 2], normal_impulse: f32, flags: u32,
+        change: Vec3, impact_velocity: f32,
+        search: Vec3, padding: f32,
+        normal_row: Row,
+        first_tangent_row: Row,
+        second_tangent_row: Row,
     }
     /// A pair as it is saved for the next collision substep.
     SavedPair {
