@@ -1,9 +1,10 @@
 // Solver: colours the pairs of an island and sorts them by colour. Two pairs of one colour have no body in common that
 // impulses move, so they can be solved at once. One workgroup per island.
 //
-// In each round those pairs get a colour that have the smallest number, with its bits reversed, of all pairs without a
+// In each round those pairs get a colour that have the smallest rank, with its bits reversed, of all pairs without a
 // colour at both of their bodies: the lowest colour that is free at both (Jones and Plassmann, "A Parallel Graph Coloring
-// Heuristic", 1993). The result does not depend on the order of threads.
+// Heuristic", 1993). The result does not depend on the order of threads. Ranks count within the island: if they were
+// the numbers of pairs, what happens elsewhere would change the order of passes, and a stack that they just hold would sway.
 //
 // Pairs with a body that impulses do not move get the last colours: what is solved last is satisfied best, and nothing
 // may be pressed through what is static.
@@ -63,6 +64,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     for (var q = island.x + thread; q < island.y; q += THREADS) {
         solver_pairs[pair_order[q]].color = LATER;
     }
+    rank_pairs(thread, island);
     var colors = 0u;
     for (var phase = 0u; phase < 2u; phase += 1u) {
         loop {
@@ -131,6 +133,34 @@ fn has_claimed(pair: s::SolverPair, priority: u32) -> vec2<bool> {
     return claimed;
 }
 
+// Ranks the pairs of two bodies that impulses move, and the others, each in their order. The ranks are in `flags`.
+fn rank_pairs(thread: u32, island: vec2<u32>) {
+    let part = (island.y - island.x + THREADS - 1u) / THREADS;
+    let start = min(island.x + thread * part, island.y);
+    let end = min(start + part, island.y);
+    var own = vec2(0u);
+    for (var q = start; q < end; q += 1u) {
+        own += select(vec2(0u, 1u), vec2(1u, 0u), all(has_mass(solver_pairs[pair_order[q]])));
+    }
+    counts[thread] = own;
+    workgroupBarrier();
+    var ranks = vec2(0u);
+    for (var other = 0u; other < thread; other += 1u) {
+        ranks += counts[other];
+    }
+    for (var q = start; q < end; q += 1u) {
+        let both = all(has_mass(solver_pairs[pair_order[q]]));
+        island_pairs[q].flags = select(ranks.y, ranks.x, both);
+        ranks += select(vec2(0u, 1u), vec2(1u, 0u), both);
+    }
+    storageBarrier();
+    workgroupBarrier();
+}
+
+fn priority_of(q: u32) -> u32 {
+    return reverseBits(island_pairs[q].flags);
+}
+
 // Gives up to 32 colours from `first` on, to pairs of two bodies that impulses move, or to the others. Returns their
 // number: 0 if all these pairs have a colour.
 fn give_colors(thread: u32, island: vec2<u32>, first: u32, others: bool) -> u32 {
@@ -159,7 +189,7 @@ fn give_colors(thread: u32, island: vec2<u32>, first: u32, others: bool) -> u32 
             let i = pair_order[q];
             let pair = solver_pairs[i];
             if pair.color == WAITING {
-                claim(pair, reverseBits(i));
+                claim(pair, priority_of(q));
             }
         }
         storageBarrier();
@@ -170,7 +200,7 @@ fn give_colors(thread: u32, island: vec2<u32>, first: u32, others: bool) -> u32 
             if pair.color != WAITING {
                 continue;
             }
-            if all(has_claimed(pair, reverseBits(i)) == has_mass(pair)) {
+            if all(has_claimed(pair, priority_of(q)) == has_mass(pair)) {
                 let color = choose_color(pair);
                 solver_pairs[i].color = select(first + color, LATER, color == 32u);
                 highest = max(highest, select(color + 1u, 0u, color == 32u));
