@@ -3,7 +3,6 @@
 // The bindings that all functions over pairs share, and how impulses change the velocities of a pair's bodies. The twin
 // of `PairVelocities` in `src/solver/solve.rs`.
 
-#import faceoff::solver_math::finite_vector
 #import faceoff::solver_types as s
 #import faceoff::tensor::{apply_tensor, Tensor}
 
@@ -13,41 +12,32 @@
 @group(0) @binding(3) var<storage, read_write> point_states: array<s::PointState>;
 @group(0) @binding(4) var<storage, read_write> body_states: array<s::BodyState>;
 
-// The velocities of a pair's bodies during a pass.
+// The velocities of a pair's bodies during a pass, and how impulses change them.
 struct PairVelocities {
-    mass_a: s::Mass,
-    mass_b: s::Mass,
+    inverse_mass_a: vec3<f32>,
+    inverse_mass_b: vec3<f32>,
     a: s::Velocity,
     b: s::Velocity,
 }
 
-fn velocities_of(pair: s::SolverPair) -> PairVelocities {
+// Of these bodies.
+fn velocities_of(a: u32, b: u32) -> PairVelocities {
     return PairVelocities(
-        body_states[pair.a].mass, body_states[pair.b].mass, body_states[pair.a].velocity, body_states[pair.b].velocity
+        body_states[a].mass.inverse_mass,
+        body_states[b].mass.inverse_mass,
+        body_states[a].velocity,
+        body_states[b].velocity,
     );
 }
 
 // Those before the impulses of this substep.
-fn initial_velocities_of(pair: s::SolverPair) -> PairVelocities {
+fn initial_velocities_of(a: u32, b: u32) -> PairVelocities {
     return PairVelocities(
-        body_states[pair.a].mass,
-        body_states[pair.b].mass,
-        body_states[pair.a].initial_velocity,
-        body_states[pair.b].initial_velocity,
+        body_states[a].mass.inverse_mass,
+        body_states[b].mass.inverse_mass,
+        body_states[a].initial_velocity,
+        body_states[b].initial_velocity,
     );
-}
-
-// Stores the velocities of the bodies that impulses move: others may belong to several islands. Numbers that are not
-// finite are dropped.
-fn store_velocities(pair: s::SolverPair, pair_velocities: ptr<function, PairVelocities>) {
-    let a = (*pair_velocities).a;
-    if (pair.flags & s::FIRST_HAS_MASS) != 0u && finite_vector(a.linear) && finite_vector(a.angular) {
-        body_states[pair.a].velocity = a;
-    }
-    let b = (*pair_velocities).b;
-    if (pair.flags & s::SECOND_HAS_MASS) != 0u && finite_vector(b.linear) && finite_vector(b.angular) {
-        body_states[pair.b].velocity = b;
-    }
 }
 
 fn angular_response(mass: s::Mass, moment: vec3<f32>) -> vec3<f32> {
@@ -83,28 +73,26 @@ fn velocity_along(pair_velocities: ptr<function, PairVelocities>, r: s::Row) -> 
 // Applies an impulse to the second body, and its opposite to the first.
 fn apply_impulse(pair_velocities: ptr<function, PairVelocities>, r: s::Row, impulse: f32) {
     let linear = r.direction * impulse;
-    (*pair_velocities).a.linear -= (*pair_velocities).mass_a.inverse_mass * linear;
+    (*pair_velocities).a.linear -= (*pair_velocities).inverse_mass_a * linear;
     (*pair_velocities).a.angular -= r.angular_response_a * impulse;
-    (*pair_velocities).b.linear += (*pair_velocities).mass_b.inverse_mass * linear;
+    (*pair_velocities).b.linear += (*pair_velocities).inverse_mass_b * linear;
     (*pair_velocities).b.angular += r.angular_response_b * impulse;
 }
 
 // Applies the impulses of a pair's points, times `factor`.
-fn apply_impulses(pair: s::SolverPair, factor: f32) {
+fn apply_impulses(pair: s::SolverPair, pair_velocities: ptr<function, PairVelocities>, factor: f32) {
     if (pair.flags & s::ACTIVE) == 0u {
         return;
     }
-    var pair_velocities = velocities_of(pair);
     for (var k = pair.first; k < end_of_points(pair); k += 1u) {
         if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
             continue;
         }
-        apply_impulse(&pair_velocities, point_states[k].normal_row, factor * point_states[k].normal_impulse);
+        apply_impulse(pair_velocities, point_states[k].normal_row, factor * point_states[k].normal_impulse);
         let friction = factor * point_states[k].friction_impulse;
         if any(friction != vec2(0.0)) {
-            apply_impulse(&pair_velocities, point_states[k].first_tangent_row, friction.x);
-            apply_impulse(&pair_velocities, point_states[k].second_tangent_row, friction.y);
+            apply_impulse(pair_velocities, point_states[k].first_tangent_row, friction.x);
+            apply_impulse(pair_velocities, point_states[k].second_tangent_row, friction.y);
         }
     }
-    store_velocities(pair, &pair_velocities);
 }

@@ -279,7 +279,7 @@ fn sort(thread: u32, island: vec2<u32>, colors: u32) {
     storageBarrier();
 }
 
-// Of the pairs of each body the first one owns it.
+// Of the pairs of each body the first one owns it. The velocity of a body has one of two places for each pair.
 fn choose_owners(thread: u32, island: vec2<u32>) {
     for (var k = island.x + thread; k < island.y; k += THREADS) {
         set_claims(solver_pairs[island_pairs[k].pair], UNCLAIMED);
@@ -293,4 +293,20 @@ fn choose_owners(thread: u32, island: vec2<u32>) {
         let owns = has_claimed(solver_pairs[island_pairs[k].pair], k);
         island_pairs[k].flags = select(0u, s::OWNS_FIRST, owns.x) | select(0u, s::OWNS_SECOND, owns.y);
     }
+    storageBarrier();
+    for (var k = island.x + thread; k < island.y; k += THREADS) {
+        let pair = solver_pairs[island_pairs[k].pair];
+        let moves = has_mass(pair);
+        island_pairs[k].places = place_of(island.x, pair.a, moves.x) | (place_of(island.x, pair.b, moves.y) << 16u);
+    }
+}
+
+fn place_of(first: u32, body: u32, moves: bool) -> u32 {
+    if !moves {
+        return s::NO_PLACE;
+    }
+    let owner = atomicLoad(&body_colors[body].claim);
+    let side = select(1u, 0u, (island_pairs[owner].flags & s::OWNS_FIRST) != 0u
+        && solver_pairs[island_pairs[owner].pair].a == body);
+    return 2u * (owner - first) + side;
 }

@@ -91,7 +91,7 @@ fn set_rows(k: u32, mass_a: s::Mass, mass_b: s::Mass, anchor_a: vec3<f32>, ancho
 fn begin_substep(i: u32, h: f32) {
     let pair = solver_pairs[i];
     var any_active = false;
-    var pair_velocities = c::velocities_of(pair);
+    var pair_velocities = c::velocities_of(pair.a, pair.b);
     let spin_a = pair_velocities.a.angular;
     let spin_b = pair_velocities.b.angular;
     for (var k = pair.first; k < c::end_of_points(pair); k += 1u) {

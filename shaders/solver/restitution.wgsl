@@ -13,7 +13,7 @@ fn find_impacts(pair: s::SolverPair) -> f32 {
     if (pair.flags & s::ACTIVE) == 0u || (pair.flags & s::DEPENETRATING) != 0u || !(pair.restitution > 0.0) {
         return 0.0;
     }
-    var pair_velocities = c::initial_velocities_of(pair);
+    var pair_velocities = c::initial_velocities_of(pair.a, pair.b);
     var fastest = 0.0;
     for (var k = pair.first; k < pair.first + pair.count; k += 1u) {
         var flags = point_states[k].flags;

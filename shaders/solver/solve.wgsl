@@ -33,10 +33,28 @@ struct Residual {
     energy: f32,
 }
 
-// The change of a normal velocity below which a pair has converged, m/s. A light body passes on only a small part of
-// what a heavy one needs, so it must be more exact.
-fn convergence_speed(pair: s::SolverPair, parameters: Pass) -> f32 {
-    return min(parameters.convergence_speed, MAX_STEP_ERROR * pair.diameter / parameters.h) / pair.mass_ratio;
+// What passes need to know of a pair.
+struct PassPair {
+    // Numbers of the bodies.
+    a: u32,
+    b: u32,
+    // Where the velocities of both bodies are in workgroup memory; see `IslandPair`.
+    places: u32,
+    flags: u32,
+    // The points that may be solved.
+    first: u32,
+    end: u32,
+    friction: f32,
+    // The change of a normal velocity below which the pair has converged, m/s.
+    convergence_speed: f32,
+}
+
+fn pass_pair(pair: s::SolverPair, places: u32, parameters: Pass) -> PassPair {
+    // A light body passes on only a small part of what a heavy one needs, so it must be more exact.
+    let convergence_speed = min(parameters.convergence_speed, MAX_STEP_ERROR * pair.diameter / parameters.h) / pair.mass_ratio;
+    return PassPair(
+        pair.a, pair.b, places, pair.flags, pair.first, c::end_of_points(pair), pair.friction, convergence_speed
+    );
 }
 
 // The bias velocity of a point, and the softness of its constraint.
@@ -99,23 +117,18 @@ fn aim(pair: s::SolverPair, parameters: Pass) {
 }
 
 // One pass over a pair's active points: first the normals, then friction. Adds to the residual.
-fn solve(pair: s::SolverPair, parameters: Pass, residual: ptr<function, Residual>) {
-    if (pair.flags & s::ACTIVE) == 0u {
-        return;
-    }
-    let end = c::end_of_points(pair);
-    var pair_velocities = c::velocities_of(pair);
+fn solve(pair: PassPair, pair_velocities: ptr<function, c::PairVelocities>, residual: ptr<function, Residual>) {
     var largest_change = 0.0;
-    for (var k = pair.first; k < end; k += 1u) {
+    for (var k = pair.first; k < pair.end; k += 1u) {
         let row = point_states[k].normal_row;
         if row.response == 0.0 {
             continue;
         }
         let before = point_states[k].normal_impulse;
-        let velocity_error = c::velocity_along(&pair_velocities, row) + row.bias;
+        let velocity_error = c::velocity_along(pair_velocities, row) + row.bias;
         let impulse = max(before - row.response * velocity_error - row.impulse_scale * before, 0.0);
         let change = impulse - before;
-        c::apply_impulse(&pair_velocities, row, change);
+        c::apply_impulse(pair_velocities, row, change);
         let velocity_change = change * row.inverse_effective_mass;
         largest_change = max(largest_change, abs(velocity_change));
         (*residual).energy += change * velocity_change;
@@ -126,17 +139,16 @@ fn solve(pair: s::SolverPair, parameters: Pass, residual: ptr<function, Residual
         }
     }
     if (pair.flags & s::DEPENETRATING) == 0u {
-        for (var k = pair.first; k < end; k += 1u) {
-            solve_friction(pair, k, &pair_velocities, residual);
+        for (var k = pair.first; k < pair.end; k += 1u) {
+            solve_friction(pair, k, pair_velocities, residual);
         }
     }
-    (*residual).velocity = max((*residual).velocity, largest_change / convergence_speed(pair, parameters));
-    c::store_velocities(pair, &pair_velocities);
+    (*residual).velocity = max((*residual).velocity, largest_change / pair.convergence_speed);
 }
 
 // Solves the tangents of a point, after its normal.
 fn solve_friction(
-    pair: s::SolverPair,
+    pair: PassPair,
     k: u32,
     pair_velocities: ptr<function, c::PairVelocities>,
     residual: ptr<function, Residual>,
@@ -164,33 +176,28 @@ fn solve_friction(
 }
 
 // Moves the impulses on along the search direction. `keep` is the part of the last direction that the new one keeps.
-fn extrapolate(pair: s::SolverPair, keep: f32) {
-    if (pair.flags & s::ACTIVE) == 0u {
-        return;
-    }
-    let end = c::end_of_points(pair);
-    if keep == 0.0 {
-        for (var k = pair.first; k < end; k += 1u) {
-            point_states[k].search = point_states[k].change;
-        }
-        return;
-    }
-    var pair_velocities = c::velocities_of(pair);
-    for (var k = pair.first; k < end; k += 1u) {
+fn extrapolate(pair: PassPair, pair_velocities: ptr<function, c::PairVelocities>, keep: f32) {
+    for (var k = pair.first; k < pair.end; k += 1u) {
         if (point_states[k].flags & s::POINT_ACTIVE) == 0u {
             continue;
         }
         let step = keep * point_states[k].search;
         let before = point_states[k].normal_impulse;
         let impulse = max(before + step.x, 0.0);
-        c::apply_impulse(&pair_velocities, point_states[k].normal_row, impulse - before);
+        c::apply_impulse(pair_velocities, point_states[k].normal_row, impulse - before);
         if any(step.yz != vec2(0.0)) {
-            c::apply_impulse(&pair_velocities, point_states[k].first_tangent_row, step.y);
-            c::apply_impulse(&pair_velocities, point_states[k].second_tangent_row, step.z);
+            c::apply_impulse(pair_velocities, point_states[k].first_tangent_row, step.y);
+            c::apply_impulse(pair_velocities, point_states[k].second_tangent_row, step.z);
             point_states[k].friction_impulse += step.yz;
         }
         point_states[k].normal_impulse = impulse;
         point_states[k].search = step + point_states[k].change;
     }
-    c::store_velocities(pair, &pair_velocities);
+}
+
+// The search direction is that of the last change.
+fn start_search(pair: PassPair) {
+    for (var k = pair.first; k < pair.end; k += 1u) {
+        point_states[k].search = point_states[k].change;
+    }
 }

@@ -3,6 +3,10 @@
 //
 // A pass visits the pairs by colour: those of one colour at once, one thread each. Conditions of loops with barriers are
 // the same for all threads.
+//
+// Between colours only the velocities of bodies go from thread to thread: the same thread visits the points of a pair in
+// each pass. A small island keeps these velocities in workgroup memory. On a card a barrier for storage buffers drops what
+// is cached of them, and after it the next colour would wait for memory at each point.
 #import faceoff::constants::solver::{PASS_BUDGET, RESTITUTION_TOLERANCE}
 #import faceoff::contact as c
 #import faceoff::contact::{body_states, collision_substep, point_states, solver_pairs}
@@ -12,6 +16,7 @@
 #import faceoff::points::{begin_substep, update_points}
 #import faceoff::restitution::{end_impacts, find_impacts}
 #import faceoff::solve as v
+#import faceoff::solver_math::finite_vector
 #import faceoff::solver_types as s
 
 @group(0) @binding(5) var<storage, read> solver_counters: array<u32>;
@@ -23,6 +28,11 @@
 const THREADS: u32 = 64u;
 #else
 const THREADS: u32 = 8u;
+// By place.
+var<workgroup> velocities: array<s::Velocity, 2u * s::SMALL_ISLAND_PAIRS>;
+// By number within the island: the pairs, and the ends of the colours.
+var<workgroup> pass_pairs: array<v::PassPair, s::SMALL_ISLAND_PAIRS>;
+var<workgroup> color_ends: array<u32, s::SMALL_ISLAND_PAIRS>;
 #endif
 
 var<workgroup> range: s::IslandRange;
@@ -56,6 +66,12 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     if island.range.first == island.range.end {
         return;
     }
+#ifndef LARGE
+    for (var color = thread; color < island.range.colors; color += THREADS) {
+        color_ends[color] = island_pairs[island.range.first + color].color_end;
+    }
+    workgroupBarrier();
+#endif
     // The zeroth substep only updates the points.
     var factor = 1u;
     var last = 0u;
@@ -101,12 +117,91 @@ fn reduced(thread: u32, part: vec2<f32>) -> vec2<f32> {
 
 // The pairs of a colour, as a range.
 fn pairs_of(island: SolvedIsland, color: u32) -> vec2<u32> {
+#ifdef LARGE
     let end = island_pairs[island.range.first + color].color_end;
     if color == 0u {
         return vec2(island.range.first, end);
     }
     return vec2(island_pairs[island.range.first + color - 1u].color_end, end);
+#else
+    if color == 0u {
+        return vec2(island.range.first, color_ends[0]);
+    }
+    return vec2(color_ends[color - 1u], color_ends[color]);
+#endif
 }
+
+// A pair of an island, for passes with these parameters.
+fn pass_pair(island: SolvedIsland, k: u32, parameters: v::Pass) -> v::PassPair {
+#ifdef LARGE
+    return v::pass_pair(solver_pairs[island_pairs[k].pair], 0u, parameters);
+#else
+    return pass_pairs[k - island.range.first];
+#endif
+}
+
+// What follows a colour sees the velocities that it has left.
+fn end_color() {
+#ifdef LARGE
+    storageBarrier();
+#else
+    workgroupBarrier();
+#endif
+}
+
+// The velocities of a pair's bodies, whose `places` are those of its `IslandPair`.
+fn velocities_of(a: u32, b: u32, places: u32) -> c::PairVelocities {
+    var result = c::velocities_of(a, b);
+#ifndef LARGE
+    if (places & 0xffffu) != s::NO_PLACE {
+        result.a = velocities[places & 0xffffu];
+    }
+    if (places >> 16u) != s::NO_PLACE {
+        result.b = velocities[places >> 16u];
+    }
+#endif
+    return result;
+}
+
+// Stores the velocities of the bodies that impulses move: others may belong to several islands. Numbers that are not
+// finite are dropped.
+fn store_velocities(a: u32, b: u32, places: u32, flags: u32, pair_velocities: c::PairVelocities) {
+    let of_a = pair_velocities.a;
+    if (flags & s::FIRST_HAS_MASS) != 0u && finite_vector(of_a.linear) && finite_vector(of_a.angular) {
+#ifdef LARGE
+        body_states[a].velocity = of_a;
+#else
+        velocities[places & 0xffffu] = of_a;
+#endif
+    }
+    let of_b = pair_velocities.b;
+    if (flags & s::SECOND_HAS_MASS) != 0u && finite_vector(of_b.linear) && finite_vector(of_b.angular) {
+#ifdef LARGE
+        body_states[b].velocity = of_b;
+#else
+        velocities[places >> 16u] = of_b;
+#endif
+    }
+}
+
+#ifndef LARGE
+// Moves the velocities of the bodies that a pair owns to workgroup memory, or back.
+fn move_velocities(k: u32, back: bool) {
+    let pair = solver_pairs[island_pairs[k].pair];
+    for (var side = 0u; side < 2u; side += 1u) {
+        if (island_pairs[k].flags & (s::OWNS_FIRST << side)) == 0u {
+            continue;
+        }
+        let body = select(pair.a, pair.b, side == 1u);
+        let place = (island_pairs[k].places >> (16u * side)) & 0xffffu;
+        if back {
+            body_states[body].velocity = velocities[place];
+        } else {
+            velocities[place] = body_states[body].velocity;
+        }
+    }
+}
+#endif
 
 // Multiplies the impulses, for substeps of another length. The totals of the collision substep stay.
 fn scale_impulses(thread: u32, island: SolvedIsland, factor: f32) {
@@ -144,14 +239,19 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, h: f32) {
                 fastest = max(fastest, find_impacts(solver_pairs[i]));
             }
         }
+#ifndef LARGE
+        for (var k = range.first + thread; k < range.end; k += THREADS) {
+            move_velocities(k, false);
+        }
+#endif
         storageBarrier();
         let fastest_of_all = reduced(thread, vec2(fastest, 0.0)).x;
         for (var color = 0u; color < select(range.colors, 0u, purpose == v::RESTITUTION); color += 1u) {
             let pairs = pairs_of(island, color);
             for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
-                move_impulses(solver_pairs[island_pairs[k].pair], purpose, f32(number) * h);
+                move_impulses(k, purpose, f32(number) * h);
             }
-            storageBarrier();
+            end_color();
         }
         // The rate of the spring is proportional to that of the substeps.
         let bias_rate = collision_substep.bias_rate * (collision_substep.h / h);
@@ -165,11 +265,22 @@ fn substep(thread: u32, island: SolvedIsland, number: u32, h: f32) {
         }
         var most = max(min(collision_substep.max_iterations, PASS_BUDGET / max(island.points, 1u)), least);
         most = select(most, 0u, is_first || (purpose == v::RESTITUTION && fastest_of_all == 0.0));
+        storageBarrier();
         for (var k = range.first + thread; most > 0u && k < range.end; k += THREADS) {
-            v::aim(solver_pairs[island_pairs[k].pair], parameters);
+            let pair = solver_pairs[island_pairs[k].pair];
+            v::aim(pair, parameters);
+#ifndef LARGE
+            pass_pairs[k - range.first] = v::pass_pair(pair, island_pairs[k].places, parameters);
+#endif
         }
         storageBarrier();
         solve(thread, island, parameters, least, most);
+#ifndef LARGE
+        for (var k = range.first + thread; k < range.end; k += THREADS) {
+            move_velocities(k, true);
+        }
+#endif
+        storageBarrier();
     }
     for (var k = range.first + thread; k < range.end; k += THREADS) {
         end_impacts(solver_pairs[island_pairs[k].pair]);
@@ -203,16 +314,22 @@ fn integrate_bodies(k: u32, purpose: u32, h: f32) {
 //
 // An elastic body that meets an immovable one keeps its energy: its impulses move with the points. Between two bodies
 // they stay where they acted, which keeps the angular momentum.
-fn move_impulses(pair: s::SolverPair, purpose: u32, time: f32) {
+fn move_impulses(k: u32, purpose: u32, time: f32) {
+    let pair = solver_pairs[island_pairs[k].pair];
+    let places = island_pairs[k].places;
     let both = s::FIRST_HAS_MASS | s::SECOND_HAS_MASS;
     let moves = pair.restitution > 0.0 && (pair.flags & both) != both;
+    var pair_velocities = velocities_of(pair.a, pair.b, places);
     for (var part = select(0u, 1u, purpose == v::BIAS); part < 2u; part += 1u) {
         if moves || purpose == v::BIAS {
-            c::apply_impulses(pair, select(-1.0, 1.0, part == 1u));
+            c::apply_impulses(pair, &pair_velocities, select(-1.0, 1.0, part == 1u));
         }
         if part == 0u {
             update_points(pair, time);
         }
+    }
+    if moves || purpose == v::BIAS {
+        store_velocities(pair.a, pair.b, places, pair.flags, pair_velocities);
     }
 }
 
@@ -225,9 +342,14 @@ fn solve(thread: u32, island: SolvedIsland, parameters: v::Pass, least: u32, mos
         for (var color = 0u; color < island.range.colors; color += 1u) {
             let pairs = pairs_of(island, color);
             for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
-                v::solve(solver_pairs[island_pairs[k].pair], parameters, &own);
+                let pair = pass_pair(island, k, parameters);
+                if (pair.flags & s::ACTIVE) != 0u {
+                    var pair_velocities = velocities_of(pair.a, pair.b, pair.places);
+                    v::solve(pair, &pair_velocities, &own);
+                    store_velocities(pair.a, pair.b, pair.places, pair.flags, pair_velocities);
+                }
             }
-            storageBarrier();
+            end_color();
         }
         let residual = reduced(thread, vec2(own.velocity, own.energy));
         if iteration == most || (iteration >= least && residual.x <= 1.0) {
@@ -239,9 +361,19 @@ fn solve(thread: u32, island: SolvedIsland, parameters: v::Pass, least: u32, mos
         for (var color = 0u; color < island.range.colors; color += 1u) {
             let pairs = pairs_of(island, color);
             for (var k = pairs.x + thread; k < pairs.y; k += THREADS) {
-                v::extrapolate(solver_pairs[island_pairs[k].pair], keep);
+                let pair = pass_pair(island, k, parameters);
+                if (pair.flags & s::ACTIVE) == 0u {
+                    continue;
+                }
+                if keep == 0.0 {
+                    v::start_search(pair);
+                    continue;
+                }
+                var pair_velocities = velocities_of(pair.a, pair.b, pair.places);
+                v::extrapolate(pair, &pair_velocities, keep);
+                store_velocities(pair.a, pair.b, pair.places, pair.flags, pair_velocities);
             }
-            storageBarrier();
+            end_color();
         }
     }
 }

@@ -352,8 +352,12 @@ struct IslandPair {
     flags: u32,
     // Of the n-th pair of an island: one more than the last pair of colour n.
     color_end: u32,
-    padding: u32,
+    // In a small island, where the velocities of the first and of the second body are in workgroup memory, in 16 bits each.
+    places: u32,
 }
+
+// The place of a body that impulses do not move.
+const NO_PLACE: u32 = 0xffffu;
 
 // The thread that solves the pair also integrates this body. Each body has one such pair in its island.
 const OWNS_FIRST: u32 = 1u;

@@ -31,7 +31,7 @@ pub const TREE_LEVELS: u32 = 8;
 
 /// A pair of meshes is large, and may be split into pieces, if the product of their numbers of triangles is larger than this:
 /// that of two meshes of 2,048.
-pub const LARGE_PAIR: u32 = 1 << 22;
+pub const LARGE_PAIR: u32 = 1 << 20;
 
 /// Pieces of pairs with a mesh of so many levels, which has more than 262,144 triangles, are larger than those of others.
 pub const VAST_LEVELS: u32 = 7;

@@ -140,7 +140,7 @@ layout! {
     }
     /// A pair of an island.
     IslandPair {
-        pair: u32, flags: u32, color_end: u32, padding: u32,
+        pair: u32, flags: u32, color_end: u32, places: u32,
     }
     /// What the search for colours knows of a body.
     BodyColors {
