@@ -23,15 +23,6 @@
 @group(0) @binding(5) var<storage, read_write> pair_counts: array<u32>;
 #endif
 
-// Buckets that are read at once: those of a layer of cells.
-const CELLS: i32 = 9;
-var<private> next_buckets: array<vec2<u32>, CELLS>;
-
-// One of the 27 cells around `middle`.
-fn neighbour(middle: vec3<i32>, k: i32) -> vec3<i32> {
-    return middle + vec3(k % 3, (k / 3) % 3, k / 9) - 1;
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) thread: u32) {
     let i = group_index(group) * 64u + thread;
@@ -54,14 +45,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         }
         let middle = cell_of(own.center, level);
         for (var k = 0; k < 27 && !is_crowded; k += 1) {
-            if k % CELLS == 0 {
-                // A thread that waits for several buckets at once waits less.
-                for (var next = 0; next < CELLS; next += 1) {
-                    next_buckets[next] = buckets[bucket_of(neighbour(middle, k + next), level, step.bucket_mask)];
-                }
-            }
-            let cell = neighbour(middle, k);
-            let bucket = next_buckets[k % CELLS];
+            let cell = middle + vec3(k % 3, (k / 3) % 3, k / 9) - 1;
+            let bucket = buckets[bucket_of(cell, level, step.bucket_mask)];
             for (var j = bucket.x; j < bucket.y && !is_crowded; j += 1u) {
                 let other = entries[j];
                 if other.level != level || (level == own.level && other.body <= own.body) || !(other.radius > 0.0) {
