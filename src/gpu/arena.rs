@@ -30,7 +30,8 @@ struct Resident {
 pub const TREE_LEVELS: u32 = 8;
 
 /// A pair of meshes is large, and may be split into pieces, if the product of their numbers of triangles is larger than this:
-/// that of two meshes of 2,048.
+/// that of two meshes of 1,024. On an H200, 2,200 knots of 1,120 triangles took 7.9 ms in each contact generation as whole pairs,
+/// and 2.3 ms in pieces: the step waits for the few pairs that overlap deeply.
 pub const LARGE_PAIR: u32 = 1 << 20;
 
 /// Pieces of pairs with a mesh of so many levels, which has more than 262,144 triangles, are larger than those of others.

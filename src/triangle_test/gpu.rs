@@ -1,6 +1,6 @@
 //! TriangleTest on the GPU: one workgroup per pair, and one per body for the half-spaces.
 //!
-//! Large pairs, such as two meshes of more than 2,048 triangles, are split into pieces, which run side by side:
+//! Large pairs, such as two meshes of more than 1,024 triangles, are split into pieces, which run side by side:
 //!
 //! | kernel | one workgroup (or thread) per | task |
 //! |---|---|---|

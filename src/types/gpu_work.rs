@@ -61,7 +61,7 @@ pub struct GpuLists {
     pub face_pairs: GpuList,
     /// Contacts with half-spaces.
     pub plane_contacts: GpuList,
-    /// Pieces of large pairs, such as two meshes of more than 2,048 triangles. Each has a workgroup of its own.
+    /// Pieces of large pairs, such as two meshes of more than 1,024 triangles. Each has a workgroup of its own.
     pub pair_pieces: GpuList,
     /// Pairs of triangles near each other, of a batch.
     pub near_triangles: GpuList,

@@ -23,7 +23,8 @@ pub type Test = (&'static str, fn(&Gpu));
 pub type Plain = (&'static str, fn());
 
 thread_local! {
-    static DEVICE: OnceCell<Result<Gpu, NoGpu>> = const { OnceCell::new() };
+    /// Never closed: NVIDIA's driver crashes when a thread closes a device while the process exits.
+    static DEVICE: OnceCell<&'static Result<Gpu, NoGpu>> = const { OnceCell::new() };
 }
 
 /// Runs the tests that the command line selects, and exits the process. Each test has its group's name as a prefix.
@@ -43,7 +44,7 @@ pub fn run(on_device: &[(&str, &[Test])], anywhere: &[(&str, &[Plain])]) -> ! {
         trials.extend(tests.iter().map(|&(name, test)| {
             let name = format!("{group}::{name}");
             Trial::ignorable_test(name.clone(), move || {
-                DEVICE.with(|device| match device.get_or_init(open) {
+                DEVICE.with(|device| match device.get_or_init(|| Box::leak(Box::new(open()))) {
                     Ok(gpu) => {
                         let start = Instant::now();
                         test(gpu);

@@ -6,8 +6,9 @@
 //! colour at once, with one thread each. Colours and sums do not depend on the order of threads, so the same input gives
 //! the same bits.
 //!
-//! The pairs of a colour go to 8 threads, or to 64 in islands of more than 128 pairs: a software driver, the only one that
-//! was measured, pays for idle threads as much as for busy ones.
+//! The pairs of a colour go to 8 threads, or to 64 in islands of more than 128 pairs: a software driver pays for idle
+//! threads as much as for busy ones. A card does not, but there the time is that of the island with the longest chain of
+//! points, one after the other, whatever the number of threads.
 //!
 //! Limits: an island of many thousands of pairs occupies one workgroup while the rest of the device is idle. A body with a
 //! thousand pairs needs a thousand colours. Passes are bounded as on the CPU, so that no dispatch takes long.
