@@ -61,6 +61,9 @@
 //! poses, and draw from `plugin::poses`: the example `swarm` does. Then nothing but counts is read back. With the other
 //! readings leave [`FaceLists`](crate::plugin::settings::FaceLists) off unless something looks at faces.
 //!
+//! With contacts a card pays from thousands of touching pairs on. With a few hundred bodies or fewer choose
+//! [`Backend::Cpu`](crate::plugin::settings::Backend::Cpu): a step on a card waits for a hundred short dispatches and more.
+//!
 //! # Servers, and games that must repeat
 //!
 //! No window, no graphics card, the same result whenever the same thing happens:
