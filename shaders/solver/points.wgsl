@@ -76,15 +76,16 @@ fn set_rows(k: u32, mass_a: s::Mass, mass_b: s::Mass, anchor_a: vec3<f32>, ancho
     let normal = point_states[k].normal;
     let offset = point_states[k].friction_offset;
     let first_tangent = tangent(normal);
-    var first = c::row(mass_a, mass_b, anchor_a + offset, anchor_b + offset, first_tangent);
-    var second = c::row(mass_a, mass_b, anchor_a + offset, anchor_b + offset, cross(normal, first_tangent));
+    // One row after the other: all three at once would take more registers than some cards have.
+    point_states[k].normal_row = c::row(mass_a, mass_b, anchor_a, anchor_b, normal);
+    let first = c::row(mass_a, mass_b, anchor_a + offset, anchor_b + offset, first_tangent);
+    point_states[k].first_tangent_row = first;
+    let second = c::row(mass_a, mass_b, anchor_a + offset, anchor_b + offset, cross(normal, first_tangent));
+    point_states[k].second_tangent_row = second;
     // Both tangents use the same value. Otherwise friction would not point against the sliding direction.
     let along_tangent = max(first.inverse_effective_mass, second.inverse_effective_mass);
-    first.inverse_effective_mass = along_tangent;
-    second.inverse_effective_mass = along_tangent;
-    point_states[k].normal_row = c::row(mass_a, mass_b, anchor_a, anchor_b, normal);
-    point_states[k].first_tangent_row = first;
-    point_states[k].second_tangent_row = second;
+    point_states[k].first_tangent_row.inverse_effective_mass = along_tangent;
+    point_states[k].second_tangent_row.inverse_effective_mass = along_tangent;
 }
 
 // Decides which of a pair's points are active in a substep of `h` seconds. They are up to date with the poses.

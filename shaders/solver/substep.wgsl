@@ -319,17 +319,15 @@ fn move_impulses(k: u32, purpose: u32, time: f32) {
     let places = island_pairs[k].places;
     let both = s::FIRST_HAS_MASS | s::SECOND_HAS_MASS;
     let moves = pair.restitution > 0.0 && (pair.flags & both) != both;
-    var pair_velocities = velocities_of(pair.a, pair.b, places);
     for (var part = select(0u, 1u, purpose == v::BIAS); part < 2u; part += 1u) {
         if moves || purpose == v::BIAS {
+            var pair_velocities = velocities_of(pair.a, pair.b, places);
             c::apply_impulses(pair, &pair_velocities, select(-1.0, 1.0, part == 1u));
+            store_velocities(pair.a, pair.b, places, pair.flags, pair_velocities);
         }
         if part == 0u {
             update_points(pair, time);
         }
-    }
-    if moves || purpose == v::BIAS {
-        store_velocities(pair.a, pair.b, places, pair.flags, pair_velocities);
     }
 }
 
