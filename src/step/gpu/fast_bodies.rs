@@ -17,7 +17,7 @@ use crate::solver::{SleepState, SolverBodies, SolverMotion};
 use crate::state::bodies::bounding_radius;
 use crate::state::{Bodies, Contact, ManifoldPoint, Manifolds, StepInput};
 use bytemuck::{bytes_of, pod_collect_to_vec};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use wgpu::Buffer;
@@ -213,9 +213,13 @@ impl FastBodies<'_> {
             }
         };
         set(&mut solver_bodies, before);
+        // Where the host believes a body to be may be some steps ago. A rotation that it has already would not be written
+        // again, and may differ in the last bit from the device's, rounded, although both are the same once normalized.
+        for &i in &moves {
+            bodies.rotation[i] = Quat::NAN;
+        }
         solver_bodies.write(&mut bodies, &self.0.meshes);
         for &i in &moves {
-            // Where the host believes a body to be may be some steps ago.
             bodies.radius[i] = bounding_radius(bodies.unpadded_radius[i], bodies.center[i]);
         }
         set(&mut solver_bodies, after);
