@@ -10,6 +10,7 @@ use super::near::NearTriangles;
 use super::search::{Search, Slack};
 use super::side::{Side, Triangle};
 use crate::simd::lanes::bits;
+use crate::simd::level::with_simd;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
@@ -131,7 +132,19 @@ impl Candidates {
 
     /// Selects candidates among pairs of triangles found with the same slack. Without slack it selects none. Calls
     /// `found` for each pair that may have something now, in order.
+    #[inline(always)]
     pub fn select(
+        &mut self,
+        near: &mut NearTriangles,
+        sides: &[Side; 2],
+        search: &Search,
+        found: impl FnMut(&TrianglePair, Parts),
+    ) {
+        with_simd!(_simd => self.select_inlined(near, sides, search, found));
+    }
+
+    #[inline(always)]
+    fn select_inlined(
         &mut self,
         near: &mut NearTriangles,
         sides: &[Side; 2],
@@ -145,7 +158,7 @@ impl Candidates {
             may_cross,
         } = self;
         let slack = search.slack;
-        near.for_each_pair(sides, |triangles, near, [first, second]| {
+        near.for_each_pair(sides, #[inline(always)] |triangles, near, [first, second]| {
             let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
                 return;
             };
@@ -212,6 +225,18 @@ impl Candidates {
     /// Calls `found` for each candidate within `reach` that may have something after a motion within this one of
     /// [`FRACTIONS`] of the slack, in order. `placed` is memory kept between calls.
     pub fn for_each(
+        &self,
+        sides: &[Side; 2],
+        placed: &mut [Vec<Triangle>; 2],
+        fraction: usize,
+        reach: f64,
+        found: impl FnMut(&TrianglePair, Parts),
+    ) {
+        with_simd!(_simd => self.for_each_inlined(sides, placed, fraction, reach, found));
+    }
+
+    #[inline(always)]
+    fn for_each_inlined(
         &self,
         sides: &[Side; 2],
         placed: &mut [Vec<Triangle>; 2],
@@ -337,6 +362,7 @@ impl TrianglePair<'_> {
     }
 
     /// Whether the triangles' boxes are no farther apart than `distance` along any axis, up to rounding.
+    #[inline(always)]
     pub fn boxes_are_within(&self, distance: f64) -> bool {
         let [a, b] = self.triangles.map(|t| {
             let [p, q, r] = t.corners;

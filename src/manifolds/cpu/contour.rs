@@ -110,7 +110,7 @@ impl TrianglePair<'_> {
     /// The segment in which the triangles cross, if they do and are not coplanar. Heights up to `rounding` are ties.
     /// Ties are broken as if the first body were slightly smaller: its corners lie below the second's planes, and the
     /// second's above its own. So contours are closed even if faces of both bodies are coplanar.
-    #[inline]
+    #[inline(always)]
     pub fn segment(&self, rounding: f64) -> Option<Segment> {
         let above = [
             self.heights[0].map(|h| h > rounding),
@@ -129,69 +129,75 @@ impl TrianglePair<'_> {
             return None;
         }
         let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
-        // At ties the first body, which counts as smaller, ends first.
+        // At ties the first body, which counts as smaller, ends first. Which of both ends comes first is as likely as not, so
+        // the results are selected by index: branches would be mispredicted.
         let slack = rounding * line.length();
-        let start = if chord_a[0].at >= chord_b[0].at - slack {
-            chord_a[0]
-        } else {
-            chord_b[0]
-        };
-        let end = if chord_a[1].at <= chord_b[1].at + slack {
-            chord_a[1]
-        } else {
-            chord_b[1]
-        };
-        (start.at < end.at).then_some(Segment {
-            ends: [start.point, end.point],
-            triangles: self.triangles.map(|t| t.number),
-            keys: [start.key, end.key],
+        let ends = [
+            [chord_a[0], chord_b[0]][usize::from(chord_a[0].at < chord_b[0].at - slack)],
+            [chord_a[1], chord_b[1]][usize::from(chord_a[1].at > chord_b[1].at + slack)],
+        ];
+        (ends[0].at < ends[1].at).then(|| Segment {
+            ends: [ends[0].point, ends[1].point],
+            triangles: [self.triangles[0].number, self.triangles[1].number],
+            keys: [self.key(&ends[0]), self.key(&ends[1])],
         })
     }
 
-    /// The crossings of one triangle's edges with the other's plane, in order along the common line.
+    /// The crossings of one triangle's edges with the other's plane, in order along the common line. `above` tells which
+    /// corners are above the plane; they are not all on one side.
+    #[inline(always)]
     fn chord(&self, side: usize, line: DVec3, above: [bool; 3]) -> [Crossing; 2] {
         let own = self.triangles[side];
-        let features = &self.sides[side].features;
         let heights = self.heights[side];
-        let vertices = features.triangles[own.number as usize];
-        let mut crossings = [Crossing::default(); 2];
-        let mut count = 0;
-        for k in 0..3 {
-            let (mut i, mut j) = (k, (k + 1) % 3);
-            if above[i] == above[j] || count == 2 {
-                continue;
-            }
+        let vertices = self.sides[side].features.triangles[own.number as usize];
+        let set = usize::from(above[0]) | usize::from(above[1]) << 1 | usize::from(above[2]) << 2;
+        let crossing = |k: usize| {
+            let [i, j] = [k, NEXT[k]];
             // Both triangles of an edge compute the point from the same end, so they get the same bits.
-            if vertices[i] > vertices[j] {
-                (i, j) = (j, i);
-            }
+            let later = usize::from(vertices[i] > vertices[j]);
+            let (i, j) = ([i, j][later], [j, i][later]);
             // If both heights are zero, any point of the edge will do.
             let at = (heights[i] / (heights[i] - heights[j])).clamp(0.0, 1.0);
             let at = if at.is_nan() { 0.5 } else { at };
             let point = own.corners[i] + (own.corners[j] - own.corners[i]) * at;
-            crossings[count] = Crossing {
+            Crossing {
                 point,
                 at: line.dot(point),
-                key: Key {
-                    side: side as u8,
-                    edge: features.triangle_edges[own.number as usize][k],
-                    triangle: self.triangles[1 - side].number,
-                },
-            };
-            count += 1;
+                side,
+                edge: k,
+            }
+        };
+        let [first, second] = CROSSED_EDGES[set];
+        let crossings = [crossing(first), crossing(second)];
+        let swapped = usize::from(crossings[0].at > crossings[1].at);
+        [crossings[swapped], crossings[1 - swapped]]
+    }
+
+    fn key(&self, crossing: &Crossing) -> Key {
+        let Crossing { side, edge, .. } = *crossing;
+        Key {
+            side: side as u8,
+            edge: self.sides[side].features.triangle_edges[self.triangles[side].number as usize][edge],
+            triangle: self.triangles[1 - side].number,
         }
-        if crossings[0].at > crossings[1].at {
-            crossings.swap(0, 1);
-        }
-        crossings
     }
 }
 
-#[derive(Clone, Copy, Default)]
+/// The edges of a triangle that cross a plane, by the set of its corners that are above the plane. Edge `k` leads from corner
+/// `k` to the next one.
+const CROSSED_EDGES: [[usize; 2]; 8] = [[0, 0], [0, 2], [0, 1], [1, 2], [1, 2], [0, 1], [0, 2], [0, 0]];
+/// The corner after each corner.
+const NEXT: [usize; 3] = [1, 2, 0];
+
+/// Where an edge of a triangle crosses the plane of the other.
+#[derive(Clone, Copy)]
 struct Crossing {
     point: DVec3,
+    /// Its place along the common line.
     at: f64,
-    key: Key,
+    /// The side of the edge, and its place in the triangle.
+    side: usize,
+    edge: usize,
 }
 
 impl Contours {

@@ -85,7 +85,7 @@ pub struct TrianglePair<'a> {
 
 impl<'a> TrianglePair<'a> {
     /// `None` if the planes show that the two are farther apart than `reach`.
-    #[inline]
+    #[inline(always)]
     pub fn new(sides: &'a [Side<'a>; 2], triangles: [&'a Triangle; 2], reach: f64) -> Option<Self> {
         let [a, b] = triangles;
         let heights = |of: &Triangle, over: &Triangle| each(|k| over.normal.dot(of.corners[k] - over.corners[0]));
@@ -222,7 +222,7 @@ impl<'a> TrianglePair<'a> {
 }
 
 /// Whether corners are all farther from a plane than `reach`, on one side.
-#[inline]
+#[inline(always)]
 fn is_beyond([x, y, z]: [f64; 3], reach: f64) -> bool {
     x.min(y).min(z) > reach || x.max(y).max(z) < -reach
 }

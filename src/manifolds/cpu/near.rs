@@ -158,6 +158,7 @@ impl NearTriangles {
 
     /// Calls `found` for each pair that [`NearTriangles::run`] found, in order. It also gets, for both triangles, an index
     /// that it may set; it is [`NOT_LISTED`] at first.
+    #[inline(always)]
     pub fn for_each_pair(
         &mut self,
         sides: &[Side; 2],

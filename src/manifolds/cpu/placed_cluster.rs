@@ -261,20 +261,32 @@ impl PlacedCluster {
             crossing: near & bitmask(meet),
             ..NearLanes::default()
         };
-        let [first, second, edges] = self.may_have_features(simd, i, other, limits);
-        let first = first & near & other.faces;
-        let second = second & near & own_face;
-        let edges = edges & near & own_edges & other.edges;
-        if first != 0 {
-            found.corners[0] = over_other.corners(limits, first);
+        let corners = [
+            over_other.corners(limits, near & other.faces),
+            over_own.corners(limits, near & own_face),
+        ];
+        let edges = near & own_edges & other.edges & self.may_face(simd, i, other, limits);
+        let [[p, q, r], [s, t, u]] = corners;
+        if p | q | r | s | t | u | edges == 0 {
+            // Most triangles that cross have no feature.
+            return found;
         }
-        if second != 0 {
-            found.corners[1] = over_own.corners(limits, second);
-        }
-        if edges != 0 {
-            found.edges = [over_other.edges(far, edges), over_own.edges(far, edges)];
-        }
+        let [first, second, near_edges] = self.may_have_features(simd, i, other, limits);
+        found.corners = [each(|k| corners[0][k] & first), each(|k| corners[1][k] & second)];
+        let edges = edges & near_edges;
+        found.edges = [over_other.edges(far, edges), over_own.edges(far, edges)];
         found
+    }
+
+    /// Lanes of `other` of whose triangles an edge may have a feature with one of the triangle in lane `i`, by their normals.
+    #[inline(always)]
+    fn may_face<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> u32 {
+        let sum = add(
+            splat_point(simd, lane_of(&self.direction, i)),
+            load_points(simd, &other.direction),
+        );
+        let rotation = splat(simd, self.edge_rotation.0[i] + limits.rotation) + load(simd, &other.edge_rotation);
+        bitmask(dot(sum, sum).simd_le(rotation * rotation))
     }
 
     /// Lanes whose boxes are no farther than `reach` from a box.
@@ -307,13 +319,10 @@ impl PlacedCluster {
 
         let own_rotation = splat(simd, self.edge_rotation.0[i]);
         let other_rotation = load(simd, &other.edge_rotation);
-        let rotation = own_rotation + other_rotation + splat(simd, limits.rotation);
-        let sum = add(own_direction, other_direction);
-        let facing = dot(sum, sum).simd_le(rotation * rotation);
         let (reach, one) = (splat(simd, limits.reach), splat(simd, 1.0));
         let most_own = around + reach * own_rotation.min(one);
         let most_other = around + reach * other_rotation.min(one);
-        let edges = facing & lateral_own.simd_le(most_own * most_own) & lateral_other.simd_le(most_other * most_other);
+        let edges = lateral_own.simd_le(most_own * most_own) & lateral_other.simd_le(most_other * most_other);
         [
             bitmask(lateral_other.simd_le(square)),
             bitmask(lateral_own.simd_le(square)),

@@ -159,6 +159,8 @@ impl Place {
 pub struct Limits {
     /// Rounding allowance.
     pub pad: f32,
+    /// Whether bodies may move before the next search.
+    pub has_slack: bool,
     /// Largest distance of two triangles with a feature.
     pub reach: f32,
     /// Least and largest separation of a feature.
@@ -180,6 +182,7 @@ impl Limits {
         let reach = search.reach as f32 + slack + pad;
         Self {
             pad,
+            has_slack: search.slack.distance > 0.0,
             reach,
             lowest: *search.range.start() as f32 - slack - pad,
             highest: *search.range.end() as f32 + slack + pad,

@@ -12,7 +12,7 @@ use super::search::Wanted;
 use super::side::Triangle;
 use crate::parallel::loops;
 use rayon::prelude::*;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// Least number of pairs of clusters in a share: their search takes much longer than waking a thread.
 const MIN_CLUSTER_PAIRS: usize = 256;
@@ -126,23 +126,59 @@ impl Share {
         features.clear();
         segments.clear();
         let (sides, size) = (&pair.sides, pair.pose.size);
-        let rounding = ROUNDING * f64::from(size);
-        let found = |pair: &TrianglePair, parts: Parts| {
-            pair.features(&wanted.range, parts, |feature| {
-                if admit(&feature) {
-                    features.push(feature);
-                }
-            });
-            if parts & CROSSING != 0 {
-                segments.extend(pair.segment(rounding));
-            }
+        let mut found = Found {
+            range: &wanted.range,
+            rounding: ROUNDING * f64::from(size),
+            admit,
+            features,
+            segments,
         };
+        // Inlined, so that all of it is compiled for the wider instructions.
         match source {
             Source::Search(search) => {
                 near.run(sides, size, search, clusters, self.clusters.clone());
-                candidates.select(near, sides, search, found);
+                candidates.select(
+                    near,
+                    sides,
+                    search,
+                    #[inline(always)]
+                    |pair, parts| found.add(pair, parts),
+                );
             }
-            Source::Kept { fraction } => candidates.for_each(sides, placed, *fraction, wanted.reach, found),
+            Source::Kept { fraction } => candidates.for_each(
+                sides,
+                placed,
+                *fraction,
+                wanted.reach,
+                #[inline(always)]
+                |pair, parts| found.add(pair, parts),
+            ),
+        }
+    }
+}
+
+/// The features and segments of a share.
+struct Found<'a, A> {
+    range: &'a RangeInclusive<f64>,
+    /// Heights up to this are ties.
+    rounding: f64,
+    /// Which features count.
+    admit: A,
+    features: &'a mut Vec<Feature>,
+    segments: &'a mut Vec<Segment>,
+}
+
+impl<A: Fn(&Feature) -> bool> Found<'_, A> {
+    /// Adds what two triangles have.
+    #[inline(always)]
+    fn add(&mut self, pair: &TrianglePair, parts: Parts) {
+        pair.features(self.range, parts, |feature| {
+            if (self.admit)(&feature) {
+                self.features.push(feature);
+            }
+        });
+        if parts & CROSSING != 0 {
+            self.segments.extend(pair.segment(self.rounding));
         }
     }
 }

@@ -94,13 +94,13 @@ fn nudge(a: &PlacedMesh, b: &PlacedMesh) -> DVec3 {
 
 impl Side<'_> {
     /// Places a vertex of [`MeshFeatures`].
-    #[inline]
+    #[inline(always)]
     pub fn vertex(&self, v: u32) -> DVec3 {
         self.place(self.features.vertices[v as usize])
     }
 
     /// Places a point of the mesh.
-    #[inline]
+    #[inline(always)]
     pub fn place(&self, p: Vec3) -> DVec3 {
         self.matrix * p.as_dvec3() + self.origin
     }
@@ -122,7 +122,7 @@ impl Side<'_> {
 
     /// A placed triangle. Its normal is computed from the placed corners, so corners in its plane have a height of
     /// nearly zero.
-    #[inline]
+    #[inline(always)]
     pub fn triangle(&self, number: u32) -> Triangle {
         let vertices = self.features.triangles[number as usize];
         let corners = each(|k| self.vertex(vertices[k]));
@@ -181,7 +181,7 @@ impl Side<'_> {
         n * n.length_recip()
     }
 
-    #[inline]
+    #[inline(always)]
     fn towards_other(&self, number: u32, normal: DVec3, corner: DVec3) -> (DVec3, f64) {
         if !self.features.one_sided.is(number as usize) && normal.dot(self.other_center - corner) < 0.0 {
             (-normal, -self.mirror)
