@@ -14,7 +14,7 @@
 //!    the faces' normals, are joined into closed contours through shared edge-face crossings. Each contour bounds a
 //!    patch. Its area vector `1/2 sum (p - c) x dp` is the gradient of the overlap volume, so it is the direction in
 //!    which the bodies separate fastest. Near a patch only features whose normals agree with it count, and only there
-//!    may features overlap, by up to 4 % of the bodies' size. A patch at whose centre the bodies overlap by more, or that
+//!    may features overlap, by up to 2.5 % of the bodies' size. A patch at whose centre the bodies overlap by more, or that
 //!    has no overlapping feature, gets its points from rays along its normal, cast from five points in the patch to where
 //!    they leave the bodies.
 //! 4. Containment. A closed body inside another without intersecting faces is pushed out along the shortest way.

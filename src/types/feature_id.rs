@@ -24,11 +24,11 @@ pub enum FeatureKind {
     Edge,
     /// The interior of a face. The index is that of the face in the input mesh.
     Face,
-    /// A place in a region of overlap, found by a ray through both bodies. The index identifies the region: it is that
-    /// of an edge or a face of the region's contour, in an order of the bake.
+    /// A place in a region of overlap, found by a ray through both bodies. The index is the number of the region among
+    /// those of the pair.
     ///
-    /// The index changes when the contour leaves that edge or face, and places may exchange their numbers when the
-    /// region changes its shape. Matching these points by position may be more reliable.
+    /// Regions may exchange their numbers when one of them appears or vanishes, and places theirs when the region changes
+    /// its shape. Matching these points by position may be more reliable.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
         place: u8,

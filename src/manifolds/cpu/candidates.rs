@@ -132,7 +132,6 @@ impl Candidates {
 
     /// Selects candidates among pairs of triangles found with the same slack. Without slack it selects none. Calls
     /// `found` for each pair that may have something now, in order.
-    #[inline(always)]
     pub fn select(
         &mut self,
         near: &mut NearTriangles,
@@ -143,6 +142,7 @@ impl Candidates {
         with_simd!(_simd => self.select_inlined(near, sides, search, found));
     }
 
+    /// In scalar double precision, which takes less time with the wider instructions.
     #[inline(always)]
     fn select_inlined(
         &mut self,
@@ -158,55 +158,59 @@ impl Candidates {
             may_cross,
         } = self;
         let slack = search.slack;
-        near.for_each_pair(sides, #[inline(always)] |triangles, near, [first, second]| {
-            let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
-                return;
-            };
-            if slack.distance == 0.0 {
-                found(&pair, near.parts);
-                return;
-            }
-            let mut parts = [0; FRACTIONS.len()];
-            let (mut features, mut closest) = (near.parts & !CROSSING, FRACTIONS.len());
-            for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
-                let slack = slack * fraction;
-                features = pair.possible_features(&search.range, slack, features);
-                let crosses = f64::from(near.gap) <= slack.distance;
-                let possible = features | if crosses { near.parts & CROSSING } else { 0 };
-                if possible == 0 {
-                    break;
+        near.for_each_pair(
+            sides,
+            #[inline(always)]
+            |triangles, near, [first, second]| {
+                let Some(pair) = TrianglePair::new(sides, triangles, search.reach + slack.distance) else {
+                    return;
+                };
+                if slack.distance == 0.0 {
+                    found(&pair, near.parts);
+                    return;
                 }
-                (parts[i], closest) = (possible, i);
-            }
-            if closest == FRACTIONS.len() {
-                return;
-            }
-            for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
-                *may_cross |= parts & CROSSING != 0;
-            }
-            if parts[0] != 0 && pair.is_within(search.reach) {
-                found(&pair, parts[0]);
-            }
-            let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
-                if *index == NOT_LISTED {
-                    *index = list.len() as u32;
-                    list.push(Listed {
-                        number: triangle.number,
-                        first: closest as u8,
-                    });
+                let mut parts = [0; FRACTIONS.len()];
+                let (mut features, mut closest) = (near.parts & !CROSSING, FRACTIONS.len());
+                for (i, fraction) in FRACTIONS.into_iter().enumerate().rev() {
+                    let slack = slack * fraction;
+                    features = pair.possible_features(&search.range, slack, features);
+                    let crosses = f64::from(near.gap) <= slack.distance;
+                    let possible = features | if crosses { near.parts & CROSSING } else { 0 };
+                    if possible == 0 {
+                        break;
+                    }
+                    (parts[i], closest) = (possible, i);
                 }
-                let listed = &mut list[*index as usize].first;
-                *listed = (closest as u8).min(*listed);
-                *index
-            };
-            pairs.push(Candidate {
-                triangles: [
-                    listed(first, firsts, triangles[0]),
-                    listed(second, seconds, triangles[1]),
-                ],
-                parts,
-            });
-        });
+                if closest == FRACTIONS.len() {
+                    return;
+                }
+                for (may_cross, parts) in may_cross.iter_mut().zip(parts) {
+                    *may_cross |= parts & CROSSING != 0;
+                }
+                if parts[0] != 0 && pair.is_within(search.reach) {
+                    found(&pair, parts[0]);
+                }
+                let listed = |index: &mut u32, list: &mut Vec<Listed>, triangle: &Triangle| {
+                    if *index == NOT_LISTED {
+                        *index = list.len() as u32;
+                        list.push(Listed {
+                            number: triangle.number,
+                            first: closest as u8,
+                        });
+                    }
+                    let listed = &mut list[*index as usize].first;
+                    *listed = (closest as u8).min(*listed);
+                    *index
+                };
+                pairs.push(Candidate {
+                    triangles: [
+                        listed(first, firsts, triangles[0]),
+                        listed(second, seconds, triangles[1]),
+                    ],
+                    parts,
+                });
+            },
+        );
     }
 
     /// Removes all candidates.
@@ -235,6 +239,7 @@ impl Candidates {
         with_simd!(_simd => self.for_each_inlined(sides, placed, fraction, reach, found));
     }
 
+    /// See [`Candidates::select_inlined`].
     #[inline(always)]
     fn for_each_inlined(
         &self,

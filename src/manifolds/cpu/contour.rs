@@ -325,12 +325,6 @@ impl Patch {
         })
     }
 
-    /// The smallest key of its contour, which identifies it.
-    pub fn key(&self, segments: &[Segment]) -> Key {
-        let keys = segments[self.first..self.end].iter().flat_map(|segment| segment.keys);
-        keys.min().unwrap_or_default()
-    }
-
     fn is_near(&self, feature: &Feature) -> bool {
         feature.middle().distance_squared(self.center) < self.reach * self.reach
     }

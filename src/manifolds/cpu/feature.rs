@@ -44,8 +44,8 @@ pub enum Origin {
     Vertex { side: u8, vertex: u32 },
     /// Two edges, by their positions in the triangles that own them.
     Edges([u8; 2]),
-    /// A point of a patch. `key` is the smallest of its contour.
-    Patch { place: u8, key: Key },
+    /// A point of the patch of this number.
+    Patch { place: u8, number: u32 },
     /// Containment of one body in the other.
     Inside,
 }

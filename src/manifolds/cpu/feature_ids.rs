@@ -12,14 +12,7 @@ pub fn feature_ids(sides: &[Side; 2], feature: &Feature) -> [FeatureId; 2] {
             Origin::Vertex { side, vertex } if usize::from(side) == i => vertex_id(own, triangle, vertex),
             Origin::Vertex { .. } => FeatureId::new(FeatureKind::Face, own.face(triangle)),
             Origin::Edges(places) => edge_id(own, triangle, places[i]),
-            Origin::Patch { place, key } => {
-                let index = if usize::from(key.side) == i {
-                    key.edge
-                } else {
-                    key.triangle
-                };
-                FeatureId::new(FeatureKind::Overlap { place }, index)
-            }
+            Origin::Patch { place, number } => FeatureId::new(FeatureKind::Overlap { place }, number),
             Origin::Inside => FeatureId::new(FeatureKind::Containment, 0),
         }
     })

@@ -1,7 +1,7 @@
 //! Contact generation of one pair: its features, contours and reduced manifold.
 
 use super::contour::{Contours, Patch, Segment};
-use super::feature::{Feature, Key, Origin};
+use super::feature::{Feature, Origin};
 use super::inside;
 use super::kept::{Kept, Source};
 use super::near::PairPose;
@@ -16,8 +16,8 @@ use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays. The search for features takes
-/// time with the depth: with 0.025 points of a pair of knots take a sixth less. But ids of points from rays last less well.
-pub(crate) const MAX_DEPTH: f64 = 0.04;
+/// time with the depth: with 0.04 points of a pair of knots take a sixth more.
+pub(crate) const MAX_DEPTH: f64 = 0.025;
 /// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;
 /// Bound of the error of heights over planes, in units of the sum of the bounding radii.
@@ -148,18 +148,20 @@ impl Worker {
             deep.iter().for_each(|feature| contours.keep(feature));
             features.append(deep);
         }
-        for (patch, middle) in contours.patches.iter().zip(middles).filter(|(patch, _)| !patch.kept) {
+        for (number, (patch, middle)) in (0..).zip(contours.patches.iter().zip(middles)) {
+            if patch.kept {
+                continue;
+            }
             let before = features.len();
-            let key = patch.key(&contours.segments);
             let mut add = |place: u8, p: DVec3, probe: Option<&Probe>| {
-                features.extend(probe.map(|probe| probe.feature(patch, p, Origin::Patch { place, key })));
+                features.extend(probe.map(|probe| probe.feature(patch, p, Origin::Patch { place, number })));
             };
             add(0, patch.center, middle.as_ref());
             for (place, p) in (1..).zip(patch.outer_places(&contours.segments)) {
                 add(place, p, probe(sides, patch, p, *size).as_ref());
             }
             if features.len() == before {
-                features.extend(shallow(&contours.segments, patch, *size, key));
+                features.extend(shallow(&contours.segments, patch, *size, number));
             }
         }
     }
@@ -212,7 +214,7 @@ impl Probe {
 }
 
 /// A contact for a patch without ray hits, if the patch is not tiny.
-fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<Feature> {
+fn shallow(segments: &[Segment], patch: &Patch, size: f64, number: u32) -> Option<Feature> {
     // Twice the area over the length of a circle is its radius.
     let depth = (2.0 * patch.area / patch.length).min(SHALLOW * size);
     let half = patch.normal * (0.5 * depth);
@@ -221,7 +223,7 @@ fn shallow(segments: &[Segment], patch: &Patch, size: f64, key: Key) -> Option<F
         normal: patch.normal,
         separation: -depth,
         triangles: segments[patch.first].triangles,
-        origin: Origin::Patch { place: MIDDLE, key },
+        origin: Origin::Patch { place: MIDDLE, number },
     })
 }
 
