@@ -6,7 +6,7 @@ use std::fmt;
 ///
 /// If the ids of two points of the same pair agree on both sides, the second one is the first one at a later time. The
 /// ids of a mesh depend only on the input mesh and its bake settings, not on its pose, on the other body, or on the run
-/// of the program. No id is zero.
+/// of the program. Those of overlaps are different: see [`FeatureKind::Overlap`]. No id is zero.
 ///
 /// An index has 28 bits. In a mesh with more than 89 million faces different features may have the same id.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,10 +25,10 @@ pub enum FeatureKind {
     /// The interior of a face. The index is that of the face in the input mesh.
     Face,
     /// A place in a region of overlap, found by a ray through both bodies. The index is the number of the region among
-    /// those of the pair.
+    /// those of the pair at the time.
     ///
-    /// Regions may exchange their numbers when one of them appears or vanishes, and places theirs when the region changes
-    /// its shape. Matching these points by position may be more reliable.
+    /// Most pairs have one region. Several may exchange their numbers as bodies move, above all when one appears or
+    /// vanishes, and places theirs when the region changes its shape. Match these points by their positions too.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
         place: u8,

@@ -67,6 +67,7 @@ pub(crate) fn warm_start(new: &mut [ContactManifold], old: &[ContactManifold], r
         for point in &mut manifold.points {
             let same = |(_, old): &(Vector, &ContactPoint)| {
                 (old.feature_id1, old.feature_id2) == (point.feature_id1, point.feature_id2)
+                    && (is_of_feature(point.feature_id1) || old.point.distance_squared(point.point) < reach * reach)
             };
             match left.iter().position(same) {
                 Some(i) => take_impulses(point, left.swap_remove(i).1),
@@ -85,6 +86,11 @@ pub(crate) fn warm_start(new: &mut [ContactManifold], old: &[ContactManifold], r
             take_impulses(point, left.swap_remove(i).1);
         }
     }
+}
+
+/// Whether the id is that of a vertex, an edge or a face. Regions of overlap may exchange theirs.
+fn is_of_feature(id: PackedFeatureId) -> bool {
+    id.is_vertex() || id.is_edge() || id.is_face()
 }
 
 fn take_impulses(point: &mut ContactPoint, old: &ContactPoint) {

@@ -58,7 +58,12 @@ fn follow<M, C: Copy>(mut old: Vec<ContactManifold<M, C>>, new: &mut [ContactMan
     let mut contacts: Vec<Old<C>> = old.iter().flat_map(|m| m.points.iter().copied().map(Some)).collect();
     let mut lost = Vec::new();
     for contact in new.iter_mut().flat_map(|m| &mut m.points) {
-        let same = |old: &&mut Old<C>| old.is_some_and(|old| (old.fid1, old.fid2) == (contact.fid1, contact.fid2));
+        let same = |old: &&mut Old<C>| {
+            old.is_some_and(|old| {
+                (old.fid1, old.fid2) == (contact.fid1, contact.fid2)
+                    && (is_of_feature(contact.fid1) || apart(&old, contact) <= reach)
+            })
+        };
         match contacts.iter_mut().find(same).and_then(Option::take) {
             Some(old) => contact.data = old.data,
             None => lost.push(contact),
@@ -84,6 +89,11 @@ fn follow<M, C: Copy>(mut old: Vec<ContactManifold<M, C>>, new: &mut [ContactMan
 fn apart<C>(a: &TrackedContact<C>, b: &TrackedContact<C>) -> Real {
     let [first, second] = [a.local_p1.distance(b.local_p1), a.local_p2.distance(b.local_p2)];
     first.max(second)
+}
+
+/// Whether the id is that of a vertex, an edge or a face. Regions of overlap may exchange theirs.
+fn is_of_feature(id: PackedFeatureId) -> bool {
+    id.is_vertex() || id.is_edge() || id.is_face()
 }
 
 /// The id in parry's form. parry has no name for the features of overlaps, but their ids differ.

@@ -129,8 +129,8 @@ impl TrianglePair<'_> {
             return None;
         }
         let [chord_a, chord_b] = [self.chord(0, line, above[0]), self.chord(1, line, above[1])];
-        // At ties the first body, which counts as smaller, ends first. Which of both ends comes first is as likely as not, so
-        // the results are selected by index: branches would be mispredicted.
+        // At ties the first body, which counts as smaller, ends first. Ends are selected by index, because processors would
+        // mispredict every second branch.
         let slack = rounding * line.length();
         let ends = [
             [chord_a[0], chord_b[0]][usize::from(chord_a[0].at < chord_b[0].at - slack)],

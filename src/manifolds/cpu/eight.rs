@@ -132,7 +132,7 @@ impl Narrowing {
             let both = eight_of(numbers).map(|&number| pairs[number as usize].of(triangles));
             let both = TwoTriangles::new(simd, &both);
             if !limits.has_slack {
-                // Their planes are known not to separate them, and nobody needs their gap.
+                // Nobody needs their gap, and the search has compared them with each other's planes.
                 let apart = both.are_apart(limits.crossing + limits.pad);
                 for (lane, &number) in numbers.iter().enumerate() {
                     if apart >> lane & 1 == 1 {
@@ -347,17 +347,21 @@ impl<S: Simd> TwoTriangles<S> {
         bitmask(apart)
     }
 
-    /// The gap along the common perpendicular of edges `i` and `j`, times the length of that axis, and the axis. Both ends of
-    /// an edge have the same height.
+    /// The gap along the common perpendicular of edges `i` and `j`, times the length of that axis, and the axis.
     #[inline(always)]
     fn gap_of_edges(&self, i: usize, j: usize) -> (f32x8<S>, Points<S>) {
-        let axis = cross(self.edges_a[i], self.edges_b[j]);
-        // Heights over the first edge: of the first triangle's third corner, and of the second triangle's corners.
-        let third = -dot(axis, self.edges_a[(i + 2) % 3]);
-        let edge = dot(axis, sub(self.b[j], self.a[i]));
-        let other = edge - dot(axis, self.edges_b[(j + 2) % 3]);
-        let zero = splat(third.simd, 0.0);
-        let gap = (edge.min(other) - third.max(zero)).max(third.min(zero) - edge.max(other));
+        let (edge_a, edge_b) = (self.edges_a[i], self.edges_b[j]);
+        let axis = cross(edge_a, edge_b);
+        // Heights over the first end of the first edge. Rounding turns the axis of edges that are almost parallel to any
+        // direction, so both ends of an edge count.
+        let end_a = dot(axis, edge_a);
+        let third_a = -dot(axis, self.edges_a[(i + 2) % 3]);
+        let start_b = dot(axis, sub(self.b[j], self.a[i]));
+        let end_b = start_b + dot(axis, edge_b);
+        let third_b = start_b - dot(axis, self.edges_b[(j + 2) % 3]);
+        let of_a = [splat(end_a.simd, 0.0), end_a, third_a];
+        let of_b = [start_b, end_b, third_b];
+        let gap = (least(of_b) - largest(of_a)).max(least(of_a) - largest(of_b));
         (gap, axis)
     }
 }
@@ -431,5 +435,35 @@ mod tests {
             apart > 1000 && far > 300 && nearest < 1.5,
             "{apart} apart, {far} far, {nearest} times the gap"
         );
+    }
+
+    #[test]
+    fn triangles_with_a_common_point_are_not_apart() {
+        let mut random = fastrand::Rng::with_seed(12);
+        for round in 0..4000 {
+            // From the same directions of edges to those that only rounding tells apart, and others.
+            let turn = [0.0, 1.0e-7, 1.0e-6, 1.0e-5, 1.0e-3, 1.0][round % 6];
+            let mut pair = || {
+                let [at, along, across, aside] = [0; 4].map(|_| any_vector(&mut || random.f32()));
+                let of_corners = |corners| SmallTriangle {
+                    corners,
+                    ..SmallTriangle::default()
+                };
+                let a = of_corners([at, at + along, at + across]);
+                let edge = (random.f32() + 0.2) * along + turn * any_vector(&mut || random.f32());
+                let b = of_corners([Vec3::ZERO, edge, aside]);
+                // Moved to where a point of one is a point of the other.
+                let way = point_of(&a, &mut random) - point_of(&b, &mut random);
+                [a, of_corners(b.corners.map(|corner| corner + way))]
+            };
+            let triangles: [[SmallTriangle; 2]; 8] = std::array::from_fn(|_| pair());
+            let both = triangles.each_ref().map(|[a, b]| [a, b]);
+            let (gaps, lanes) = with_simd!(simd => {
+                let both = TwoTriangles::new(simd, &both);
+                (both.gaps(4.0e-6), both.are_apart(4.0e-6))
+            });
+            assert!(gaps.iter().all(|gap| *gap <= 0.0), "round {round}: {gaps:?}");
+            assert_eq!(lanes, 0, "round {round}");
+        }
     }
 }

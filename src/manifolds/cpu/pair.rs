@@ -16,7 +16,7 @@ use crate::state::PlacedMesh;
 use glam::{DMat3, DVec3};
 
 /// Largest overlap of features, in units of the bodies' size. Deeper overlaps are found by rays. The search for features takes
-/// time with the depth: with 0.04 points of a pair of knots take a sixth more.
+/// time with the depth: with 0.04 in place of 0.025, contact points of knots take a sixth more.
 pub(crate) const MAX_DEPTH: f64 = 0.025;
 /// A smaller overlap, in the same unit, counts as touching, so that rounding does not drop contacts of resting bodies.
 const TOUCH: f64 = 1.0e-6;

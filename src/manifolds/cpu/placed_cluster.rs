@@ -278,7 +278,7 @@ impl PlacedCluster {
         found
     }
 
-    /// Lanes of `other` of whose triangles an edge may have a feature with one of the triangle in lane `i`, by their normals.
+    /// Lanes of `other` whose triangles face the triangle in lane `i`, as far as their edges may have a feature.
     #[inline(always)]
     fn may_face<S: Simd>(&self, simd: S, i: usize, other: &Self, limits: &Limits) -> u32 {
         let sum = add(

@@ -133,7 +133,7 @@ impl Share {
             features,
             segments,
         };
-        // Inlined, so that all of it is compiled for the wider instructions.
+        // Inlined, so that segments are computed with the wider instructions.
         match source {
             Source::Search(search) => {
                 near.run(sides, size, search, clusters, self.clusters.clone());

@@ -125,7 +125,7 @@ pub fn batches_become_fewer(gpu: &Gpu) {
 pub fn little_memory_suffices_for_many_pairs(gpu: &Gpu) {
     let limit = 1 << 20;
     let mut scene = pile_of(90, Response::None);
-    // Their lists would not fit either.
+    // Lists of faces would not fit either.
     scene.config.face_lists = false;
     let mut step = GpuStep::new(with_binding_size(gpu, limit)).unwrap();
     let found = scene.on_gpu(&mut step);
