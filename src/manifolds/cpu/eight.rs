@@ -326,7 +326,7 @@ impl<S: Simd> TwoTriangles<S> {
             length_along(gap, axis)
         };
         let mut gap = of_normal(&self.edges_a).max(of_normal(&self.edges_b));
-        for (i, j) in EDGES {
+        for (i, j) in PAIRS_OF_EDGES {
             let (apart, axis) = self.gap_of_edges(i, j);
             gap = gap.max(length_along(apart, axis));
         }
@@ -339,7 +339,7 @@ impl<S: Simd> TwoTriangles<S> {
         let simd = self.a[0][0].simd;
         let square = splat(simd, most * most);
         let mut apart = lanes(simd, 0);
-        for (i, j) in EDGES {
+        for (i, j) in PAIRS_OF_EDGES {
             let (gap, axis) = self.gap_of_edges(i, j);
             let of_axis = dot(axis, axis);
             apart |= (gap * gap.abs()).simd_gt(square * of_axis) & of_axis.simd_gt(splat(simd, f32::MIN_POSITIVE));
@@ -367,7 +367,7 @@ impl<S: Simd> TwoTriangles<S> {
 }
 
 /// The pairs of an edge of one triangle and one of another.
-const EDGES: [(usize, usize); 9] = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (2, 2)];
+const PAIRS_OF_EDGES: [(usize, usize); 9] = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (2, 2)];
 
 /// A length along an axis, from its product with the length of the axis; 0 if the axis has no length.
 #[inline(always)]
