@@ -27,8 +27,8 @@ pub enum FeatureKind {
     /// A place in a region of overlap, found by a ray through both bodies. The index is the number of the region among
     /// those of the pair at the time.
     ///
-    /// Most pairs have one region. Several may exchange their numbers as bodies move, above all when one appears or
-    /// vanishes, and places theirs when the region changes its shape. Match these points by their positions too.
+    /// Several regions may exchange their numbers as bodies move, above all when one appears or vanishes. Places may
+    /// exchange theirs when the region changes its shape. Match these points by their positions too.
     Overlap {
         /// 0 for the middle of the region, 1 to 4 for places towards its contour, 5 for a region that no ray leaves.
         place: u8,

@@ -1,6 +1,6 @@
 //! Intersection contours: the segments in which triangles cross, and the patches that closed contours enclose.
 
-use super::feature::{Feature, Key, TrianglePair};
+use super::feature::{Feature, TrianglePair};
 use super::search::{Place, Window};
 use crate::geometry::union_find::UnionFind;
 use glam::DVec3;
@@ -28,6 +28,16 @@ pub struct Segment {
     pub triangles: [u32; 2],
     /// The crossing that each end shares with the next segment.
     keys: [Key; 2],
+}
+
+/// Key of a crossing, at which a contour passes from one triangle to the next: an edge of one side pierces a triangle
+/// of the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Key {
+    /// The side of the edge.
+    side: u8,
+    edge: u32,
+    triangle: u32,
 }
 
 /// A patch: the part of both surfaces inside a closed contour.

@@ -50,16 +50,6 @@ pub enum Origin {
     Inside,
 }
 
-/// Key of a crossing, at which a contour passes from one triangle to the next: an edge of one side pierces a triangle
-/// of the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Key {
-    /// The side of the edge.
-    pub side: u8,
-    pub edge: u32,
-    pub triangle: u32,
-}
-
 impl Feature {
     /// Side and index of the vertex of a vertex-face feature.
     pub fn vertex(&self) -> Option<(u8, u32)> {
